@@ -82,7 +82,7 @@ def _risk(evidence: Evidence, favourite: int, episodes: int, names: CodeNames) -
     return Proof(
         Fault.FIRST_OF_TIES,
         evidence.number[chosen],
-        0,
+        others,
         f"{len(chosen):,} of {len(evidence):,} choices between equal values were action "
         f"{favourite}: {without}",
         f"choose at random among the actions of the largest value: {names.random_tie()}",

@@ -23,12 +23,13 @@ class _Ends(NamedTuple):
 
 
 def proofs_at_ends(
-    predictions: Predictions, reward: FloatArray, names: CodeNames, *, done_is_either: bool
+    predictions: Predictions, reward: FloatArray, names: CodeNames, *, done_is_either: bool, may_be_own: bool
 ) -> tuple[Proof, ...]:
     """Return what last steps prove, where the update is known and takes ``reward``, [N].
 
     ``done_is_either`` says that the program is handed one flag for the end of an episode and for its being
-    cut off: that it does not bootstrap then is no fault of its own.
+    cut off: that it does not bootstrap then is no fault of its own. ``may_be_own`` says that its rewards may
+    be others: an own one may leave an estimate where it is.
     """
     update = predictions.update
     if not predictions.is_known or update.reward == "own" or update.place is Place.ONE_LATE:
@@ -36,7 +37,7 @@ def proofs_at_ends(
     evidence = predictions.evidence
     ended = evidence.terminated & predictions.is_learning
     cut_off = evidence.truncated & ~evidence.terminated & predictions.is_learning
-    proofs = [_lost_at_end(predictions, ended, reward, names)]
+    proofs = [] if may_be_own else [_lost_at_end(predictions, ended, reward, names)]
     if update.target is not Target.NOTHING and update.gamma:
         proofs.append(_bootstraps(predictions, ended, reward, names))
         if not done_is_either:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import Final, NamedTuple
 
 import numpy as np
 
 from rl_tui.lab.detective.evidence import NO_ACTION, Evidence
+from rl_tui.lab.detective.faults.proof import some_of
 from rl_tui.lab.detective.verdict import Place, Rule, Target, UpdateFound
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
@@ -15,6 +17,12 @@ _PRECISION: Final = {"float32": 3e-6, "float16": 4e-3}
 _EXACT: Final = 1e-9
 _CLEARLY: Final = 100.0
 """Two predictions tell hypotheses apart where they differ by so many times the precision."""
+_MOST_SOLVED: Final = 100_000
+"""Steps of which the step size of their episode is solved."""
+_FEW: Final = 10_000
+_FEWEST: Final = 10
+_EXCEPTIONS: Final = 0.03
+"""Of the steps explained, so many may be explained otherwise."""
 _MOST_COLUMNS: Final = 2_000_000
 """Cells that are read for the largest values of whole columns."""
 
@@ -165,7 +173,7 @@ class Predictions:
         evidence = self.evidence
         alpha = np.full(len(evidence), np.nan)
         inner = ~(evidence.terminated | evidence.truncated) & (evidence.changes_of == 1)
-        readings = self.readings(some_inner(np.flatnonzero(inner)))
+        readings = self.readings(_thinned(np.flatnonzero(inner)))
         values = self.values(readings.at)[:, 0]
         error = evidence.reward[readings.at] + self.gamma * values - readings.before
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -181,10 +189,23 @@ class Predictions:
         return np.where(names[place] == evidence.episode, middle[place], np.nan)
 
 
-def some_inner(at: IntArray) -> IntArray:
-    """Return ``at``, thinned where there are very many."""
-    most = 100_000
-    return at[:: max(1, -(-len(at) // most))]
+def by_the_environment(evidence: Evidence, update: UpdateFound, dtype: str) -> Predictions:
+    """Return the predictions with the environment's reward, if an own one is needed at last steps at most."""
+    predictions = Predictions(evidence, update, dtype)
+    if update.reward != "own" or update.place is Place.ONE_LATE:
+        return predictions
+    plainer = Predictions(evidence, replace(update, reward="environment"), dtype)
+    inner = ~(evidence.terminated | evidence.truncated) & (evidence.changes_of == 1)
+    readings = plainer.readings(some_of(np.flatnonzero(inner), _FEW))
+    expected = plainer.after(readings, evidence.reward[readings.at], plainer.values(readings.at))
+    told = plainer.told_apart(readings, expected, readings.before[:, None])
+    explained, others = int(told.one.sum()), int(told.neither.sum())
+    return plainer if explained >= _FEWEST and others <= _EXCEPTIONS * explained else predictions
+
+
+def _thinned(at: IntArray) -> IntArray:
+    """Return ``at``, or every so-manieth where there are very many."""
+    return at[:: max(1, -(-len(at) // _MOST_SOLVED))]
 
 
 def _of_next_action(rows: FloatArray, action: IntArray) -> FloatArray:

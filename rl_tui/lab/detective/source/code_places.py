@@ -13,6 +13,7 @@ from rl_tui.lab.detective.source.syntax import (
     calls_of_step,
     chooses,
     first_name,
+    is_added_to,
     is_part_of,
     is_simple,
     is_write,
@@ -132,6 +133,15 @@ class ProgramCode:
     def writes_table(self) -> bool:
         """Whether the code puts into the table what it works out."""
         return bool(self._writes)
+
+    def gives_other(self, reward: str) -> bool:
+        """Whether ``reward`` is given by anything but ``env.step``; True where that cannot be read."""
+        call = self.step_call()
+        if call is None or not any(name_of(each) == reward for each in call.unpacked):
+            return True
+        given = [each for each in self._statements if reward in targets_of(each.node)]
+        added = [each for each in self._statements if is_added_to(each.node, reward)]
+        return len(given) + len(added) > 1
 
     def update_line(self) -> CodeLine | None:
         """Return the line that changed the table most, or the first that writes to it."""

@@ -92,6 +92,11 @@ def is_part_of(value: ast.expr, names: set[str]) -> bool:
     return is_copy and any(name_of(base_of(each)) in names for each in value.args)
 
 
+def is_added_to(node: ast.AST, name: str) -> bool:
+    """Whether a statement changes the number that goes by ``name`` in place."""
+    return isinstance(node, ast.AugAssign) and name_of(node.target) == name
+
+
 def is_write(node: ast.stmt, names: frozenset[str]) -> bool:
     """Whether a statement puts something into the table that goes by ``names``, or was meant to."""
     if isinstance(node, ast.AugAssign):
