@@ -39,8 +39,8 @@ class TableHistory:
     def before(self, cell: IntArray, step: IntArray) -> FloatArray:
         """Return what stood in each ``cell`` before ``step``.
 
-        Both may have any one shape. Where a dict had no entry yet it is what the entry then began with. A cell
-        that the table does not have (of another environment) is that of its end.
+        Both may have any one shape. Where a dict had no entry yet it is what the entry began with. A
+        cell that the table does not have (of another environment) is that of its end.
         """
         value: FloatArray = self._initial.take(cell, mode="clip")
         if len(self._cell):
@@ -84,12 +84,16 @@ class Evidence:
 
     def _neighbours(self) -> tuple[IntArray, IntArray]:
         """Return the action after and the cell before each step within its episode."""
-        in_order = len(self) < 2 or bool(np.all(self.episode[1:] >= self.episode[:-1]))
-        order = np.arange(len(self)) if in_order else np.lexsort((self.number, self.episode))
+        next_action: IntArray = np.full(len(self), NO_ACTION)
+        previous_cell: IntArray = np.full(len(self), NO_ACTION)
+        if len(self) < 2 or np.all(self.episode[1:] >= self.episode[:-1]):
+            follows = self.episode[1:] == self.episode[:-1]
+            np.copyto(next_action[:-1], self.action[1:], where=follows)
+            np.copyto(previous_cell[1:], self.cell[:-1], where=follows)
+            return next_action, previous_cell
+        order = np.lexsort((self.number, self.episode))  # episodes of several environments take turns
         follows = self.episode[order][1:] == self.episode[order][:-1]
-        next_action: IntArray = np.full(len(order), NO_ACTION)
         next_action[order[:-1][follows]] = self.action[order[1:][follows]]
-        previous_cell: IntArray = np.full(len(order), NO_ACTION)
         previous_cell[order[1:][follows]] = self.cell[order[:-1][follows]]
         return next_action, previous_cell
 

@@ -86,7 +86,8 @@ class Sample:
             own: FloatArray = self.evidence.rows(self.cell // self.evidence.actions, self.at).max(1)
             return own
         if target is Target.INDEX:
-            return self.rows.argmax(1).astype(np.float64)
+            index: FloatArray = self.rows.argmax(1).astype(np.float64)
+            return index
         if target is Target.COLUMN:
             return self._column_maxima()
         return np.zeros(len(self))
