@@ -39,7 +39,7 @@ from rl_tui.lab.run.figures import (
 from rl_tui.lab.run.history import History
 from rl_tui.lab.run.recipe import Recipe, begin
 from rl_tui.lab.run.run import OnEpisodes
-from rl_tui.worlds.mdp.space import FloatArray, IntArray
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
 
@@ -61,12 +61,7 @@ class AgentRun:
     @property
     def q(self) -> FloatArray | None:
         """What stands in its table for each pair of the world, [P], absent entries as 0; None without one."""
-        space, recording = self.world.space, self.recording
-        cells = space.pair_state * len(space.action_names) + space.pair_action
-        if recording.initial is None or len(recording.initial) != len(recording.visits):
-            return None
-        estimates: FloatArray = np.nan_to_num(recording.table_at(recording.count))[cells]
-        return estimates
+        return estimates_of(self.log, self.world.space)
 
     @property
     def mdp(self) -> TabularMDP | None:
@@ -193,6 +188,19 @@ def train_agent_often(
 ) -> dict[str, Any]:
     """Let the agent of ``runs`` learn ``count`` times, and return the document of ``train --runs --json``."""
     return {**runs.head(None), **figures_of_runs(runs, count, goal, csv, on_progress)}
+
+
+def estimates_of(log: ProgramLog, space: FiniteSpace) -> FloatArray | None:
+    """Return what stands in the table of an agent for each pair of its world, [P], absent entries as 0.
+
+    None where no table of that size was found.
+    """
+    recording, actions = log.recording, len(space.action_names)
+    if recording.initial is None or len(recording.initial) != space.states * actions:
+        return None
+    cells = space.pair_state * actions + space.pair_action
+    estimates: FloatArray = np.nan_to_num(recording.table_at(recording.count))[cells]
+    return estimates
 
 
 def error_in_a_line(path: Path, error: ProgramError) -> str:

@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 from rl_tui.lab.live.commands import Command
 from rl_tui.lab.live.record import LearnedTable, Record
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.live.state import State
+
+
+class MakePlayable(Protocol):
+    """Makes what a player plays."""
+
+    def __call__(self, on_news: Callable[[], None], *, automatic: bool) -> Playable:
+        """Return it; ``on_news`` is called, from any thread, when there is something new to show.
+
+        With ``automatic`` off no step passes but those that commands ask for.
+        """
 
 
 class Playable(Protocol):

@@ -13,7 +13,7 @@ from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Command, Restart
 from rl_tui.lab.live.interpreter import as_usual, leave_out_of_collections, switch_often
-from rl_tui.lab.live.playable import Playable
+from rl_tui.lab.live.playable import MakePlayable, Playable
 from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.live.record import Record, RecordSink
 from rl_tui.lab.live.snapshot import Phase, Snapshot
@@ -38,7 +38,7 @@ class Player:
     With ``automatic`` off only what is asked for takes steps, and no speed is measured, so that what
     snapshots show depends on the commands alone. With ``record`` it begins where that was written.
     ``record_sink`` is offered the record after every command and, while the run goes on, some times a second.
-    ``playable`` makes something else to be played, given what to call, from any thread, when it has news.
+    ``playable`` makes something else to be played than runs of ours.
     """
 
     def __init__(
@@ -50,10 +50,10 @@ class Player:
         clock: Callable[[], float] = time.perf_counter,
         record: Record | None = None,
         record_sink: RecordSink | None = None,
-        playable: Callable[[Callable[[], None]], Playable] | None = None,
+        playable: MakePlayable | None = None,
     ) -> None:
         self._playback: Playable = (
-            playable(self._on_exact)
+            playable(self._on_exact, automatic=automatic)
             if playable is not None
             else Playback(
                 recipe, speed=speed, automatic=automatic, clock=clock, on_exact=self._on_exact, record=record

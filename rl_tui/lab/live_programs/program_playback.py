@@ -29,7 +29,6 @@ from rl_tui.lab.live_programs.verdicts import Verdicts
 from rl_tui.lab.live_programs.watched_program import WatchedProgram, error_in_words
 from rl_tui.lab.programs.messages import NO_LIMIT
 from rl_tui.lab.programs.program_process import ProgramRequest
-from rl_tui.lab.programs.program_world import world_of_program
 from rl_tui.lab.timeline.branches import RunRecord
 
 ENDED_BY_ITSELF: Final = "your program has ended"
@@ -94,7 +93,7 @@ class ProgramPlayback:
 
     def _watch(self, program: WatchedProgram) -> None:
         """Begin with ``program``. Raises UserError where it is too large to be shown."""
-        world = world_of_program(program.log.environments[0])
+        world = program.world
         self.program = program
         """What is watched."""
         self.history = ProgramHistory(program.log.recording, world)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import cached_property
 from typing import Final
 
 from rl_tui.common.errors import UserError
@@ -11,6 +12,7 @@ from rl_tui.common.findings import one_line, shown
 from rl_tui.lab.programs.messages import NO_LIMIT
 from rl_tui.lab.programs.program_log import ProgramError, ProgramLog
 from rl_tui.lab.programs.program_process import ProgramProcess, ProgramRequest
+from rl_tui.lab.programs.program_world import ProgramWorld, world_of_program
 
 _LOOK: Final = 0.05
 _LONGEST: Final = 300
@@ -56,6 +58,11 @@ class WatchedProgram:
         """How many steps are known with all that they changed."""
         count = self.log.recording.count
         return count if self.is_settled else max(count - 1, 0)
+
+    @cached_property
+    def world(self) -> ProgramWorld:
+        """The world of the first environment that it made. Raises UserError where it is too large."""
+        return world_of_program(self.log.environments[0])
 
     def let(self, steps: int = NO_LIMIT) -> None:
         """Let it take steps until it has taken so many in all."""

@@ -74,7 +74,7 @@ def role_of(name: str) -> str:
 
 
 def signature_of(called: Callable[..., Any], name: str) -> inspect.Signature:
-    """Return the parameters of ``called``, the agent's ``name``. Raises UserError where they are not known."""
+    """Return the parameters of ``called``, the agent's ``name``; raises UserError where none can tell."""
     try:
         return inspect.signature(called)
     except (TypeError, ValueError) as fault:
@@ -151,7 +151,7 @@ def constructor_arguments(
 def _arguments_of_any_name(
     numbers: Mapping[str, float], surroundings: Mapping[str, Any], bound: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return what Berkeley's ``__init__(self, **args)`` hands on to its base class, less what is ``bound``."""
+    """Return what Berkeley's ``**args`` hands on to its base class, less what is ``bound``."""
     usual = {
         "actionFn": surroundings["legal_actions"],
         "alpha": numbers["alpha"],

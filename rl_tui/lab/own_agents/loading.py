@@ -52,8 +52,11 @@ def agents_in(tree: ast.Module, folder: Path) -> list[AgentPlace]:
     An abstract class is none. A bare function counts only in a file that has no class of a shape, and makes
     no environment of its own: there it belongs to a script.
     """
-    found = [each for each in _classes(tree) if (style := _style(each, tree, folder)) is not None]
-    classes = [AgentPlace(each.name, _style_of(each, tree, folder), each.lineno) for each in found]
+    classes = [
+        AgentPlace(each.name, style, each.lineno)
+        for each in _classes(tree)
+        if (style := _style(each, tree, folder)) is not None
+    ]
     if classes or _makes_environment(tree):
         return classes
     functions = (each for each in tree.body if isinstance(each, ast.FunctionDef))
@@ -107,12 +110,6 @@ def _classes(tree: ast.Module) -> Iterator[ast.ClassDef]:
     return (each for each in tree.body if isinstance(each, ast.ClassDef))
 
 
-def _style_of(node: ast.ClassDef, tree: ast.Module, folder: Path) -> Style:
-    style = _style(node, tree, folder)
-    assert style is not None
-    return style
-
-
 def _style(node: ast.ClassDef, tree: ast.Module, folder: Path) -> Style | None:
     """Return the style of a class, None where it is no agent or an abstract one."""
     methods = _methods(node, tree, folder, _DEEPEST)
@@ -160,18 +157,17 @@ def _parsed(path: Path) -> ast.Module | None:
 
 def _is_abstract(method: _Function) -> bool:
     """Return whether a method only stands for those of derived classes."""
-    for decorator in method.decorator_list:
-        if (decorator.attr if isinstance(decorator, ast.Attribute) else getattr(decorator, "id", "")) == (
-            "abstractmethod"
-        ):
-            return True
-    return "NotImplementedError" in [
-        each.id
-        for last in method.body[-1:]
-        if isinstance(last, ast.Raise)
-        for each in ast.walk(last)
-        if isinstance(each, ast.Name)
-    ]
+    if any(_last_name(each) == "abstractmethod" for each in method.decorator_list):
+        return True
+    last = method.body[-1]
+    raised = last.exc.func if isinstance(last, ast.Raise) and isinstance(last.exc, ast.Call) else last
+    raised = raised.exc if isinstance(raised, ast.Raise) else raised
+    return _last_name(raised) == "NotImplementedError"
+
+
+def _last_name(node: ast.AST | None) -> str:
+    """Return the name at the end of ``node``: that of a variable or attribute; else nothing."""
+    return node.attr if isinstance(node, ast.Attribute) else getattr(node, "id", "")
 
 
 def _named(tree: ast.Module, folder: Path, name: str) -> AgentPlace | None:
@@ -196,6 +192,4 @@ def _has_roles_of_function(node: ast.FunctionDef) -> bool:
 
 def _makes_environment(tree: ast.Module) -> bool:
     """Return whether a ``make`` is called anywhere: ``gymnasium.make(…)`` or the name alone."""
-    called = (each.func for each in ast.walk(tree) if isinstance(each, ast.Call))
-    names = (each.attr if isinstance(each, ast.Attribute) else getattr(each, "id", "") for each in called)
-    return "make" in names
+    return any(_last_name(each.func) == "make" for each in ast.walk(tree) if isinstance(each, ast.Call))

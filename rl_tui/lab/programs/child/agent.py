@@ -26,4 +26,4 @@ def run_agent(said: Mapping[str, Any]) -> None:
     sys.argv = [said["path"], *said["arguments"]]
     built = getattr(load_module(script.code, path), place.name)
     settings = AgentSettings(said["hyperparameters"], said["defaults"], said["episodes"], said["seed"])
-    learn(built, place, make_scenario(said["scenario"], said["seed"]), settings)
+    learn(built, place, make_scenario(said["scenario"], said["scenario_seed"]), settings)
