@@ -8,6 +8,7 @@ S      doubles: first ``n`` steps of ``STEP_WIDTH`` numbers, then changes of ``C
        before them, as one double, ``n``
 T      doubles, [S·A]: the table as it was found, NaN where it has no such entry; follows its message
 J      a JSON object with a ``kind``: what is rare
+O      the same, by the watching side itself: what the program wrote, and how it ended
 =====  ================================================================================================
 
 A step is (environment, state, action, reward, next state, flags, episode, step in its episode), a change
@@ -32,6 +33,7 @@ HEADER: Final = struct.Struct("<cQ")
 STEPS: Final = b"S"
 TABLE: Final = b"T"
 MESSAGE: Final = b"J"
+OWN_MESSAGE: Final = b"O"
 NO_LIMIT: Final = 2**62
 """How far a program may go that nobody holds up."""
 LARGEST_FRAME: Final = 64_000_000
@@ -65,7 +67,8 @@ class Kind:
     LINES: Final = "lines"
     """lines: [[file, line, count], …], the lines that changed the table."""
     OUTPUT: Final = "output"
-    """step, stream ("out" or "err"), text."""
+    """stream ("out" or "err"), text, replaces (the line before it on that stream); step, if it is known.
+    It comes from the watching side, which reads both streams: also those of C code and of child processes."""
     NOTE: Final = "note"
     """text: what had to be done otherwise for the program to run."""
     WAITING: Final = "waiting"
@@ -76,3 +79,6 @@ class Kind:
     """type, text, file, line, traceback (text)."""
     END: Final = "end"
     """step: the program is over."""
+    GONE: Final = "gone"
+    """status (as subprocess counts it; null where the process was ended), text (why it was ended).
+    It comes from the watching side, and is the last message."""

@@ -3,18 +3,34 @@
 from __future__ import annotations
 
 import json
+import signal
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
+import numpy.typing as npt
 
-from rl_tui.lab.programs.messages import CHANGE_WIDTH, MESSAGE, STEP_WIDTH, STEPS, TABLE, Kind
+from rl_tui.lab.programs.messages import (
+    CHANGE_WIDTH,
+    MESSAGE,
+    NO_LIMIT,
+    OWN_MESSAGE,
+    STEP_WIDTH,
+    STEPS,
+    TABLE,
+    Kind,
+)
 from rl_tui.lab.programs.recording import Recording
 
 MOST_OUTPUT: Final = 2_000
 """Lines of output that are kept."""
+GARBLED: Final = "what came from the program is garbled: something else wrote into rl-tui's pipe"
+_COUNTED: Final = (0, 2, 5, 6, 7)
+"""The columns of steps that are whole numbers, other than states."""
+_STATES: Final = (1, 4)
+_NONE_OF_OURS: Final = (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError)
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +39,8 @@ class ProgramEnvironment:
 
     ``parts`` are the sizes of the parts of an observation, one for a plain number, ``first_state`` what each
     counts from. ``kwargs`` is None where it was made with something that is no plain data. ``transitions`` is
-    its table, ``[s][a]`` a list of (probability, next state, reward, ended), where only the program has it.
+    its table, ``[s][a]`` a list of (probability, next state, reward, ended), where only the program has it;
+    ``start`` are then the probabilities to begin in each state, None where it does not tell them.
     """
 
     number: int
@@ -36,6 +53,7 @@ class ProgramEnvironment:
     first_state: tuple[int, ...] = ()
     wrappers: tuple[str, ...] = ()
     transitions: Any = None
+    start: Any = None
 
     @property
     def states(self) -> int:
@@ -92,6 +110,8 @@ class ProgramLog:
     """Numbers that the program's code holds, by name."""
     lines: dict[tuple[str, int], int] = field(default_factory=dict)
     """How often each line (file, number) changed the table while that was looked at."""
+    called: dict[str, tuple[str, int]] = field(default_factory=dict)
+    """The first line (file, number) that called ``step``, and that which called ``reset``."""
     output: deque[OutputLine] = field(default_factory=lambda: deque(maxlen=MOST_OUTPUT))
     notes: list[str] = field(default_factory=list)
     refused: str = ""
@@ -102,27 +122,48 @@ class ProgramLog:
     stopped_by: str | None = None
     """What it met there, None where it may simply go no further."""
     ended: bool = False
+    is_garbled: bool = False
+    """Whether something came that is none of ours."""
 
     def take(self, letter: bytes, payload: bytes) -> None:
-        """Take in one frame. Raises ValueError, KeyError or TypeError where it is none of ours."""
+        """Take in one frame. One that is none of ours is an end: no more counts of what the program says."""
+        if self.is_garbled and letter != OWN_MESSAGE:
+            return
+        try:
+            self._take(letter, payload)
+        except _NONE_OF_OURS:
+            self.is_garbled = self.ended = True
+            self.error = self.error or ProgramError("Garbled", GARBLED)
+
+    def _take(self, letter: bytes, payload: bytes) -> None:
         if letter == STEPS:
-            numbers = np.frombuffer(payload, np.float64)
-            until = 1 + int(numbers[0]) * STEP_WIDTH
-            self.recording.add(
-                numbers[1:until].reshape(-1, STEP_WIDTH), numbers[until:].reshape(-1, CHANGE_WIDTH)
-            )
-            self.waiting_at = None
+            self._take_steps(np.frombuffer(payload, np.float64))
         elif letter == TABLE:
             shape = self.environments[-1] if not self.environments else self.environments[0]
             self.recording.find_table(
                 self._found_at, shape.actions, np.frombuffer(payload, np.float64).copy()
             )
-        elif letter == MESSAGE:
+        elif letter in (MESSAGE, OWN_MESSAGE):
             self._take_message(json.loads(payload))
         else:
             raise ValueError(f"no frame of ours: {letter!r}")
 
     _found_at: int = 0
+    _unfinished: dict[str, OutputLine] = field(default_factory=dict)
+    """The last line of each stream, as long as it may be replaced."""
+
+    def _take_steps(self, numbers: npt.NDArray[np.float64]) -> None:
+        until = 1 + int(numbers[0]) * STEP_WIDTH
+        steps = numbers[1:until].reshape(-1, STEP_WIDTH)
+        changes = numbers[until:].reshape(-1, CHANGE_WIDTH)
+        states = max((each.states for each in self.environments), default=0)
+        if not (_is_within(steps[:, _COUNTED], NO_LIMIT) and _is_within(steps[:, _STATES], states)):
+            raise ValueError("no steps of ours")
+        cells = 0 if self.recording.initial is None else len(self.recording.initial)
+        if not (_is_within(changes[:, 1], cells) and _is_within(changes[:, 0], NO_LIMIT)):
+            raise ValueError("no changes of ours")
+        self.recording.add(steps, changes)
+        self.waiting_at = None
 
     def _take_message(self, said: Mapping[str, Any]) -> None:
         match said["kind"]:
@@ -163,7 +204,7 @@ class ProgramLog:
                 for file, line, count in said["lines"]:
                     self.lines[file, line] = self.lines.get((file, line), 0) + count
             case Kind.OUTPUT:
-                self.output.append(OutputLine(said["step"], said["stream"], said["text"]))
+                self._take_output(said)
             case Kind.NOTE:
                 self.notes.append(said["text"])
             case Kind.WAITING:
@@ -176,3 +217,44 @@ class ProgramLog:
                 )
             case Kind.END:
                 self.ended = True
+            case Kind.GONE:
+                self._take_end(said["status"], said["text"])
+
+    def _take_output(self, said: Mapping[str, Any]) -> None:
+        step = self.recording.count if said["step"] is None else said["step"]
+        line, before = OutputLine(step, said["stream"], said["text"]), self._unfinished.get(said["stream"])
+        self._unfinished[line.stream] = line
+        if said["replaces"] and before is not None:
+            for place in range(len(self.output) - 1, -1, -1):
+                if self.output[place] is before:
+                    self.output[place] = line
+                    return
+        self.output.append(line)
+
+    def _take_end(self, status: int | None, text: str) -> None:
+        """Take in that the process is over, which is an error where the program did not say so itself."""
+        if not (self.ended or self.error or self.refused):
+            if text or status is None:
+                self.error = ProgramError("Ended", text)
+            elif status:
+                self.error = ProgramError("Died", _death_in_words(status))
+            else:
+                self.notes.append("the program ended at once, by os._exit(0)")
+        self.ended = True
+
+
+def _death_in_words(status: int) -> str:
+    """Return how a process ended whose ``status`` is not 0, as subprocess counts it."""
+    if status > 0:
+        return f"the program ended at once, by os._exit({status})"
+    try:
+        name = signal.Signals(-status).name
+    except ValueError:
+        name = str(-status)
+    reason = "; where nobody sent it, memory may have run out" if name == "SIGKILL" else ""
+    return f"the program was ended by the signal {name}{reason}"
+
+
+def _is_within(numbers: npt.NDArray[np.float64], end: int) -> bool:
+    """Return whether all ``numbers`` are from 0 on and below ``end``; NaN is not."""
+    return bool(((numbers >= 0) & (numbers < end)).all())

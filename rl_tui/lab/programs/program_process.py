@@ -2,23 +2,38 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import mmap
 import os
+import select
 import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping
-from contextlib import suppress
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from select import select
 from typing import Any, Final
 
-from rl_tui.lab.programs.messages import HEADER, LARGEST_FRAME, NO_LIMIT
+from rl_tui.lab.programs.messages import HEADER, LARGEST_FRAME, NO_LIMIT, OWN_MESSAGE, Kind
+from rl_tui.lab.programs.program_log import GARBLED
+from rl_tui.lab.programs.program_output import WrittenLine, WrittenLines
 
 _CHUNK: Final = 1 << 20
+_LOOK_AGAIN: Final = 0.5  # seconds, after which a process is asked whether it still lives
+_FAREWELL: Final = 1.0  # seconds that a process may take to end once its pipe is closed
+_CLOSED_ITS_PIPE: Final = "the program closed the pipe by which it was watched, and was ended"
+_ENVIRONMENT: Final = {"PYTHONHASHSEED": "0", "MPLBACKEND": "Agg", "SDL_VIDEODRIVER": "dummy"}
+# ascii, since what stands in a command line is written in the encoding of the system
+_SCRIPT: Final = """\
+import sys
+sys.path[:] = {path!a}
+from rl_tui.lab.programs.child.main import main
+main({said!a})
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,8 +41,10 @@ class ProgramRequest:
     """What to run: a script, or an agent without a loop.
 
     ``agent`` is the class or function in ``path`` that is an agent (empty: the only one), None where ``path``
-    is a script with a loop of its own. An agent learns in ``scenario`` for ``episodes``. ``hyperparameters``
-    are given to its constructor by name. ``steps`` ends the program after so many.
+    is a script with a loop of its own. An agent learns in ``scenario``, an id or a path, for ``episodes``.
+    What is random about that world is drawn from ``scenario_seed``, from ``seed`` if that is None.
+    ``hyperparameters`` are given to its constructor by name, ``defaults`` where it has no default itself.
+    ``steps`` ends the program after so many, ``memory`` is how many bytes it may ask the system for.
     """
 
     path: Path
@@ -37,98 +54,224 @@ class ProgramRequest:
     table: str | None = None
     agent: str | None = None
     scenario: str = ""
+    scenario_seed: int | None = None
     episodes: int | None = None
     hyperparameters: Mapping[str, float] | None = None
+    defaults: Mapping[str, float] | None = None
+    memory: int | None = None
 
 
 class ProgramProcess:
     """The process of ``request``, in a session of its own, which ends with :meth:`end`.
 
-    It may take ``allowed`` steps at first. Raises OSError where no process can be started.
+    It may take ``allowed`` steps at first. It ends with this process too, however that ends, and all that it
+    started in its session. Raises OSError where no process can be started.
     """
 
     def __init__(self, request: ProgramRequest, allowed: int = NO_LIMIT) -> None:
-        with tempfile.TemporaryFile() as shared:
-            shared.truncate(mmap.PAGESIZE)
-            self._shared = mmap.mmap(shared.fileno(), mmap.PAGESIZE)
-            self._allowed = memoryview(self._shared).cast("q")
+        if not sys.executable:
+            raise FileNotFoundError("which Python this is is not known")
+        with ExitStack() as to_close, ExitStack() as of_the_child:
+            pipes = [_pipe(to_close, of_the_child) for _ in range(3)]
+            (self._reading, told), *_ = pipes
+            asked, self._asking = _pipe(of_the_child, to_close)
+            life, _ = _pipe(of_the_child, to_close)
+            shared = _memory_file(of_the_child)
+            memory = to_close.enter_context(mmap.mmap(shared, mmap.PAGESIZE))
+            self._allowed = to_close.enter_context(memoryview(memory).cast("q"))
             self._allowed[0] = allowed
-            reading, told = os.pipe()
-            asked, self._asking = os.pipe()
-            said = {
-                "path": str(request.path),
-                "arguments": list(request.arguments),
-                "seed": request.seed,
-                "steps": request.steps,
-                "table": request.table,
-                "agent": request.agent,
-                "scenario": request.scenario,
-                "episodes": request.episodes,
-                "hyperparameters": dict(request.hyperparameters or {}),
-                "told": told,
-                "asked": asked,
-                "shared": shared.fileno(),
-            }
-            script = (
-                f"import sys; sys.path[:] = {[each for each in sys.path if each]!r}\n"
-                f"from rl_tui.lab.programs.child.main import main; main({said!r})"
+            descriptors = {"told": told, "asked": asked, "life": life, "shared": shared}
+            self._process = subprocess.Popen(
+                [sys.executable, "-P", "-c", _script(request, descriptors)],
+                stdin=subprocess.DEVNULL,
+                stdout=pipes[1][1],
+                stderr=pipes[2][1],
+                env=os.environ | _ENVIRONMENT,
+                pass_fds=descriptors.values(),
+                start_new_session=True,
             )
-            try:
-                self._process = subprocess.Popen(
-                    [sys.executable, "-c", script],
-                    stdin=subprocess.DEVNULL,
-                    stdout=subprocess.DEVNULL,
-                    stderr=subprocess.DEVNULL,
-                    env=os.environ | {"PYTHONHASHSEED": "0", "MPLBACKEND": "Agg", "SDL_VIDEODRIVER": "dummy"},
-                    pass_fds=(told, asked, shared.fileno()),
-                    start_new_session=True,
-                )
-            finally:
-                os.close(told)
-                os.close(asked)
-        self._reading = reading
+            self._to_close = to_close.pop_all()
+        os.set_blocking(self._asking, False)
+        self._unsent = b""
         self._bytes = bytearray()
+        self._streams = {pipes[1][0]: ("out", WrittenLines()), pipes[2][0]: ("err", WrittenLines())}
+        self._poll = select.poll()
+        for descriptor in (self._reading, *self._streams):
+            os.set_blocking(descriptor, False)
+            self._poll.register(descriptor, select.POLLIN)
         self.closed = False
-        """Whether its pipe is closed: nothing more will come."""
+        """Whether it is over: nothing more will come."""
 
     def allow(self, steps: int) -> None:
         """Let it take steps until it has taken ``steps`` in all; 0 holds it at its next step."""
-        self._allowed[0] = steps
-        self.ask({})
+        if not self.closed:
+            self._allowed[0] = steps
+            self.ask({})
 
     def ask(self, what: Mapping[str, Any]) -> None:
-        """Tell it something, which it hears when it waits."""
-        with suppress(OSError):
-            os.write(self._asking, json.dumps(what).encode() + b"\n")
+        """Tell it something, which it hears when it waits. This never waits itself."""
+        if what or not self._unsent:  # one wake-up is enough
+            self._unsent += json.dumps(what).encode() + b"\n"
+        self._send()
 
     def frames(self, seconds: float | None = 0.0) -> Iterator[tuple[bytes, bytes]]:
-        """Yield what has come, waiting for at most ``seconds`` (None: for as long as it takes)."""
-        if not self.closed and select([self._reading], [], [], seconds)[0]:
-            chunk = os.read(self._reading, _CHUNK)
-            self.closed = not chunk
-            self._bytes += chunk
-        while len(self._bytes) >= HEADER.size:
-            letter, length = HEADER.unpack_from(self._bytes)
-            if length > LARGEST_FRAME:
-                self.closed = True
-                return
-            if len(self._bytes) < HEADER.size + length:
-                return
-            payload = bytes(self._bytes[HEADER.size : HEADER.size + length])
-            del self._bytes[: HEADER.size + length]
-            yield letter, payload
+        """Return what has come, waiting for at most ``seconds`` (None: for as long as it takes).
+
+        What the program wrote on stdout and stderr is among it, behind the steps that it took meanwhile. The
+        last of all is a message of its end.
+        """
+        if self.closed:
+            return iter(())
+        self._send()
+        self._wait(seconds)
+        over = self._read_frames()
+        found = list(self._whole_frames())
+        found += self._read_output()
+        if over or self._is_garbled:
+            found += self._farewell()
+        return iter(found)
 
     def end(self) -> None:
         """End it and all that it started."""
-        with suppress(ProcessLookupError, PermissionError):
-            os.killpg(self._process.pid, signal.SIGKILL)
+        self._kill()
         self._process.wait()
-        for descriptor in (self._reading, self._asking):
-            with suppress(OSError):
-                os.close(descriptor)
+        self._to_close.close()
         self.closed = True
 
     @property
     def exit_status(self) -> int | None:
         """How it ended, None while it has not."""
         return self._process.poll()
+
+    def _send(self) -> None:
+        with suppress(OSError):  # it is over, or its pipe is full
+            while self._unsent:
+                self._unsent = self._unsent[os.write(self._asking, self._unsent) :]
+
+    def _wait(self, seconds: float | None) -> None:
+        """Wait until there is something to read, or the process is over.
+
+        A child of the program may keep its pipe open then, so that this is looked at now and then.
+        """
+        until = None if seconds is None else time.monotonic() + seconds
+        while True:
+            left = _LOOK_AGAIN if until is None else min(_LOOK_AGAIN, until - time.monotonic())
+            if self._poll.poll(max(0.0, left) * 1000) or self._process.poll() is not None:
+                return
+            if until is not None and time.monotonic() >= until:
+                return
+
+    def _read_frames(self) -> bool:
+        """Take in what has come from the watched side; return whether nothing more can."""
+        is_over = self._process.poll() is not None  # looked at first: it may write, and then end
+        try:
+            chunk = os.read(self._reading, _CHUNK)
+        except BlockingIOError:
+            return is_over
+        self._bytes += chunk
+        return not chunk
+
+    def _whole_frames(self) -> Iterator[tuple[bytes, bytes]]:
+        start, end = 0, len(self._bytes)
+        while end - start >= HEADER.size and not self._is_garbled:
+            letter, length = HEADER.unpack_from(self._bytes, start)
+            next_start = start + HEADER.size + length
+            if next_start > end:
+                break
+            yield letter, bytes(memoryview(self._bytes)[start + HEADER.size : next_start])
+            start = next_start
+        del self._bytes[:start]
+
+    @property
+    def _is_garbled(self) -> bool:
+        """Whether what comes next is longer than any frame of ours."""
+        return len(self._bytes) >= HEADER.size and HEADER.unpack_from(self._bytes)[1] > LARGEST_FRAME
+
+    def _read_output(self) -> list[tuple[bytes, bytes]]:
+        """Return what has come on both streams, as messages."""
+        found, now = [], time.monotonic()
+        for descriptor, (stream, lines) in list(self._streams.items()):
+            try:
+                piece = os.read(descriptor, _CHUNK)
+            except BlockingIOError:
+                continue
+            found += _messages(stream, lines.take(piece, now) if piece else lines.end())
+            if not piece:
+                self._poll.unregister(descriptor)
+                del self._streams[descriptor]
+        return found
+
+    def _farewell(self) -> list[tuple[bytes, bytes]]:
+        """See it to its end, and return what it left behind, and how it ended."""
+        found, until = [], time.monotonic() + _FAREWELL
+        self._poll.unregister(self._reading)
+        while not self._is_garbled and self._process.poll() is None and time.monotonic() < until:
+            self._poll.poll(20)
+            found += self._read_output()
+        garbled, status = self._is_garbled, self._process.poll()
+        self._kill()
+        self._process.wait()
+        found += self._read_output()
+        for stream, lines in self._streams.values():
+            found += _messages(stream, lines.end())
+        text = GARBLED if garbled else _CLOSED_ITS_PIPE if status is None else ""
+        found.append(_message(Kind.GONE, status=status, text=text))
+        self.closed = True
+        return found
+
+    def _kill(self) -> None:
+        with suppress(ProcessLookupError, PermissionError):
+            if not self.closed:  # later its number may be that of others
+                os.killpg(self._process.pid, signal.SIGKILL)
+
+
+def _script(request: ProgramRequest, descriptors: Mapping[str, int]) -> str:
+    """Return what Python runs; the current folder is no place to import from."""
+    said = {
+        "path": str(request.path),
+        "arguments": list(request.arguments),
+        "seed": request.seed,
+        "steps": request.steps,
+        "table": request.table,
+        "agent": request.agent,
+        "scenario": request.scenario,
+        "scenario_seed": request.seed if request.scenario_seed is None else request.scenario_seed,
+        "episodes": request.episodes,
+        "hyperparameters": dict(request.hyperparameters or {}),
+        "defaults": dict(request.defaults or {}),
+        "memory": request.memory,
+        **descriptors,
+    }
+    return _SCRIPT.format(path=[each for each in sys.path if each], said=said)
+
+
+def _pipe(reading: ExitStack, writing: ExitStack) -> tuple[int, int]:
+    """Return the ends of a pipe, each of which is closed with a stack, as large as it may be."""
+    ends = os.pipe()
+    for end, closing in zip(ends, (reading, writing), strict=True):
+        closing.callback(os.close, end)
+    with suppress(AttributeError, OSError):  # Linux only; a small one holds a program up between two frames
+        fcntl.fcntl(ends[1], fcntl.F_SETPIPE_SZ, _CHUNK)
+    return ends
+
+
+def _memory_file(closing: ExitStack) -> int:
+    """Return a descriptor of a page of memory that two processes can share."""
+    if hasattr(os, "memfd_create"):
+        descriptor = os.memfd_create("rl-tui")
+        closing.callback(os.close, descriptor)
+    else:
+        descriptor = closing.enter_context(tempfile.TemporaryFile()).fileno()  # noqa: SIM115
+    os.ftruncate(descriptor, mmap.PAGESIZE)
+    return descriptor
+
+
+def _messages(stream: str, lines: Iterable[WrittenLine]) -> list[tuple[bytes, bytes]]:
+    return [
+        _message(Kind.OUTPUT, step=None, stream=stream, text=line.text, replaces=line.replaces)
+        for line in lines
+    ]
+
+
+def _message(kind: str, **more: Any) -> tuple[bytes, bytes]:
+    return OWN_MESSAGE, json.dumps({"kind": kind, **more}).encode()

@@ -2,22 +2,46 @@
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Callable
+from typing import Final
 
-from rl_tui.lab.programs.program_log import ProgramLog
+from rl_tui.lab.programs.program_log import ProgramError, ProgramLog
 from rl_tui.lab.programs.program_process import ProgramProcess, ProgramRequest
+
+_LOOK: Final = 0.1  # seconds
+_AFTER_THE_END: Final = 3.0
+"""Seconds that a program may go on once its steps are taken, or it has said that it is over."""
 
 
 def watched_to_the_end(
-    request: ProgramRequest, on_progress: Callable[[ProgramLog], None] = lambda _: None
+    request: ProgramRequest,
+    on_progress: Callable[[ProgramLog], None] = lambda _: None,
+    seconds: float | None = None,
+    log: ProgramLog | None = None,
 ) -> ProgramLog:
-    """Return all that the program of ``request`` told until it ended, or its pipe was closed."""
-    log, process = ProgramLog(), ProgramProcess(request)
+    """Return all that the program of ``request`` told until it ended, or ``seconds`` were over.
+
+    ``on_progress`` is called about ten times a second, or oftener, and may raise to end it. ``log`` is what
+    takes it in, if that is at hand. Raises OSError where no process can be started.
+    """
+    log, process = log or ProgramLog(), ProgramProcess(request)
+    limit = math.inf if seconds is None else time.monotonic() + seconds
+    farewell = math.inf
     try:
-        while not process.closed:
-            for letter, payload in process.frames(None):
+        while not (process.closed or log.is_garbled) and time.monotonic() < min(limit, farewell):
+            for letter, payload in process.frames(_LOOK):
                 log.take(letter, payload)
             on_progress(log)
+            if farewell == math.inf and (log.ended or _has_taken(log, request.steps)):
+                farewell = time.monotonic() + _AFTER_THE_END
     finally:
         process.end()
+    if not (log.ended or _has_taken(log, request.steps)):
+        log.error = ProgramError("TimeLimit", f"the program was ended after {seconds:g} seconds")
     return log
+
+
+def _has_taken(log: ProgramLog, steps: int | None) -> bool:
+    return steps is not None and log.recording.count >= steps

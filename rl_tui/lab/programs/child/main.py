@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-import builtins
 import json
 import mmap
 import os
 import random
 import re
 import sys
-import traceback
 import types
 from array import array
+from pathlib import Path
 from time import monotonic
 from typing import Any
 
 import gymnasium as gym
 import numpy as np
 
+from rl_tui.lab.programs.child.agent import run_agent
+from rl_tui.lab.programs.child.faults import described
+from rl_tui.lab.programs.child.script import run_script
+from rl_tui.lab.programs.child.source import read_script
+from rl_tui.lab.programs.child.surroundings import bound_memory, end_with, surround
 from rl_tui.lab.programs.messages import HEADER, MESSAGE, STEPS, TABLE, Kind
 
 SKIP = re.compile(
@@ -196,13 +200,21 @@ class Watch(gym.Wrapper):
 def main(said: dict[str, Any]) -> None:
     global R
     R = Recorder(said)
+
+    def note(text: str) -> None:
+        R.message(Kind.NOTE, text=text)
+
+    end_with(said["life"])
+    if said["memory"] is not None:
+        bound_memory(said["memory"])
+    surround(note)
     make, count = gym.make, [0]
 
     def patched(*a: Any, **k: Any) -> Any:
         env = make(*a, **k)
         if dims(env.observation_space):
             env = Watch(env, count[0])
-            env.reset(seed=said["seed"])
+            env.env.reset(seed=said["seed"])
             R.message(
                 Kind.ENVIRONMENT,
                 number=count[0],
@@ -221,28 +233,18 @@ def main(said: dict[str, Any]) -> None:
     gym.make = patched
     random.seed(said["seed"])
     np.random.seed(said["seed"])
-    sys.argv = [said["path"], *said["arguments"]]
-    sys.path.insert(0, os.path.dirname(os.path.abspath(said["path"])))
-    module = types.ModuleType("__main__")
-    module.__dict__.update(__file__=said["path"], __builtins__=builtins)
-    sys.modules["__main__"] = module
+    path = Path(said["path"])
     try:
-        with open(said["path"]) as f:
-            exec(compile(f.read(), os.path.abspath(said["path"]), "exec"), module.__dict__)
+        if said["agent"] is None:
+            run_script(read_script(path), path, said["arguments"], note)
+        else:
+            run_agent(said)
         if R.where is not None:
             now = R.read()
             for c in np.flatnonzero(now != R.values):
                 R.changes += [R.n - 1, int(c), R.values[c], now[c]]
-    except (Stop, SystemExit):
+    except Stop:
         pass
     except BaseException as e:
-        where = traceback.extract_tb(e.__traceback__)[-1]
-        R.message(
-            Kind.ERROR,
-            type=type(e).__name__,
-            text=str(e),
-            file=where.filename,
-            line=where.lineno,
-            traceback=traceback.format_exc(),
-        )
+        R.message(Kind.ERROR, **described(e))
     R.message(Kind.END, step=R.n)

@@ -1,0 +1,132 @@
+"""The text of a script: read as Python reads it, with the lines of a notebook left out."""
+
+from __future__ import annotations
+
+import ast
+import io
+import tokenize
+import warnings
+from pathlib import Path
+from types import CodeType
+from typing import Final, NamedTuple
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line, printable, shown
+from rl_tui.common.limits import LARGEST_FILE
+
+_LONGEST_REASON: Final = 120
+_MOST_NOTEBOOK_LINES: Final = 500
+_NOT_PYTHON: Final = (SyntaxError, ValueError, RecursionError, MemoryError, OverflowError)
+
+
+class Script(NamedTuple):
+    """A script that can be run: its ``code``, its ``text``, and how many lines of a notebook were left out.
+
+    ``tree`` is what it was compiled from; the numbers of its lines are those of the file.
+    """
+
+    code: CodeType
+    text: str
+    tree: ast.Module
+    notebook_lines: int
+
+
+def read_script(path: Path) -> Script:
+    """Return the script in the file ``path``.
+
+    Lines that begin with ``!`` or ``%``, which only a notebook understands, are replaced by ``pass``.
+    Raises UserError, in one line, where there is no such file, or it is no Python.
+    """
+    text = _text(path)
+    try:
+        tree, text, count = _parsed(text, str(path.absolute()))
+        return Script(compile(tree, str(path.absolute()), "exec", dont_inherit=True), text, tree, count)
+    except _NOT_PYTHON as error:
+        raise UserError(_fault(path, error)) from error
+
+
+def check_script(path: Path) -> None:
+    """Raise UserError where ``path`` is no script that can be run; nothing is printed."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # they are the script's, and shown when it runs
+        read_script(path)
+
+
+def _text(path: Path) -> str:
+    name = printable(str(path))
+    try:
+        if path.is_dir():
+            raise UserError(f"{name}: is a folder; expected a Python file")
+        if not path.exists():
+            raise UserError(f"{name}: no such file; expected a Python file")
+        if not path.is_file() or path.stat().st_size > LARGEST_FILE:
+            raise UserError(f"{name}: expected a Python file of at most {LARGEST_FILE // 10**6} MB")
+        content = path.read_bytes()
+    except (OSError, ValueError) as error:  # ValueError: a null character in the path
+        reason = getattr(error, "strerror", None) or str(error)
+        raise UserError(f"{name}: cannot be read ({one_line(reason, _LONGEST_REASON)})") from error
+    try:
+        return io.IncrementalNewlineDecoder(None, translate=True).decode(_decoded(content))
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise UserError(
+            f"{name}, line {line}: byte {content[error.start]:#04x} is no {error.encoding}; a first line "
+            "such as # -*- coding: latin-1 -*- says how a file is written"
+        ) from error
+    except (SyntaxError, LookupError) as error:
+        raise UserError(f"{name}: {one_line(str(error), _LONGEST_REASON)}") from error
+
+
+def _decoded(content: bytes) -> str:
+    """Return ``content`` in the encoding that its first lines name, UTF-8 without (PEP 263)."""
+    try:
+        encoding, _ = tokenize.detect_encoding(io.BytesIO(content).readline)
+    except SyntaxError:
+        content.decode("utf-8-sig")  # which says where it is none, if that is what is wrong
+        raise
+    return content.decode(encoding)
+
+
+def _parsed(text: str, file: str) -> tuple[ast.Module, str, int]:
+    """Return ``text`` parsed, as it was parsed, and how many lines of a notebook were left out.
+
+    A line is looked at only where Python takes offence at it: one that begins with ``%`` may as well go on a
+    calculation, or stand in a string. Raises SyntaxError where the text is no Python, and what parsers raise.
+    """
+    lines: list[str] = []
+    count = 0
+    while True:
+        try:
+            return ast.parse(text, file), text, count
+        except SyntaxError as error:
+            lines = lines or text.split("\n")
+            place = (error.lineno or 0) - 1
+            if not (0 <= place < len(lines) and count < _MOST_NOTEBOOK_LINES):
+                raise
+            if not lines[place].lstrip().startswith(("!", "%")):
+                raise
+            count += _leave_out(lines, place)
+            text = "\n".join(lines)
+
+
+def _leave_out(lines: list[str], place: int) -> int:
+    """Put ``pass`` in the place of a line and of those that go it on; return how many they are."""
+    first, line = place, lines[place]
+    indent = line[: len(line) - len(line.lstrip())]
+    while True:
+        goes_on = lines[place].rstrip().endswith("\\") and place + 1 < len(lines)
+        lines[place] = f"{indent}pass"
+        place += 1
+        if not goes_on:
+            return place - first
+
+
+def _fault(path: Path, error: Exception) -> str:
+    name = printable(str(path))
+    if isinstance(error, SyntaxError) and error.lineno:
+        what = one_line(error.msg or "invalid syntax", _LONGEST_REASON)
+        line = f": {shown(error.text.strip())}" if error.text else ""
+        return f"{name}, line {error.lineno}: {what}{line}"
+    if isinstance(error, RecursionError | MemoryError):
+        return f"{name}: is nested too deeply for Python"
+    return f"{name}: {one_line(str(error), _LONGEST_REASON)}"

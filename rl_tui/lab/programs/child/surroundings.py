@@ -1,0 +1,126 @@
+"""What a script finds around it: no keyboard, no windows, streams that lead to the watching side."""
+
+from __future__ import annotations
+
+import builtins
+import fcntl
+import os
+import pickle
+import signal
+import sys
+import warnings
+from collections.abc import Callable
+from contextlib import suppress
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from io import TextIOWrapper
+from types import ModuleType
+from typing import Any, Final, NoReturn
+
+_NO_WINDOW: Final = ".*is non-interactive, and thus cannot be shown"
+_INPUT: Final = (
+    "input() cannot be answered while rl-tui watches: write the value into the script, or pass it after the "
+    "script's name"
+)
+_OLD_GYM: Final = (
+    "the script imports gym, of which rl-tui sees nothing: it watches environments of its successor; "
+    "write `import gymnasium as gym`"
+)
+
+
+def end_with(life: int) -> None:
+    """Let the system end this process and its group as soon as the other end of the pipe ``life`` is closed.
+
+    That needs neither a thread nor Python's attention: it works while C code computes. Nothing may ever be
+    written to that pipe.
+    """
+    signal.signal(signal.SIGIO, signal.SIG_DFL)  # which ends a process; whoever started us may ignore it
+    fcntl.fcntl(life, fcntl.F_SETOWN, -os.getpgrp())
+    fcntl.fcntl(life, fcntl.F_SETFL, fcntl.fcntl(life, fcntl.F_GETFL) | os.O_ASYNC)
+
+
+def bound_memory(most: int) -> None:
+    """Let the system refuse this process, and each that it starts, more than ``most`` bytes of memory."""
+    import resource
+
+    with suppress(OSError, ValueError):
+        hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+        most = most if hard == resource.RLIM_INFINITY else min(most, hard)
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))
+
+
+def surround(note: Callable[[str], None]) -> None:
+    """Prepare this process for a script; ``note`` tells what had to be done otherwise for it to run."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(encoding="utf-8", errors="backslashreplace", line_buffering=True)
+    builtins.input = _refuse_input
+    sys.modules.setdefault("pickle5", pickle)  # it was the pickle of Python 3.8, for older ones
+    warnings.filterwarnings("ignore", message=_NO_WINDOW)
+    sys.meta_path.insert(
+        0,
+        _AfterImport(
+            {
+                "matplotlib": _draw_into_memory,
+                "matplotlib.pyplot": _show_nothing,
+                "gym": lambda _: note(_OLD_GYM),
+            }
+        ),
+    )
+
+
+def _refuse_input(*_: object) -> NoReturn:
+    raise RuntimeError(_INPUT)
+
+
+def _nothing(*_: Any, **__: Any) -> None:
+    """Do nothing, in place of what would open a window or wait for one."""
+
+
+def _draw_into_memory(matplotlib: ModuleType) -> None:
+    """Keep scripts from choosing where to draw: without windows that raises."""
+    matplotlib.use = _nothing  # type: ignore[attr-defined]
+
+
+def _show_nothing(pyplot: ModuleType) -> None:
+    for name in ("show", "pause", "switch_backend"):
+        setattr(pyplot, name, _nothing)
+
+
+class _AfterImport(MetaPathFinder):
+    """Calls a function with each of some modules as soon as it was imported."""
+
+    def __init__(self, changes: dict[str, Callable[[ModuleType], None]]) -> None:
+        self._changes = changes
+
+    def find_spec(self, name: str, path: Any, target: ModuleType | None = None) -> ModuleSpec | None:
+        """Return how the module is imported by others, with what is to be called afterwards."""
+        if name not in self._changes:
+            return None
+        for finder in sys.meta_path:
+            spec = None if finder is self else finder.find_spec(name, path, target)
+            if spec is not None:
+                if spec.loader is not None:
+                    spec.loader = _ThenChanged(spec.loader, self._changes[name])
+                return spec
+        return None
+
+
+class _ThenChanged(Loader):
+    """Loads a module as ``loader`` does, and then calls ``change`` with it."""
+
+    def __init__(self, loader: Any, change: Callable[[ModuleType], None]) -> None:
+        self._loader, self._change = loader, change
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._loader, name)
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType | None:
+        """Return the module that ``loader`` makes, None for an ordinary one."""
+        made: ModuleType | None = self._loader.create_module(spec)
+        return made
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Fill the module, and change it."""
+        self._loader.exec_module(module)
+        self._change(module)

@@ -1,0 +1,150 @@
+"""Which line changed the table, found in code that this process runs."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from textwrap import dedent
+from typing import Any
+
+import pytest
+
+from rl_tui.lab.programs.child.line_trace import MOST_LINES, LineTrace, Place
+
+
+class Traced:
+    """Runs a script in which ``begin()`` begins to trace, and ``q`` is the table."""
+
+    def __init__(self, folder: Path, text: str, changes: int = 1000) -> None:
+        self.path = folder / "script.py"
+        self.path.write_text(dedent(text))
+        self.q = [0.0] * 4
+        self.told: list[Mapping[Place, int]] = []
+        self.trace = LineTrace(lambda: tuple(self.q), self.told.append)
+        names: dict[str, Any] = {
+            "q": self.q,
+            "begin": lambda: self.trace.begin(changes),
+            "is_on": lambda: self.trace.is_on,
+        }
+        try:
+            exec(compile(self.path.read_text(), str(self.path), "exec"), names)
+        finally:
+            self.trace.stop()
+
+    @property
+    def lines(self) -> dict[int, int]:
+        """How often each line changed the table."""
+        assert all(file == str(self.path) for told in self.told for file, _ in told)
+        return {line: count for told in self.told for (_, line), count in told.items()}
+
+
+@pytest.mark.parametrize(
+    ("text", "lines"),
+    [
+        pytest.param("begin()\nfor i in range(3):\n    q[i] += 1\n    i\n", {3: 3}, id="a line"),
+        pytest.param("begin()\nq[0] += (\n    1 +\n    2\n)\nq[0]\n", {2: 1}, id="several lines"),
+        pytest.param("q[0] = 5\nbegin()\nq[0] = 6\nq[1] = 5\n", {3: 1, 4: 1}, id="from where it begins"),
+        pytest.param("begin()\nq[0] = 1\nq[0] = 1\nq[0] = 1\n", {2: 1}, id="changes only"),
+        pytest.param("def f(i):\n    q[i] += 1\nbegin()\nf(0)\nf(1)\n", {2: 2}, id="a function"),
+        pytest.param(
+            "def f(i):\n    return i + 1\nbegin()\nq[0] = f(\n    3)\n", {4: 1}, id="what a function returns"
+        ),
+        pytest.param(
+            "class A:\n    def update(self):\n        if True:\n            q[2] = 9\n        self\n"
+            "def g(a):\n    a.update()\nbegin()\ng(A())\n",
+            {4: 1},
+            id="a method",
+        ),
+        pytest.param(
+            "begin()\nlist(map(lambda i: q.__setitem__(i, 7), [1, 2]))\n", {2: 2}, id="by built-ins"
+        ),
+        pytest.param(
+            "def g():\n    yield 3\n    yield 4\nbegin()\nfor x in g():\n    q[0] = x\n",
+            {6: 2},
+            id="generators",
+        ),
+        pytest.param(
+            "def f():\n    begin()\n    q[0] = 1\ndef g():\n    f()\n    q[1] = 1\ng()\nq[2] = 2\n",
+            {3: 1, 6: 1, 8: 1},
+            id="functions that called",
+        ),
+        pytest.param(
+            "import bisect\nbegin()\nbisect.insort([3], 2, key=lambda x: q.__setitem__(0, x) or x)\n",
+            {3: 2},
+            id="by a library",
+        ),
+    ],
+)
+def test_the_line_that_changed_it(tmp_path: Path, text: str, lines: dict[int, int]) -> None:
+    assert Traced(tmp_path, text).lines == lines
+
+
+def test_so_many_changes_are_looked_for_and_nothing_is_left_of_it(tmp_path: Path) -> None:
+    before = sys.gettrace()
+    traced = Traced(
+        tmp_path,
+        """\
+        import sys
+        def inner():
+            begin()
+            for i in range(100):
+                q[0] += 1
+            assert not is_on()
+            frame = sys._getframe()
+            while frame is not None:
+                assert frame.f_trace is None
+                frame = frame.f_back
+        inner()
+        """,
+        changes=40,
+    )
+    assert traced.lines == {5: 40}
+    assert len(traced.told) == 1
+    assert sys.gettrace() is before
+
+
+def test_it_can_be_asked_for_again(tmp_path: Path) -> None:
+    traced = Traced(
+        tmp_path,
+        """\
+        for times in range(3):
+            begin()
+            for i in range(10):
+                q[0] += 1
+                q[1] += 1
+        """,
+        changes=4,
+    )
+    assert [sum(told.values()) for told in traced.told] == [4, 4, 4]
+
+
+def test_where_changes_are_rare_it_gives_up(tmp_path: Path) -> None:
+    traced = Traced(
+        tmp_path,
+        f"""\
+        begin()
+        q[0] = 1
+        for i in range({MOST_LINES}):
+            pass
+        assert not is_on()
+        """,
+    )
+    assert traced.lines == {2: 1}
+
+
+def test_a_debugger_is_left_alone(tmp_path: Path) -> None:
+    if sys.version_info >= (3, 12):
+        pytest.skip("from 3.12 on both can look")
+
+    def debugger(*_: object) -> None:
+        return None
+
+    before = sys.gettrace()
+    sys.settrace(debugger)
+    try:
+        traced = Traced(tmp_path, "begin()\nassert not is_on()\nq[0] = 1\n")
+        assert sys.gettrace() is debugger
+    finally:
+        sys.settrace(before)
+    assert traced.told == []

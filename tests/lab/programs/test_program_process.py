@@ -1,0 +1,211 @@
+"""A watched program as a process: what it leaves behind, which is nothing."""
+
+from __future__ import annotations
+
+import gc
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from textwrap import dedent
+
+import pytest
+from watching import LOOP, PATIENCE, lines_of, script_in, watched
+
+from rl_tui.lab.programs.program_log import ProgramLog
+from rl_tui.lab.programs.program_process import ProgramProcess, ProgramRequest
+
+pytestmark = pytest.mark.process
+
+
+def test_it_leaves_neither_descriptors_nor_processes(tmp_path: Path) -> None:
+    path = script_in(tmp_path, LOOP.format(episodes=2))
+    watched(path)
+    before = descriptors()
+    for _ in range(3):
+        watched(path)
+        process = ProgramProcess(ProgramRequest(path))
+        process.end()
+        process.end()
+    gc.collect()
+    assert descriptors() == before
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
+
+
+@pytest.mark.parametrize("executable", ["", "/no/such/python", "/dev/null"])
+def test_where_nothing_can_be_started_that_is_an_oserror_and_nothing_is_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, executable: str
+) -> None:
+    monkeypatch.setattr(sys, "executable", executable)
+    before = descriptors()
+    with pytest.raises(OSError):  # noqa: PT011
+        ProgramProcess(ProgramRequest(script_in(tmp_path, "")))
+    assert descriptors() == before
+
+
+def test_it_needs_no_folder_for_temporary_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TMPDIR", "/no/such/folder")
+    monkeypatch.setattr("tempfile.tempdir", "/no/such/folder")
+    log = watched(script_in(tmp_path, LOOP.format(episodes=2) + "print('done')\n"))
+    assert (lines_of(log), log.error) == (["done"], None)
+
+
+def test_nothing_is_imported_from_the_current_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("gymnasium", "numpy", "random", "json"):
+        (tmp_path / f"{name}.py").write_text("raise RuntimeError('from the current folder')\n")
+    (tmp_path / "in").mkdir()
+    monkeypatch.chdir(tmp_path)
+    log = watched(script_in(tmp_path / "in", "import gymnasium, random\nprint('fine')\n"))
+    assert (lines_of(log), log.error) == (["fine"], None)
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import time; time.sleep(600)",
+        "while True: pass",
+        "import re; re.match('(a+)+$', 'a' * 60 + 'b')",
+        "import signal; signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGTERM, signal.SIGINT])\ninput",
+        "import subprocess; subprocess.run(['sleep', '600'])",
+        "import sys\nwhile True: print('flood'); print('flood', file=sys.stderr)",
+    ],
+)
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM])
+def test_it_ends_with_the_process_that_watches(tmp_path: Path, code: str, how: signal.Signals) -> None:
+    path = script_in(
+        tmp_path,
+        f"""\
+        import os, subprocess
+        child = subprocess.Popen(["sleep", "600"])
+        with open({str(tmp_path / "new")!r}, "w") as file:
+            file.write(f"{{os.getpid()}} {{child.pid}}")
+        os.rename({str(tmp_path / "new")!r}, {str(tmp_path / "numbers")!r})
+        exec({code!r})
+        os.wait()
+        """,
+    )
+    watching = dedent(
+        f"""\
+        from pathlib import Path
+        from rl_tui.lab.programs.program_process import ProgramRequest
+        from rl_tui.lab.programs.to_the_end import watched_to_the_end
+        watched_to_the_end(ProgramRequest(Path({str(path)!r})))
+        """
+    )
+    watcher = subprocess.Popen([sys.executable, "-c", watching])
+    try:
+        numbers = tmp_path / "numbers"
+        wait_until(numbers.exists)
+        processes = [int(number) for number in numbers.read_text().split()]
+    finally:
+        watcher.send_signal(how)
+        watcher.wait()
+    wait_until(lambda: not any(map(lives, processes)))
+
+
+def test_its_children_end_with_it(tmp_path: Path) -> None:
+    path = script_in(
+        tmp_path,
+        """\
+        import os, subprocess, time
+        for _ in range(3):
+            print(subprocess.Popen(["sleep", "600"]).pid, flush=True)
+        for _ in range(3):
+            number = os.fork()  # keeps all pipes open
+            if number == 0:
+                time.sleep(600)
+            print(number, flush=True)
+        os.kill(os.getpid(), 9)
+        """,
+    )
+    log = watched(path)
+    numbers = [int(line) for line in lines_of(log)]
+    assert len(numbers) == 6
+    assert log.error is not None
+    assert "SIGKILL" in log.error.text
+    wait_until(lambda: not any(map(lives, numbers)))
+
+
+def test_asking_a_program_that_never_listens_does_not_wait(tmp_path: Path) -> None:
+    process = ProgramProcess(ProgramRequest(script_in(tmp_path, "while True: pass\n")))
+    try:
+        for number in range(3000):
+            process.ask({"stop": {"states": list(range(number % 200))}})
+            process.allow(number)
+    finally:
+        process.end()
+
+
+def test_it_holds_at_a_step_and_goes_on(tmp_path: Path) -> None:
+    path = script_in(tmp_path, LOOP.format(episodes=10**6))
+    process, log = ProgramProcess(ProgramRequest(path), allowed=0), ProgramLog()
+
+    def has_come(steps: int) -> bool:
+        for letter, payload in process.frames(0.1):
+            log.take(letter, payload)
+        return log.waiting_at == steps
+
+    try:
+        wait_until(lambda: has_come(0))
+        for allowed in (1, 2, 500):
+            process.allow(allowed)
+            wait_until(lambda allowed=allowed: has_come(allowed))  # type: ignore[misc]
+            assert log.recording.count == allowed
+    finally:
+        process.end()
+    assert process.closed
+
+
+def test_output_stands_behind_the_step_before_it(tmp_path: Path) -> None:
+    text = """\
+    import gymnasium as gym
+    env = gym.make("CliffWalking-v1")
+    env.reset()
+    for number in range(100):
+        env.step(0)
+        print("after", number + 1)
+    """
+    process, log = ProgramProcess(ProgramRequest(script_in(tmp_path, text)), allowed=0), ProgramLog()
+
+    def has_come(steps: int) -> bool:
+        for letter, payload in process.frames(0.1):
+            log.take(letter, payload)
+        return log.waiting_at == steps
+
+    try:
+        for allowed in range(5):
+            process.allow(allowed)
+            wait_until(lambda allowed=allowed: has_come(allowed))  # type: ignore[misc]
+    finally:
+        process.end()
+    assert [(line.step, line.text) for line in log.output] == [(n, f"after {n}") for n in range(1, 5)]
+
+
+def descriptors() -> list[str]:
+    """Return the descriptors that this process has open."""
+    return sorted(os.listdir("/dev/fd"))
+
+
+def lives(process: int) -> bool:
+    """Return whether a process is there, and no zombie."""
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    state = Path(f"/proc/{process}/stat")
+    try:
+        return state.read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return not state.parent.parent.exists()
+
+
+def wait_until(condition: Callable[[], bool]) -> None:
+    """Wait for what another process does; fail when it does not come."""
+    until = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < until, "it did not come"
+        time.sleep(0.01)

@@ -1,0 +1,340 @@
+"""What scripts contain besides their loop: each thing in a real process."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from watching import LOOP, lines_of, script_in, watched
+
+pytestmark = pytest.mark.process
+
+
+def test_it_runs_as_python_runs_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "neighbour.py").write_text("NAME = 'beside it'\n")
+    (tmp_path / "data.txt").write_text("of the current folder\n")
+    script_in(
+        tmp_path / "in",
+        """\
+        import sys, neighbour
+        if __name__ == "__main__":
+            print(sys.argv)
+            print(__file__)
+            print(sys.path[0])
+            print(neighbour.NAME, open("data.txt").read().strip())
+            print(sys.modules["__main__"].__file__ == __file__, "" in sys.path)
+        """,
+    )
+    log = watched(Path("in/script.py"), "--episodes", "-3", "ä b")
+    folder = tmp_path / "in"
+    assert lines_of(log) == [
+        str(["in/script.py", "--episodes", "-3", "ä b"]),
+        f"{folder}/script.py",
+        str(folder),
+        "beside it of the current folder",
+        "True False",
+    ]
+    assert (log.error, log.ended) == (None, True)
+
+
+def test_output_of_python_of_c_and_of_processes_comes_in_lines(tmp_path: Path) -> None:
+    log = watched(
+        script_in(
+            tmp_path,
+            """\
+            import os, sys, warnings
+            print("printed")
+            print("to stderr", file=sys.stderr)
+            warnings.warn("a warning")
+            os.write(1, b"as C code does\\n")
+            os.system("echo by a process; echo and its errors >&2")
+            """,
+        )
+    )
+    assert lines_of(log) == ["printed", "as C code does", "by a process"]
+    errors = lines_of(log, "err")
+    assert errors[0] == "to stderr"
+    assert errors[1].endswith("script.py:4: UserWarning: a warning")
+    assert errors[-1] == "and its errors"
+
+
+def test_a_progress_bar_is_one_line(tmp_path: Path) -> None:
+    log = watched(
+        script_in(
+            tmp_path,
+            """\
+            import sys, time
+            for percent in range(2001):
+                print(f"\\r{percent / 20:.0f} %|####", end="", file=sys.stderr, flush=True)
+                if percent % 500 == 0:
+                    time.sleep(0.05)
+            print(file=sys.stderr)
+            print("after it", file=sys.stderr)
+            """,
+        )
+    )
+    assert lines_of(log, "err") == ["100 %|####", "after it"]
+
+
+def test_a_flood_of_output_is_bounded_and_its_end_is_kept(tmp_path: Path) -> None:
+    log = watched(
+        script_in(
+            tmp_path,
+            """\
+            import os
+            for line in range(200_000):
+                print("line", line, "x" * 50)
+            os.write(1, b"y" * 3_000_000 + b"\\n")
+            print("the last line")
+            """,
+        )
+    )
+    lines = lines_of(log)
+    assert lines[0].startswith("line 0 ")
+    assert lines[-1] == "the last line"
+    assert any(line.startswith("… ") and line.endswith(" lines left out") for line in lines)
+    assert max(map(len, lines)) <= 500
+    assert len(lines) <= 2000
+
+
+def test_floods_by_processes_do_not_outlive_the_script(tmp_path: Path) -> None:
+    path = script_in(
+        tmp_path,
+        """\
+        import os, subprocess, sys
+        for _ in range(5):
+            child = subprocess.Popen(["sh", "-c", "while :; do echo flood; done"])
+            print(child.pid)
+        """,
+    )
+    log = watched(path)
+    numbers = [int(line) for line in lines_of(log) if line.isdigit()]
+    assert (log.ended, log.error) == (True, None)
+    assert not any(map(_lives, numbers))
+
+
+@pytest.mark.parametrize(
+    ("line", "error", "text"),
+    [
+        ("input('how many? ')", "RuntimeError", "input() cannot be answered while rl-tui watches"),
+        ("import cv2_", "ModuleNotFoundError", "install it with `pip install cv2_`"),
+        ("import sklearn.tree as x", "ModuleNotFoundError", "`pip install scikit-learn`"),
+        ("import gym", "ModuleNotFoundError", "write `import gymnasium as gym`"),
+        ("s, r, done, info = env.step(0)", "ValueError", "step returns five values since Gym 0.26"),
+        ("state = env.reset(); q = [0.0] * 16; q[state]", "TypeError", "`state, info = env.reset()`"),
+        ("state = env.reset(); q = {}; q[state]", "TypeError", "`state, info = env.reset()`"),
+        ("import numpy as np; q = np.zeros(16); s = env.reset(); q[s]", "IndexError", "info = env.reset()`"),
+        ("env.seed(0)", "AttributeError", "write `env.reset(seed=0)`"),
+        ("env.nS", "AttributeError", "write `env.unwrapped.nS`"),
+        ("raise KeyboardInterrupt", "KeyboardInterrupt", ""),
+        ("raise MemoryError('no more')", "MemoryError", "no more"),
+        ("a, b, c, d = range(5)", "ValueError", "too many values to unpack (expected 4)"),
+    ],
+)
+def test_an_error_has_its_place_and_what_helps(tmp_path: Path, line: str, error: str, text: str) -> None:
+    path = script_in(
+        tmp_path,
+        f"""\
+        import gymnasium
+        env = gymnasium.make("FrozenLake-v1")
+        env.reset()
+        def faulty():
+            {line}
+        faulty()
+        """,
+    )
+    found = watched(path).error
+    assert found is not None
+    assert (found.type, found.file, found.line) == (error, str(path), 5)
+    assert text in found.text
+    assert "rl_tui/lab" not in found.traceback
+    assert found.traceback.startswith("Traceback (most recent call last):\n")
+    assert "in faulty" in found.traceback
+
+
+def test_advice_is_given_only_where_it_fits(tmp_path: Path) -> None:
+    found = watched(script_in(tmp_path, "a, b, c, d = range(5)\n")).error
+    assert found is not None
+    assert found.text == "too many values to unpack (expected 4)"
+
+
+def test_a_traceback_of_any_depth_is_bounded(tmp_path: Path) -> None:
+    text = "def deeper(n):\n    return deeper(n + 1) if n % 2 else deeper(n - 1 + 2)\ndeeper(0)\n"
+    found = watched(script_in(tmp_path, text)).error
+    assert found is not None
+    assert (found.type, len(found.traceback) < 15_000) == ("RecursionError", True)
+
+
+@pytest.mark.parametrize(
+    ("code", "note"),
+    [
+        ("raise SystemExit", None),
+        ("import sys; sys.exit(0)", None),
+        ("import sys; sys.exit(3)", "the script ended itself with sys.exit(3)"),
+        ("import sys; sys.exit('no luck')", "the script ended itself with sys.exit('no luck')"),
+        ("import os; os._exit(0)", "the program ended at once, by os._exit(0)"),
+    ],
+)
+def test_an_exit_is_an_end(tmp_path: Path, code: str, note: str | None) -> None:
+    log = watched(script_in(tmp_path, code + "\n"))
+    assert (log.ended, log.error) == (True, None)
+    assert log.notes == ([] if note is None else [note])
+
+
+@pytest.mark.parametrize(
+    ("code", "text"),
+    [
+        ("os.kill(os.getpid(), 9)", "ended by the signal SIGKILL"),
+        ("os._exit(7)", "by os._exit(7)"),
+        ("os.abort()", "ended by the signal SIGABRT"),
+        ("os.closerange(3, 256); time.sleep(600)", "closed the pipe"),
+        ("os.closerange(0, 256); time.sleep(600)", "closed the pipe"),
+        ("[os.write(n, b'S' + b'\\xff' * 99) for n in pipes()]; time.sleep(600)", "garbled"),
+        ("[os.write(n, b'?' + bytes(8)) for n in pipes()]; time.sleep(600)", "garbled"),
+        ("[os.write(n, b'J' + (4).to_bytes(8, 'little') + b'null') for n in pipes()]", "garbled"),
+        ("[os.write(n, b'S' + (8).to_bytes(8, 'little') + b'\\xff' * 8) for n in pipes()]", "garbled"),
+    ],
+)
+def test_a_violent_end_is_told_in_a_line(tmp_path: Path, code: str, text: str) -> None:
+    path = script_in(
+        tmp_path,
+        f"""\
+        import os, stat, time
+        def pipes():
+            for number in range(3, 50):
+                try:
+                    if stat.S_ISFIFO(os.fstat(number).st_mode):
+                        os.set_blocking(number, False)
+                        os.write(number, b"")
+                        yield number
+                except OSError:
+                    pass
+        print("alive", flush=True)
+        {code}
+        """,
+    )
+    log = watched(path)
+    assert log.error is not None
+    assert text in log.error.text
+    assert log.ended
+    assert lines_of(log)[:1] == ["alive"]
+
+
+def test_what_a_killed_program_did_is_kept(tmp_path: Path) -> None:
+    text = (
+        LOOP.format(episodes=20) + "print('done')\nenv.reset()\nimport time; time.sleep(0.2)\nenv.reset()\n"
+    )
+    log = watched(script_in(tmp_path, text + "import os; os.kill(os.getpid(), 9)\n"))
+    assert log.recording.count > 20
+    assert lines_of(log) == ["done"]
+
+
+def test_a_hang_ends_with_the_time_limit(tmp_path: Path) -> None:
+    from rl_tui.lab.programs.program_process import ProgramRequest
+    from rl_tui.lab.programs.to_the_end import watched_to_the_end
+
+    path = script_in(tmp_path, "import re\nre.match('(a+)+$', 'a' * 60 + 'b')\n")  # holds the interpreter
+    log = watched_to_the_end(ProgramRequest(path), seconds=0.5)
+    assert log.error is not None
+    assert log.error.text == "the program was ended after 0.5 seconds"
+
+
+def test_steps_end_a_script_that_would_go_on(tmp_path: Path) -> None:
+    log = watched(script_in(tmp_path, LOOP.format(episodes=10**9)), steps=500)
+    assert (log.recording.count, log.error) == (500, None)
+
+
+def test_lines_of_a_notebook_are_skipped_and_counted(tmp_path: Path) -> None:
+    path = script_in(
+        tmp_path,
+        '''\
+        !pip install gymnasium \\
+            numpy
+        %matplotlib inline
+        text = """
+        % not a line of a notebook
+        """
+        if True:
+            %time
+            print((7
+                   % 4), text.strip())
+        raise ValueError
+        ''',
+    )
+    log = watched(path)
+    assert lines_of(log) == ["3 % not a line of a notebook"]
+    assert log.notes == ["4 lines of a notebook, with ! or %, are skipped"]
+    assert log.error is not None
+    assert log.error.line == 11
+
+
+def test_plots_open_no_window(tmp_path: Path) -> None:
+    package = tmp_path / "matplotlib"
+    package.mkdir()
+    (package / "__init__.py").write_text("def use(name):\n    raise ImportError('no display')\n")
+    (package / "pyplot.py").write_text("def show():\n    raise RuntimeError('a window')\npause = show\n")
+    log = watched(
+        script_in(
+            tmp_path,
+            """\
+            import os, matplotlib
+            matplotlib.use("TkAgg")
+            import matplotlib.pyplot as plt
+            from matplotlib.pyplot import show
+            plt.show(block=True); show(); plt.pause(0.1); plt.switch_backend("Qt5Agg")
+            print(os.environ["MPLBACKEND"], os.environ["SDL_VIDEODRIVER"], os.environ["PYTHONHASHSEED"])
+            """,
+        )
+    )
+    assert log.error is None
+    assert lines_of(log) == ["Agg dummy 0"]
+
+
+def test_the_old_gym_is_told_of_where_it_is_installed(tmp_path: Path) -> None:
+    (tmp_path / "gym.py").write_text("")
+    (note,) = watched(script_in(tmp_path, "import gym\n")).notes
+    assert "write `import gymnasium as gym`" in note
+
+
+def test_pickle5_is_pickle(tmp_path: Path) -> None:
+    log = watched(script_in(tmp_path, "import pickle5 as pickle\nprint(pickle.loads(pickle.dumps([1])))\n"))
+    assert lines_of(log) == ["[1]"]
+
+
+def test_other_encodings_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "script.py"
+    path.write_bytes(b"# -*- coding: latin-1 -*-\r\nprint('\xe4\xf6')\r\n")
+    assert lines_of(watched(path)) == ["äö"]
+
+
+def test_an_error_in_a_module_of_the_user_s_has_its_place_there(tmp_path: Path) -> None:
+    (tmp_path / "broken.py").write_text("x = 1\nif x\n    pass\n")
+    found = watched(script_in(tmp_path, "import broken\n")).error
+    assert found is not None
+    assert (found.type, Path(found.file).name, found.line) == ("SyntaxError", "broken.py", 2)
+
+
+def test_threads_that_the_script_leaves_are_waited_for(tmp_path: Path) -> None:
+    text = (
+        "import threading, time\nthreading.Thread(target=lambda: (time.sleep(.2), print('late'))).start()\n"
+    )
+    assert lines_of(watched(script_in(tmp_path, text))) == ["late"]
+
+
+def test_memory_is_bounded_where_that_is_asked_for(tmp_path: Path) -> None:
+    path = script_in(tmp_path, "x = bytearray(3_000_000_000)\n")
+    found = watched(path, memory=2 * 10**9).error
+    assert found is not None
+    assert found.type == "MemoryError"
+
+
+def _lives(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    state = Path(f"/proc/{process}/stat")
+    return not state.exists() or state.read_text().rsplit(")", 1)[1].split()[0] != "Z"
