@@ -337,6 +337,15 @@ def test_a_step_that_changed_nothing() -> None:
     assert "the program changed nothing" in story(none, 80)
 
 
+def test_without_a_table_nothing_is_said_of_what_was_learned() -> None:
+    picture = watched(program(table=None, verdict=Verdict()))
+    last = picture.counters.last_step
+    assert last is not None
+    text = story(changed(picture, last_step=replace(last, updated_pair=-1)), 80)
+    assert "no table was found, so no change is seen" in text
+    assert "greedy" not in text
+
+
 def test_the_microscope_has_the_update_that_fits_and_invents_nothing() -> None:
     text = "\n".join(row.text for row in page(watched(), 0, look(), 120, 20))
     assert "Q-learning:  Q(s,a) ←" in text or "Q(s,a) ← Q(s,a) + .1·(r + .99·max Q(s′,·) − Q(s,a))" in text

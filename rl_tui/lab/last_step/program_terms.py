@@ -8,7 +8,10 @@ from typing import Final
 from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.update_terms import Lookup, UpdateTerms
 from rl_tui.lab.detective.verdict import Target, UpdateFound
+from rl_tui.lab.live.program_view import ProgramView
 
+NO_CHANGE: Final = "the program changed nothing"
+NO_TABLE: Final = "no table was found, so no change is seen"
 _OF_THE_BOOK: Final = {
     Lookup.BEST: Target.BEST,
     Lookup.NEXT: Target.NEXT_ACTION,
@@ -22,13 +25,15 @@ _OTHERWISE: Final = {
 }
 
 
-def program_terms(terms: UpdateTerms, update: UpdateFound) -> UpdateTerms:
-    """Return ``terms``, those of the algorithm meant, with what the program puts in their place."""
+def program_terms(terms: UpdateTerms, program: ProgramView) -> UpdateTerms:
+    """Return ``terms``, those of the algorithm meant, with what ``program`` puts in their place."""
+    update = program.verdict.update
     gathered = "r before" if update.uses_reward_before else "own r" if update.reward == "own" else "r"
     return replace(
         terms,
         gathered=gathered if terms.gathered == "r" else terms.gathered,
         bootstrap=_OTHERWISE.get(update.target, terms.bootstrap),
+        waiting=NO_TABLE if program.table is None else NO_CHANGE,
     )
 
 

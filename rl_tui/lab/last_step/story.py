@@ -81,7 +81,7 @@ class StepStory:
     def terms(self) -> UpdateTerms:
         """The symbols and words of the algorithm's update, or of what a program makes of it."""
         terms, program = self.algorithm.update, self.program
-        return terms if program is None else program_terms(terms, program.verdict.update)
+        return terms if program is None else program_terms(terms, program)
 
     @property
     def reads_by_the_book(self) -> bool:
@@ -197,7 +197,9 @@ def story_of(snapshot: Snapshot) -> StepStory | None:
         hyperparameters=hyperparameters,
         policy=POLICY_BY_ID[hyperparameters.policy],
         before=before,
-        greedy=_greedy_before(before, knows_others=_knows_others(snapshot, algorithm)),
+        greedy=[]
+        if snapshot.program is not None and snapshot.program.table is None
+        else _greedy_before(before, knows_others=_knows_others(snapshot, algorithm)),
         chance=chance,
         meant=meant,
         went=went,
