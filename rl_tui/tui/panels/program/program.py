@@ -38,6 +38,7 @@ from rl_tui.tui.theme.look import Look
 NO_TABLE: Final = "no table found yet"
 UNKNOWN: Final = "update not known yet"
 _GAMMA_FROM: Final = {"declared": "read from your code", "usual": "the usual one, yours is open"}
+_NEWS_ROWS: Final = 2
 _HINTS: Final = ("F: findings · O: output", "F O")
 
 
@@ -134,7 +135,10 @@ class _Writer:
     def _news(self) -> list[Line]:
         """Return what the file that was saved last has changed."""
         news = one_line(self._program.reloaded, LONGEST_SENTENCE)
-        return self._wrapped(f" {news}", self._palette.accent) if news else []
+        lines = self._wrapped(f" {news}", self._palette.accent) if news else []
+        return (
+            lines if len(lines) <= _NEWS_ROWS else [lines[0], _unfinished(lines[1], self._look, self._width)]
+        )
 
     def _table(self) -> list[Line]:
         program = self._program
