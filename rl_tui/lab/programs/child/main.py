@@ -238,7 +238,7 @@ def main(said: dict[str, Any]) -> None:
         if said["agent"] is None:
             run_script(read_script(path), path, said["arguments"], note)
         else:
-            run_agent(said)
+            run_agent(said, R.message)
         if R.where is not None:
             now = R.read()
             for c in np.flatnonzero(now != R.values):
