@@ -14,6 +14,7 @@ def verdict_of(log: ProgramLog) -> Verdict:
     if log.table is None or log.recording.initial is None:
         return Verdict()
     evidence = Evidence(log.recording)
+    either = log.agent is not None and log.agent.done_is_either
     update = update_of(evidence, log.numbers)
-    findings, notes = findings_of(evidence, update, log)
+    findings, notes = findings_of(evidence, update, log, done_is_either=either)
     return Verdict(update, findings, notes)
