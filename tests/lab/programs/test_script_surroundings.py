@@ -275,7 +275,9 @@ def test_plots_open_no_window(tmp_path: Path) -> None:
     package = tmp_path / "matplotlib"
     package.mkdir()
     (package / "__init__.py").write_text("def use(name):\n    raise ImportError('no display')\n")
-    (package / "pyplot.py").write_text("def show():\n    raise RuntimeError('a window')\npause = show\n")
+    (package / "pyplot.py").write_text(
+        "def show():\n    raise RuntimeError('a window')\npause = show\nswitch_backend = print\n"
+    )
     log = watched(
         script_in(
             tmp_path,
@@ -290,7 +292,7 @@ def test_plots_open_no_window(tmp_path: Path) -> None:
         )
     )
     assert log.error is None
-    assert lines_of(log) == ["Agg dummy 0"]
+    assert lines_of(log) == ["agg", "Agg dummy 0"]
 
 
 def test_the_old_gym_is_told_of_where_it_is_installed(tmp_path: Path) -> None:

@@ -83,8 +83,9 @@ def _draw_into_memory(matplotlib: ModuleType) -> None:
 
 
 def _show_nothing(pyplot: ModuleType) -> None:
-    for name in ("show", "pause", "switch_backend"):
-        setattr(pyplot, name, _nothing)
+    switch = pyplot.switch_backend
+    pyplot.show = pyplot.pause = _nothing  # type: ignore[attr-defined]
+    pyplot.switch_backend = lambda *_: switch("agg")  # type: ignore[attr-defined]  # pyplot calls it itself
 
 
 class _AfterImport(MetaPathFinder):
