@@ -6,6 +6,7 @@ import builtins
 import fcntl
 import os
 import pickle
+import select
 import signal
 import sys
 import warnings
@@ -37,6 +38,8 @@ def end_with(life: int) -> None:
     signal.signal(signal.SIGIO, signal.SIG_DFL)  # which ends a process; whoever started us may ignore it
     fcntl.fcntl(life, fcntl.F_SETOWN, -os.getpgrp())
     fcntl.fcntl(life, fcntl.F_SETFL, fcntl.fcntl(life, fcntl.F_GETFL) | os.O_ASYNC)
+    if select.select([life], [], [], 0.0)[0]:  # it is closed already
+        os.killpg(0, signal.SIGKILL)
 
 
 def bound_memory(most: int) -> None:
