@@ -66,11 +66,13 @@ class UpdateFound:
     """The update that fits the changes of a table.
 
     ``alpha`` is None where it is not constant or nothing tells it, ``gamma`` where no step tells it.
-    ``epsilon`` is that of Expected SARSA's mean, else None. ``reward`` is the environment's or the program's
-    own. ``fits`` is the share of the steps considered that it explains, from 0 to 1, None for an unknown
-    rule; ``informative`` counts the steps on which the value of the next state matters. ``departs_at`` is the first
-    step that it does not explain. ``target``, ``place`` and ``uses_reward_before`` say how it does so, also
-    where that is a fault; ``rule`` is the one that it is meant to be.
+    ``epsilon`` is that of Expected SARSA's mean where it is constant, else None. ``reward`` is the
+    environment's or the program's own. ``fits`` is the share of the steps considered that it explains, from 0
+    to 1, None for an unknown rule; ``informative`` counts the steps on which the value of the next state
+    matters. ``departs_at`` is the first step that it does not explain. ``target``, ``place`` and
+    ``uses_reward_before`` (before that of the step whose cell moves) say how it does so, also where that is a
+    fault; ``rule`` is the one that it is meant to be. An unknown rule may come with ``alpha`` and ``gamma``:
+    those fit, but no step tells Q-learning from SARSA, as ``reason`` says then.
     """
 
     rule: Rule = Rule.UNKNOWN

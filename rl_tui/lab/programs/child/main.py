@@ -17,6 +17,7 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
+from rl_tui.lab.programs.child.agent import run_agent
 from rl_tui.lab.programs.child.faults import described
 from rl_tui.lab.programs.child.script import run_script
 from rl_tui.lab.programs.child.source import read_script
@@ -234,7 +235,10 @@ def main(said: dict[str, Any]) -> None:
     np.random.seed(said["seed"])
     path = Path(said["path"])
     try:
-        run_script(read_script(path), path, said["arguments"], note)
+        if said["agent"] is None:
+            run_script(read_script(path), path, said["arguments"], note)
+        else:
+            run_agent(said)
         if R.where is not None:
             now = R.read()
             for c in np.flatnonzero(now != R.values):

@@ -1,0 +1,1 @@
+"""What each hypothesis about an update predicts, and how its numbers are found."""

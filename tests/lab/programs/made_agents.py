@@ -1,0 +1,102 @@
+"""Agents in NumPy that learn in random worlds and leave a recording, without a process."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rl_tui.lab.programs.messages import CHANGE_WIDTH, STEP_WIDTH
+from rl_tui.lab.programs.recording import Recording
+
+
+@dataclass
+class Made:
+    """A random world with an agent in it: ``rule`` is q, sarsa or expected; ``alpha(visits, episode)``."""
+
+    rule: str = "q"
+    alpha: Callable[[int, int], float] = lambda visits, episode: 0.1
+    gamma: float = 0.9
+    epsilon: float = 0.2
+    states: int = 12
+    actions: int = 3
+    seed: int = 0
+    dtype: Any = np.float64
+    initial: float = 0.0
+    bootstraps_after_end: bool = False
+    reward_late: bool = False
+    own_reward: Callable[[int, int, int, float], float] | None = None
+    minus_one: bool = False
+    sparse: bool = False
+    time_limit: int = 60
+    late_update: bool = False
+    evaluates_every: int = 0
+
+    def recording(self, steps: int) -> Recording:
+        """Return what is recorded of the agent in so many steps."""
+        rng = np.random.default_rng(self.seed)
+        successors = rng.integers(0, self.states, (self.states, self.actions, 3))
+        rewards = -np.ones(self.states) if self.minus_one else rng.normal(size=self.states).round(2)
+        if self.sparse:
+            rewards = np.zeros(self.states)
+            rewards[-1] = 1.0
+        q = np.full((self.states, self.actions), self.initial, self.dtype)
+        q[-1] = 0 if not self.bootstraps_after_end else self.initial
+        recording = Recording()
+        recording.find_table(0, self.actions, q.astype(float).ravel())
+        visits = np.zeros((self.states, self.actions), int)
+        rows: list[tuple[float, ...]] = []
+        changes: list[tuple[float, ...]] = []
+        episode, before = 0, 0.0
+
+        def chosen(state: int) -> int:
+            if rng.random() < self.epsilon:
+                return int(rng.integers(self.actions))
+            return int(rng.choice(np.flatnonzero(q[state] == q[state].max())))
+
+        def update(step: int, s: int, a: int, r: float, s2: int, a2: int, ended: bool) -> None:
+            visits[s, a] += 1
+            best, mean = q[s2].max(), q[s2].mean()
+            value = {"q": best, "sarsa": q[s2, a2]}.get(
+                self.rule, (1 - self.epsilon) * best + self.epsilon * mean
+            )
+            if ended and not self.bootstraps_after_end:
+                value = 0.0
+            if self.own_reward:
+                r = self.own_reward(s, a, s2, r)
+            old = float(q[s, a])
+            q[s, a] += self.alpha(int(visits[s, a]), episode) * (r + self.gamma * value - q[s, a])
+            if float(q[s, a]) != old:
+                changes.append((step, s * self.actions + a, old, float(q[s, a])))
+
+        while len(rows) < steps:
+            state, place, ended = int(rng.integers(self.states - 1)), 0, False
+            action = chosen(state)
+            learns = not self.evaluates_every or (episode + 1) % self.evaluates_every > 0
+            waiting: tuple[int, int, float] | None = None
+            while not ended and place < self.time_limit and len(rows) < steps:
+                s2 = int(rng.choice(successors[state, action]))
+                reward, ended = float(rewards[s2]), s2 == self.states - 1
+                cut = not ended and place + 1 == self.time_limit
+                rows.append((0, state, action, reward, s2, ended + 2 * cut, episode, place))
+                used = before if self.reward_late else reward
+                a2 = chosen(s2)
+                number = len(rows) - 1
+                if learns and self.late_update:
+                    if waiting:
+                        update(number, *waiting, state, action, False)
+                    waiting = (state, action, reward)
+                    if ended:
+                        update(number, *waiting, s2, a2, True)
+                elif learns:
+                    update(number, state, action, used, s2, a2, ended)
+                if self.rule == "q":
+                    a2 = chosen(s2)
+                before, state, action, place = reward, s2, a2, place + 1
+            episode += 1
+        recording.add(
+            np.array(rows, float).reshape(-1, STEP_WIDTH), np.array(changes, float).reshape(-1, CHANGE_WIDTH)
+        )
+        return recording
