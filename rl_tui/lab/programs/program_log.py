@@ -110,6 +110,8 @@ class ProgramLog:
     """Numbers that the program's code holds, by name."""
     lines: dict[tuple[str, int], int] = field(default_factory=dict)
     """How often each line (file, number) changed the table while that was looked at."""
+    called: dict[str, tuple[str, int]] = field(default_factory=dict)
+    """The first line (file, number) that called ``step``, and that which called ``reset``."""
     output: deque[OutputLine] = field(default_factory=lambda: deque(maxlen=MOST_OUTPUT))
     notes: list[str] = field(default_factory=list)
     refused: str = ""

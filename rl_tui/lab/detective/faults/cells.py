@@ -1,0 +1,108 @@
+"""Whether it is the cell of the step that moves, and whether it moves alone; this needs no rule."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from rl_tui.lab.detective.evidence import NO_ACTION, Evidence
+from rl_tui.lab.detective.faults.proof import CodePlace, Proof, some_of
+from rl_tui.lab.detective.source.code_names import CodeNames
+from rl_tui.lab.detective.verdict import Fault
+from rl_tui.worlds.mdp.space import IntArray
+
+_ONE_CELL: Final = 0.95
+"""Of the steps that changed something, so many must have changed one cell."""
+_MOST_FIXED: Final = 32
+"""Actions that are tried as one that a slip fixes."""
+
+
+def proof_of_cell(evidence: Evidence, names: CodeNames) -> Proof | None:
+    """Return the proof that always a wrong cell moves, if there is one."""
+    cell = evidence.only_change[0]
+    rebound = np.isin(evidence.number, np.asarray(evidence.recording.rebound, np.int64))
+    single = (cell >= 0) & ~rebound
+    if single.sum() < _ONE_CELL * (evidence.changes_of > 0).sum():
+        return None
+    at = some_of(np.flatnonzero(single))
+    for place, wrong in _wrong_cells(evidence, at).items():
+        proof = _proof(evidence, at, wrong, place, names)
+        if proof.is_enough:
+            return proof
+    return None
+
+
+def _wrong_cells(evidence: Evidence, at: IntArray) -> dict[str, IntArray]:
+    """Return the cells, [n], that a slip may move in place of (s, a); −1 where there is none."""
+    actions, state, action = evidence.actions, evidence.state[at], evidence.action[at]
+    following, next_state = evidence.next_action[at], evidence.next_state[at]
+    initial = evidence.recording.initial
+    states = 0 if initial is None else len(initial) // actions
+    has_next = following != NO_ACTION
+    fits = (state < actions) & (action < states)
+    cells = {
+        "(s′, a)": next_state * actions + action,
+        "(a, s)": np.where(fits, action * actions + state, -1),
+        "(s′, a′)": np.where(has_next, next_state * actions + following, -1),
+        "(s, a′)": np.where(has_next, state * actions + following, -1),
+    }
+    for fixed in range(min(actions, _MOST_FIXED)):
+        cells[f"(s, {fixed})"] = state * actions + fixed
+    return cells
+
+
+def _proof(evidence: Evidence, at: IntArray, wrong: IntArray, place: str, names: CodeNames) -> Proof:
+    """Prove ``wrong`` from the steps on which it is another cell than the step's own."""
+    moved, own = evidence.only_change[0][at], evidence.cell[at]
+    known = wrong >= 0
+    differ = known & (wrong != own)
+    speaking = at[differ & (moved == wrong)]
+    text = ""
+    if len(speaking):
+        first = speaking[0]
+        state, action = divmod(int(evidence.cell[first]), evidence.actions)
+        other = divmod(int(evidence.only_change[0][first]), evidence.actions)
+        text = (
+            f"at step {evidence.number[first]:,} action {action} was taken in state {state}, and "
+            f"Q({other[0]}, {other[1]}) moved, that is {place}; so at all {len(speaking):,} steps where it "
+            f"is not Q(s, a)"
+        )
+    is_next = place == "(s′, a)"
+    cell = f"{names.table}[{names.state}, {names.action}]"
+    return Proof(
+        Fault.UPDATES_AFTER_MOVING if is_next else Fault.WRONG_CELL,
+        evidence.number[speaking],
+        int((differ & (moved == own)).sum()),
+        text,
+        f"update {cell} first, then {names.state} = {names.next_state}"
+        if is_next
+        else f"update the cell of the state acted in and the action taken there: {cell}",
+        neither=int((known & (moved != wrong) & (moved != own)).sum()),
+    )
+
+
+def proof_of_sharing(evidence: Evidence, shared_at: int | None, names: CodeNames) -> Proof | None:
+    """Return the proof that rows of the table are one and the same, if they were seen to be."""
+    if shared_at is None:
+        return None
+    changes = evidence.recording.changes
+    actions = evidence.actions
+    order = np.lexsort((changes.cell, changes.cell % actions, changes.step))
+    step, action = changes.step[order], changes.cell[order] % actions
+    after = changes.after[order]
+    alike = (step[1:] == step[:-1]) & (action[1:] == action[:-1]) & (after[1:] == after[:-1])
+    if not alike.any():
+        return None
+    steps = np.unique(step[1:][alike])
+    first = int(np.argmax(alike))
+    one, other = (int(changes.cell[order][place]) // actions for place in (first, first + 1))
+    return Proof(
+        Fault.SHARED_TABLE,
+        steps,
+        0,
+        f"rows of the table are one and the same: at step {step[first]:,} the rows of states {one} "
+        f"and {other} moved alike; so at {len(steps):,} steps",
+        f"make a row for each state: {names.table} = [[0.0] * {actions} for state in range(states)]",
+        CodePlace.TABLE,
+    )

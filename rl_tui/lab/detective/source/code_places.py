@@ -1,0 +1,254 @@
+"""Where in the source of a program something stands, found by reading it; nothing of it is run."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+from rl_tui.lab.detective.source.syntax import (
+    assigned,
+    calls_of_step,
+    chooses,
+    first_name,
+    is_added_to,
+    is_part_of,
+    is_simple,
+    is_write,
+    name_of,
+    of_type,
+    parsed_file,
+    targets_of,
+)
+from rl_tui.lab.programs.program_log import ProgramLog
+
+_MOST_FILES: Final = 16
+_Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+@dataclass(frozen=True, slots=True)
+class CodeLine:
+    """A line of a file, from 1."""
+
+    file: str
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
+class StepCall:
+    """A call of ``env.step``: where, on what, with what, and what its result is unpacked into."""
+
+    line: CodeLine
+    environment: ast.expr | None
+    argument: ast.expr | None
+    unpacked: tuple[ast.expr, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Statement:
+    """A statement, and the file that it stands in."""
+
+    file: str
+    node: ast.stmt
+
+    @property
+    def line(self) -> CodeLine:
+        return CodeLine(self.file, self.node.lineno)
+
+
+class ProgramCode:
+    """The source of the program of ``log``, as far as its steps and changes named files."""
+
+    def __init__(self, log: ProgramLog) -> None:
+        self._lines, self._called = log.lines, log.called
+        self._table = log.table
+        self._name = "" if log.table is None else log.table.name.rpartition(".")[2]
+
+    @cached_property
+    def _trees(self) -> dict[str, ast.Module]:
+        named = [file for file, _ in self._called.values()] + [file for file, _ in self._lines]
+        found: dict[str, ast.Module] = {}
+        for file in list(dict.fromkeys(named))[:_MOST_FILES]:
+            tree = parsed_file(file)
+            if tree is not None:
+                found[file] = tree
+        return found
+
+    @cached_property
+    def _statements(self) -> list[_Statement]:
+        return [
+            _Statement(file, node)
+            for file, tree in self._trees.items()
+            for node in ast.walk(tree)
+            if isinstance(node, ast.stmt)
+        ]
+
+    @cached_property
+    def _functions(self) -> dict[str, tuple[str, _Function]]:
+        """Functions and methods by name, with their file."""
+        return {
+            each.node.name: (each.file, each.node)
+            for each in self._statements
+            if isinstance(each.node, _Function)
+        }
+
+    @cached_property
+    def _aliases(self) -> frozenset[str]:
+        """Names of the table: its own, those of parameters that are given it, of copies, rows and cells."""
+        names = {self._name} - {""}
+        for _ in range(3):  # as deep as tables are handed down
+            names |= set(self._further_names(names))
+        return frozenset(names)
+
+    def _further_names(self, names: set[str]) -> Iterator[str]:
+        for each in self._statements:
+            for call in of_type(each.node, ast.Call):
+                yield from self._parameters_given(call, names)
+            target, value = assigned(each.node)
+            if isinstance(target, ast.Name) and value is not None and is_part_of(value, names):
+                yield target.id
+
+    def _parameters_given(self, call: ast.Call, names: set[str]) -> Iterator[str]:
+        function = self._functions.get(name_of(call.func))
+        if function is None:
+            return
+        parameters = [each.arg for each in function[1].args.args]
+        if parameters[:1] == ["self"]:
+            parameters = parameters[1:]
+        for parameter, argument in zip(parameters, call.args, strict=False):
+            if name_of(argument) in names:
+                yield parameter
+        for keyword in call.keywords:
+            if keyword.arg and name_of(keyword.value) in names:
+                yield keyword.arg
+
+    @cached_property
+    def _writes(self) -> list[_Statement]:
+        """The statements that put something into the table, or are meant to."""
+        return [each for each in self._statements if is_write(each.node, self._aliases)]
+
+    @property
+    def writes_table(self) -> bool:
+        """Whether the code puts into the table what it works out."""
+        return bool(self._writes)
+
+    def gives_other(self, reward: str) -> bool:
+        """Whether ``reward`` is given by anything but ``env.step``; True where that cannot be read."""
+        call = self.step_call()
+        if call is None or not any(name_of(each) == reward for each in call.unpacked):
+            return True
+        given = [each for each in self._statements if reward in targets_of(each.node)]
+        added = [each for each in self._statements if is_added_to(each.node, reward)]
+        return len(given) + len(added) > 1
+
+    def update_line(self) -> CodeLine | None:
+        """Return the line that changed the table most, or the first that writes to it."""
+        if self._lines:
+            file, line = max(self._lines, key=lambda each: self._lines[each])
+            return CodeLine(file, line)
+        return self._writes[0].line if self._writes else None
+
+    def table_line(self) -> CodeLine | None:
+        """Return where the table is made."""
+        if self._table is not None and self._table.file and self._table.line:
+            return CodeLine(self._table.file, self._table.line)
+        for each in self._statements:
+            target, value = assigned(each.node)
+            if target is None or value is None or name_of(target) != self._name:
+                continue
+            if isinstance(value, ast.Call):
+                return self._made_in(name_of(value.func)) or each.line
+            if not isinstance(value, ast.Name | ast.Attribute | ast.Constant):
+                return each.line
+        return None
+
+    def _made_in(self, function_name: str) -> CodeLine | None:
+        """Return where a function makes what it returns."""
+        if function_name not in self._functions:
+            return None
+        file, function = self._functions[function_name]
+        for returned in of_type(function, ast.Return):
+            if not isinstance(returned.value, ast.Name):
+                return CodeLine(file, returned.lineno)
+            for node in of_type(function, ast.stmt):
+                target, value = assigned(node)
+                if value is not None and name_of(target) == returned.value.id:
+                    return CodeLine(file, node.lineno)
+        return None
+
+    def step_call(self) -> StepCall | None:
+        """Return the call of ``env.step`` that took the steps."""
+        calls = list(self._step_calls())
+        at = self._called.get("step")
+        seen = [each for each in calls if at == (each.line.file, each.line.line)]
+        return next(iter(seen or calls), None)
+
+    def _step_calls(self) -> Iterator[StepCall]:
+        for each in self._statements:
+            for call in calls_of_step(each.node):
+                target, value = assigned(each.node)
+                unpacked = target.elts if isinstance(target, ast.Tuple) and value is call else ()
+                yield StepCall(
+                    CodeLine(each.file, call.lineno),
+                    call.func.value if isinstance(call.func, ast.Attribute) else None,
+                    call.args[0] if call.args else None,
+                    tuple(unpacked),
+                )
+
+    def call_line(self) -> CodeLine | None:
+        """Return the line of that call."""
+        at = self._called.get("step")
+        if at is not None:
+            return CodeLine(*at)
+        call = self.step_call()
+        return None if call is None else call.line
+
+    def choice_line(self) -> CodeLine | None:
+        """Return the line that chooses the action given to ``env.step``, followed through one function."""
+        call = self.step_call()
+        if call is None or call.argument is None:
+            return self.call_line()
+        given = first_name(call.argument)
+        candidates = [
+            each
+            for each in self._statements
+            if given and given in targets_of(each.node) and self._in_scope(each, call.line)
+        ]
+        for each in candidates:
+            if chooses(each.node):
+                return each.line
+        for node in [call.argument, *(each.node for each in candidates)]:
+            for inner in of_type(node, ast.Call):
+                chosen = self._chosen_in(name_of(inner.func))
+                if chosen is not None:
+                    return chosen
+        return candidates[0].line if candidates else call.line
+
+    def _chosen_in(self, function_name: str) -> CodeLine | None:
+        """Return the line of a function that chooses: the one with a maximum, else its first return."""
+        if function_name not in self._functions:
+            return None
+        file, function = self._functions[function_name]
+        returned = None
+        for node in of_type(function, ast.stmt):
+            if is_simple(node) and chooses(node):
+                return CodeLine(file, node.lineno)
+            if isinstance(node, ast.Return) and returned is None:
+                returned = CodeLine(file, node.lineno)
+        return returned
+
+    def _in_scope(self, statement: _Statement, line: CodeLine) -> bool:
+        return self.scope_of(statement.line) is self.scope_of(line)
+
+    def scope_of(self, line: CodeLine) -> ast.AST | None:
+        """Return the innermost function that holds ``line``, or its whole file."""
+        tree = self._trees.get(line.file)
+        if tree is None:
+            return None
+        holding: ast.AST = tree
+        for node in ast.walk(tree):  # outer ones come first
+            if isinstance(node, _Function) and node.lineno <= line.line <= (node.end_lineno or 0):
+                holding = node
+        return holding

@@ -1,0 +1,139 @@
+"""Questions to the syntax tree of somebody's source; nothing of it is run."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Final, TypeVar
+
+_LARGEST: Final = 1_000_000
+"""Bytes of a file that is read."""
+_MAGIC: Final = re.compile(r"^([ \t]*)[!%].*$", re.MULTILINE)
+"""A line that only notebooks understand."""
+_WRITING: Final = frozenset({"itemset", "put", "update", "__setitem__", "setdefault"})
+_CHOOSING: Final = frozenset({"argmax", "max", "nanargmax", "argsort", "argmin"})
+Node = TypeVar("Node", bound=ast.AST)
+
+
+def parsed_file(file: str) -> ast.Module | None:
+    """Return the tree of ``file``; None where there is none that can be read."""
+    try:
+        path = Path(file)
+        said = path.stat()
+        if said.st_size > _LARGEST or not path.is_file():
+            return None
+        return _parsed(path, said.st_mtime_ns)
+    except (OSError, ValueError):
+        return None
+
+
+@lru_cache(maxsize=32)
+def _parsed(path: Path, changed: int) -> ast.Module | None:
+    del changed  # another key where the file was saved again
+    text = path.read_bytes()
+    try:
+        return ast.parse(text)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        pass
+    try:
+        return ast.parse(_MAGIC.sub(r"\1pass", text.decode("utf-8", "replace")))
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return None
+
+
+def of_type(tree: ast.AST, kind: type[Node]) -> Iterator[Node]:
+    """Yield the nodes of a kind in ``tree``, in the order of their lines."""
+    found = [node for node in ast.walk(tree) if isinstance(node, kind)]
+    return iter(sorted(found, key=lambda node: (getattr(node, "lineno", 0), getattr(node, "col_offset", 0))))
+
+
+def name_of(node: ast.AST | None) -> str:
+    """Return the last part of a name or an attribute, else nothing."""
+    if isinstance(node, ast.Name):
+        return node.id
+    return node.attr if isinstance(node, ast.Attribute) else ""
+
+
+def base_of(node: ast.expr) -> ast.expr:
+    """Return what is indexed, however often."""
+    while isinstance(node, ast.Subscript):
+        node = node.value
+    return node
+
+
+def assigned(node: ast.AST) -> tuple[ast.expr | None, ast.expr | None]:
+    """Return target and value of an assignment."""
+    if isinstance(node, ast.Assign) and len(node.targets) == 1:
+        return node.targets[0], node.value
+    if isinstance(node, ast.AnnAssign):
+        return node.target, node.value
+    return None, None
+
+
+def targets_of(node: ast.stmt) -> Sequence[str]:
+    """Return the plain names that an assignment gives values to."""
+    target, _ = assigned(node)
+    elements = target.elts if isinstance(target, ast.Tuple) else [target]
+    return [each.id for each in elements if isinstance(each, ast.Name)]
+
+
+def is_part_of(value: ast.expr, names: set[str]) -> bool:
+    """Whether ``value`` is a copy of the table, or a row or a cell of it."""
+    if isinstance(value, ast.Subscript):
+        return name_of(base_of(value)) in names
+    if not isinstance(value, ast.Call):
+        return False
+    if isinstance(value.func, ast.Attribute) and value.func.attr in ("copy", "tolist", "astype"):
+        return name_of(base_of(value.func.value)) in names
+    is_copy = name_of(value.func) in ("copy", "deepcopy", "array", "list", "dict")
+    return is_copy and any(name_of(base_of(each)) in names for each in value.args)
+
+
+def is_added_to(node: ast.AST, name: str) -> bool:
+    """Whether a statement changes the number that goes by ``name`` in place."""
+    return isinstance(node, ast.AugAssign) and name_of(node.target) == name
+
+
+def is_write(node: ast.stmt, names: frozenset[str]) -> bool:
+    """Whether a statement puts something into the table that goes by ``names``, or was meant to."""
+    if isinstance(node, ast.AugAssign):
+        return name_of(base_of(node.target)) in names
+    if isinstance(node, ast.Expr) and isinstance(node.value, ast.Compare):  # == in place of =
+        left = node.value.left
+        return isinstance(left, ast.Subscript) and name_of(base_of(left)) in names
+    if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call):
+        function = node.value.func
+        is_writing = isinstance(function, ast.Attribute) and function.attr in _WRITING
+        return is_writing and name_of(base_of(function.value)) in names  # type: ignore[attr-defined]
+    target, value = assigned(node)
+    if not isinstance(target, ast.Subscript) or name_of(base_of(target)) not in names or value is None:
+        return False
+    mentions = any(name_of(each) in names for each in ast.walk(value))
+    return mentions or isinstance(value, ast.Name | ast.BinOp)
+
+
+def calls_of_step(node: ast.stmt) -> Iterator[ast.Call]:
+    """Yield the calls of a method ``step`` in a statement that holds no others."""
+    if not is_simple(node):
+        return
+    for call in of_type(node, ast.Call):
+        if isinstance(call.func, ast.Attribute) and call.func.attr == "step":
+            yield call
+
+
+def is_simple(node: ast.stmt) -> bool:
+    """Whether no statements stand in ``node``."""
+    return not hasattr(node, "body")
+
+
+def chooses(node: ast.AST) -> bool:
+    """Whether something is asked for its largest value in ``node``."""
+    return any(name_of(call.func) in _CHOOSING for call in of_type(node, ast.Call))
+
+
+def first_name(node: ast.expr) -> str:
+    """Return the first name in an expression; empty if there is none."""
+    return next((each.id for each in of_type(node, ast.Name) if each.id != "int"), "")

@@ -1,0 +1,350 @@
+"""Which faults are told of steps that were made, and which are not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from made_recordings import Learner, Step, recorded
+
+from rl_tui.lab.detective.evidence import Evidence
+from rl_tui.lab.detective.findings import findings_of
+from rl_tui.lab.detective.verdict import Fault, Finding, Place, Rule, Target, UpdateFound
+from rl_tui.lab.programs.program_log import ProgramLog
+from rl_tui.worlds.mdp.space import FloatArray
+
+ALPHA, GAMMA = 0.1, 0.9
+SEEDS = range(4)
+Q_LEARNING = UpdateFound(
+    Rule.Q_LEARNING, ALPHA, "constant", GAMMA, fits=1.0, informative=1000, target=Target.BEST
+)
+SARSA = replace(Q_LEARNING, rule=Rule.SARSA, target=Target.NEXT_ACTION)
+UNKNOWN = UpdateFound()
+
+
+def moves(table: FloatArray, step: Step, target: float, alpha: float = ALPHA) -> None:
+    """Move the step's own cell towards ``target``."""
+    table[step.state, step.action] += alpha * (target - table[step.state, step.action])
+
+
+def best(table: FloatArray, step: Step) -> float:
+    """Return the value of the next state, 0 after the end."""
+    return 0.0 if step.terminated else float(table[step.next_state].max())
+
+
+def q_learning(table: FloatArray, step: Step) -> None:
+    """As the book has it."""
+    moves(table, step, step.reward + GAMMA * best(table, step))
+
+
+def sarsa(table: FloatArray, step: Step) -> None:
+    """As the book has it."""
+    future = 0.0 if step.terminated else table[step.next_state, step.next_action]
+    moves(table, step, step.reward + GAMMA * future)
+
+
+def bootstraps(table: FloatArray, step: Step) -> None:
+    """Takes the terminal state's value."""
+    moves(table, step, step.reward + GAMMA * table[step.next_state].max())
+
+
+def sarsa_bootstraps(table: FloatArray, step: Step) -> None:
+    """Takes the value of an action that is never taken."""
+    moves(table, step, step.reward + GAMMA * table[step.next_state, step.next_action])
+
+
+def done_is_done(table: FloatArray, step: Step) -> None:
+    """Takes the end of the time for the end."""
+    over = step.terminated or step.truncated
+    moves(table, step, step.reward + (0.0 if over else GAMMA * table[step.next_state].max()))
+
+
+def previous_reward(table: FloatArray, step: Step) -> None:
+    """Takes the reward of the step before, also over the end of an episode."""
+    moves(table, step, step.reward_before + GAMMA * best(table, step))
+
+
+def previous_reward_within(table: FloatArray, step: Step) -> None:
+    """Takes the reward of the step before, 0 at first."""
+    moves(table, step, (0.0 if step.first else step.reward_before) + GAMMA * best(table, step))
+
+
+def after_moving(table: FloatArray, step: Step) -> None:
+    """Updates the next state."""
+    cell = step.next_state, step.action
+    table[cell] += ALPHA * (step.reward + GAMMA * best(table, step) - table[cell])
+
+
+def column(table: FloatArray, step: Step) -> None:
+    """Takes the largest value of a column."""
+    moves(table, step, step.reward + (0.0 if step.terminated else GAMMA * table[:, step.action].max()))
+
+
+def next_cell(table: FloatArray, step: Step) -> None:
+    """Updates the cell of the next action."""
+    cell = step.state, step.next_action
+    table[cell] += ALPHA * (step.reward - table[cell])
+
+
+def shares(table: FloatArray, step: Step) -> None:
+    """Writes to a row that all states share."""
+    q_learning(table, step)
+    table[:, step.action] = table[step.state, step.action]
+
+
+def skips_ends(table: FloatArray, step: Step) -> None:
+    """Leaves the loop before the update."""
+    if not step.terminated:
+        q_learning(table, step)
+
+
+def takes_too_much(table: FloatArray, step: Step) -> None:
+    """Goes beyond its target."""
+    moves(table, step, step.reward + GAMMA * best(table, step), alpha=1.2)
+
+
+@dataclass(frozen=True)
+class Faulty:
+    """A learner with a fault, with the update that is found of it."""
+
+    learner: Learner
+    fault: Fault
+    update: UpdateFound = Q_LEARNING
+    initial: str = "random"
+    dtype: str = "float64"
+    arrange: Callable[[ProgramLog], None] = lambda _: None
+
+
+def shared(log: ProgramLog) -> None:
+    """Say that rows were seen to be one object."""
+    log.shared_at = 0
+
+
+def holds_gamma(log: ProgramLog) -> None:
+    """Give the code the root of its discount."""
+    log.numbers["agent.gamma"] = GAMMA**0.5
+
+
+def holds_numbers(log: ProgramLog) -> None:
+    """Give the code its step size and discount."""
+    log.numbers |= {"alpha": ALPHA, "gamma": GAMMA, "epsilon": 0.05}
+
+
+FAULTY = {
+    "terminal row": Faulty(bootstraps, Fault.BOOTSTRAPS_AFTER_END),
+    "terminal row, optimistic": Faulty(bootstraps, Fault.BOOTSTRAPS_AFTER_END, initial="high"),
+    "terminal row, float32": Faulty(bootstraps, Fault.BOOTSTRAPS_AFTER_END, dtype="float32"),
+    "terminal row of SARSA": Faulty(sarsa_bootstraps, Fault.BOOTSTRAPS_AFTER_END, SARSA),
+    "cut off": Faulty(done_is_done, Fault.NO_BOOTSTRAP_AFTER_TRUNCATION),
+    "reward before": Faulty(previous_reward, Fault.SHIFTED_REWARD, replace(Q_LEARNING, fits=0.6)),
+    "reward before, 0 at first": Faulty(previous_reward_within, Fault.SHIFTED_REWARD),
+    "moved": Faulty(
+        after_moving, Fault.UPDATES_AFTER_MOVING, replace(Q_LEARNING, place=Place.MOVED), initial="zeros"
+    ),
+    "moved, no rule": Faulty(after_moving, Fault.UPDATES_AFTER_MOVING, UNKNOWN),
+    "column": Faulty(column, Fault.WRONG_AXIS, replace(Q_LEARNING, target=Target.COLUMN)),
+    "next action": Faulty(next_cell, Fault.WRONG_CELL, UNKNOWN),
+    "shared": Faulty(shares, Fault.SHARED_TABLE, UNKNOWN, initial="zeros", arrange=shared),
+    "ends lost": Faulty(skips_ends, Fault.LOSES_UPDATE),
+    "step size": Faulty(takes_too_much, Fault.STEP_SIZE_OUT_OF_RANGE, replace(Q_LEARNING, alpha=1.2)),
+    "gamma twice": Faulty(q_learning, Fault.GAMMA_TWICE, arrange=holds_gamma),
+    "integers": Faulty(
+        q_learning, Fault.ROUNDING_TABLE, UNKNOWN, initial="high", dtype="int64", arrange=holds_numbers
+    ),
+}
+
+
+def found(log: ProgramLog, update: UpdateFound, *, done_is_either: bool = False) -> tuple[Finding, ...]:
+    """Return the findings of a log."""
+    return findings_of(Evidence(log.recording), update, log, done_is_either=done_is_either)[0]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("name", FAULTY)
+def test_a_fault_is_told_alone_and_nothing_speaks_against_it(name: str, seed: int) -> None:
+    faulty = FAULTY[name]
+    log = recorded(faulty.learner, seed, initial=faulty.initial, dtype=faulty.dtype)
+    faulty.arrange(log)
+    (finding,) = found(log, faulty.update)
+    assert finding.fault is faulty.fault
+    assert finding.steps_for >= 3
+    assert finding.steps_against == 0
+    assert 0 <= finding.step < log.recording.count
+    assert finding.text
+    assert finding.correction
+
+
+def own_reward(table: FloatArray, step: Step) -> None:
+    """Gives itself another reward where an episode ends without one."""
+    reward = -1.0 if step.terminated and step.reward == 0.0 else step.reward
+    moves(table, step, reward + GAMMA * best(table, step))
+
+
+def with_evaluation(table: FloatArray, step: Step) -> None:
+    """Learns in every other episode only."""
+    if step.episode % 2:
+        q_learning(table, step)
+
+
+def skips_truncated(table: FloatArray, step: Step) -> None:
+    """Throws the step away that was cut off."""
+    if not step.truncated:
+        q_learning(table, step)
+
+
+def all_or_nothing(table: FloatArray, step: Step) -> None:
+    """Takes the whole target."""
+    moves(table, step, step.reward + GAMMA * best(table, step), alpha=1.0)
+
+
+def undiscounted(table: FloatArray, step: Step) -> None:
+    """Weighs all rewards alike."""
+    moves(table, step, step.reward + best(table, step))
+
+
+def short_sighted(table: FloatArray, step: Step) -> None:
+    """Sees this reward alone."""
+    moves(table, step, step.reward)
+
+
+def clipped(table: FloatArray, step: Step) -> None:
+    """Keeps values in a range."""
+    q_learning(table, step)
+    np.clip(table, -1.0, 1.5, out=table)
+
+
+def by_visits() -> Learner:
+    """Averages."""
+    counts: dict[tuple[int, int], int] = {}
+
+    def learn(table: FloatArray, step: Step) -> None:
+        cell = step.state, step.action
+        counts[cell] = counts.get(cell, 0) + 1
+        moves(table, step, step.reward + GAMMA * best(table, step), alpha=1.0 / counts[cell])
+
+    return learn
+
+
+def falling(table: FloatArray, step: Step) -> None:
+    """Has a step size that falls from episode to episode."""
+    moves(table, step, step.reward + GAMMA * best(table, step), alpha=0.5 * 0.99**step.episode)
+
+
+def replays() -> Learner:
+    """Remembers three steps and learns from one of them."""
+    memory: list[Step] = []
+
+    def learn(table: FloatArray, step: Step) -> None:
+        memory.append(step)
+        q_learning(table, memory[step.number * 7 % len(memory)])
+
+    return learn
+
+
+def is_bound_anew(table: FloatArray, step: Step) -> None:
+    """Begins with another table now and then."""
+    q_learning(table, step)
+    if step.number % 400 == 399:
+        table[:] = 0.0
+
+
+CORRECT: dict[str, tuple[Callable[[], Learner], UpdateFound]] = {
+    "q-learning": (lambda: q_learning, Q_LEARNING),
+    "sarsa": (lambda: sarsa, SARSA),
+    "sarsa, not found": (lambda: sarsa, UNKNOWN),
+    "own reward at ends": (lambda: own_reward, replace(Q_LEARNING, fits=0.98)),
+    "evaluation": (lambda: with_evaluation, Q_LEARNING),
+    "what was cut off is thrown away": (lambda: skips_truncated, Q_LEARNING),
+    "alpha 1": (lambda: all_or_nothing, replace(Q_LEARNING, alpha=1.0)),
+    "gamma 1": (lambda: undiscounted, replace(Q_LEARNING, gamma=1.0)),
+    "gamma 0": (lambda: short_sighted, replace(Q_LEARNING, gamma=0.0, target=Target.NOTHING)),
+    "gamma not known": (lambda: q_learning, replace(Q_LEARNING, gamma=None)),
+    "clipped": (lambda: clipped, Q_LEARNING),
+    "1/N": (by_visits, replace(Q_LEARNING, alpha=None, alpha_schedule="1/N")),
+    "alpha by episode": (lambda: falling, replace(Q_LEARNING, alpha=None, alpha_schedule="by-episode")),
+    "replay": (replays, UNKNOWN),
+    "bound anew": (lambda: is_bound_anew, Q_LEARNING),
+}
+
+
+@pytest.mark.parametrize("initial", ["random", "zeros", "high"])
+@pytest.mark.parametrize("name", CORRECT)
+def test_of_what_is_right_nothing_is_told(name: str, initial: str) -> None:
+    make, update = CORRECT[name]
+    for seed in SEEDS:
+        log = recorded(make(), seed, initial=initial)
+        holds_numbers(log)
+        assert found(log, update) == (), seed
+
+
+@pytest.mark.parametrize("schedule", ["1/N", "by-episode"])
+def test_a_fault_is_told_also_where_the_step_size_falls(schedule: str) -> None:
+    counts: dict[tuple[int, int], int] = {}
+
+    def learn(table: FloatArray, step: Step) -> None:
+        cell = step.state, step.action
+        counts[cell] = counts.get(cell, 0) + 1
+        alpha = 1.0 / counts[cell] if schedule == "1/N" else 0.5 * 0.999**step.episode
+        moves(table, step, step.reward + GAMMA * table[step.next_state].max(), alpha=alpha)
+
+    update = replace(Q_LEARNING, alpha=None, alpha_schedule=schedule)  # type: ignore[arg-type]
+    faults = [each.fault for each in found(recorded(learn), update)]
+    assert faults == [Fault.BOOTSTRAPS_AFTER_END]
+
+
+def test_one_flag_for_both_ends_is_no_fault_of_the_agent() -> None:
+    log = recorded(done_is_done)
+    assert found(log, Q_LEARNING, done_is_either=True) == ()
+
+
+def test_two_steps_are_not_enough() -> None:
+    log = recorded(bootstraps, steps=1500)
+    first = found(log, Q_LEARNING)[0]
+    ends = np.flatnonzero(log.recording.steps.terminated)
+    assert first.step == ends[0]
+    assert found(recorded(bootstraps, steps=int(ends[1]) + 1), Q_LEARNING) == ()
+    assert len(found(recorded(bootstraps, steps=int(ends[2]) + 1), Q_LEARNING)) == 1
+
+
+def test_one_step_that_speaks_against_it_is_enough() -> None:
+    def once_right(table: FloatArray, step: Step) -> None:
+        (q_learning if step.number > 1400 else bootstraps)(table, step)
+
+    assert found(recorded(once_right), Q_LEARNING) == ()
+
+
+def test_the_square_of_a_discount_is_a_discount_where_the_code_holds_it() -> None:
+    log = recorded(q_learning)
+    holds_gamma(log)
+    log.numbers["discount"] = GAMMA
+    assert found(log, Q_LEARNING) == ()
+
+
+def test_a_number_that_is_no_discount_is_no_root() -> None:
+    log = recorded(q_learning)
+    log.numbers["epsilon_decay"] = GAMMA**0.5
+    assert found(log, Q_LEARNING) == ()
+
+
+def test_integers_that_lose_nothing_are_no_fault() -> None:
+    def counts_steps(table: FloatArray, step: Step) -> None:
+        moves(table, step, step.reward + best(table, step), alpha=1.0)
+
+    log = recorded(counts_steps, initial="zeros", dtype="int64")
+    log.numbers["alpha"] = 1.0
+    assert found(log, UNKNOWN) == ()
+
+
+def test_a_shared_row_is_told_only_where_rows_move_alike() -> None:
+    log = recorded(q_learning)
+    log.shared_at = 0
+    assert found(log, Q_LEARNING) == ()
+
+
+def test_a_finding_that_rests_on_a_name_says_so() -> None:
+    log = recorded(q_learning)
+    holds_gamma(log)
+    (finding,) = found(log, Q_LEARNING)
+    assert finding.certainty == "declared"
