@@ -25,7 +25,7 @@ _MOST_FRAMES: Final = 40
 
 def is_users_file(file: str) -> bool:
     """Return whether code of ``file`` is the user's own: none of ours, no library and no part of Python."""
-    return not file.startswith((_OURS, *_LIBRARIES)) and "site-packages" not in file
+    return not (file.startswith((_OURS, *_LIBRARIES)) or "site-packages" in file or "dist-packages" in file)
 
 
 def described(error: BaseException) -> dict[str, Any]:

@@ -6,6 +6,7 @@ import builtins
 import fcntl
 import os
 import pickle
+import select
 import signal
 import sys
 import warnings
@@ -37,6 +38,8 @@ def end_with(life: int) -> None:
     signal.signal(signal.SIGIO, signal.SIG_DFL)  # which ends a process; whoever started us may ignore it
     fcntl.fcntl(life, fcntl.F_SETOWN, -os.getpgrp())
     fcntl.fcntl(life, fcntl.F_SETFL, fcntl.fcntl(life, fcntl.F_GETFL) | os.O_ASYNC)
+    if select.select([life], [], [], 0.0)[0]:  # it is closed already
+        os.killpg(0, signal.SIGKILL)
 
 
 def bound_memory(most: int) -> None:
@@ -83,8 +86,9 @@ def _draw_into_memory(matplotlib: ModuleType) -> None:
 
 
 def _show_nothing(pyplot: ModuleType) -> None:
-    for name in ("show", "pause", "switch_backend"):
-        setattr(pyplot, name, _nothing)
+    switch = pyplot.switch_backend
+    pyplot.show = pyplot.pause = _nothing  # type: ignore[attr-defined]
+    pyplot.switch_backend = lambda *_: switch("agg")  # type: ignore[attr-defined]  # pyplot calls it itself
 
 
 class _AfterImport(MetaPathFinder):
