@@ -89,6 +89,15 @@ class ProgramError:
     traceback: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class ProgramAgent:
+    """The agent without a loop that a program is; ``done_is_either`` as its shape has it."""
+
+    name: str
+    style: str
+    done_is_either: bool
+
+
 @dataclass(slots=True)
 class OutputLine:
     """One line that a program wrote, after so many steps; ``stream`` is "out" or "err"."""
@@ -109,6 +118,8 @@ class ProgramLog:
     table: FoundTable | None = None
     shared_at: int | None = None
     """The step at which rows of the table were seen to be one and the same object."""
+    agent: ProgramAgent | None = None
+    """None for a script with a loop of its own."""
     numbers: dict[str, float] = field(default_factory=dict)
     """Numbers that the program's code holds, by name."""
     lines: dict[tuple[str, int], int] = field(default_factory=dict)
@@ -212,6 +223,9 @@ class ProgramLog:
             case Kind.LINES:
                 for file, line, count in said["lines"]:
                     self.lines[file, line] = self.lines.get((file, line), 0) + count
+            case Kind.AGENT:
+                self.agent = ProgramAgent(said["name"], said["style"], said["done_is_either"])
+                self.called.setdefault("step", (said["file"], said["line"]))
             case Kind.OUTPUT:
                 self._take_output(said)
             case Kind.NOTE:
