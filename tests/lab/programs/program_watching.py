@@ -1,70 +1,73 @@
-"""Scripts that tests write down and watch."""
+"""A watched program played by commands alone, so that nothing depends on the time."""
 
 from __future__ import annotations
 
-import os
-import time
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from textwrap import dedent
-from typing import Any
 
-from rl_tui.lab.programs.program_log import ProgramLog
+from rl_tui.lab.live.commands import Command
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live_programs.program_playback import ProgramPlayback
+from rl_tui.lab.live_programs.watched_program import WatchedProgram
 from rl_tui.lab.programs.program_process import ProgramRequest
-from rl_tui.lab.programs.to_the_end import watched_to_the_end
 
-PATIENCE = 60.0
-"""Seconds after which a program that hangs fails a test."""
-
-LOOP = """\
+LEARNS = """
 import gymnasium as gym
 import numpy as np
-env = gym.make("FrozenLake-v1")
-Q = np.zeros((16, 4))
-for episode in range({episodes}):
-    state, info = env.reset()
+
+env = gym.make("FrozenLake-v1", is_slippery=False)
+q = np.zeros((16, 4))
+alpha, gamma, epsilon = 0.1, 0.99, 0.3
+rng = np.random.default_rng(1)
+for episode in range(EPISODES):
+    s, _ = env.reset()
     done = False
     while not done:
-        action = env.action_space.sample()
-        next_state, reward, terminated, truncated, info = env.step(action)
-        Q[state, action] += 0.5 * (reward - 1 + 0.9 * Q[next_state].max() - Q[state, action])
-        state, done = next_state, terminated or truncated
+        best = np.flatnonzero(q[s] == q[s].max())
+        a = int(rng.integers(4)) if rng.random() < epsilon else int(rng.choice(best))
+        s2, r, terminated, truncated, _ = env.step(a)
+        q[s, a] += alpha * (r + gamma * (0 if terminated else q[s2].max()) - q[s, a])
+        s, done = s2, terminated or truncated
 """
+"""A correct program that learns all it can in some 100 episodes."""
 
 
-def script_in(folder: Path, text: str, name: str = "script.py") -> Path:
-    """Write a script into ``folder`` and return its path."""
-    path = folder / name
-    path.write_text(dedent(text), encoding="utf-8")
+def written(folder: Path, text: str = LEARNS, episodes: int = 300) -> Path:
+    """Write the program ``text`` to a file, with so many episodes, and return its path."""
+    path = folder / "student.py"
+    path.write_text(text.replace("EPISODES", str(episodes)))
     return path
 
 
-def watched(path: Path, *arguments: str, **more: Any) -> ProgramLog:
-    """Return what the script told until it ended."""
-    return watched_to_the_end(ProgramRequest(path, arguments, **more), seconds=PATIENCE)
+class Watcher:
+    """Plays a program to the end of each command."""
+
+    def __init__(self, playback: ProgramPlayback) -> None:
+        self.playback = playback
+
+    def do(self, *commands: Command) -> Snapshot:
+        """Carry out ``commands`` to their ends, and return what is shown then."""
+        self._rest()
+        for command in commands:
+            self.playback.handle(command)
+            self._rest()
+        return self.playback.snapshot()
+
+    def _rest(self) -> None:
+        for _ in range(100_000):
+            if self.playback.work() is None and not self.playback.on_the_way:
+                return
+        raise AssertionError("it never comes to rest")
 
 
-def lines_of(log: ProgramLog, stream: str = "out") -> list[str]:
-    """Return what the program wrote on a stream."""
-    return [line.text for line in log.output if line.stream == stream]
-
-
-def lives(process: int) -> bool:
-    """Return whether a process is there, and no zombie."""
+@contextmanager
+def watched(path: Path, seed: int = 0) -> Iterator[Watcher]:
+    """Start the program at ``path``, watch it, and end it."""
+    program = WatchedProgram(ProgramRequest(path, seed=seed))
+    program.wait_for_environment()
+    playback = ProgramPlayback(program, lambda: None, automatic=False)
     try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    state = Path(f"/proc/{process}/stat")
-    try:
-        return state.read_text().rsplit(")", 1)[1].split()[0] != "Z"
-    except FileNotFoundError:
-        return not state.parent.parent.exists()
-
-
-def wait_until(condition: Callable[[], bool]) -> None:
-    """Wait for what another process does; fail when it does not come."""
-    until = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < until, "it did not come"
-        time.sleep(0.01)
+        yield Watcher(playback)
+    finally:
+        playback.close()
