@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from program_watching import LEARNS, Watcher, watched, written
 
 from rl_tui.agents.catalogue import OWN_PROGRAM
@@ -20,7 +19,6 @@ from rl_tui.lab.live_programs.program_playback import ProgramPlayback
 from rl_tui.lab.live_programs.watched_program import WatchedProgram
 from rl_tui.lab.programs.program_process import ProgramRequest
 from rl_tui.lab.run.recipe import SetParameter, SwitchAlgorithm
-
 
 pytestmark = pytest.mark.process
 
