@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final, TextIO
 
 import click
 
+from rl_tui.cli.options.agent import agent_option, warn_of_agent
 from rl_tui.cli.options.help_sections import SectionedCommand
 from rl_tui.cli.options.numbers import ChangeValue, Whole
 from rl_tui.cli.options.run import (
@@ -28,6 +29,7 @@ from rl_tui.common.words import counted
 
 if TYPE_CHECKING:
     from rl_tui.lab.experiments.training import Goal
+    from rl_tui.lab.own_agents.loading import AgentName
     from rl_tui.lab.run.changes import ChangeText
     from rl_tui.lab.run.recipe import Recipe
     from rl_tui.lab.run.run import Run
@@ -53,6 +55,7 @@ MOST_RUNS: Final = 100_000
     help="after STEP steps set a hyper-parameter, algorithm=NAME, take=ACTION in place of the agent, or "
     "sweep=evaluation or sweep=improvement of policy iteration; may be given several times",
 )
+@agent_option
 @allow_module_option
 @run_options
 @seed_option
@@ -65,6 +68,7 @@ def command(
     csv: CsvTarget,
     curve: CsvTarget,
     changes: tuple[ChangeText, ...],
+    agent: AgentName | None,
     overrides: dict[str, object],
     seed: int,
     as_json: bool,
@@ -83,12 +87,20 @@ def command(
             "--change and --runs exclude each other: the steps of a change are those of one run",
             click.get_current_context(),
         )
+    if changes and agent is not None:
+        raise click.UsageError(
+            "--change and --agent exclude each other: what changes is in your agent",
+            click.get_current_context(),
+        )
     from rl_tui.lab.experiments.training import Goal
     from rl_tui.lab.experiments.whole_file import file_or_stream
     from rl_tui.lab.run.library import episodes_of, recipe_named
 
     recipe = recipe_named(scenario, overrides, seed)
     goal = Goal(steps=steps) if steps is not None else Goal(episodes=episodes or episodes_of(recipe.scenario))
+    if agent is not None:
+        _train_agent(agent, recipe, overrides, goal, runs, csv, curve, as_json)
+        return
     if not any(change.name in ("algorithm", "policy") for change in changes):
         warn_of_no_effect(recipe, overrides)  # what the first algorithm does not use may be for a later one
     _warn_beyond_budget(recipe, goal)
@@ -105,6 +117,48 @@ def command(
         report = one_run(run, figures) if runs is None else several_runs(recipe, figures)
         click.echo(report, err=is_stdout(csv) or is_stdout(curve))
     finish_compiling()
+
+
+def _train_agent(
+    name: AgentName,
+    recipe: Recipe,
+    given: dict[str, object],
+    goal: Goal,
+    runs: int | None,
+    csv: CsvTarget,
+    curve: CsvTarget,
+    as_json: bool,
+) -> None:
+    """Let the agent ``name`` learn, and print what came of it."""
+    from rl_tui.cli.reports.own_agent import update_in_words
+    from rl_tui.cli.reports.training import agent_run, several_runs
+    from rl_tui.lab.experiments.curve_file import write_curve
+    from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
+    from rl_tui.lab.experiments.whole_file import file_or_stream
+    from rl_tui.lab.grading.agent_request import place_of_agent
+    from rl_tui.lab.grading.agent_training import AgentRuns, train_agent, train_agent_often
+
+    warn_of_agent(given)
+    seeded, title = AgentRuns(name, place_of_agent(name), recipe, given), recipe.scenario.title
+    with nullcontext() if curve is None else file_or_stream(curve) as points, progress(name.path.name) as bar:
+        if runs is None:
+            with nullcontext() if csv is None else csv_file(csv) as stream:
+                rows = None if stream is None else EpisodeRows(stream, 1)
+                run, figures, mean = train_agent(seeded, goal, rows, bar)
+        else:
+            figures = train_agent_often(seeded, runs, goal, csv, bar)
+            mean = figures["curve"]
+        if points is not None:
+            write_curve(points, mean)
+    if as_json:
+        print_json(figures)
+        return
+    report = (
+        several_runs(recipe, figures)
+        if runs is not None
+        else agent_run(run.world, run.mdp, title, figures, update_in_words(run.verdict))
+    )
+    click.echo(report, err=is_stdout(csv) or is_stdout(curve))
 
 
 def _warn_beyond_budget(recipe: Recipe, goal: Goal) -> None:

@@ -12,9 +12,12 @@ from rl_tui.cli.output import alike, columns, number
 from rl_tui.cli.reports.policy_map import policy_map
 from rl_tui.common.words import counted
 from rl_tui.lab.run.bandit import BanditFigures
+from rl_tui.lab.run.exact_answers import NO_TABLE
 from rl_tui.lab.run.figures import exact_world, why_inexact
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.run.run import Run
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+from rl_tui.worlds.world import World
 
 Figures = Mapping[str, Any]
 Row = tuple[str, str, str]
@@ -53,6 +56,39 @@ def _changes(journal: Sequence[Figures]) -> str:
     )
 
 
+def agent_run(world: World, mdp: TabularMDP | None, title: str, figures: Figures, found: str) -> str:
+    """Return the report of one run of an agent that somebody wrote, in ``world``, whose table is ``mdp``.
+
+    ``title`` is the scenario's, ``found`` says what was found out about the agent.
+    """
+    best = best_expected_return(mdp) if mdp else None
+    exact = (
+        _greedy_rows(figures, best)
+        if mdp and figures["q"]
+        else [("exact figures", "none", _no_exact(figures))]
+    )
+    first = figures["first_reward_episode"]
+    rows = [
+        *exact,
+        *_last_rows(figures),
+        ("first reward", "never" if first is None else f"episode {first:,}", "the first that is not 0"),
+    ]
+    drawn = ["", policy_map(world, figures["policy"])] if figures["policy"] else []
+    return "\n".join(
+        [agent_head(title, figures), found, _done(figures, "episode"), *drawn, "", columns(rows)]
+    )
+
+
+def agent_head(title: str, figures: Figures, seeds: str = "") -> str:
+    """Return which agent learned where, with which seed or ``seeds``."""
+    agent = figures["agent"]
+    return f"{title}: {agent['name']} of {agent['file']}, {seeds or 'seed ' + str(figures['seed'])}"
+
+
+def _no_exact(figures: Figures) -> str:
+    return "no table of values was found in the agent" if figures["q"] is None else NO_TABLE
+
+
 def several_runs(recipe: Recipe, figures: Figures) -> str:
     """Return the report of several runs; ``figures`` is their document of ``train --runs --json``."""
     runs = figures["runs"]
@@ -66,7 +102,8 @@ def several_runs(recipe: Recipe, figures: Figures) -> str:
         rows.append((title, shown[0], shown[1], shown[2], shown[3], f"{summary['count']:,}"))
     last = runs[-1]["seed"]
     seeds = f"seeds {recipe.seed} to {last}" if last != recipe.seed else f"seed {recipe.seed}"
-    parts = [_head(recipe, seeds), "", columns(rows, right=(1, 2, 3, 4, 5))]
+    head = agent_head(recipe.scenario.title, figures, seeds) if "agent" in figures else _head(recipe, seeds)
+    parts = [head, "", columns(rows, right=(1, 2, 3, 4, 5))]
     if "winnings" not in runs[0] and figures["summary"]["value_at_start"]["count"]:
         parts += ["", "The value at the start is discounted, returns are not."]
     endless = sum(row["expected_return"] is None and row["max_error"] is not None for row in runs)
@@ -74,7 +111,7 @@ def several_runs(recipe: Recipe, figures: Figures) -> str:
         share = f"{endless:,} of {counted(len(runs), 'run')}"
         parts += ["", f"In {share} the greedy policy may never end; {_NO_RETURN}"]
     blind = sum(row["first_reward_episode"] is None for row in runs)
-    if blind:
+    if blind and "agent" not in figures:
         parts += ["", no_reward(recipe, blind, len(runs))]
     return "\n".join(parts)
 

@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from shutil import copyfileobj
 from tempfile import TemporaryDirectory
-from typing import Any, Final, TextIO, TypeVar
+from typing import Any, Final, Generic, Protocol, TextIO, TypeVar
 
 from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
 from rl_tui.lab.experiments.learning_curve import RunCurve, mean_curve, no_curve
@@ -21,9 +21,10 @@ from rl_tui.lab.experiments.training import Goal, OnProgress, no_progress
 from rl_tui.lab.experiments.whole_file import whole_file
 from rl_tui.lab.run.figures import finite, head, summary
 from rl_tui.lab.run.recipe import Recipe
-from rl_tui.lab.run.run import OnEpisodes, Run
+from rl_tui.lab.run.run import OnEpisodes
 
 Result = TypeVar("Result")
+RunT = TypeVar("RunT")
 
 LONGEST_GOODBYE: Final = 2.0
 
@@ -43,18 +44,70 @@ def many_runs(
     the order of the runs. ``on_progress`` is called from several threads, one at a time; ``on_compiling``
     where they wait for machine code. Raises UserError as one run does.
     """
-    experiment = _Experiment(recipe, runs, goal, on_progress, workers or cores(), on_compiling)
+    seeded = SeededRuns(recipe)
+    seeded.get_machine_code(runs, goal, on_compiling)
+    return {**head(recipe), **figures_of_runs(seeded, runs, goal, csv, on_progress, workers)}
+
+
+class RunsBySeed(Protocol[RunT]):
+    """Runs of anything that learns, which differ in their seed, as :class:`SeededRuns` has them."""
+
+    @property
+    def first_seed(self) -> int:
+        """The seed of the first of them."""
+        ...
+
+    @property
+    def figures(self) -> tuple[str, ...]:
+        """The names of a run's figures."""
+        ...
+
+    @property
+    def is_bandit(self) -> bool:
+        """Whether their world is a bandit, whose optimal actions are counted."""
+        ...
+
+    @property
+    def plans(self) -> bool:
+        """Whether they have no episodes, but sweeps."""
+        ...
+
+    def new_run(self, seed: int, *on_episodes: OnEpisodes | None) -> RunT:
+        """Return the run of ``seed``, not trained; each of ``on_episodes`` hears of its episodes."""
+        ...
+
+    def train(self, run: RunT, goal: Goal, on_progress: OnProgress) -> None:
+        """Advance ``run`` to ``goal``; ``on_progress`` may raise to end it."""
+        ...
+
+    def row(self, run: RunT) -> dict[str, Any]:
+        """Return the seed and the figures of ``run``."""
+        ...
+
+
+def figures_of_runs(
+    seeded: RunsBySeed[RunT],
+    runs: int,
+    goal: Goal,
+    csv: Path | TextIO | None,
+    on_progress: OnProgress = no_progress,
+    workers: int | None = None,
+) -> dict[str, Any]:
+    """Train ``runs`` of ``seeded`` and return what came of it: the document without its head.
+
+    The rest is as for :func:`many_runs`.
+    """
+    experiment = _Experiment(seeded, runs, goal, on_progress, workers or cores())
     start = time.perf_counter()
     rows = experiment.rows(csv)
     seconds = time.perf_counter() - start
     curve = experiment.curve(min(row["episodes"] for row in rows))
     document: dict[str, Any] = finite(
         {
-            **head(recipe),
             "seconds": seconds,
             "steps_per_second": sum(row["steps"] for row in rows) / seconds,
             "runs": rows,
-            "summary": {name: summary([row[name] for row in rows]) for name in experiment.figures},
+            "summary": {name: summary([row[name] for row in rows]) for name in seeded.figures},
             "curve": curve,
         }
     )
@@ -65,19 +118,13 @@ class _GivenUpError(Exception):
     """Another run failed or the user broke off: this one need not go on."""
 
 
-class _Experiment:
+class _Experiment(Generic[RunT]):
     """The runs, in parallel."""
 
     def __init__(
-        self,
-        recipe: Recipe,
-        runs: int,
-        goal: Goal,
-        on_progress: OnProgress,
-        workers: int,
-        on_compiling: Callable[[], None],
+        self, seeded: RunsBySeed[RunT], runs: int, goal: Goal, on_progress: OnProgress, workers: int
     ) -> None:
-        self._runs = SeededRuns(recipe)
+        self._runs = seeded
         self._count = runs
         self._goal = goal
         self._on_progress = on_progress
@@ -86,14 +133,6 @@ class _Experiment:
         self._given_up = False
         self._done = [0] * runs
         self._curves: list[RunCurve | None] = [None] * runs
-        self._planner = self._runs.first.learner.plans
-        self._bandit = self._runs.is_bandit
-        self._runs.get_machine_code(runs, goal, on_compiling)
-
-    @property
-    def figures(self) -> tuple[str, ...]:
-        """The names of a run's figures."""
-        return self._runs.figures
 
     def rows(self, csv: Path | TextIO | None) -> list[dict[str, Any]]:
         """Train every run to the goal and return its figures."""
@@ -119,13 +158,13 @@ class _Experiment:
         they are simply done once more, since the same recipe gives the same episodes, in no memory to speak
         of. The sweeps of a planner have no returns, and so no curve.
         """
-        if episodes == 0 or self._planner:
-            return no_curve(self._bandit)
+        if episodes == 0 or self._runs.plans:
+            return no_curve(self._runs.is_bandit)
         if any(curve is None for curve in self._curves):
             self._goal = Goal(episodes=episodes)
             self._on_progress = no_progress
             self._in_parallel(self._train, lambda index: None)
-        return mean_curve([curve for curve in self._curves if curve is not None], self._bandit)
+        return mean_curve([curve for curve in self._curves if curve is not None], self._runs.is_bandit)
 
     def _in_parallel(self, work: Callable[[int], Result], on_done: Callable[[int], None]) -> list[Result]:
         """Return ``work`` of every run, in order; ``on_done`` is called in order too, as soon as may be.
@@ -161,11 +200,11 @@ class _Experiment:
                 run = self._train(index, EpisodeRows(stream, index + 1))
         return self._runs.row(run)
 
-    def _train(self, index: int, *also: OnEpisodes) -> Run:
+    def _train(self, index: int, *also: OnEpisodes) -> RunT:
         curve = None
-        if self._goal.episodes and not self._planner:
+        if self._goal.episodes and not self._runs.plans:
             curve = self._curves[index] = RunCurve(self._goal.episodes)
-        run = self._runs.new_run(self._runs.recipe.seed + index, *also, curve)
+        run = self._runs.new_run(self._runs.first_seed + index, *also, curve)
         self._runs.train(run, self._goal, partial(self._note_progress, index))
         return run
 

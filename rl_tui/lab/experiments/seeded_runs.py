@@ -61,6 +61,16 @@ class SeededRuns:
         self._solving = threading.Lock()
 
     @property
+    def first_seed(self) -> int:
+        """The seed of the first of them."""
+        return self.recipe.seed
+
+    @property
+    def plans(self) -> bool:
+        """Whether they have no episodes, but the sweeps of a planner."""
+        return self.first.learner.plans
+
+    @property
     def figures(self) -> tuple[str, ...]:
         """The names of a run's figures."""
         return (*FIGURES, *BANDIT_FIGURES) if self.is_bandit else FIGURES

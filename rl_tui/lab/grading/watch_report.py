@@ -37,7 +37,7 @@ def watch_report(script: str, log: ProgramLog, verdict: Verdict) -> dict[str, An
             "best_expected_return": learned.best_expected_return,
             "value_at_start": learned.value_at_start,
             "update": _update(verdict.update),
-            "findings": [_finding(finding) for finding in verdict.findings],
+            "findings": [finding_as_json(finding) for finding in verdict.findings],
             "notes": [*log.notes, *verdict.notes],
             "error": _error(error_of(log)),
         }
@@ -131,7 +131,8 @@ def _update(update: UpdateFound) -> dict[str, Any]:
     }
 
 
-def _finding(finding: Finding) -> dict[str, Any]:
+def finding_as_json(finding: Finding) -> dict[str, Any]:
+    """Return ``finding`` as JSON."""
     return {
         "fault": finding.fault.value,
         "kind": finding.kind,

@@ -17,8 +17,24 @@ States are numbers: of a tuple of observations its place in row-major order. A c
 ``step`` counts from 0 over the whole program; a change belongs to the step before the next call of ``step``
 or ``reset``. ``before`` is NaN where the table had no such entry.
 
-The watching side writes lines of JSON: ``{"stop": …}`` says at what to stop, an empty object is a wake-up.
-How far the program may go stands in memory that both share: one int64, the number of steps.
+The watching side writes lines of JSON, which are heard at each wait, and while the program runs some thirty
+times a second. An empty object is a wake-up; ``{"trace": n}`` asks for the lines of the next n changes.
+``{"stop": …}`` says at what to stop, null at nothing. Its value holds one or more of
+
+    states: [s, …]      the step led into one of these states
+    cells: [c, …]       the pair of the step is one of these cells
+    reward: true        the step brought a reward other than 0
+    episode_ends: n     the n-th end of an episode from now on
+    episode: k          episode k comes next
+    value: [c, x]       the number in cell c moved across, or to, x
+    policy: true        the greedy actions of a state changed
+
+What is met is looked at before the next ``step`` or ``reset``, an episode is over with ``reset``. So the step
+that met it is the last one that came, with its changes. The program then waits with that name as
+``stopped``, however far it may go, until it hears the next ``{"stop": …}``.
+
+How far the program may go stands in memory that both share: one int64, the number of steps. It is looked at
+in ``step`` and in ``reset``.
 """
 
 from __future__ import annotations
@@ -54,16 +70,19 @@ class Kind:
     """number, id, kwargs (null where they are no plain data), states (the sizes of the observation's parts),
     first_state (what each part counts from), actions, first_action, time_limit, wrappers (class names)"""
     TRANSITIONS: Final = "transitions"
-    """number, P: the table of an environment that only the program knows: [[[[p, s', r, ended], …] …] …]"""
+    """number, P: the table of an environment that only the program knows: [[[[p, s', r, ended], …] …] …],
+    start: the probability to begin in each state, or null"""
     TABLE: Final = "table"
-    """step, name, form, shape, dtype, others (names), shared (bool), file, line: where it was made, if known.
-    A frame with its content follows."""
+    """step, name, form, shape, dtype, actions (A), others (names), shared (bool); file, line: where it was
+    made, if known. A frame with its content follows."""
     REBOUND: Final = "rebound"
     """step: another object is the table now; what differs in it comes as changes."""
     SHARED: Final = "shared"
     """step: rows of the table are one and the same object."""
     NUMBERS: Final = "numbers"
     """numbers: name → value, floats that the program's code holds."""
+    CALLED: Final = "called"
+    """method ("step" or "reset"), file, line: where the user's code called it first."""
     LINES: Final = "lines"
     """lines: [[file, line, count], …], the lines that changed the table."""
     OUTPUT: Final = "output"

@@ -6,7 +6,7 @@ import json
 import signal
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -139,16 +139,15 @@ class ProgramLog:
         if letter == STEPS:
             self._take_steps(np.frombuffer(payload, np.float64))
         elif letter == TABLE:
-            shape = self.environments[-1] if not self.environments else self.environments[0]
-            self.recording.find_table(
-                self._found_at, shape.actions, np.frombuffer(payload, np.float64).copy()
-            )
+            content = np.frombuffer(payload, np.float64).copy()
+            self.recording.find_table(self._found_at, self._found_actions, content)
         elif letter in (MESSAGE, OWN_MESSAGE):
             self._take_message(json.loads(payload))
         else:
             raise ValueError(f"no frame of ours: {letter!r}")
 
     _found_at: int = 0
+    _found_actions: int = 0
     _unfinished: dict[str, OutputLine] = field(default_factory=dict)
     """The last line of each stream, as long as it may be replaced."""
 
@@ -191,7 +190,7 @@ class ProgramLog:
                     said.get("file", ""),
                     said.get("line"),
                 )
-                self._found_at = said["step"]
+                self._found_at, self._found_actions = said["step"], said["actions"]
                 if said["shared"]:
                     self.shared_at = said["step"]
             case Kind.REBOUND:
@@ -200,6 +199,12 @@ class ProgramLog:
                 self.shared_at = said["step"] if self.shared_at is None else self.shared_at
             case Kind.NUMBERS:
                 self.numbers.update(said["numbers"])
+            case Kind.CALLED:
+                self.called[said["method"]] = (said["file"], said["line"])
+            case Kind.TRANSITIONS:
+                self.environments[said["number"]] = replace(
+                    self.environments[said["number"]], transitions=said["P"], start=said["start"]
+                )
             case Kind.LINES:
                 for file, line, count in said["lines"]:
                     self.lines[file, line] = self.lines.get((file, line), 0) + count

@@ -41,9 +41,10 @@ class ProgramRequest:
     """What to run: a script, or an agent without a loop.
 
     ``agent`` is the class or function in ``path`` that is an agent (empty: the only one), None where ``path``
-    is a script with a loop of its own. An agent learns in ``scenario`` for ``episodes``. ``hyperparameters``
-    are given to its constructor by name. ``steps`` ends the program after so many, ``memory`` is how many
-    bytes it may ask the system for.
+    is a script with a loop of its own. An agent learns in ``scenario``, an id or a path, for ``episodes``.
+    What is random about that world is drawn from ``scenario_seed``, from ``seed`` if that is None.
+    ``hyperparameters`` are given to its constructor by name, ``defaults`` where it has no default itself.
+    ``steps`` ends the program after so many, ``memory`` is how many bytes it may ask the system for.
     """
 
     path: Path
@@ -53,8 +54,10 @@ class ProgramRequest:
     table: str | None = None
     agent: str | None = None
     scenario: str = ""
+    scenario_seed: int | None = None
     episodes: int | None = None
     hyperparameters: Mapping[str, float] | None = None
+    defaults: Mapping[str, float] | None = None
     memory: int | None = None
 
 
@@ -232,8 +235,10 @@ def _script(request: ProgramRequest, descriptors: Mapping[str, int]) -> str:
         "table": request.table,
         "agent": request.agent,
         "scenario": request.scenario,
+        "scenario_seed": request.seed if request.scenario_seed is None else request.scenario_seed,
         "episodes": request.episodes,
         "hyperparameters": dict(request.hyperparameters or {}),
+        "defaults": dict(request.defaults or {}),
         "memory": request.memory,
         **descriptors,
     }

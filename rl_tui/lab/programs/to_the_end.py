@@ -19,13 +19,14 @@ def watched_to_the_end(
     request: ProgramRequest,
     on_progress: Callable[[ProgramLog], None] = lambda _: None,
     seconds: float | None = None,
+    log: ProgramLog | None = None,
 ) -> ProgramLog:
     """Return all that the program of ``request`` told until it ended, or ``seconds`` were over.
 
-    ``on_progress`` is called about ten times a second, or oftener. Raises OSError where no process can be
-    started.
+    ``on_progress`` is called about ten times a second, or oftener, and may raise to end it. ``log`` is what
+    takes it in, if that is at hand. Raises OSError where no process can be started.
     """
-    log, process = ProgramLog(), ProgramProcess(request)
+    log, process = log or ProgramLog(), ProgramProcess(request)
     limit = math.inf if seconds is None else time.monotonic() + seconds
     farewell = math.inf
     try:

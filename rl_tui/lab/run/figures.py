@@ -15,6 +15,7 @@ from rl_tui.agents.exact.policies import greedy_policy
 from rl_tui.agents.exact.policy_figures import figures
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
 from rl_tui.agents.exact.solve import solve
+from rl_tui.agents.hyperparameters import Ties
 from rl_tui.lab.run.exact_answers import NO_TABLE
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
@@ -67,16 +68,24 @@ def optimum_of(mdp: TabularMDP | None, gamma: float) -> Solution | None:
 
 def greedy_figures(run: Run, optimum: Solution | None) -> GreedyFigures:
     """Return the figures of what ``run`` has learned, held against ``optimum`` for its γ."""
-    mdp, learner = exact_world(run), run.learner
+    hyperparameters = run.learner.hyperparameters
+    return figures_of_estimates(
+        exact_world(run), run.learner.q, hyperparameters.ties, hyperparameters.gamma, optimum
+    )
+
+
+def figures_of_estimates(
+    mdp: TabularMDP | None, q: FloatArray, ties: Ties, gamma: float, optimum: Solution | None
+) -> GreedyFigures:
+    """Return the figures of the estimates ``q``, [P], in ``mdp``, held against ``optimum`` for ``gamma``."""
     if mdp is None:
         return GreedyFigures(None, None, None, None, None)
-    policy = greedy_policy(mdp, learner.q, learner.hyperparameters.ties)
-    of_policy = figures(mdp, policy, learner.hyperparameters.gamma)
+    of_policy = figures(mdp, greedy_policy(mdp, q, ties), gamma)
     return GreedyFigures(
         value_at_start=of_policy.value_at_start,
         optimal_value_at_start=optimum.value_at_start if optimum else None,
         expected_return=of_policy.expected_return,
-        max_error=float(np.abs(learner.q - optimum.q).max()) if optimum else None,
+        max_error=float(np.abs(q - optimum.q).max()) if optimum else None,
         greedy_ends=of_policy.ends,
     )
 

@@ -1,0 +1,88 @@
+"""``rl-tui grade``: what submissions learn under many seeds, held against the optimum."""
+
+from __future__ import annotations
+
+import os
+
+import click
+
+from rl_tui.cli.options.numbers import Whole
+from rl_tui.cli.options.run import allow_module_option, json_option, seed_option
+from rl_tui.cli.output import complain, print_json
+from rl_tui.cli.program import FAILED
+from rl_tui.cli.progress import progress
+from rl_tui.common.errors import UserError
+
+MOST: int = 10**15
+MOST_SEEDS: int = 10_000
+WARNING = (
+    "This is no sandbox: a submission can read, write and send what you can. Grade only what you would run "
+    "yourself, or grade where there is nothing to lose."
+)
+
+
+@click.command("grade")
+@click.argument("target", metavar="FILE.py[:NAME]|FOLDER")
+@click.option("--scenario", metavar="ID|FILE.toml", required=True, help="the world to learn in")
+@click.option("--seeds", type=Whole(1, MOST_SEEDS), default=20, show_default=True, help="how many seeds")
+@click.option(
+    "--episodes",
+    type=Whole(1, MOST),
+    help="how many episodes an agent learns for  [default: the scenario's]; a script decides itself",
+)
+@click.option(
+    "--threshold",
+    type=click.FloatRange(max=1.0),
+    default=0.95,
+    show_default=True,
+    help="the mean share of the best return that passes",
+)
+@click.option("--seconds", type=Whole(1, MOST), default=60, show_default=True, help="time limit of a seed")
+@click.option(
+    "--memory", type=Whole(256, MOST), default=2048, show_default=True, help="MB that a seed may have"
+)
+@seed_option
+@allow_module_option
+@json_option
+def command(
+    target: str,
+    scenario: str,
+    seeds: int,
+    episodes: int | None,
+    threshold: float,
+    seconds: int,
+    memory: int,
+    seed: int,
+    as_json: bool,
+) -> None:
+    """Grade an agent or a script, or every one in a folder.
+
+    What counts is the exact return of the greedy policy of its table, ties shared evenly, as a share of the
+    best: 1 for the best policy, and less by each point of return that is lost, in parts of all that an
+    episode of the best policy pays and costs. It has passed where the mean over the seeds is the threshold or
+    more, and no seed failed. The exit status is 0 if all have passed, else 1.
+    """
+    from rl_tui.terminal.driver_choice import IN_BROWSER
+
+    if os.environ.get("TEXTUAL_DRIVER") == IN_BROWSER:
+        raise UserError("grade runs what stands in files, and so does nothing where the program is served")
+    complain(WARNING)
+    from rl_tui.lab.grading.grade import Grading, GradingLimits, grade_report
+    from rl_tui.lab.grading.submissions import submissions_in
+    from rl_tui.lab.run.library import episodes_of, recipe_named
+
+    found, recipe = submissions_in(target), recipe_named(scenario, {}, seed)
+    if found.left_out:
+        complain(f"left out: {', '.join(found.left_out)}")
+    limits = GradingLimits(float(seconds), memory * 2**20)
+    grading = Grading(recipe, seeds, episodes or episodes_of(recipe.scenario), threshold, limits)
+    with progress(f"{target} in {recipe.scenario.id}") as bar:
+        graded = grading.grade(found.submissions, bar)
+    if as_json:
+        print_json(grade_report(grading, graded))
+    else:
+        from rl_tui.cli.reports.grading import grades
+
+        click.echo(grades(grading, graded))
+    if not all(each.passed for each in graded):
+        click.get_current_context().exit(FAILED)

@@ -1,0 +1,21 @@
+"""What is said of a program that somebody wrote, for people."""
+
+from __future__ import annotations
+
+from rl_tui.cli.output import number
+from rl_tui.common.findings import printable
+from rl_tui.lab.detective.verdict import Rule, Verdict
+
+
+def update_in_words(verdict: Verdict) -> str:
+    """Return which update was found, and what is wrong with it, a line each."""
+    update = verdict.update
+    known = [
+        f"{symbol} {number(value, '.6g')}"
+        for symbol, value in (("α", update.alpha), ("γ", update.gamma))
+        if value is not None
+    ]
+    settings = f" with {', '.join(known)}" if known else ""
+    what = "its update is not known" if update.rule == Rule.UNKNOWN else f"its update is {update.rule.value}"
+    faults = (f"{each.kind}: {each.fault.value}: {each.text}" for each in verdict.findings)
+    return "\n".join((f"{what}{settings}", *map(printable, faults)))

@@ -1,0 +1,238 @@
+"""Training an agent that somebody wrote, in a process of its own, without a screen."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final, TextIO
+
+import numpy as np
+
+from rl_tui.agents.exact.policies import greedy_policy
+from rl_tui.agents.exact.solution import Solution
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line
+from rl_tui.lab.detective.detective import verdict_of
+from rl_tui.lab.detective.verdict import Rule, Verdict
+from rl_tui.lab.experiments.learning_curve import RunCurve, each_of, mean_curve, no_curve
+from rl_tui.lab.experiments.many_runs import figures_of_runs
+from rl_tui.lab.experiments.seeded_runs import FIGURES
+from rl_tui.lab.experiments.training import Goal, OnProgress, no_progress
+from rl_tui.lab.grading.agent_request import agent_request
+from rl_tui.lab.grading.episode_recording import EpisodeRecording
+from rl_tui.lab.own_agents.loading import AgentName, AgentPlace
+from rl_tui.lab.programs.program_log import ProgramError, ProgramLog
+from rl_tui.lab.programs.to_the_end import watched_to_the_end
+from rl_tui.lab.run.figures import (
+    MOST_STATES,
+    GreedyFigures,
+    figures_of_estimates,
+    finite,
+    head,
+    optimum_of,
+    policy_names,
+    table,
+)
+from rl_tui.lab.run.history import History
+from rl_tui.lab.run.recipe import Recipe, begin
+from rl_tui.lab.run.run import OnEpisodes
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+from rl_tui.worlds.world import World
+
+_LONGEST_ERROR: Final = 400
+
+
+@dataclass(slots=True)
+class AgentRun:
+    """One run of an agent: its seed, its world, and what it told."""
+
+    seed: int
+    world: World
+    history: History
+    log: ProgramLog
+    recording: EpisodeRecording
+    seconds: float = 0.0
+    verdict: Verdict = field(default_factory=Verdict)
+
+    @property
+    def q(self) -> FloatArray | None:
+        """What stands in its table for each pair of the world, [P], absent entries as 0; None without one."""
+        return estimates_of(self.log, self.world.space)
+
+    @property
+    def mdp(self) -> TabularMDP | None:
+        """The table that exact figures are worked out from; None where there is none, it is large, or drifts."""
+        mdp = self.world.mdp
+        return None if mdp is None or mdp.states > MOST_STATES or mdp.drift_std > 0.0 else mdp
+
+
+class AgentRuns:
+    """Runs of the agent ``name`` in the scenario of ``recipe``, which differ in their seed.
+
+    ``given`` are the hyper-parameters that a person gave, by name. Exact figures are for the γ of ``recipe``.
+    """
+
+    figures = FIGURES
+    is_bandit = False
+    plans = False
+
+    def __init__(
+        self, name: AgentName, place: AgentPlace, recipe: Recipe, given: Mapping[str, object]
+    ) -> None:
+        self.name, self.place, self.recipe, self.given = name, place, recipe, given
+        self._world = None if recipe.scenario.section.drawn_from_seed else begin(recipe).world
+        self._solving = threading.Lock()
+        self._optima: dict[int, Solution | None] = {}
+
+    @property
+    def first_seed(self) -> int:
+        """The seed of the first of them."""
+        return self.recipe.seed
+
+    def new_run(self, seed: int, *on_episodes: OnEpisodes | None) -> AgentRun:
+        """Return the run of ``seed``, not trained; each of ``on_episodes`` hears of its episodes."""
+        world = self._world or begin(_with_seed(self.recipe, seed)).world
+        history, hand_on = History(), each_of(*on_episodes)
+
+        def finished(returns: FloatArray, lengths: IntArray) -> None:
+            history.add(returns, lengths)
+            hand_on(returns, lengths, np.zeros(len(returns), np.bool_))
+
+        recording = EpisodeRecording(world.space.states, len(world.space.action_names), finished)
+        return AgentRun(seed, world, history, ProgramLog(recording), recording)
+
+    def train(self, run: AgentRun, goal: Goal, on_progress: OnProgress) -> None:
+        """Let ``run`` learn up to ``goal``. Raises UserError, with file and line, where the agent failed."""
+        request = agent_request(self.name, _with_seed(self.recipe, run.seed), self.given, goal)
+        wanted = goal.steps or goal.episodes or 0
+
+        def tell(log: ProgramLog) -> None:
+            on_progress(log.recording.count if goal.steps else run.recording.episodes, wanted)
+
+        start = time.perf_counter()
+        watched_to_the_end(request, tell, log=run.log)
+        run.seconds = time.perf_counter() - start
+        if run.log.error is not None:
+            raise UserError(f"seed {run.seed}: {error_in_a_line(self.name.path, run.log.error)}")
+        if run.log.refused:
+            raise UserError(f"seed {run.seed}: {one_line(run.log.refused, _LONGEST_ERROR)}")
+        run.verdict = verdict_of(run.log)
+
+    def exact(self, run: AgentRun) -> GreedyFigures:
+        """Return the exact figures of what ``run`` has learned; all None where it has no table."""
+        q, gamma = run.q, self.recipe.hyperparameters.gamma
+        if q is None or run.mdp is None:
+            return GreedyFigures(None, None, None, None, None)
+        with self._solving:
+            key = id(run.world)
+            if key not in self._optima:
+                self._optima[key] = optimum_of(run.mdp, gamma)
+        return figures_of_estimates(run.mdp, q, "random", gamma, self._optima[key])
+
+    def row(self, run: AgentRun) -> dict[str, Any]:
+        """Return the seed and the figures of ``run``, as ``train --runs --json`` prints them."""
+        exact, recording = self.exact(run), run.recording
+        mean_return, mean_length = run.history.last_100
+        return {
+            "seed": run.seed,
+            "steps": recording.count,
+            "episodes": recording.episodes,
+            "value_at_start": exact.value_at_start,
+            "expected_return": exact.expected_return,
+            "max_error": exact.max_error,
+            "return_mean": run.history.total_return / recording.episodes if recording.episodes else None,
+            "return_last_100": mean_return,
+            "length_last_100": mean_length,
+            "first_reward_episode": recording.first_reward_episode or None,
+        }
+
+    def head(self, verdict: Verdict | None) -> dict[str, Any]:
+        """Return who learned, as JSON; of the hyper-parameters what ``verdict`` proves, the others are null."""
+        of_recipe, update = head(self.recipe), (verdict or Verdict()).update
+        proven: dict[str, float | str | None] = {
+            "alpha": update.alpha,
+            "gamma": update.gamma,
+            "epsilon": update.epsilon,
+        }
+        if update.alpha_schedule == "1/N":
+            proven["alpha"] = "sample-average"
+        return {
+            **of_recipe,
+            "agent": {"file": str(self.name.path), "name": self.place.name, "style": self.place.style.value},
+            "algorithm": None if update.rule in (Rule.UNKNOWN, Rule.MONTE_CARLO) else update.rule.value,
+            "hyperparameters": dict.fromkeys(of_recipe["hyperparameters"]) | proven,
+            "discount": self.recipe.hyperparameters.gamma,
+        }
+
+
+def train_agent(
+    runs: AgentRuns, goal: Goal, on_episodes: OnEpisodes | None = None, on_progress: OnProgress = no_progress
+) -> tuple[AgentRun, dict[str, Any], dict[str, list[Any]]]:
+    """Let the agent of ``runs`` learn once, and return the run, its document and its mean curve.
+
+    Raises UserError where it failed.
+    """
+    curve = None if goal.episodes is None else RunCurve(goal.episodes)
+    run = runs.new_run(runs.first_seed, on_episodes, curve)
+    runs.train(run, goal, on_progress)
+    points = no_curve(False) if curve is None or not run.recording.episodes else mean_curve([curve], False)
+    return run, _document(runs, run), points
+
+
+def train_agent_often(
+    runs: AgentRuns, count: int, goal: Goal, csv: Path | TextIO | None, on_progress: OnProgress = no_progress
+) -> dict[str, Any]:
+    """Let the agent of ``runs`` learn ``count`` times, and return the document of ``train --runs --json``."""
+    return {**runs.head(None), **figures_of_runs(runs, count, goal, csv, on_progress)}
+
+
+def estimates_of(log: ProgramLog, space: FiniteSpace) -> FloatArray | None:
+    """Return what stands in the table of an agent for each pair of its world, [P], absent entries as 0.
+
+    None where no table of that size was found.
+    """
+    recording, actions = log.recording, len(space.action_names)
+    if recording.initial is None or len(recording.initial) != space.states * actions:
+        return None
+    cells = space.pair_state * actions + space.pair_action
+    estimates: FloatArray = np.nan_to_num(recording.table_at(recording.count))[cells]
+    return estimates
+
+
+def error_in_a_line(path: Path, error: ProgramError) -> str:
+    """Return what a program at ``path`` raised, with the place, in one line."""
+    place = str(path) if error.line is None else f"{error.file or path}, line {error.line}"
+    raised = error.text if error.type == UserError.__name__ else f"{error.type}: {error.text}"
+    return one_line(raised if error.type == UserError.__name__ else f"{place}: {raised}", _LONGEST_ERROR)
+
+
+def _document(runs: AgentRuns, run: AgentRun) -> dict[str, Any]:
+    """Return what ``run`` came to: the keys of ``train --json`` and who learned."""
+    space, q, row, exact = run.world.space, run.q, runs.row(run), runs.exact(run)
+    cells = space.pair_state * len(space.action_names) + space.pair_action
+    found = run.log.table
+    document: dict[str, Any] = finite(
+        {
+            **runs.head(run.verdict),
+            **row,
+            "seconds": run.seconds,
+            "steps_per_second": run.recording.count / run.seconds if run.seconds > 0.0 else None,
+            "states": list(space.state_names),
+            "actions": list(space.action_names),
+            "table": None if found is None else found.name,
+            "q": None if q is None else table(space, q),
+            "visits": table(space, run.recording.visits[cells]),
+            "policy": None if q is None else policy_names(space, greedy_policy(space, q, "random")),
+            "optimal_value_at_start": exact.optimal_value_at_start,
+            "greedy_ends": exact.greedy_ends,
+        }
+    )
+    return document
+
+
+def _with_seed(recipe: Recipe, seed: int) -> Recipe:
+    return Recipe(recipe.scenario, recipe.algorithm, recipe.hyperparameters, seed)

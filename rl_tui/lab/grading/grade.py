@@ -1,0 +1,251 @@
+"""Grading: what submissions learn in a scenario under many seeds, held against the optimum."""
+
+from __future__ import annotations
+
+import statistics
+import threading
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+
+from rl_tui.agents.exact.policies import greedy_policy
+from rl_tui.agents.exact.policy_figures import expected_return
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line
+from rl_tui.lab.detective.detective import verdict_of
+from rl_tui.lab.detective.verdict import Fault, Finding
+from rl_tui.lab.experiments.patience import cores
+from rl_tui.lab.experiments.training import Goal
+from rl_tui.lab.grading.agent_request import agent_request
+from rl_tui.lab.grading.agent_training import error_in_a_line, estimates_of
+from rl_tui.lab.grading.share import Yardstick, yardstick_of
+from rl_tui.lab.grading.submissions import Submission, agent_of
+from rl_tui.lab.grading.watch_report import environment_of, error_of, finding_as_json
+from rl_tui.lab.programs.program_log import ProgramLog
+from rl_tui.lab.programs.program_process import ProgramRequest
+from rl_tui.lab.programs.program_world import world_of_program
+from rl_tui.lab.programs.to_the_end import watched_to_the_end
+from rl_tui.lab.run.figures import MOST_STATES
+from rl_tui.lab.run.recipe import Recipe, begin
+from rl_tui.worlds.mdp.space import FloatArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+_LONGEST_ERROR: Final = 400
+_LONGEST_ID: Final = 80
+_NO_TABLE: Final = "no table of values was found in it"
+_SAME_ARRAYS: Final = ("first_pair", "pair_action", "first_outcome", "next_state", "terminated")
+_SAME_NUMBERS: Final = ("probability", "reward", "reward_std")
+_TOLERANCE: Final = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class GradingLimits:
+    """What one seed of a submission may take: ``seconds``, and ``memory`` in bytes."""
+
+    seconds: float = 60.0
+    memory: int = 2048 * 2**20
+
+
+@dataclass(frozen=True, slots=True)
+class GradedRun:
+    """One seed: what the greedy policy of the table is worth, or the error that kept it from being known.
+
+    ``share`` is that of the best return. Both are None where the policy may never end, and where there is an
+    error, which is empty otherwise.
+    """
+
+    seed: int
+    expected_return: float | None = None
+    share: float | None = None
+    error: str = ""
+    findings: tuple[Finding, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class GradedSubmission:
+    """All seeds of one submission."""
+
+    name: str
+    runs: tuple[GradedRun, ...]
+    threshold: float
+
+    @property
+    def shares(self) -> list[float]:
+        """The shares of the best of the seeds that have one."""
+        return [run.share for run in self.runs if run.share is not None]
+
+    @property
+    def mean_share(self) -> float | None:
+        """The mean of :attr:`shares`; None where there is none."""
+        return statistics.fmean(self.shares) if self.shares else None
+
+    @property
+    def passed(self) -> bool:
+        """Whether every seed has a return, and their mean share of the best is the threshold or more."""
+        mean = self.mean_share
+        return mean is not None and len(self.shares) == len(self.runs) and mean >= self.threshold - _TOLERANCE
+
+    @property
+    def findings(self) -> list[tuple[Finding, int]]:
+        """Each fault that was found, as in the first seed that shows it, and how many seeds show it."""
+        first, count = dict[Fault, Finding](), dict[Fault, int]()
+        for run in self.runs:
+            for finding in run.findings:
+                first.setdefault(finding.fault, finding)
+                count[finding.fault] = count.get(finding.fault, 0) + 1
+        return [(finding, count[fault]) for fault, finding in first.items()]
+
+
+class Grading:
+    """Grades in the scenario of ``recipe``, with its seed and those that follow, ``seeds`` in all.
+
+    An agent learns for ``episodes``. Raises UserError where the scenario has no exact answer to grade by.
+    """
+
+    def __init__(
+        self,
+        recipe: Recipe,
+        seeds: int,
+        episodes: int,
+        threshold: float,
+        limits: GradingLimits | None = None,
+    ) -> None:
+        self.recipe, self.seeds, self.episodes, self.threshold = recipe, seeds, episodes, threshold
+        self.mdp, self.yardstick = _measured(recipe)
+        self._limits = limits or GradingLimits()
+        self._lock = threading.Lock()
+
+    def grade(
+        self, submissions: Sequence[Submission], on_progress: Callable[[int, int], None]
+    ) -> list[GradedSubmission]:
+        """Return the grades, in order; one that crashes does not stop the others.
+
+        ``on_progress`` is called, one call at a time, with how many runs are done, and how many there are.
+        """
+        wanted, done = len(submissions) * self.seeds, 0
+
+        def graded(submission: Submission, seed: int) -> GradedRun:
+            nonlocal done
+            run = self._graded(submission, seed)
+            with self._lock:
+                done += 1
+                on_progress(done, wanted)
+            return run
+
+        on_progress(0, wanted)
+        first = self.recipe.seed
+        pool = ThreadPoolExecutor(cores(), thread_name_prefix="grade")
+        try:
+            futures = [
+                [pool.submit(graded, each, first + place) for place in range(self.seeds)]
+                for each in submissions
+            ]
+            return [
+                GradedSubmission(each.name, tuple(future.result() for future in runs), self.threshold)
+                for each, runs in zip(submissions, futures, strict=True)
+            ]
+        finally:
+            self._given_up = True
+            pool.shutdown(wait=True, cancel_futures=True)
+
+    _given_up = False
+
+    def _graded(self, submission: Submission, seed: int) -> GradedRun:
+        try:
+            is_agent = agent_of(submission) is not None
+            log = self._watched(submission, seed, is_agent=is_agent)
+            findings = verdict_of(log).findings
+            error = error_of(log)
+            if error is not None:
+                said = error_in_a_line(submission.agent.path, error)
+                return GradedRun(seed, error=said, findings=findings)
+            q = self._q_of_agent(log) if is_agent else self._q_of_script(log)
+        except (UserError, OSError) as fault:
+            return GradedRun(seed, error=one_line(str(fault), _LONGEST_ERROR))
+        value = expected_return(self.mdp, greedy_policy(self.mdp, q, "random"))
+        return GradedRun(seed, value, self.yardstick.share(value), findings=findings)
+
+    def _watched(self, submission: Submission, seed: int, *, is_agent: bool) -> ProgramLog:
+        """Return all that one seed of ``submission`` told, which may be an error."""
+        request = ProgramRequest(submission.agent.path, seed=seed, memory=self._limits.memory)
+        if is_agent:
+            recipe, goal = replace(self.recipe, seed=seed), Goal(episodes=self.episodes)
+            request = agent_request(submission.agent, recipe, {}, goal, self._limits.memory)
+            request = replace(request, scenario_seed=self.recipe.seed)  # all seeds learn in one world
+
+        def check(_: ProgramLog) -> None:
+            if self._given_up:
+                raise UserError("given up")
+
+        return watched_to_the_end(request, check, self._limits.seconds)
+
+    def _q_of_agent(self, log: ProgramLog) -> FloatArray:
+        q = estimates_of(log, self.mdp)
+        if q is None:
+            raise UserError(_NO_TABLE)
+        return q
+
+    def _q_of_script(self, log: ProgramLog) -> FloatArray:
+        """Return what the table of a script says of the pairs of the scenario, [P].
+
+        Raises UserError where it has none, or learned in another world than that of the scenario.
+        """
+        environment = environment_of(log)
+        if environment is None:
+            raise UserError("it made no environment that can be watched")
+        known, id_ = world_of_program(environment), self.recipe.scenario.id
+        if not _is_same(known.world.mdp, self.mdp):
+            made = one_line(environment.id, _LONGEST_ID)
+            raise UserError(f"it learns in {made}, which has other transitions than {id_}")
+        if log.recording.initial is None:
+            raise UserError(_NO_TABLE)
+        return known.q_of(log.recording.table_at(log.recording.count))
+
+
+def grade_report(grading: Grading, graded: Sequence[GradedSubmission]) -> dict[str, Any]:
+    """Return the grades as JSON."""
+    return {
+        "scenario": grading.recipe.scenario.id,
+        "seeds": grading.seeds,
+        "threshold": grading.threshold,
+        "best_expected_return": grading.yardstick.best,
+        "submissions": [
+            {
+                "file": each.name,
+                "passed": each.passed,
+                "share_of_best": {"mean": each.mean_share, "min": min(each.shares, default=None)},
+                "runs": [
+                    {"seed": run.seed, "expected_return": run.expected_return, "error": run.error or None}
+                    for run in each.runs
+                ],
+                "findings": [{**finding_as_json(found), "seeds": seeds} for found, seeds in each.findings],
+            }
+            for each in graded
+        ],
+    }
+
+
+def _measured(recipe: Recipe) -> tuple[TabularMDP, Yardstick]:
+    """Return the table of the scenario, and what returns in it are measured by."""
+    mdp, id_ = begin(recipe).world.mdp, recipe.scenario.id
+    if mdp is None or mdp.drift_std > 0.0:
+        raise UserError(f"{id_} cannot be graded by: it has no table that stays, and so no exact answer")
+    if mdp.states > MOST_STATES:
+        raise UserError(f"{id_} cannot be graded by: exact answers are left out above {MOST_STATES:,} states")
+    measured = yardstick_of(mdp, recipe.hyperparameters.gamma)
+    if measured is None:
+        raise UserError(f"{id_} cannot be graded by: no policy in it has a best return")
+    return mdp, measured
+
+
+def _is_same(found: TabularMDP | None, wanted: TabularMDP) -> bool:
+    """Return whether two worlds have the same transitions; their time limits may differ."""
+    if found is None or (found.states, found.pairs) != (wanted.states, wanted.pairs):
+        return False
+    return all(np.array_equal(getattr(found, name), getattr(wanted, name)) for name in _SAME_ARRAYS) and all(
+        np.allclose(getattr(found, name), getattr(wanted, name), rtol=0.0, atol=_TOLERANCE)
+        for name in _SAME_NUMBERS
+    )

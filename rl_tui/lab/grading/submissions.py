@@ -1,0 +1,62 @@
+"""What is graded: files, each an agent or a script with a loop of its own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final, NamedTuple
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import shown
+from rl_tui.lab.own_agents.loading import AgentName, AgentPlace, agents_in, the_agent
+from rl_tui.lab.programs.child.source import read_script
+
+_SUFFIX: Final = ".py"
+_LEFT_OUT: Final = ("_", "test_", "conftest", ".")
+"""How the names of files begin that are no submissions: parts of others, and tests."""
+_MOST: Final = 1_000
+
+
+class Submission(NamedTuple):
+    """A file to grade: what it is called in the report, and its class or function, if that is named."""
+
+    name: str
+    agent: AgentName
+
+
+class FoundSubmissions(NamedTuple):
+    """The submissions of a folder or file, by name, and the names of the Python files that were left out."""
+
+    submissions: list[Submission]
+    left_out: list[str]
+
+
+def submissions_in(target: str) -> FoundSubmissions:
+    """Return what ``target``, ``FILE.py[:NAME]`` or a folder, has to grade.
+
+    Of a folder it is every Python file that lies in it, but for those whose names begin with ``_``, ``.``,
+    ``test_`` or ``conftest``. Raises UserError where there is nothing.
+    """
+    folder = Path(target)
+    if not folder.is_dir():
+        return FoundSubmissions([Submission(target, AgentName.read(target))], [])
+    try:
+        files = sorted(each for each in folder.iterdir() if each.suffix == _SUFFIX and each.is_file())
+    except OSError as error:
+        raise UserError(f"{shown(target)}: cannot be read ({error.strerror})") from error
+    left_out = [each.name for each in files if each.name.startswith(_LEFT_OUT)]
+    kept = [each for each in files if not each.name.startswith(_LEFT_OUT)]
+    if not kept:
+        raise UserError(f"{shown(target)}: found no submission in this folder; expected Python files")
+    if len(kept) > _MOST:
+        raise UserError(f"{shown(target)}: found {len(kept):,} Python files; expected at most {_MOST:,}")
+    return FoundSubmissions([Submission(each.name, AgentName(each, "")) for each in kept], left_out)
+
+
+def agent_of(submission: Submission) -> AgentPlace | None:
+    """Return the agent of ``submission``; None where it has none, and so is a script.
+
+    Raises UserError where the file is no Python, the agent that is named is not there, or there are several.
+    """
+    path, name = submission.agent
+    tree = read_script(path).tree
+    return the_agent(tree, path, name) if name or agents_in(tree, path.parent) else None

@@ -1,0 +1,199 @@
+"""How an agent of each shape is asked for actions and told what happened."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from rl_tui.lab.own_agents.binding import bind, bound_roles
+from rl_tui.lab.own_agents.shapes import FUNCTION, SHAPE_OF, Shape, Style
+
+Mask = npt.NDArray[np.int8] | None
+"""1 for each action that is legal, [A]; None: all are."""
+
+
+class Happened(NamedTuple):
+    """One step: ``mask`` says what is legal in ``next_state``."""
+
+    state: int
+    action: int
+    reward: float
+    next_state: int
+    terminated: bool
+    truncated: bool
+    mask: Mask = None
+
+
+class AgentPlayer(Protocol):
+    """One agent in the loop."""
+
+    def begin(self, state: int, mask: Mask) -> Any:
+        """Begin an episode and return its first action."""
+        ...
+
+    def after(self, step: Happened) -> Any:
+        """Learn from ``step`` and return the next action, whatever it is where the episode is over."""
+        ...
+
+    def end(self, episode: int) -> None:
+        """End the episode of that number, from 0."""
+        ...
+
+
+class MethodsPlayer:
+    """An agent that is an object with one method to choose an action and one to learn."""
+
+    def __init__(self, agent: Any, shape: Shape, env: Any) -> None:
+        self._env, self._either = env, shape.done_is_either
+        self._choose = bind(getattr(agent, shape.choose), shape.choose, shape.roles[shape.choose])
+        update = getattr(agent, shape.update)
+        self._update = bind(update, shape.update, shape.roles[shape.update])
+        self._looks_ahead = (
+            "next_action" in bound_roles(update, shape.update, shape.roles[shape.update]).values()
+        )
+        decay = getattr(agent, "decay_epsilon", None) if "decay_epsilon" in shape.roles else None
+        self._decay = bind(decay, "decay_epsilon", shape.roles["decay_epsilon"]) if callable(decay) else None
+        self._episode = 0
+
+    def begin(self, state: int, mask: Mask) -> Any:
+        """Return the first action."""
+        return self._choose({"env": self._env, "state": state, "episode": self._episode})
+
+    def after(self, step: Happened) -> Any:
+        """Let it learn, and return the next action."""
+        over = step.terminated or step.truncated
+        told = step._asdict() | {"env": self._env, "done": over if self._either else step.terminated}
+        if self._looks_ahead:
+            told["next_action"] = self.begin(step.next_state, step.mask)
+            self._update(told)
+            return told["next_action"]
+        self._update(told)
+        return None if over else self.begin(step.next_state, step.mask)
+
+    def end(self, episode: int) -> None:
+        """Let ε decay."""
+        if self._decay is not None:
+            self._decay({"episode": episode})
+        self._episode = episode + 1
+
+
+class LegalActions:
+    """Berkeley's ``actionFn``: the actions of the state that the agent is in, () after the end."""
+
+    def __init__(self, actions: int) -> None:
+        self._all = tuple(range(actions))
+        self._known: dict[int, tuple[int, ...]] = {}
+        self._ended_in: int | None = None
+
+    def __call__(self, state: Any) -> tuple[int, ...]:
+        """Return the actions that can be taken in ``state``; all of them where it was never entered."""
+        return () if state == self._ended_in else self._known.get(state, self._all)
+
+    def enter(self, state: int, mask: Mask, *, terminated: bool = False) -> None:
+        """Note that the agent is in ``state`` now, where the episode is over if it ``terminated``."""
+        self._ended_in = state if terminated else None
+        if mask is not None and not terminated:
+            self._known[state] = tuple(np.flatnonzero(mask).tolist())
+
+
+class BerkeleyPlayer:
+    """An agent of Berkeley's course, which asks for the legal actions itself."""
+
+    def __init__(self, agent: Any, legal: LegalActions) -> None:
+        shape = SHAPE_OF[Style.BERKELEY]
+        self._legal = legal
+        self._choose = bind(agent.getAction, "getAction", shape.roles["getAction"])
+        self._update = bind(agent.update, "update", shape.roles["update"])
+
+    def begin(self, state: int, mask: Mask) -> Any:
+        """Return the first action."""
+        self._legal.enter(state, mask)
+        return self._choose({"state": state})
+
+    def after(self, step: Happened) -> Any:
+        """Let it learn, and return the next action."""
+        self._legal.enter(step.next_state, step.mask, terminated=step.terminated)
+        self._update(step._asdict())
+        over = step.terminated or step.truncated
+        return None if over else self._choose({"state": step.next_state})
+
+    def end(self, episode: int) -> None:
+        """Do nothing: this shape hears nothing of it."""
+
+
+class GluePlayer:
+    """An agent in RL-Glue's shape: ``agent_end`` comes only where the world ended the episode."""
+
+    def __init__(self, agent: Any) -> None:
+        roles = SHAPE_OF[Style.RL_GLUE].roles
+        self._start, self._step, self._end = (
+            bind(getattr(agent, name), name, roles[name])
+            for name in ("agent_start", "agent_step", "agent_end")
+        )
+
+    def begin(self, state: int, mask: Mask) -> Any:
+        """Return the first action."""
+        return self._start({"state": state})
+
+    def after(self, step: Happened) -> Any:
+        """Let it learn, and return the next action."""
+        if step.terminated:
+            return self._end({"reward": step.reward})
+        # At a truncation too, for the last step to be learned from; the action it returns is never taken
+        return self._step({"reward": step.reward, "state": step.next_state})
+
+    def end(self, episode: int) -> None:
+        """Do nothing: this shape hears nothing of it."""
+
+
+class FunctionPlayer:
+    """ε-greedy with random ties around a bare function that updates the table ``q``, [S, A].
+
+    The function may change ``q``, or return another one. ``numbers`` are its hyper-parameters by role.
+    """
+
+    def __init__(
+        self,
+        update: Callable[..., Any],
+        name: str,
+        shape: tuple[int, int],
+        numbers: Mapping[str, float],
+        given: Mapping[str, float],
+        seed: int,
+    ) -> None:
+        self.q: Any = np.full(shape, float(numbers.get("initial_q", 0.0)))
+        self._shape = shape
+        left_to_defaults = {"alpha", "gamma"}.difference(given)
+        self._roles = tuple(bound_roles(update, name, FUNCTION.roles[""], left_to_defaults).items())
+        self._looks_ahead = any(role == "next_action" for _, role in self._roles)
+        self._update, self._numbers, self._random = update, numbers, np.random.default_rng([seed, 1])
+        self._epsilon = numbers["epsilon"]
+
+    def begin(self, state: int, mask: Mask) -> int:
+        """Return an action, ε-greedy."""
+        legal = np.arange(self._shape[1]) if mask is None or not mask.any() else np.flatnonzero(mask)
+        if self._random.random() < self._epsilon:
+            return int(self._random.choice(legal))
+        row = np.asarray(self.q[state], float)[legal]
+        return int(self._random.choice(legal[row == row.max()]))
+
+    def after(self, step: Happened) -> Any:
+        """Let it learn, and return the next action."""
+        ahead = self.begin(step.next_state, step.mask) if self._looks_ahead else None
+        told = {"q": self.q, "done": step.terminated, "next_action": ahead}
+        values = {**step._asdict(), **self._numbers, **told}
+        returned = self._update(**{parameter: values[role] for parameter, role in self._roles})
+        if np.shape(returned) == self._shape:
+            self.q = returned
+        return self.begin(step.next_state, step.mask) if ahead is None else ahead
+
+    def end(self, episode: int) -> None:
+        """Let ε decay."""
+        least, decay = self._numbers.get("epsilon_min", 0.0), self._numbers.get("epsilon_decay", 0.0)
+        if decay > 0.0:
+            start = self._numbers["epsilon"]
+            self._epsilon = least + (start - least) * math.exp(-decay * (episode + 1))

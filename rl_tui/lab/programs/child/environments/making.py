@@ -1,0 +1,173 @@
+"""``gymnasium.make`` for a watched program: what it makes is watched."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, Final
+
+import gymnasium
+from gymnasium.envs import registration
+
+from rl_tui.lab.programs.child.environments.numbering import Numbering, numbering_of
+from rl_tui.lab.programs.child.environments.watched_env import WatchedEnv
+from rl_tui.lab.programs.child.recorder import Recorder
+from rl_tui.lab.programs.child.tables.search import attributes
+from rl_tui.lab.programs.messages import Kind
+
+Make = Callable[..., Any]
+MOST_STATES: Final = 20_000
+"""Of an environment whose table is told."""
+_WITHDRAWN: Final = (gymnasium.error.DeprecatedEnv, gymnasium.error.VersionNotFound)
+_KNOWN: Final = ("gymnasium.", "rl_tui.")
+_VECTORS: Final = (
+    "gymnasium.make_vec makes several environments at once; rl-tui watches one made by gymnasium.make"
+)
+
+
+class Making:
+    """Makes the environments of a program, and numbers those that are watched; ``seed`` is the run's."""
+
+    def __init__(self, recorder: Recorder, seed: int) -> None:
+        self._recorder, self._seed = recorder, seed
+        self._made = 0
+        self._original: Make = registration.make
+        self._is_inside = False
+
+    def install(self) -> None:
+        """Put :meth:`make` in the place of Gymnasium's."""
+        for module in (gymnasium, gymnasium.envs, registration):
+            for name, other in (("make", self.make), ("make_vec", self._refuse_vectors)):
+                if hasattr(module, name):
+                    setattr(module, name, other)
+
+    def make(self, *arguments: Any, **more: Any) -> Any:
+        """Make an environment as Gymnasium does; what it withdrew is made in its newest version."""
+        if more.get("render_mode") == "human":
+            more["render_mode"] = None
+            self._note('render_mode="human" is None here: rl-tui shows the world itself')
+        if self._is_inside:  # an environment that makes another one inside
+            return self._original(*arguments, **more)
+        self._is_inside = True
+        try:
+            env = self._made_by_gymnasium(arguments, more)
+        finally:
+            self._is_inside = False
+        if not isinstance(env, gymnasium.Env):
+            return env
+        numbering = numbering_of(env)
+        if numbering is None:
+            spaces = f"{type(env.observation_space).__name__} observations"
+            spaces += f" and {type(env.action_space).__name__} actions"
+            self._note(f"{_id_of(env)} is not watched: it has {spaces}, no finite numbers of them")
+            return env
+        return self._watched(env, numbering)
+
+    def _made_by_gymnasium(self, arguments: tuple[Any, ...], more: Mapping[str, Any]) -> Any:
+        try:
+            return self._original(*arguments, **more)
+        except _WITHDRAWN:
+            asked = dict(more)
+            module, _, name = (arguments[0] if arguments else asked.pop("id")).rpartition(":")
+            space, base, _ = registration.parse_env_id(name)
+            newest = registration.find_highest_version(space, base)
+            other = registration.get_env_id(space, base, newest)
+            self._note(f"{name} is not in this Gymnasium: {other} was made instead")
+            made = f"{module}:{other}" if module else other
+            return self._original(made, *arguments[1:], **asked)
+
+    def _watched(self, env: gymnasium.Env[Any, Any], numbering: Numbering) -> WatchedEnv:
+        number = self._made
+        self._made += 1
+        env.action_space.seed(self._seed + number)
+        self._tell(env, number, numbering)
+        return WatchedEnv(env, number, numbering, self._recorder, self._seed + number)
+
+    def _tell(self, env: gymnasium.Env[Any, Any], number: int, numbering: Numbering) -> None:
+        spec = env.spec
+        kwargs = {} if spec is None else {key: each for key, each in spec.kwargs.items() if each is not None}
+        self._recorder.channel.message(
+            Kind.ENVIRONMENT,
+            number=number,
+            id=_id_of(env),
+            kwargs=kwargs if _is_data(kwargs) else None,
+            states=numbering.parts,
+            first_state=numbering.first,
+            actions=numbering.actions,
+            first_action=numbering.first_action,
+            time_limit=(0 if spec is None else spec.max_episode_steps) or 0,
+            wrappers=_wrappers(env),
+        )
+        if spec is not None and not (
+            isinstance(spec.entry_point, str) and spec.entry_point.startswith(_KNOWN)
+        ):
+            inside = attributes_of_env(env.unwrapped)
+            table = transitions_of(inside.get("P"), numbering)
+            if table is not None:
+                start = _start_of(inside.get("initial_state_distrib"), numbering)
+                self._recorder.channel.message(Kind.TRANSITIONS, number=number, P=table, start=start)
+
+    def _refuse_vectors(self, *_: Any, **__: Any) -> Any:
+        self._recorder.refuse(_VECTORS)
+
+    def _note(self, text: str) -> None:
+        self._recorder.channel.message(Kind.NOTE, text=text)
+
+
+def attributes_of_env(env: gymnasium.Env[Any, Any]) -> Mapping[str, Any]:
+    """Return what an environment keeps, without calling anything of its class."""
+    found = object.__getattribute__(env, "__dict__")
+    return found if type(found) is dict else attributes(env)
+
+
+def transitions_of(table: Any, numbering: Numbering) -> list[list[list[list[float]]]] | None:
+    """Return the table of an environment, ``[s][a]`` a list of [probability, next state, reward, ended].
+
+    None where it is none of plain numbers, or there are more than 20,000 states.
+    """
+    if not isinstance(table, (dict, list)) or numbering.states > MOST_STATES or numbering.is_tuple:
+        return None
+    try:
+        return [
+            [[_outcome(each) for each in table[state][action]] for action in range(numbering.actions)]
+            for state in range(numbering.states)
+        ]
+    except (LookupError, TypeError, ValueError):
+        return None
+
+
+def _outcome(outcome: Any) -> list[float]:
+    chance, state, reward, ended = outcome
+    numbers = [float(chance), int(state), float(reward), bool(ended)]
+    if not all(map(math.isfinite, numbers)):
+        raise ValueError("no number")
+    return numbers
+
+
+def _start_of(chances: Any, numbering: Numbering) -> list[float] | None:
+    try:
+        start = [float(each) for each in chances]
+    except (TypeError, ValueError):
+        return None
+    is_fit = len(start) == numbering.states and all(map(math.isfinite, start))
+    return start if is_fit else None
+
+
+def _id_of(env: gymnasium.Env[Any, Any]) -> str:
+    return type(env.unwrapped).__name__ if env.spec is None else env.spec.id
+
+
+def _wrappers(env: Any) -> list[str]:
+    names = []
+    while isinstance(env, gymnasium.Wrapper):
+        names.append(type(env).__name__)
+        env = env.env
+    return names
+
+
+def _is_data(value: Any) -> bool:
+    if isinstance(value, dict):
+        return all(type(key) is str and _is_data(each) for key, each in value.items())
+    if isinstance(value, (list, tuple)):
+        return all(map(_is_data, value))
+    return type(value) in (str, int, bool, type(None)) or (type(value) is float and math.isfinite(value))
