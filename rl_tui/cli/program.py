@@ -15,7 +15,7 @@ import click
 from rl_tui.cli.descriptors import STDOUT, lead_nowhere, say_no_more
 from rl_tui.cli.output import complain
 from rl_tui.common.errors import UserError
-from rl_tui.common.interrupts import INTERRUPTED
+from rl_tui.common.interrupts import INTERRUPTED, INTERRUPTS
 
 DONE: Final = 0
 FAILED: Final = 1
@@ -141,6 +141,8 @@ def _prefixed(message: str) -> str:
 
 
 def _fail(message: str, status: int = FAILED) -> int:
+    if INTERRUPTS.came:  # what ctrl+C breaks off, an import for one, may fail in its own way
+        return INTERRUPTED
     complain(message)
     return status
 

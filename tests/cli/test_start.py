@@ -124,3 +124,27 @@ def test_ctrl_c_in_a_text_that_is_being_executed_gives_the_usual_status() -> Non
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler) and None,
     )
     assert ended.returncode == 130
+
+
+@pytest.mark.process
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no such signals")
+def test_ctrl_c_that_another_error_comes_of_gives_the_usual_status_without_a_word() -> None:
+    code = (
+        "import signal\n"
+        "from rl_tui.cli import main\n"
+        "def breaks_off(_):\n"
+        "    try:\n"
+        "        signal.raise_signal(signal.SIGINT)\n"
+        "    except KeyboardInterrupt:\n"
+        "        raise ImportError('broken off') from None\n"
+        "main.enter_kiosk = breaks_off\n"
+        "main.main()"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler) and None,
+    )
+    assert (ended.returncode, ended.stderr) == (130, "")

@@ -30,6 +30,7 @@ _RIGHT: Final = (Target.BEST, Target.NEXT_ACTION)
 _WRONG: Final = (Target.COLUMN, Target.OWN_STATE, Target.INDEX, Target.SAME_ACTION)
 
 
+@np.errstate(all="ignore")  # what cannot be divided is NaN, and counts for nothing
 def update_of(evidence: Evidence, numbers: Mapping[str, float]) -> UpdateFound:
     """Return the update that explains ``evidence``; ``numbers`` are those that the code holds, by name.
 
@@ -162,7 +163,7 @@ def _undecided(trial: Trial) -> str:
     rival = _RIGHT[1 - _RIGHT.index(trial.target)]
     deciding = trial.differs_from(trial.sample.value(rival)) & trial.explained
     if np.sum(deciding) < FEWEST_INFORMATIVE:
-        return "No step yet tells Q-learning from SARSA: the next actions were greedy ones."
+        return "No step yet tells Q-learning from SARSA: next actions were greedy, or nearly all were."
     return ""
 
 
