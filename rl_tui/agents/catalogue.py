@@ -189,6 +189,7 @@ _ALGORITHMS: Final[tuple[Algorithm, ...]] = (
 )
 
 BY_ID: Final = {algorithm.id: algorithm for algorithm in _ALGORITHMS}
+"""The algorithms by their ids, in the order in which people see them."""
 
 OWN_PROGRAM: Final = Algorithm(
     id="own-program",
@@ -206,9 +207,6 @@ OWN_PROGRAM: Final = Algorithm(
 def algorithm_row(algorithm: str) -> Algorithm:
     """Return the row of the algorithm with this id, be it that of somebody's own program."""
     return OWN_PROGRAM if algorithm == OWN_PROGRAM.id else BY_ID[algorithm]
-
-
-"""The algorithms by their ids, in the order in which people see them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -300,7 +298,7 @@ def algorithm_of(algorithm: str) -> Algorithm:
 
 def parameters_of(algorithm: str, policy: str) -> tuple[str, ...]:
     """Return the names of all hyper-parameters that count, in the order of the controls panel."""
-    own = BY_ID[algorithm].parameters
+    own = algorithm_row(algorithm).parameters
     if "policy" not in own:
         return own
     place = own.index("policy") + 1

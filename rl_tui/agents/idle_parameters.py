@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, Hyperparameters
 
 _LOOKS_AHEAD: Final = {
@@ -20,7 +20,7 @@ def why_idle(name: str, algorithm: str, values: Hyperparameters, *, is_bandit: b
 
     ``is_bandit``: every step ends its episode.
     """
-    if is_bandit and not BY_ID[algorithm].planner and name in _LOOKS_AHEAD:
+    if is_bandit and not algorithm_row(algorithm).planner and name in _LOOKS_AHEAD:
         return _LOOKS_AHEAD[name]
     match name:
         case "traces" if values.lambda_ == 0.0:

@@ -18,11 +18,14 @@ from rl_tui.cli.descriptors import screen_alone
 from rl_tui.cli.kiosk import confine
 from rl_tui.cli.output import complain
 from rl_tui.cli.program import USAGE
+from rl_tui.common.errors import UserError
 from rl_tui.common.kiosk import in_kiosk
 from rl_tui.terminal.driver_choice import IN_BROWSER
 from rl_tui.tui.app.display import Display
 
 if TYPE_CHECKING:
+    from rl_tui.lab.live_programs.watched_program import WatchedProgram
+    from rl_tui.lab.programs.program_process import ProgramRequest
     from rl_tui.lab.run.recipe import Recipe
     from rl_tui.lab.sessions.autosave import KeptSession
     from rl_tui.lab.sessions.session import StoredSession
@@ -56,11 +59,40 @@ def require_terminal(instead: str = "rl-tui train and rl-tui screenshot do witho
     raise NoTerminalError(f"{problem}; {instead}")
 
 
-def run_app(display: Display, start: Recipe | StoredSession | None = None) -> None:
-    """Show the catalogue, or the playground of a recipe or a session, until the user quits.
+def run_app(display: Display, start: Recipe | StoredSession | ProgramRequest | None = None) -> None:
+    """Show the catalogue, or the playground of a recipe, a session or a program, until the user quits.
 
-    Raises UserError where a fault ended it.
+    A program is started first: what keeps it from being shown is said on the terminal as it was. Raises
+    UserError where a fault ended it.
     """
+    from rl_tui.lab.programs.program_process import ProgramRequest
+
+    if isinstance(start, ProgramRequest):
+        with started(start) as program:
+            _run_app(display, program)
+    else:
+        _run_app(display, start)
+
+
+@contextmanager
+def started(request: ProgramRequest) -> Iterator[WatchedProgram]:
+    """Yield the program of ``request``, which stands before its first step; it ends with the context.
+
+    Raises UserError where it cannot be shown, and in a kiosk.
+    """
+    from rl_tui.lab.live_programs.watched_program import WatchedProgram
+
+    if in_kiosk():
+        raise UserError("kiosk mode runs no programs of others")
+    program = WatchedProgram(request)
+    try:
+        program.wait_for_environment()
+        yield program
+    finally:
+        program.end()
+
+
+def _run_app(display: Display, start: Recipe | StoredSession | WatchedProgram | None) -> None:
     require_terminal()
     _stand_somewhere()
     _share_heap()

@@ -14,6 +14,7 @@ from rl_tui.tui.screens.key_line import fitting
 PLAYGROUND_KEYS = {
     "space",
     "z",
+    "T",
     "W",
     "Y",
     "s",

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from rl_tui.cli.kiosk import enter_kiosk, kiosk_option
+from rl_tui.cli.options.agent import agent_option, request_of
 from rl_tui.cli.options.display import display_of, display_options
 from rl_tui.cli.options.help_sections import SectionedCommand
 from rl_tui.cli.options.run import allow_module_option, run_options, seed_option, start_of
+
+if TYPE_CHECKING:
+    from rl_tui.lab.own_agents.loading import AgentName
 
 
 @click.command("play", cls=SectionedCommand)
@@ -18,12 +22,20 @@ from rl_tui.cli.options.run import allow_module_option, run_options, seed_option
 @allow_module_option
 @run_options
 @seed_option
+@agent_option
 @display_options
-def command(scenario: str | None, overrides: dict[str, object], seed: int, **display: Any) -> None:
+def command(
+    scenario: str | None,
+    overrides: dict[str, object],
+    seed: int,
+    agent: AgentName | None,
+    **display: Any,
+) -> None:
     """Open a scenario in the playground, or go on with a session.
 
     Without a name it is the first scenario of the catalogue. A session stands where it was left, to the last
-    bit, and goes on keeping itself in its file.
+    bit, and goes on keeping itself in its file. With --agent your own agent takes the steps; it can do all
+    that you can.
     """
     from rl_tui.cli.screen import require_terminal, run_app
 
@@ -32,4 +44,4 @@ def command(scenario: str | None, overrides: dict[str, object], seed: int, **dis
     from rl_tui.worlds.files.catalogue import scenarios
 
     what = start_of(scenario if scenario is not None else scenarios()[0].id, overrides, seed)
-    run_app(display_of(display), what)
+    run_app(display_of(display), what if agent is None else request_of(agent, what, overrides))

@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from rl_tui.cli.options.agent import agent_option, request_of
 from rl_tui.cli.options.display import display_of, display_options
 from rl_tui.cli.options.help_sections import SectionedCommand
 from rl_tui.cli.options.numbers import OptionValue
 from rl_tui.cli.options.run import allow_module_option, run_options, seed_option, start_of
+
+if TYPE_CHECKING:
+    from rl_tui.lab.live_programs.watched_program import WatchedProgram
+    from rl_tui.lab.own_agents.loading import AgentName
+    from rl_tui.lab.programs.program_process import ProgramRequest
+    from rl_tui.lab.run.recipe import Recipe
+    from rl_tui.lab.sessions.session import StoredSession
+    from rl_tui.tui.app.display import Display
 
 
 class ScreenSize(OptionValue):
@@ -37,12 +47,16 @@ class ScreenSize(OptionValue):
 @click.option(
     "--keys", default="", help="keys to press first, between commas; wait:N lets N steps of training pass"
 )
+@click.option("--watch", metavar="SCRIPT.py", help="your own script is watched, in place of a scenario")
+@agent_option
 @allow_module_option
 @run_options
 @seed_option
 @display_options
 def command(
     scenario: str | None,
+    watch: str | None,
+    agent: AgentName | None,
     out: str,
     size: tuple[int, int],
     keys: str,
@@ -52,20 +66,53 @@ def command(
 ) -> None:
     """Draw a screen as an SVG picture.
 
-    It is the playground of a scenario or of a session or, without one, the catalogue. The same call gives
-    the same bytes, so steps a second are left blank. An example:
+    It is the playground of a scenario or of a session or, without one, the catalogue; with --watch that of
+    your own script, with --agent your own agent takes the steps. The same call gives the same bytes, so steps
+    a second are left blank. An example:
 
     rl-tui screenshot frozenlake --keys "wait:20000,v" --out lake.svg
     """
-    if scenario is None and (overrides or seed):
-        raise click.UsageError("options of a run need a scenario", click.get_current_context())
+    context = click.get_current_context()
+    if watch is not None and (scenario is not None or overrides or agent is not None):
+        raise click.UsageError("a script that is watched brings its own settings", context)
+    if watch is None and scenario is None and (overrides or seed or agent is not None):
+        raise click.UsageError("options of a run need a scenario", context)
+    start = start_of(scenario, overrides, seed) if scenario is not None else None
+    wanted = keys.split(",") if keys else []
+    if watch is not None:
+        from rl_tui.lab.programs.program_process import ProgramRequest
+
+        svg = _picture_of_program(ProgramRequest(Path(watch), seed=seed), size, wanted, display_of(display))
+    elif agent is not None and start is not None:
+        svg = _picture_of_program(request_of(agent, start, overrides), size, wanted, display_of(display))
+    else:
+        svg = _picture(start, size, wanted, display_of(display))
+    _write(svg, out)
+
+
+def _picture_of_program(
+    request: ProgramRequest, size: tuple[int, int], keys: Sequence[str], display: Display
+) -> str:
+    from rl_tui.cli.screen import started
+
+    with started(request) as program:
+        return _picture(program, size, keys, display)
+
+
+def _picture(
+    start: Recipe | StoredSession | WatchedProgram | None,
+    size: tuple[int, int],
+    keys: Sequence[str],
+    display: Display,
+) -> str:
     import asyncio
 
     from rl_tui.tui.app.screenshot import screenshot
 
-    start = start_of(scenario, overrides, seed) if scenario is not None else None
-    wanted = keys.split(",") if keys else []
-    svg = asyncio.run(screenshot(start, size, wanted, display_of(display)))
+    return asyncio.run(screenshot(start, size, keys, display))
+
+
+def _write(svg: str, out: str) -> None:
     if out == "-":
         click.echo(svg, nl=False)
     else:

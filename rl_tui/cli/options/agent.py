@@ -9,6 +9,9 @@ import click
 
 if TYPE_CHECKING:
     from rl_tui.lab.own_agents.loading import AgentName
+    from rl_tui.lab.programs.program_process import ProgramRequest
+    from rl_tui.lab.run.recipe import Recipe
+    from rl_tui.lab.sessions.session import StoredSession
 
 
 def _agent_name(_: click.Context, __: click.Parameter, text: str | None) -> AgentName | None:
@@ -23,6 +26,25 @@ agent_option: Final = click.option(
     callback=_agent_name,
     help="your own agent learns: a class or function in a file, which runs with all your rights",
 )
+
+
+def request_of(
+    agent: AgentName, start: Recipe | StoredSession, given: Mapping[str, object]
+) -> ProgramRequest:
+    """Return the request for ``agent`` to learn as ``start`` says, for as long as a person watches.
+
+    ``given`` are the hyper-parameters that a person gave. Raises UserError where there is no such agent,
+    UsageError beside a session.
+    """
+    from rl_tui.lab.experiments.training import Goal
+    from rl_tui.lab.grading.agent_request import agent_request, place_of_agent
+    from rl_tui.lab.run.recipe import Recipe
+
+    if not isinstance(start, Recipe):
+        raise click.UsageError("--agent needs a scenario, not a session", click.get_current_context())
+    place_of_agent(agent)  # what is wrong with it is said before the screen is taken
+    warn_of_agent(given)
+    return agent_request(agent, start, given, Goal())
 
 
 def warn_of_agent(given: Mapping[str, object]) -> None:

@@ -9,14 +9,15 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.agents.catalogue import POLICY_BY_ID, Algorithm, Policy, algorithm_row
+from rl_tui.agents.catalogue import OWN_PROGRAM, POLICY_BY_ID, Algorithm, Policy, algorithm_row
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.agents.last_step import NOTHING, LastStep
-from rl_tui.agents.update_terms import UpdateTerms
+from rl_tui.agents.update_terms import Lookup, UpdateTerms
 from rl_tui.lab.last_step.backup import Backup, backup_of, sources
 from rl_tui.lab.last_step.estimates import EstimatesBefore
 from rl_tui.lab.last_step.gust import gust_of
 from rl_tui.lab.last_step.state_backup import StateBackup, state_backup_of
+from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
@@ -67,6 +68,13 @@ class StepStory:
     """Whether it was the last step of its episode, of a planner the last backup of its sweep."""
     mean: FloatArray | None
     """[P], the mean rewards as they are now, where they drift and are known."""
+    program: ProgramView | None = None
+    """The program of somebody's own that took the step; None for an agent of ours."""
+
+    @property
+    def has_equation(self) -> bool:
+        """Whether the terms of the update are known: else only the estimate before it and after it are."""
+        return self.algorithm is not OWN_PROGRAM
 
     @property
     def terms(self) -> UpdateTerms:
@@ -99,8 +107,8 @@ class StepStory:
 
     @cached_property
     def backup(self) -> Backup | None:
-        """The update as a tree over all that might have followed; None where there is none."""
-        return backup_of(self.before, self.mean)
+        """The update as a tree over all that might have followed; None where there is none, or not known."""
+        return backup_of(self.before, self.mean) if self.has_equation else None
 
     @cached_property
     def state_backup(self) -> StateBackup | None:
@@ -110,7 +118,7 @@ class StepStory:
     @cached_property
     def sources(self) -> dict[int, float]:
         """The pairs that the bootstrap was read from, each with its weight in it; none where not known."""
-        return sources(self.before)
+        return sources(self.before) if self.has_equation else {}
 
     @property
     def looked_up(self) -> list[tuple[float, float]]:
@@ -179,7 +187,7 @@ def story_of(snapshot: Snapshot) -> StepStory | None:
         hyperparameters=hyperparameters,
         policy=POLICY_BY_ID[hyperparameters.policy],
         before=before,
-        greedy=_greedy_before(before),
+        greedy=_greedy_before(before, knows_others=_knows_others(snapshot, algorithm)),
         chance=chance,
         meant=meant,
         went=went,
@@ -192,6 +200,7 @@ def story_of(snapshot: Snapshot) -> StepStory | None:
         or last.truncated
         or (last.planned and snapshot.counters.episode_step == 0),
         mean=solution.q if drifts and solution is not None else None,
+        program=snapshot.program,
     )
 
 
@@ -207,10 +216,22 @@ def _drawn(world: World, last: LastStep) -> tuple[float | None, int | None, int 
     return (chance, meant, went) if slips and went != UNKNOWN_ACTION else (chance, None, None)
 
 
-def _greedy_before(before: EstimatesBefore) -> list[int]:
+def _knows_others(snapshot: Snapshot, algorithm: Algorithm) -> bool:
+    """Return whether an action that was not greedy before the update was not greedy when it was chosen.
+
+    Of a program that is so where it chooses after it has learned: nobody knows how it explores.
+    """
+    last = snapshot.counters.last_step
+    if snapshot.program is None:
+        return last is not None and last.explored
+    return algorithm is not OWN_PROGRAM and algorithm.update.lookup is not Lookup.NEXT
+
+
+def _greedy_before(before: EstimatesBefore, *, knows_others: bool) -> list[int]:
     """Return the pairs that were greedy when the action was chosen, that is before the update.
 
-    None are known where the step changed more than one estimate, or one of two tables.
+    None are known where the step changed more than one estimate, or one of two tables. The action may have
+    been chosen before the last update but one: unless ``knows_others`` it is one of them, or none is known.
     """
     last = before.last
     pairs = before.world.space.pairs_of(last.state)
@@ -218,4 +239,4 @@ def _greedy_before(before: EstimatesBefore) -> list[int]:
     if last.planned or last.others or last.table or estimates is None:
         return []
     best = [pairs.start + int(each) for each in np.flatnonzero(estimates == estimates.max())]
-    return best if last.explored or last.pair in best else []  # chosen before the last update but one
+    return best if knows_others or last.pair in best else []

@@ -231,6 +231,13 @@ class AskWhy(Command):
     is_asked: bool
 
 
+@dataclass(frozen=True, slots=True)
+class ChooseTable(Command):
+    """Start the program that is watched again, with the table of this name taken for the one that learns."""
+
+    name: str
+
+
 _AT_ANY_TIME: Final = (LookAt, FollowCell, MarkLane, EndStudy, SetSpeed, StudyPolicy, AskFlips, AskWhy)
 LOOKING: Final = (*_AT_ANY_TIME, StudySeeds)
 """Commands that leave nothing behind that is worth keeping."""

@@ -95,6 +95,16 @@ class Playback:
         """Whether something that was asked for and has an end is not done yet."""
         return self.state in UNFINISHED
 
+    @property
+    def unanswered(self) -> float:
+        """For how many seconds what it waits for has not answered; calls of environments count elsewhere."""
+        return 0.0
+
+    def close(self) -> None:
+        """End what is worked out in processes of their own, from any thread."""
+        self.compilation.close()
+        self.questions.close()
+
     def takes(self, command: Command) -> bool:
         """Return True if ``command`` need not wait."""
         if self.state in BUSY or (not self._automatic and self.state in UNFINISHED):

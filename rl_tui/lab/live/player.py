@@ -13,6 +13,7 @@ from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Command, Restart
 from rl_tui.lab.live.interpreter import as_usual, leave_out_of_collections, switch_often
+from rl_tui.lab.live.playable import MakePlayable, Playable
 from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.live.record import Record, RecordSink
 from rl_tui.lab.live.snapshot import Phase, Snapshot
@@ -37,6 +38,7 @@ class Player:
     With ``automatic`` off only what is asked for takes steps, and no speed is measured, so that what
     snapshots show depends on the commands alone. With ``record`` it begins where that was written.
     ``record_sink`` is offered the record after every command and, while the run goes on, some times a second.
+    ``playable`` makes something else to be played than runs of ours.
     """
 
     def __init__(
@@ -48,9 +50,14 @@ class Player:
         clock: Callable[[], float] = time.perf_counter,
         record: Record | None = None,
         record_sink: RecordSink | None = None,
+        playable: MakePlayable | None = None,
     ) -> None:
-        self._playback = Playback(
-            recipe, speed=speed, automatic=automatic, clock=clock, on_exact=self._on_exact, record=record
+        self._playback: Playable = (
+            playable(self._on_exact, automatic=automatic)
+            if playable is not None
+            else Playback(
+                recipe, speed=speed, automatic=automatic, clock=clock, on_exact=self._on_exact, record=record
+            )
         )
         self._automatic = automatic
         self._clock = clock
@@ -112,9 +119,11 @@ class Player:
 
     @property
     def unanswered(self) -> float:
-        """For how many seconds an environment has kept the run waiting; 0 where none does."""
+        """For how many seconds an environment or a program has kept the run waiting; 0 where none does."""
         thread = self._thread
-        return 0.0 if thread is None or not self._automatic else seconds_in_call(thread.ident)
+        if thread is None or not self._automatic:
+            return 0.0
+        return max(seconds_in_call(thread.ident), self._playback.unanswered)
 
     def close(self) -> None:
         """End the thread and the snapshots; returns at once, be it in the middle of compiling."""
@@ -124,8 +133,7 @@ class Player:
             self._wake_reader()
         if self._thread is not None:
             self._thread.join(LONGEST_GOODBYE)
-            self._playback.compilation.close()
-            self._playback.questions.close()
+            self._playback.close()
             is_last = as_usual(self)
             if is_last and self._automatic:
                 BACKGROUND.want(())

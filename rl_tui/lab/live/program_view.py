@@ -40,5 +40,9 @@ class ProgramView:
     """Its file."""
     first_step: int = 0
     """The first step that can still be shown."""
+    gamma: float | None = None
+    """The γ of the exact answers."""
+    gamma_source: str = ""
+    """Where that γ is from: "found" (the update), "declared" (a number in the code), "usual" (neither)."""
     is_agent: bool = False
     """Whether it is an agent without a loop, in one of our scenarios."""

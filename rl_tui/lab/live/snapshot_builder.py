@@ -75,23 +75,26 @@ class SnapshotBuilder:
         """
         current, beside, view = group.current, group.beside, group.view
         cell = questions.cell
-        snapshot = self._of(current, view, view.shown, playback, questions, has_trail)
+        snapshot = self.of_lane(current, view, view.shown, playback, questions, has_trail=has_trail)
         return replace(
             snapshot,
             cell=None if cell is None else current.cell_history(cell),
             study=questions.seed_studies.study_of(group),
             beside=None
             if beside is None or view.beside is None
-            else self._of(beside, view, view.beside, playback, questions, has_trail, led=snapshot.counters),
+            else self.of_lane(
+                beside, view, view.beside, playback, questions, has_trail=has_trail, led=snapshot.counters
+            ),
         )
 
-    def _of(
+    def of_lane(
         self,
         lane: BranchingRun,
         view: RunGroupView,
         number: int,
         playback: PlaybackView,
         questions: Questions,
+        *,
         has_trail: bool,
         led: Counters | None = None,
     ) -> Snapshot:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import mmap
 import os
@@ -24,6 +23,7 @@ from rl_tui.lab.programs.program_output import WrittenLine, WrittenLines
 
 _CHUNK: Final = 1 << 20
 _LOOK_AGAIN: Final = 0.5  # seconds, after which a process is asked whether it still lives
+_BEHIND_OUTPUT: Final = 10  # milliseconds, in which a step comes that was taken before something was written
 _FAREWELL: Final = 1.0  # seconds that a process may take to end once its pipe is closed
 _CLOSED_ITS_PIPE: Final = "the program closed the pipe by which it was watched, and was ended"
 _ENVIRONMENT: Final = {"PYTHONHASHSEED": "0", "MPLBACKEND": "Agg", "SDL_VIDEODRIVER": "dummy"}
@@ -69,6 +69,8 @@ class ProgramProcess:
     """
 
     def __init__(self, request: ProgramRequest, allowed: int = NO_LIMIT) -> None:
+        if not hasattr(select, "poll"):
+            raise OSError("programs can be watched on Linux and macOS only")
         if not sys.executable:
             raise FileNotFoundError("which Python this is is not known")
         with ExitStack() as to_close, ExitStack() as of_the_child:
@@ -91,16 +93,7 @@ class ProgramProcess:
                 start_new_session=True,
             )
             self._to_close = to_close.pop_all()
-        os.set_blocking(self._asking, False)
-        self._unsent = b""
-        self._bytes = bytearray()
-        self._streams = {pipes[1][0]: ("out", WrittenLines()), pipes[2][0]: ("err", WrittenLines())}
-        self._poll = select.poll()
-        for descriptor in (self._reading, *self._streams):
-            os.set_blocking(descriptor, False)
-            self._poll.register(descriptor, select.POLLIN)
-        self.closed = False
-        """Whether it is over: nothing more will come."""
+        self._listen(pipes[1][0], pipes[2][0])
 
     def allow(self, steps: int) -> None:
         """Let it take steps until it has taken ``steps`` in all; 0 holds it at its next step."""
@@ -138,6 +131,20 @@ class ProgramProcess:
         self._to_close.close()
         self.closed = True
 
+    def _listen(self, stdout: int, stderr: int) -> None:
+        """Prepare to read its pipes, and to write into its own, without ever waiting for it."""
+        os.set_blocking(self._asking, False)
+        self._unsent = b""
+        self._bytes = bytearray()
+        self._streams = {stdout: ("out", WrittenLines()), stderr: ("err", WrittenLines())}
+        self._poll, self._poll_steps = select.poll(), select.poll()
+        self._poll_steps.register(self._reading, select.POLLIN)
+        for descriptor in (self._reading, *self._streams):
+            os.set_blocking(descriptor, False)
+            self._poll.register(descriptor, select.POLLIN)
+        self.closed = False
+        """Whether it is over: nothing more will come."""
+
     @property
     def exit_status(self) -> int | None:
         """How it ended, None while it has not."""
@@ -156,7 +163,10 @@ class ProgramProcess:
         until = None if seconds is None else time.monotonic() + seconds
         while True:
             left = _LOOK_AGAIN if until is None else min(_LOOK_AGAIN, until - time.monotonic())
-            if self._poll.poll(max(0.0, left) * 1000) or self._process.poll() is not None:
+            ready = self._poll.poll(max(0.0, left) * 1000)
+            if ready and all(descriptor != self._reading for descriptor, _ in ready):
+                self._poll_steps.poll(_BEHIND_OUTPUT)  # of the step that it belongs to
+            if ready or self._process.poll() is not None:
                 return
             if until is not None and time.monotonic() >= until:
                 return
@@ -250,7 +260,10 @@ def _pipe(reading: ExitStack, writing: ExitStack) -> tuple[int, int]:
     ends = os.pipe()
     for end, closing in zip(ends, (reading, writing), strict=True):
         closing.callback(os.close, end)
-    with suppress(AttributeError, OSError):  # Linux only; a small one holds a program up between two frames
+    with suppress(ImportError, AttributeError, OSError):
+        import fcntl  # not on Windows
+
+        # on Linux; a small one holds a program up between two frames
         fcntl.fcntl(ends[1], fcntl.F_SETPIPE_SZ, _CHUNK)
     return ends
 

@@ -15,6 +15,7 @@ from rl_tui.common.limits import LONGEST_TIME_LIMIT, MOST_PAIRS
 from rl_tui.common.streams import streams
 from rl_tui.lab.programs.program_log import ProgramEnvironment
 from rl_tui.lab.run.library import find
+from rl_tui.worlds.environment import OWN_IDS
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.gym.section import GymnasiumSection
 from rl_tui.worlds.gym.tables.blackjack import DREW, LOST, WON
@@ -23,8 +24,6 @@ from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabul
 from rl_tui.worlds.sections.world_section import WorldRefusedError, WorldSection
 from rl_tui.worlds.world import World
 
-OUR_IDS: Final = "rl_tui/"
-"""What the ids of our scenarios as environments begin with; they end in ``-v0``."""
 _VERSION: Final = "-v0"
 _BLACKJACK: Final = "Blackjack-v1"
 _NOT_OF_THE_WORLD: Final = ("render_mode", "max_episode_steps")
@@ -115,11 +114,12 @@ def _attempt(
 
 
 def _of_ours(environment: ProgramEnvironment) -> ProgramWorld | None:
-    """Return the world of one of our scenarios, by its id as an environment."""
-    if not (environment.id.startswith(OUR_IDS) and environment.id.endswith(_VERSION)):
+    """Return the world of one of our scenarios, by its id as an environment, or the file it is made of."""
+    if not environment.id.startswith(OWN_IDS):
         return None
-    scenario = find(environment.id.removeprefix(OUR_IDS).removesuffix(_VERSION))
-    seed = (environment.kwargs or {}).get("world_seed", 0)
+    kwargs = environment.kwargs or {}
+    name = environment.id.removeprefix(OWN_IDS).removesuffix(_VERSION)
+    scenario, seed = find(str(kwargs.get("scenario", name))), kwargs.get("scenario_seed", 0)
     return _fitting(scenario, scenario.build(streams(int(seed)).world), environment)
 
 

@@ -100,9 +100,12 @@ class Evaluation:
         self.next_step = 0 if self._active else None
         """The step number of the next mark; None where no marks are taken."""
 
-    def mark(self, episodes: int, q: FloatArray, ties: Ties) -> None:
-        """Take the mark that is due, after ``episodes`` finished ones, with the estimates ``q``, [P]."""
-        value = self._greedy_return(q, ties)
+    def mark(self, episodes: int, q: FloatArray | None, ties: Ties) -> None:
+        """Take the mark that is due, after ``episodes`` finished ones, with the estimates ``q``, [P].
+
+        Without estimates there is no value.
+        """
+        value = None if q is None else self._greedy_return(q, ties)
         self._episode[self._used] = episodes
         self._value[self._used] = math.nan if value is None else value
         self._used += 1

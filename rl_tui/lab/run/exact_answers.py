@@ -144,10 +144,14 @@ class RunAnswers:
 
     def of(self, run: Run) -> Answer:
         """Return the exact answer for the γ in force in ``run``, as far as it is known."""
-        learner, mdp = run.learner, run.world.mdp
+        learner = run.learner
         gamma = learner.hyperparameters.gamma
         if learner.drifted:
             return exact_now(learner.mdp, gamma)
+        return self.at(run.world.mdp, gamma)
+
+    def at(self, mdp: TabularMDP | None, gamma: float) -> Answer:
+        """Return the exact answer for ``gamma`` in the world of ``mdp``, as far as it is known."""
         if self._of_world is None or self._of_world.mdp is not mdp:
             self._of_world = ExactAnswers(mdp, self._on_ready, at_once_states=AT_ONCE_STATES)
         return self._of_world.answer(gamma)

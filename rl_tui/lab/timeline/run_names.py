@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
-from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
+from rl_tui.agents.catalogue import POLICY_BY_ID, algorithm_row, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.lab.run.recipe import Recipe
 
@@ -25,7 +25,9 @@ def run_names(recipes: Sequence[Recipe]) -> list[str]:
     differing = {name for other in others for name in _different(base, other, recipes[0])}
     contrast = [feature_text(name, value) for name, value in base.items() if name in differing]
     names = [", ".join(contrast), *(difference(recipes[0], other) for other in recipes[1:])]
-    return distinct([name or BY_ID[each.algorithm].name for name, each in zip(names, recipes, strict=True)])
+    return distinct(
+        [name or algorithm_row(each.algorithm).name for name, each in zip(names, recipes, strict=True)]
+    )
 
 
 def difference(base: Recipe, other: Recipe) -> str:
@@ -76,7 +78,7 @@ def _without_idle_schedule(features: dict[str, float | str], schedule: str, sche
 def feature_text(name: str, value: float | str) -> str:
     """Return in a few words that the feature ``name`` has this ``value``: ``α 0.5``."""
     if name == ALGORITHM:
-        return BY_ID[str(value)].name
+        return algorithm_row(str(value)).name
     if name == "policy":
         return POLICY_BY_ID[str(value)].name
     symbol = name if name == _SEED else PARAMETERS[name].symbol

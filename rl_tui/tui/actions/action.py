@@ -40,6 +40,10 @@ class Action:
     by which the palette finds it. What is ``for_the_owner`` of the machine is not for a kiosk; what
     ``needs_world`` waits until there is one; what counts ``everywhere`` does so in dialogs too. While the run
     goes on, ``while_running`` is the word on the key line, where there is one.
+
+    What cannot be done to somebody's program that is watched says in ``not_for_program`` why, and what to do
+    instead, as a sentence with ``{file}`` for the program's file. What is ``of_program`` is for such a
+    program alone.
     """
 
     id: str
@@ -57,6 +61,8 @@ class Action:
     for_the_owner: bool = False
     needs_world: bool = False
     everywhere: bool = False
+    not_for_program: str = ""
+    of_program: bool = False
 
     @property
     def keys(self) -> list[str]:

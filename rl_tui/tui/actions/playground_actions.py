@@ -8,6 +8,9 @@ from rl_tui.tui.actions.action import Action, Group
 
 ORDINALS: Final = ("first", "second", "third", "fourth")
 
+_DECIDES: Final = "your program decides that: change it in {file} and save, and it starts again"
+_SWEEPS: Final = "your program takes steps, and has no sweeps of a planner"
+
 PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
     Action(
         "run.run_or_pause",
@@ -37,6 +40,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         rank=2,
         hint=("E I", "eval, improve"),
         aliases="policy evaluation sweep",
+        not_for_program=_SWEEPS,
     ),
     Action(
         "run.improve",
@@ -45,6 +49,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         "Policy iteration: run to the end of a sweep of improvement; one of evaluation is finished first.",
         Group.RUN,
         aliases="policy improvement update greedy sweep",
+        not_for_program=_SWEEPS,
     ),
     Action(
         "run.faster",
@@ -63,6 +68,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         "watch it learn",
         "Run fast until the first reward, then stop a moment for each state that gets a value; + − end it.",
         Group.RUN,
+        not_for_program="+ and − set the speed of your program, and u runs it until something happens",
     ),
     Action(
         "run.reset",
@@ -107,6 +113,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         Group.TIME,
         rank=16,
         needs_world=True,
+        not_for_program="what your program did is one branch: b, B and g go back in it",
     ),
     Action(
         "until.choose",
@@ -135,6 +142,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         Group.AGENT,
         rank=9,
         needs_world=True,
+        not_for_program=_DECIDES,
     ),
     Action(
         "agent.choose_policy",
@@ -144,6 +152,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         Group.AGENT,
         rank=13,
         needs_world=True,
+        not_for_program=_DECIDES,
     ),
     Action(
         "agent.next_ties",
@@ -152,6 +161,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         "Break ties between equal best actions at random, or take the first.",
         Group.AGENT,
         rank=20,
+        not_for_program=_DECIDES,
     ),
     Action(
         "agent.ask_initial_q",
@@ -160,8 +170,17 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         "Set what every estimate starts from, and start again.",
         Group.AGENT,
         rank=21,
+        not_for_program=_DECIDES,
     ),
-    Action("agent.ask_seed", "n", "seed", "Set the seed, and start again.", Group.AGENT, rank=22),
+    Action(
+        "agent.ask_seed",
+        "n",
+        "seed",
+        "Set the seed, and start again.",
+        Group.AGENT,
+        rank=22,
+        not_for_program="the seed is that of the start: rl-tui watch {file} --seed N",
+    ),
     *(
         Action(
             f"agent.focus_slider_{number}",
@@ -170,6 +189,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
             f"Go to the {ordinal} slider: arrows move it; enter, a number, enter set it; esc leaves it.",
             Group.AGENT,
             command=f"agent.focus_slider({number})",
+            not_for_program=_DECIDES,
         )
         for number, ordinal in enumerate(ORDINALS, start=1)
     ),
@@ -181,6 +201,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         Group.AGENT,
         rank=14,
         aliases="alpha gamma epsilon lambda tau discount exploration hyper-parameters parameters settings",
+        not_for_program=_DECIDES,
     ),
     Action(
         "why.explain",
@@ -190,6 +211,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         Group.AGENT,
         needs_world=True,
         aliases="first update reward wait stuck remedy",
+        not_for_program="Y asks about an agent of ours: c puts one beside your program",
     ),
     Action(
         "manual.toggle",
@@ -199,6 +221,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         Group.AGENT,
         rank=8,
         needs_world=True,
+        not_for_program="your program takes its own steps: here nobody can act in its place",
     ),
     Action(
         "drawing.toggle",
@@ -256,5 +279,15 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         Group.VIEW,
         rank=18,
         needs_world=True,
+    ),
+    Action(
+        "program.choose_table",
+        "T",
+        "table",
+        "Of a program of your own: choose which of its tables is the one that learns; it starts again.",
+        Group.VIEW,
+        rank=21,
+        needs_world=True,
+        of_program=True,
     ),
 )

@@ -12,6 +12,9 @@ from rl_tui.tui.actions.action import Action, Group, Place
 from rl_tui.tui.actions.playground_actions import PLAYGROUND_ACTIONS
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 
+_KEPT: Final = "nothing of this need be kept: {file} and its seed make the same run again"
+_STAYS: Final = "this is your program, in no row of the catalogue: esc goes there"
+
 _CATALOGUE_ACTIONS: Final[tuple[Action, ...]] = (
     Action(
         "open",
@@ -43,6 +46,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         Group.SESSION,
         rank=19,
         for_the_owner=True,
+        not_for_program=_KEPT,
     ),
     Action(
         "export.choose",
@@ -53,6 +57,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         rank=10,
         for_the_owner=True,
         needs_world=True,
+        not_for_program="x writes runs of our agents; your program is written already: {file}",
     ),
     Action(
         "previous_scenario",
@@ -61,8 +66,10 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         "Go to the previous scenario.",
         Group.SCENARIO,
         symbol="[",
+        command="scenario.previous",
         rank=12,
         hint=("[ ]", "scenario"),
+        not_for_program=_STAYS,
     ),
     Action(
         "next_scenario",
@@ -71,6 +78,8 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         "Go to the next scenario.",
         Group.SCENARIO,
         symbol="]",
+        command="scenario.following",
+        not_for_program=_STAYS,
     ),
     Action(
         "back",
@@ -171,6 +180,8 @@ def all_actions(panels: Iterable[PanelRow] = PANELS) -> tuple[Action, ...]:
             command=f"board.toggle('{row.id}')",
             rank=row.opened_by.rank,
             needs_world=True,
+            not_for_program=row.not_for_program,
+            of_program=row.of_program,
         )
         for row in panels
         if row.opened_by is not None

@@ -51,6 +51,7 @@ from rl_tui.worlds.files.catalogue import scenarios
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+    from rl_tui.lab.live_programs.watched_program import WatchedProgram
     from rl_tui.lab.sessions.autosave import KeptSession
     from rl_tui.lab.sessions.session import StoredSession
     from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
@@ -63,7 +64,7 @@ _GONE = (NoMatches, MountError, NoScreen, ScreenStackError)
 
 
 class RlTuiApp(LinkedApp[UserError]):
-    """Catalogue and playground; started with a recipe or a session, it goes straight to that playground.
+    """Catalogue and playground; started with a recipe, a session or a program, it goes straight to that.
 
     ``make_player`` makes the thread behind a playground. A ``picture`` asks no terminal what it can do.
     ``sessions`` is the folder in which sessions are kept, None to keep none. A ``kiosk`` offers nothing that
@@ -81,7 +82,7 @@ class RlTuiApp(LinkedApp[UserError]):
     def __init__(
         self,
         display: Display | None = None,
-        start: Recipe | StoredSession | None = None,
+        start: Recipe | StoredSession | WatchedProgram | None = None,
         make_player: MakePlayer = live_player,
         *,
         picture: bool = False,
@@ -184,7 +185,7 @@ class RlTuiApp(LinkedApp[UserError]):
         elif isinstance(self._start, Recipe):
             self.push_screen(self._opener.playground(self.look, self._start))
         else:
-            self.push_screen(self._opener.resumed(self.look, self._start, self._start.record()))
+            self.push_screen(self._opener.opened(self.look, self._start))
 
     def on_catalogue_screen_opened(self, event: CatalogueScreen.Opened) -> None:
         """Go to the playground."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
@@ -18,8 +19,10 @@ from rl_tui.tui.panels.catalogue import PanelRow
 from rl_tui.tui.theme.look import Look
 
 if TYPE_CHECKING:
+    from rl_tui.lab.live.playable import MakePlayable
     from rl_tui.lab.live.player import Player
     from rl_tui.lab.live.record import Record, RecordSink
+    from rl_tui.lab.live_programs.watched_program import WatchedProgram
     from rl_tui.lab.sessions.autosave import Autosave, KeptSession
     from rl_tui.lab.sessions.session import StoredSession
     from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
@@ -31,15 +34,28 @@ if TYPE_CHECKING:
 class MakePlayer(Protocol):
     """Makes the thread behind a playground; ``record`` is what to go on with."""
 
-    def __call__(self, recipe: Recipe, *, record_sink: RecordSink | None, record: Record | None) -> Player:
-        """Return the player of ``recipe``."""
+    def __call__(
+        self,
+        recipe: Recipe,
+        *,
+        record_sink: RecordSink | None,
+        record: Record | None,
+        playable: MakePlayable | None = None,
+    ) -> Player:
+        """Return the player of ``recipe``, or of what ``playable`` makes."""
 
 
-def live_player(recipe: Recipe, *, record_sink: RecordSink | None, record: Record | None) -> Player:
+def live_player(
+    recipe: Recipe,
+    *,
+    record_sink: RecordSink | None,
+    record: Record | None,
+    playable: MakePlayable | None = None,
+) -> Player:
     """Return a player that takes steps as time passes."""
     from rl_tui.lab.live.player import Player
 
-    return Player(recipe, record_sink=record_sink, record=record)
+    return Player(recipe, record_sink=record_sink, record=record, playable=playable)
 
 
 @dataclass
@@ -96,6 +112,14 @@ class Opener:
             playground.send(HideAnswer(is_hidden=True))
         return playground
 
+    def opened(self, look: Look, what: StoredSession | WatchedProgram) -> Playground:
+        """Return the playground of a session that goes on, or of a program."""
+        from rl_tui.lab.sessions.session import StoredSession
+
+        if isinstance(what, StoredSession):
+            return self.resumed(look, what, what.record())
+        return self.watching(look, what)
+
     def resumed(self, look: Look, session: StoredSession, record: Record) -> Playground:
         """Return the playground in which ``session``, which holds ``record``, goes on."""
         from rl_tui.lab.sessions.autosave import Autosave
@@ -105,6 +129,16 @@ class Opener:
         playground = self._playground(look, recipe, autosave, record, record.speed, session)
         playground.wanted.was_hidden_by_person = record.answer_is_hidden is True
         return playground
+
+    def watching(self, look: Look, program: WatchedProgram) -> Playground:
+        """Return the playground in which ``program`` takes the steps; it is kept in no session."""
+        from rl_tui.lab.live.player import START_SPEED
+        from rl_tui.lab.live_programs.program_playback import ProgramPlayback
+        from rl_tui.lab.live_programs.program_snapshot import usual_recipe
+
+        recipe = usual_recipe(program.world, program.request.seed)
+        playable = partial(ProgramPlayback, program)
+        return self._playground(look, recipe, None, None, START_SPEED, playable=playable)
 
     @property
     def kept(self) -> KeptSession | None:
@@ -129,6 +163,7 @@ class Opener:
         resumed: StoredSession | None = None,
         *,
         watches: bool = False,
+        playable: MakePlayable | None = None,
     ) -> Playground:
         from rl_tui.tui.screens.legend_switch import LegendSwitch
         from rl_tui.tui.screens.playground.playground import Playground
@@ -138,7 +173,7 @@ class Opener:
         self.autosave = autosave
         if self.legends is None:
             self.legends = LegendSwitch(self.sessions)
-        self.player = self.make_player(recipe, record_sink=autosave, record=record)
+        self.player = self.make_player(recipe, record_sink=autosave, record=record, playable=playable)
         screen = Playground.with_keys_of(self.panels)
         playground = screen(
             look,

@@ -24,6 +24,9 @@ MICROSCOPE: Final = "microscope"
 MANY_SEEDS: Final = "many_seeds"
 DISCOUNT: Final = "discount"
 POLICIES: Final = "policies"
+PROGRAM: Final = "program"
+FINDINGS: Final = "findings"
+OUTPUT: Final = "output"
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +53,9 @@ class PanelRow:
     room for that. The microscope does both. ``needs`` says whether there is anything to show, by how the
     world is drawn. ``caption`` says in some five words what the panel is, and ``terms`` are the ids of
     the terms of the glossary that it is about, what is asked first before the rest. With ``is_twofold`` each
-    of two lanes side by side has one; :func:`beside` is the id of the second.
+    of two lanes side by side has one; :func:`beside` is the id of the second. A panel ``of_program`` has
+    something to show only while somebody's own program is watched; ``not_for_program`` says why one has
+    nothing to show of it then, and what to do instead, with ``{file}`` for the program's file.
     """
 
     id: str
@@ -65,6 +70,8 @@ class PanelRow:
     has_border: bool = True
     is_twofold: bool = False
     needs: Callable[[Drawing | None], bool] = lambda _: True
+    of_program: bool = False
+    not_for_program: str = ""
 
     def make(self, look: Look, panel_id: str | None = None) -> BoardPanel:
         """Return the panel, hidden if a key opens it; ``panel_id`` is its id, None: that of the row."""
@@ -202,6 +209,20 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         terms=("alpha", "gamma", "epsilon", "policy", "off-policy", "on-policy", "ties", "optimism", "seed"),
     ),
     PanelRow(
+        PROGRAM,
+        "rl_tui.tui.panels.program.program:ProgramPanel",
+        "Program",
+        "A program of your own, watched (rl-tui watch SCRIPT.py): its environment, the table that was found "
+        "in it, and the update that it makes, worked out from how the table moves: rule, step size and "
+        "discount, the share of steps that they fit, and the first that departs. Informative are the steps "
+        "on which the value of the next state matters: only they tell γ. Nothing is guessed: what no step "
+        "decides is said to be open. Below stand what is wrong with it, which F shows, and notes. It stands "
+        "where the sliders are else: here your file decides, and saving it starts the program again.",
+        caption="your own code, watched",
+        terms=("program", "finding", "informative-step", "departs", "alpha", "gamma", "target"),
+        of_program=True,
+    ),
+    PanelRow(
         LAST_STEP,
         "rl_tui.tui.panels.last_step.last_step:LastStepPanel",
         "Last step",
@@ -282,6 +303,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             rank=17,
         ),
         in_place_of=(TABLE, BUDGET),
+        not_for_program="M runs agents of ours; rl-tui grade {file} runs your program under many seeds",
     ),
     PanelRow(
         DISCOUNT,
@@ -330,6 +352,42 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             rank=18,
         ),
         in_place_of=(TABLE, BUDGET),
+    ),
+    PanelRow(
+        FINDINGS,
+        "rl_tui.tui.panels.program.findings:FindingsPanel",
+        "Findings",
+        "What is wrong with the program that is watched, the worst first. A fault is claimed only from at "
+        "least three steps on which two readings of the code predict different numbers, all of them for one "
+        "and none for the other; declared means that it rests on a number read from the code. A risk is what "
+        "may go wrong by bad luck. Each says what was seen, on how many steps, shows the line in the source, "
+        "marked ▸, and the correction in the terms of the book. The arrows choose one, enter goes to the "
+        "first step that shows it.",
+        caption="what is wrong, and where",
+        terms=("finding", "program", "departs", "informative-step", "bootstrap", "terminal", "truncated"),
+        opened_by=OpeningKey(
+            "F",
+            "findings",
+            "Of a program of your own: what is wrong with it, the line, and the correction.",
+            rank=6,
+        ),
+        in_place_of=(TABLE, BUDGET),
+        of_program=True,
+    ),
+    PanelRow(
+        OUTPUT,
+        "rl_tui.tui.panels.program.output:OutputPanel",
+        "Output",
+        "The last lines that the watched program wrote, each behind the number of steps that it had taken. "
+        "! marks what it wrote to stderr. Where it raised an exception, its traceback stands at the end. The "
+        "last line stays in view until the arrows, pgup or home go up; end follows again.",
+        caption="what your program wrote",
+        terms=("program", "step", "finding"),
+        opened_by=OpeningKey(
+            "O", "output", "Of a program of your own: what it wrote, and its traceback.", rank=7
+        ),
+        in_place_of=(TABLE, BUDGET),
+        of_program=True,
     ),
 )
 """In the order of the tab key."""

@@ -16,12 +16,16 @@ from rl_tui.tui.draw.pieces import Line, Piece, strips_of
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.controls.settings import speed_text
 from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.program.words import name_of
 from rl_tui.tui.panels.snapshot_facts import episode_under_way
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
 WIDE: Final = 100
 WAITING: Final = "the world is being built"
+BUDGET_SPENT: Final = "budget spent"
+PROGRAM_ENDED: Final = "your program has ended"
+_WORTH_SHOWING: Final = 3.0  # seconds without an answer
 _GAP: Final = 2
 _LEAST_END: Final = 4  # columns of ``100M``
 _LEAST_TITLE: Final = 12
@@ -54,10 +58,11 @@ class StatusLine(Panel):
     _session = ""
     _unanswered = 0
 
-    def show_unanswered(self, seconds: int) -> None:
-        """Say for how many seconds the environment has not answered; 0 where it does."""
-        if seconds != self._unanswered:
-            self._unanswered = seconds
+    def show_unanswered(self, seconds: float) -> None:
+        """Say for how many seconds the environment has not answered, if that is long."""
+        shown = int(seconds) if seconds >= _WORTH_SHOWING else 0
+        if shown != self._unanswered:
+            self._unanswered = shown
             self.redraw()
 
     def begin_with(self, title: str) -> None:
@@ -102,7 +107,8 @@ def status_line(
     """
     palette, glyphs = look.palette, look.glyphs
     if unanswered:
-        text = f"the environment has not answered for {unanswered:,} s; esc leaves it"
+        who = "the environment" if snapshot is None or snapshot.program is None else "your program"
+        text = f"{who} has not answered for {unanswered:,} s; esc leaves it"
         if snapshot is None:
             return [Piece(shortened(f" {text}", width, glyphs.ellipsis), palette.accent)]
         return _waiting(snapshot, text, look, width)
@@ -156,19 +162,28 @@ def _fitting(fields: list[_Field], width: int) -> list[_Field]:
 
 
 def _title(snapshot: Snapshot, look: Look, width: int, session: str = "") -> str:
+    forms = _titles(snapshot, session)
+    texts = (separated(" · ".join(filter(None, form)), look.glyphs) for form in forms)
+    fitting = next((text for text in texts if cell_len(text) <= width), None)
+    title = snapshot.recipe.scenario.title
+    name = title if snapshot.program is None else name_of(snapshot.program)
+    longest = separated(" · ".join(filter(None, (session, name))), look.glyphs)
+    return fitting or shortened(longest, max(0, width), look.glyphs.ellipsis)
+
+
+def _titles(snapshot: Snapshot, session: str) -> list[tuple[str, ...]]:
+    """Return the parts of each title that there may be, the longest first: of a program its name first."""
     recipe, timeline = snapshot.recipe, snapshot.timeline
     title, seed = recipe.scenario.title, f"seed {recipe.seed}"
+    if snapshot.program is not None:
+        name = name_of(snapshot.program)
+        return [(name, title, seed), (name, title), (name,)]
     branch = timeline.current.name if len(timeline.branches) > 1 else ""
-    algorithm = snapshot.agent.row.name
     if session:
         shorter = [(session, title, branch), *([(session, branch)] if branch else [])]
     else:
         shorter = [(title, seed, branch), (title, branch)] if branch else []
-    forms = [(session, title, algorithm, seed, branch), *shorter]
-    texts = (separated(" · ".join(filter(None, form)), look.glyphs) for form in forms)
-    fitting = next((text for text in texts if cell_len(text) <= width), None)
-    longest = separated(" · ".join(filter(None, (session, title))), look.glyphs)
-    return fitting or shortened(longest, max(0, width), look.glyphs.ellipsis)
+    return [(session, title, snapshot.agent.row.name, seed, branch), *shorter]
 
 
 def _waiting(snapshot: Snapshot, text: str, look: Look, width: int) -> Line:
@@ -239,7 +254,7 @@ def _state(snapshot: Snapshot, look: Look, most: int, *, is_manual: bool) -> _Fi
     """Return what the run does now, in at most ``most`` columns where that is a sentence."""
     palette, glyphs = look.palette, look.glyphs
     if snapshot.playback.phase is Phase.SPENT:
-        text = f"{glyphs.stopped} budget spent"
+        text = f"{glyphs.stopped} {BUDGET_SPENT if snapshot.program is None else PROGRAM_ENDED}"
         return _Field(text, len(text), palette.accent)
     if snapshot.playback.phase is Phase.DONE:
         text = (
@@ -250,7 +265,9 @@ def _state(snapshot: Snapshot, look: Look, most: int, *, is_manual: bool) -> _Fi
         if snapshot.playback.paused_by:
             return _long_state(f"{glyphs.paused} {snapshot.playback.paused_by}", look, most)
         if snapshot.timeline.in_past:
-            return _Field(f"{glyphs.past} the past", _STATE_COLUMNS, palette.accent)
+            past = "the past" if snapshot.program is None else "only shown"
+            text = f"{glyphs.past} {past}"
+            return _Field(text, max(_STATE_COLUMNS, cell_len(to_ascii(text, glyphs))), palette.accent)
         if is_manual:
             return _Field(f"{glyphs.agent} you act", _STATE_COLUMNS, palette.accent)
         return _Field(f"{glyphs.paused} paused", _STATE_COLUMNS, palette.dim)

@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.results import Curve, RunResults
@@ -215,7 +215,7 @@ def _studied(snapshot: Snapshot) -> StudiedLevel | None:
 
 
 def _lane(number: int, lane: LaneView, *, shown: bool, hidden: bool) -> LaneLine:
-    is_exact = BY_ID[lane.algorithm].planner and not len(lane.results.curve.episode)
+    is_exact = algorithm_row(lane.algorithm).planner and not len(lane.results.curve.episode)
     greedy_now = None if hidden else lane.results.greedy_return
     return LaneLine(
         number=number,

@@ -200,6 +200,8 @@ def remark(
         return _HIDDEN_ARMS if data.is_bandit else _HIDDEN_OPTIMUM
     if data.greedy_now is None or data.finished < RECENT or not data.is_decided:
         return ()
+    if snapshot.program is not None:
+        return ()  # how somebody's program explores is not known
     values = snapshot.agent.hyperparameters
     by_epsilon = POLICY_BY_ID[values.policy].explores_by_epsilon
     if by_epsilon and values.epsilon_at(snapshot.counters.episodes) == 0.0:

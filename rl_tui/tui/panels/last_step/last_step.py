@@ -22,6 +22,7 @@ NOTHING_YET: Final = "no step yet: s takes one"
 ENDED: Final = "ended its episode"
 ENDED_SWEEP: Final = "ended its sweep"
 NOT_REPLAYED_YET: Final = "the last step is told once it is replayed"
+NOT_OF_THE_TABLE: Final = "this step is none that the world's table has"
 _USUAL_ROWS: Final = 8  # of the longest form
 _ROOM_ON_BORDER: Final = 76
 _LEAST_ROWS: Final = 4  # below this the loop has no lines of its own
@@ -52,10 +53,11 @@ class LastStepPanel(Panel):
             keeps = snapshot.agent.row.takes_orders
             policy = LegendSign(to_ascii("π", self.look.glyphs), "policy", palette.strong)
             return (policy, chance) if keeps else (chance,)
+        has_delta = story is None or story.has_equation
         # beside the numbers on the border it would come and go with their digits
         has_room = self.free_rows > 0 or self.size.width >= _ROOM_ON_BORDER
         return (
-            LegendSign(delta, "TD error", palette.strong),
+            *([LegendSign(delta, "TD error", palette.strong)] if has_delta else []),
             *([LegendSign("p", "probability", palette.strong)] if tells_chances and has_room else []),
         )
 
@@ -79,6 +81,8 @@ def _which(snapshot: Snapshot | None) -> str:
 
 def nothing_yet(snapshot: Snapshot | None) -> str:
     """Return why there is no last step to tell of."""
+    if snapshot is not None and snapshot.program is not None and snapshot.counters.step:
+        return NOT_OF_THE_TABLE
     return NOTHING_YET if snapshot is None or snapshot.counters.step == 0 else NOT_REPLAYED_YET
 
 

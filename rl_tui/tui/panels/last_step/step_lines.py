@@ -61,6 +61,8 @@ class StepWriter:
         summary = self._sweep() if self._last.planned else self._summary()
         if not self.words.estimate:
             return [summary, [self._dim(" "), self._waiting()]]
+        if not self._story.has_equation:
+            return [summary, self._change(self._dim(" ")), self._why_no_equation(self._dim(" "))][:height]
         lines = [summary, self._equation()]
         return self._with_others(lines if height == 2 else [*lines, self._delta()], height)
 
@@ -68,6 +70,8 @@ class StepWriter:
         """Return target, δ in ``delta`` rows (0: beside the target) and the new estimate."""
         if not self.words.estimate:
             return [[self._label("update"), self._waiting()]]
+        if not self._story.has_equation:
+            return [self._change(self._label("update")), self._why_no_equation(self._label(""))]
         return [
             *self._target(target, with_delta=delta == 0),
             *([self._delta()] if delta else []),
@@ -84,6 +88,26 @@ class StepWriter:
         if self._fits(best) and (best is forms[0] or len(lines) >= height):
             return [*lines[:-1], best]
         return [*lines, [self._dim(f"{_GAP}{others[0]}")]] if len(lines) < height else lines
+
+    def _change(self, start: Piece) -> Line:
+        """Return what moved and by how much, where nothing else is known of the update."""
+        update, to = self.words.update, "to" if self.width >= _ROOM_FOR_LABELS else "→"
+        if update.before == update.after:
+            stays = [self._strong(self.words.estimate), self._plain(" stays "), self._strong(update.after)]
+            return self._fitting(
+                [[start, self._dim("your program changed nothing: "), *stays], [start, *stays]]
+            )
+        moved = [
+            self._strong(self.words.estimate),
+            self._plain(f" from {update.before} {to} "),
+            self._strong(update.after),
+            *([self._plain(" ("), error_piece(self.words, self._look), self._plain(")")]),
+        ]
+        whole = self._dim("your program moved ")
+        return self._fitting([[start, whole, *moved], [start, *moved], [start, *moved[:3]]])
+
+    def _why_no_equation(self, start: Piece) -> Line:
+        return self._fitting([start, self._dim(each)] for each in self.words.why_no_equation)
 
     def _sweep(self) -> Line:
         """Return which state a planner backed up."""
@@ -269,7 +293,10 @@ class StepWriter:
 
     def _one_line(self) -> Line:
         line, tail = [self._dim(" "), self._waiting()], self._tail()
-        if self.words.estimate:
+        if self.words.estimate and not self._story.has_equation:
+            why = [self._dim(f"  {each}") for each in self.words.why_no_equation[-1:]]
+            line, tail = [*self._change(self._dim(" "))], [*why, *tail]
+        elif self.words.estimate:
             error = error_piece(self.words, self._look)
             line, tail = [*self._equation()], [Piece(f"  δ {error.text}", error.style), *tail]
         least = len(line)

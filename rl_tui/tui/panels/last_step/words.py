@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.lab.last_step.story import StepStory
 from rl_tui.tui.draw import names, numbers
+from rl_tui.tui.panels.last_step.program_words import change_text, choice_texts, why_no_equation
 from rl_tui.tui.panels.last_step.state_backup_text import BackupText, backup_text
 from rl_tui.tui.panels.last_step.update_text import UpdateText, setting, update_text
 from rl_tui.tui.theme.glyphs import Glyphs
@@ -23,6 +24,7 @@ class StepWords:
     actions, and are empty where the world does not slip. ``estimate`` is what the update moved, ``Q(6,←)``,
     ``bootstrap`` the estimate in its target in symbols, and ``others`` tells of its further updates.
     ``backup`` is the Bellman equation of the state that a planner backed up, None where there is none.
+    ``why_no_equation`` says of somebody's program why only the change is known; empty where more is.
     """
 
     story: StepStory
@@ -42,6 +44,7 @@ class StepWords:
     others: Sequence[str]
     update: UpdateText
     backup: BackupText | None
+    why_no_equation: Sequence[str] = ()
 
     @property
     def outcome(self) -> str:
@@ -67,7 +70,10 @@ class StepWords:
 def words_of(story: StepStory, glyphs: Glyphs) -> StepWords:
     """Return the words of ``story``."""
     world, last = story.world, story.last
-    update = update_text(last, story.step_size, glyphs, bootstraps=story.bootstraps)
+    if story.has_equation:
+        update = update_text(last, story.step_size, glyphs, bootstraps=story.bootstraps)
+    else:
+        update = change_text(last, glyphs)
     reward = numbers.brief(last.reward, glyphs, decimals=4)
 
     def action(number: int | None) -> str:
@@ -82,7 +88,7 @@ def words_of(story: StepStory, glyphs: Glyphs) -> StepWords:
         meant=action(story.meant),
         went=action(story.went),
         chance="" if story.chance is None else names.chance(story.chance, glyphs),
-        reward=update.gathered if last.gathered == last.reward else reward,
+        reward=update.gathered if story.has_equation and last.gathered == last.reward else reward,
         next_state="" if story.is_bandit else names.state_name(world, last.next_state, glyphs),
         landmark=names.landmark(world, last.next_state),
         endings=_endings(story),
@@ -93,6 +99,7 @@ def words_of(story: StepStory, glyphs: Glyphs) -> StepWords:
         others=_others(story),
         update=update,
         backup=None if story.state_backup is None else backup_text(world, story.state_backup, glyphs),
+        why_no_equation=() if story.has_equation else why_no_equation(story),
     )
 
 
@@ -122,9 +129,9 @@ def _endings(story: StepStory) -> Sequence[str]:
 
 def _others(story: StepStory) -> Sequence[str]:
     count = f"{story.last.others:,}"
-    return (
-        (f"and {count} {story.terms.others}", f"and {count} more", f"+{count}") if story.last.others else ()
-    )
+    if not story.last.others or not story.has_equation:
+        return ()
+    return f"and {count} {story.terms.others}", f"and {count} more", f"+{count}"
 
 
 def _choices(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
@@ -134,6 +141,8 @@ def _choices(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
         return ()
     if last.by_hand:
         return "you chose it", "by you"
+    if story.program is not None:
+        return choice_texts(last.pair, best)
     if not story.policy.explores_by_epsilon:
         return _chosen_by_policy(story, glyphs)
     epsilon = setting(last.epsilon, glyphs)

@@ -21,6 +21,7 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
 
 BACKUP_HEADING: Final = "The backup"
+NOT_KNOWN: Final = "which estimates your program looked up is not known"
 MOST_LEAVES: Final = 8
 TARGET_ROWS: Final = 4
 _HEAD_ROWS: Final = 3
@@ -31,7 +32,8 @@ def backup_section(words: StepWords, look: Look, width: int, *, secret: bool) ->
     """Return the tree over all outcomes and the targets below it; ``secret`` hides true rewards."""
     world, backup = words.story.world, words.story.backup
     if backup is None:
-        waiting: Line = [Piece(f" {words.story.terms.waiting}", look.palette.dim)]
+        text = words.story.terms.waiting if words.story.has_equation else NOT_KNOWN
+        waiting: Line = [Piece(f" {text}", look.palette.dim)]
         return MicroscopeSection(BACKUP_HEADING, [waiting], 1)
     lines = _tree(world, backup, look, width, secret=secret)
     lines += [[Piece("", look.palette.text)]] * (_HEAD_ROWS + _leaf_rows(world) - len(lines))

@@ -18,6 +18,7 @@ RETURN_HEADING: Final = "Discounted return so far"
 RETURN_ROWS: Final = 3
 MEANING: Final = "Gₜ = Rₜ₊₁ + γ Rₜ₊₂ + γ² Rₜ₊₃ + …"
 PLANNER: Final = "a planner takes no steps: nothing is earned"
+OPEN_DISCOUNT: Final = "the γ of your program is open: no step has decided it yet"
 _LEFT_OUT: Final = "…"
 _SUPERSCRIPTS: Final = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _FEWEST: Final = 3  # decimals of a reward
@@ -33,6 +34,8 @@ def return_section(story: StepStory, look: Look, width: int) -> MicroscopeSectio
     if not rewards:
         nothing: Line = [Piece(" no reward yet in this episode", palette.dim)]
         return MicroscopeSection(RETURN_HEADING, [nothing], RETURN_ROWS)
+    if has_open_discount(story):
+        return _undiscounted(story, look, width)
     total = numbers.brief(story.discounted_return, look.glyphs, decimals=4)
     start: Line = [Piece(" G₀ = ", palette.dim)]
     result: Line = [Piece("    = ", palette.dim), Piece(total, palette.strong)]
@@ -49,6 +52,20 @@ def return_section(story: StepStory, look: Look, width: int) -> MicroscopeSectio
             first_that_fits([[*result, *plain], result], width, look),
         ]
     lines += wrapped(_meaning(story), width, palette.dim, look, " ", " ")
+    return MicroscopeSection(RETURN_HEADING, lines, RETURN_ROWS, (f"t = {story.steps:,}",))
+
+
+def has_open_discount(story: StepStory) -> bool:
+    """Return whether nobody knows the γ of a program: what its rewards come to, discounted, is open too."""
+    return story.program is not None and story.program.verdict.update.gamma is None
+
+
+def _undiscounted(story: StepStory, look: Look, width: int) -> MicroscopeSection:
+    amount = numbers.brief(sum(story.rewards), look.glyphs, decimals=4)
+    known = len(story.rewards) == story.steps
+    start = "undiscounted " if known else f"of the last {len(story.rewards):,} steps, undiscounted "
+    lines: list[Line] = [[Piece(f" {start}", look.palette.dim), Piece(amount, look.palette.strong)]]
+    lines += wrapped(OPEN_DISCOUNT, width, look.palette.dim, look, " ", " ")
     return MicroscopeSection(RETURN_HEADING, lines, RETURN_ROWS, (f"t = {story.steps:,}",))
 
 

@@ -11,6 +11,7 @@ from rl_tui.tui.draw.pieces import Line, Piece
 from rl_tui.tui.draw.precision import column_figure, comes_to, parsed
 from rl_tui.tui.panels.last_step.equation import bracketed, equation, error_piece
 from rl_tui.tui.panels.last_step.words import StepWords
+from rl_tui.tui.panels.microscope.program_update import change_lines, evidence_lines
 from rl_tui.tui.panels.microscope.return_text import terms_of
 from rl_tui.tui.panels.microscope.section import MicroscopeSection, columns_of, flowed
 from rl_tui.tui.theme.look import Look
@@ -30,6 +31,8 @@ def update_section(words: StepWords, look: Look, width: int) -> MicroscopeSectio
     if not words.estimate:
         waiting = flowed([[Piece(f" {terms.waiting}", look.palette.text)]], width, look)
         return MicroscopeSection(UPDATE_HEADING, waiting, update_rows(terms))
+    if not words.story.has_equation:
+        return MicroscopeSection(UPDATE_HEADING, change_lines(words, look, width), update_rows(terms))
     writer = _Writer(words, look)
     groups = ((writer.equation(), 4), (writer.terms(), 1), (writer.mixture(), 4), (writer.gathered(width), 4))
     lines = [line for group, indent in groups for line in flowed(group, width, look, indent)]
@@ -39,6 +42,7 @@ def update_section(words: StepWords, look: Look, width: int) -> MicroscopeSectio
         lines += flowed(bellman, width, look, 4)
     for remark in ([TABLES] if words.story.last.table else []) + [*words.others[:1]]:
         lines += flowed([[Piece(f" {remark}", look.palette.dim)]], width, look)
+    lines += evidence_lines(words.story, look, width)
     return MicroscopeSection(UPDATE_HEADING, lines, update_rows(terms))
 
 

@@ -82,6 +82,14 @@ def algorithm_choice(space: FiniteSpace, recipe: Recipe, glyphs: Glyphs) -> Choi
     return Choice("Algorithm", candidates, recipe.algorithm, glyphs)
 
 
+def choice_beside_program(space: FiniteSpace, recipe: Recipe, glyphs: Glyphs) -> Choice:
+    """Return the choice of an agent of ours, with the settings of ``recipe``, beside somebody's program."""
+    candidates = (
+        _candidate(each, _refused(space, each.id, recipe.hyperparameters)) for each in BY_ID.values()
+    )
+    return Choice("An agent of ours beside your program", candidates, "", glyphs)
+
+
 def policy_choice(space: FiniteSpace, recipe: Recipe, glyphs: Glyphs) -> Choice:
     """Return the choice among all policies; those that cannot work in ``space`` are marked."""
     values = recipe.hyperparameters.without_average()

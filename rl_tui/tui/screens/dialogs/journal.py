@@ -15,7 +15,7 @@ from textual.content import Content
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
-from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.words import counted
 from rl_tui.lab.live.commands import AddBranch
@@ -222,5 +222,5 @@ def _keyed(journal: Sequence[JournalEntry]) -> Iterator[tuple[tuple[str, int], J
 def _in_force(recipe: Recipe, change: Setting) -> str:
     """Return how that which ``change`` sets is called as it is in ``recipe``."""
     if isinstance(change, SwitchAlgorithm):
-        return BY_ID[recipe.algorithm].name
+        return algorithm_row(recipe.algorithm).name
     return called(change.name, recipe.hyperparameters.value(change.name))

@@ -14,6 +14,7 @@ from rl_tui.tui.panels.catalogue import (
     CURVE,
     LAST_STEP,
     PANELS,
+    PROGRAM,
     TABLE,
     TIMELINE,
     WORLD,
@@ -47,7 +48,7 @@ class Shape:
     """What the arrangement depends on besides the size; ``table_rows`` is what the whole table takes.
 
     Where there is room for it, the world has ``legend_rows`` more than its picture takes. With ``lanes`` two
-    runs are to stand side by side.
+    runs are to stand side by side. Of a program that is watched there is nothing to set.
     """
 
     drawing: Drawing | None = None
@@ -55,6 +56,12 @@ class Shape:
     arms: int = 0
     legend_rows: int = 0
     lanes: bool = False
+    is_program: bool = False
+
+    @property
+    def settings(self) -> str:
+        """The id of the panel that says by what the agent learns."""
+        return PROGRAM if self.is_program else CONTROLS
 
 
 def is_roomy(size: Size) -> bool:
@@ -118,7 +125,7 @@ def _pair(size: Size, shape: Shape, aside: str | None) -> dict[str, Region]:
         regions[aside] = Region(left, y, width - left, curve)
     regions[CURVE] = Region(0, y, width if aside is None else left, curve)
     regions[TIMELINE] = Region(0, y + curve, width, _TIMELINE_ROWS)
-    return regions | _lines_below(width, body)
+    return regions | _lines_below(shape, width, body)
 
 
 def _most_lines(shape: Shape, width: int) -> int:
@@ -136,9 +143,9 @@ def _pair_table_rows(shape: Shape, rows: int) -> int:
     return rows - max(_LEAST_PAIR_CURVE, rows * 12 // 25)
 
 
-def _lines_below(width: int, y: int) -> dict[str, Region]:
+def _lines_below(shape: Shape, width: int, y: int) -> dict[str, Region]:
     """Return controls and last step in lines without borders."""
-    return {CONTROLS: Region(0, y, width, 2), LAST_STEP: Region(0, y + 2, width, 1)}
+    return {shape.settings: Region(0, y, width, 2), LAST_STEP: Region(0, y + 2, width, 1)}
 
 
 def _compact(size: Size, shape: Shape, budget: int) -> dict[str, Region]:
@@ -146,7 +153,7 @@ def _compact(size: Size, shape: Shape, budget: int) -> dict[str, Region]:
     left, body = round(width * 42 / 80), max(0, height - _LINES_BELOW)
     world = _world_rows(shape, body, least_curve=max(6, body * 7 // 19))
     regions = _left_column(left, world, body) | _right_column(left, width - left, body, budget)
-    return regions | _lines_below(width, body)
+    return regions | _lines_below(shape, width, body)
 
 
 def _roomy(size: Size, shape: Shape, budget: int) -> dict[str, Region]:
@@ -161,7 +168,7 @@ def _roomy(size: Size, shape: Shape, budget: int) -> dict[str, Region]:
         _left_column(left, world, height)
         | _right_column(left, width - left, above, budget)
         | {
-            CONTROLS: Region(left, above, width - left, _CONTROLS_ROWS),
+            shape.settings: Region(left, above, width - left, _CONTROLS_ROWS),
             LAST_STEP: Region(left, above + _CONTROLS_ROWS, width - left, last_step),
         }
     )

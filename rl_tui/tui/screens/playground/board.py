@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 from textual import events
 from textual.app import ComposeResult
@@ -46,6 +46,7 @@ from rl_tui.tui.screens.playground.lane_pair import LanePair
 from rl_tui.tui.screens.playground.wanted import Wanted
 from rl_tui.tui.theme.look import Look
 
+NO_PROGRAM: Final = "this is an agent of ours; rl-tui watch SCRIPT.py watches one of yours"
 Kind = TypeVar("Kind", bound=BoardPanel)
 
 
@@ -125,7 +126,10 @@ class Board(Container):
             self._pair.make(snapshot, self.rows.values())
             self._apply_switches()
             self.run_worker(self._mount_twins())
-        self._reshape(lanes=snapshot.beside is not None and not self._is_one_lane)
+        self._reshape(
+            lanes=snapshot.beside is not None and not self._is_one_lane,
+            is_program=snapshot.program is not None,
+        )
         self._take_lead(snapshot)
         self.table.sources = lit_sources(snapshot) if self.opened == MICROSCOPE else frozenset()
         self.controls.wanted = self._wanted.recipe.hyperparameters
@@ -244,8 +248,11 @@ class Board(Container):
                 panel.is_numbered, panel.shows_actions = self.is_numbered, self.shows_actions
 
     def _shown(self) -> Iterator[BoardPanel]:
-        """Yield the panels that are not closed."""
+        """Yield the panels that are not closed, of which a program that is watched has its own."""
+        is_program = self._arrangement.shape.is_program
         for row in self.rows.values():
+            if row.of_program if not is_program else row.id == CONTROLS:
+                continue
             if row.opened_by is None or row.id == self.opened:
                 yield self._panels[row.id]
                 if self.is_paired and row.id in self._pair.twins:
@@ -326,6 +333,9 @@ class Board(Container):
         was_open, row = self.opened, self.rows[panel]
         if was_open != panel and not row.needs(self._arrangement.shape.drawing):
             self.notify(f"{row.title}: there is nothing to show of this world", markup=False)
+            return
+        if was_open != panel and row.of_program and not self._arrangement.shape.is_program:
+            self.notify(f"{row.title}: {NO_PROGRAM}", markup=False)
             return
         self.close()
         if was_open == panel:

@@ -30,6 +30,7 @@ from rl_tui.tui.panels.controls.slider import Slider, key_hints
 from rl_tui.tui.panels.discount.discount import DiscountPanel
 from rl_tui.tui.panels.pointing import PartPointed, Pointed
 from rl_tui.tui.panels.policies.policies import PolicyChosen
+from rl_tui.tui.panels.program.findings import FindingsPanel
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.panels.timeline.timeline import TimelineBar
@@ -45,8 +46,9 @@ from rl_tui.tui.screens.playground.actions.modes.drawing import PolicyDrawing
 from rl_tui.tui.screens.playground.actions.modes.manual import ManualControl
 from rl_tui.tui.screens.playground.actions.modes.mode import MODE_BINDINGS, Modes
 from rl_tui.tui.screens.playground.actions.policies import PolicyActions
+from rl_tui.tui.screens.playground.actions.program import ProgramActions
 from rl_tui.tui.screens.playground.actions.run import RunActions
-from rl_tui.tui.screens.playground.actions.scenario_file import ScenarioFile
+from rl_tui.tui.screens.playground.actions.scenario_file import ScenarioActions
 from rl_tui.tui.screens.playground.actions.seeds import SeedActions
 from rl_tui.tui.screens.playground.actions.session import SessionActions
 from rl_tui.tui.screens.playground.actions.time import TimeActions
@@ -63,8 +65,6 @@ from rl_tui.tui.theme.look import Look
 
 _ASKS_AGAIN: Final = 0.25  # seconds
 _CHECKS_ENVIRONMENT: Final = 0.5  # seconds
-_SWEEP_KEYS: Final = frozenset({"run.evaluate"})
-_WORTH_SHOWING: Final = 3.0  # seconds without an answer
 
 
 class Playground(ActionScreen):
@@ -126,7 +126,8 @@ class Playground(ActionScreen):
         self.board.legends = self.legends
         self.link = PlayerLink(player, self.wanted, self._note_sent)
         of = self, self.board, self.link
-        self.run = RunActions(*of, ScenarioFile(*of, resumed is None, self._reopen))
+        self.scenario = ScenarioActions(*of, resumed is None, self._reopen, self._go_by)
+        self.run = RunActions(*of, self.scenario)
         self.time = TimeActions(*of)
         self.until = UntilActions(*of)
         self.agent = AgentActions(*of)
@@ -141,6 +142,7 @@ class Playground(ActionScreen):
         self.policies = PolicyActions(*of)
         self.session = SessionActions(*of, self.status, autosave, resumed)
         self.export = ExportActions(*of)
+        self.program = ProgramActions(*of, self.actions)
         self._left_after: int | None = None
         """The last deed when escape was pressed, None where it was not."""
         self._watches = watches
@@ -175,6 +177,11 @@ class Playground(ActionScreen):
         if action == "mode_key":
             return self.modes.takes(str(parameters[0]))
         return super().check_action(action, parameters)
+
+    def action_do(self, command: str) -> None:
+        """Do what ``command`` says, unless it cannot be done to a program that is watched."""
+        if not self.program.refuses(command):
+            super().action_do(command)
 
     def action_mode_key(self, key: str) -> None:
         """Do what ``key`` means in the mode that is on."""
@@ -216,7 +223,7 @@ class Playground(ActionScreen):
         keys = self.query_one(KeyLine)
         keys.first = key_hints(self.focused)
         keys.is_running = self.run.is_under_way
-        keys.idle = frozenset() if self.run.takes_orders else _SWEEP_KEYS
+        keys.idle = self.program.idle_keys | self.run.idle_keys
 
     @on(DescendantFocus)
     def ask_for_flips(self) -> None:
@@ -229,8 +236,9 @@ class Playground(ActionScreen):
         self.policies.study(event.kind)
 
     @on(TimelineBar.Sought)
-    def seek(self, event: TimelineBar.Sought) -> None:
-        """Go where the timeline was pointed at."""
+    @on(FindingsPanel.StepWanted)
+    def seek(self, event: TimelineBar.Sought | FindingsPanel.StepWanted) -> None:
+        """Go where the timeline was pointed at, or where a finding was first seen."""
         self.time.seek(event.step)
 
     @on(QTable.CursorMoved)
@@ -240,8 +248,10 @@ class Playground(ActionScreen):
 
     def content(self) -> Iterable[Widget]:
         """Yield the status line and the board."""
-        yield self.status
-        yield self.board
+        yield from (self.status, self.board)
+
+    def _go_by(self, offset: int) -> None:
+        self.post_message(self.NeighbourWanted(self.recipe, offset))
 
     def _reopen(self, recipe: Recipe) -> None:
         self.post_message(self.Reopened(recipe, self.wanted.speed))
@@ -260,8 +270,7 @@ class Playground(ActionScreen):
 
     def _check_environment(self) -> None:
         """Show for how long an environment has not answered, if that is long: only the run waits for it."""
-        seconds = self.player.unanswered
-        self.status.show_unanswered(int(seconds) if seconds >= _WORTH_SHOWING else 0)
+        self.status.show_unanswered(self.player.unanswered)
 
     def send(self, command: Command) -> None:
         """Ask the player for something; its answer is drawn without waiting for the next frame."""
@@ -302,8 +311,8 @@ class Playground(ActionScreen):
         self.link.receive(snapshot)
         if before is None:
             self.agent.set_what_waits()
-        self.time.announce_fork(before, snapshot)
-        self.time.announce_arrival(snapshot)
+        self.time.announce(before, snapshot)
+        self.program.announce(before, snapshot)
         self.session.compare_with_saved(snapshot)
         self.redraw()
         if self._has_world:
@@ -375,14 +384,6 @@ class Playground(ActionScreen):
         self.board.is_explained = self.legends.is_on
         self.redraw()
 
-    def action_previous_scenario(self) -> None:
-        """Go to the previous scenario of the catalogue."""
-        self.post_message(self.NeighbourWanted(self.recipe, -1))
-
-    def action_next_scenario(self) -> None:
-        """Go to the next scenario of the catalogue."""
-        self.post_message(self.NeighbourWanted(self.recipe, 1))
-
     def action_back(self) -> None:
         """Leave the zoom or the panel that is open, or go back to the catalogue."""
         if self.board.zoomed:
@@ -393,7 +394,6 @@ class Playground(ActionScreen):
             self.modes.current.toggle()
         elif self.wanted.was_used(self.snapshot) and self._left_after != self.wanted.last_deed:
             self._left_after = self.wanted.last_deed
-            kept = "run is then gone" if self.in_kiosk else "session is kept there"
-            self.tell(f"esc again goes to the catalogue; this {kept}")
+            self.tell(f"esc again goes to the catalogue; {self.session.after_leaving}")
         else:
             self.post_message(self.Left(self.recipe))

@@ -11,7 +11,7 @@ from textual.binding import Binding, BindingType
 from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
-from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.lab.live.commands import AddBranch, ChooseLane, DropLane, MarkLane
 from rl_tui.lab.many_seeds.figures import SeedStudy
@@ -206,7 +206,7 @@ class Compare(Dialog[Answer]):
 
     def _entry(self, name: str, columns: int) -> Text:
         values = self._recipe.hyperparameters
-        now = BY_ID[self._recipe.algorithm].name if name == ALGORITHM else in_force(name, values)[0]
+        now = algorithm_row(self._recipe.algorithm).name if name == ALGORITHM else in_force(name, values)[0]
         glyphs = self._look.glyphs
         text = Text(f"  {self._symbol(name):<{columns}} ")
         return text.append(to_ascii(f"instead of {now}", glyphs))

@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 
 from rich.cells import cell_len
 
-from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.lab.many_seeds.figures import SeedStudy
 from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.draw import numbers
@@ -114,7 +114,7 @@ def _columns(
     lanes: Sequence[LaneView], study: SeedStudy | None, look: Look, *, hidden: bool
 ) -> list[_Column]:
     nothing = [""] * len(lanes)
-    algorithms = [to_ascii(BY_ID[lane.algorithm].name, look.glyphs) for lane in lanes]
+    algorithms = [to_ascii(algorithm_row(lane.algorithm).name, look.glyphs) for lane in lanes]
     steps = [numbers.count(lane.step, _STEP) for lane in lanes]
     recent = [lane.results.return_last_100 for lane in lanes]
     greedy = [lane.results.greedy_return for lane in lanes]

@@ -8,9 +8,10 @@ from typing import Any
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import AddBranch, AddLane, ChooseLane, DropLane, MarkLane
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.recipe import SwitchAlgorithm
 from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.panels.snapshot_facts import current_study, hides_means
-from rl_tui.tui.screens.dialogs.choice import algorithm_choice, policy_choice
+from rl_tui.tui.screens.dialogs.choice import algorithm_choice, choice_beside_program, policy_choice
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.screens.dialogs.lanes.changes import ALGORITHM, branches_beside, lane_changes
 from rl_tui.tui.screens.dialogs.lanes.compare import Answer, Compare
@@ -26,6 +27,9 @@ class LaneActions(Subject):
         """Choose what is different in another lane, or which lane to show or to end."""
         snapshot = self.snapshot
         if snapshot is None:
+            return
+        if snapshot.program is not None and not snapshot.run_group.lanes:
+            self._ask_for_ours(snapshot)
             return
         hidden = hides_means(snapshot)
         lanes = snapshot.run_group.lanes or (_only_lane(snapshot),)
@@ -91,6 +95,9 @@ class LaneActions(Subject):
         if self.snapshot is None:
             return
         space, recipe, glyphs = self.snapshot.world.space, in_force(self.snapshot), self.glyphs
+        if name == ALGORITHM and self.snapshot.program is not None:
+            self._ask_for_ours(self.snapshot)
+            return
         if name == ALGORITHM:
             dialog: Dialog[Any] = algorithm_choice(space, recipe, glyphs)
         elif name == "policy":
@@ -98,6 +105,14 @@ class LaneActions(Subject):
         else:
             dialog = ask_value(name, recipe.hyperparameters.value(name), glyphs, another_run=True)
         self.ask(dialog, partial(self._open_lane, name))
+
+    def _ask_for_ours(self, snapshot: Snapshot) -> None:
+        """Ask which of our algorithms is to stand beside a program, and open it."""
+
+        def answered(algorithm: str) -> None:
+            self.link.send(AddLane((SwitchAlgorithm(algorithm),)))
+
+        self.ask(choice_beside_program(snapshot.world.space, in_force(snapshot), self.glyphs), answered)
 
     def _open_lane(self, name: str, value: float | str) -> None:
         if self.snapshot is None:

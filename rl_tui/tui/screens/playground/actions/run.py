@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.lab.live.commands import (
     Pause,
@@ -18,10 +18,11 @@ from rl_tui.lab.live.commands import (
     WatchLearning,
 )
 from rl_tui.lab.live.snapshot import Phase
-from rl_tui.tui.screens.playground.actions.scenario_file import ScenarioFile
+from rl_tui.tui.screens.playground.actions.scenario_file import ScenarioActions
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
 _UNTIL_SEEN = 3600.0
+_SWEEP_KEYS: Final = frozenset({"run.evaluate"})
 _LADDER: Final[tuple[float | None, ...]] = (
     *(float(digit * 10**power) for power in range(5) for digit in (1, 3)),
     100_000.0,
@@ -34,7 +35,7 @@ _LADDER: Final[tuple[float | None, ...]] = (
 class RunActions(Subject):
     """The run goes on, stands still, or starts again."""
 
-    scenario_file: ScenarioFile
+    scenario: ScenarioActions
 
     def run_or_pause(self) -> None:
         """Run, or pause."""
@@ -59,6 +60,8 @@ class RunActions(Subject):
         """Say why the run takes no further step; return whether that is so."""
         message = self.snapshot.playback.message if self.snapshot else ""
         match self._phase:
+            case Phase.SPENT if self.snapshot is not None and self.snapshot.program is not None:
+                self.screen.tell("your program has ended; r starts it again, b and g go back in it")
             case Phase.SPENT:
                 self.screen.tell("the budget is spent; r starts again")
             case Phase.DONE:
@@ -92,9 +95,14 @@ class RunActions(Subject):
         self._run_sweep("improvement")
 
     @property
+    def idle_keys(self) -> frozenset[str]:
+        """The ids of the actions for sweeps, where there are none to order: the key line leaves them out."""
+        return frozenset() if self.takes_orders else _SWEEP_KEYS
+
+    @property
     def takes_orders(self) -> bool:
         """Whether which sweep is next can be ordered, once all that was sent is taken in."""
-        return BY_ID[self.link.wanted.recipe.algorithm].takes_orders
+        return algorithm_row(self.link.wanted.recipe.algorithm).takes_orders
 
     def _run_sweep(self, phase: SweepPhase) -> None:
         if self.takes_orders:
@@ -114,8 +122,15 @@ class RunActions(Subject):
         self.link.send(SetSpeed(slower(self.link.wanted.speed)))
 
     def reset(self) -> None:
-        """Start again with the settings in force and the same seed; ask where the file has changed."""
-        self.scenario_file.begin_with_old_or_new(self._start_again)
+        """Start again with the settings in force and the same seed; ask where the file has changed.
+
+        A program that is watched is started again from its seed.
+        """
+        if self.snapshot is not None and self.snapshot.program is not None:
+            self.screen.tell("your program starts again, from its seed")
+            self.link.send(Restart(self.link.wanted.recipe))
+            return
+        self.scenario.begin_with_old_or_new(self._start_again)
 
     def _start_again(self) -> None:
         if self.snapshot is not None and self.snapshot.timeline.current.end:

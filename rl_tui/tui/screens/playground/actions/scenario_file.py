@@ -21,16 +21,26 @@ _UNTIL_READ: Final = 15.0
 
 
 @dataclass(eq=False)
-class ScenarioFile(Subject):
-    """Offers what the file of the scenario says now, where that is no longer what is on screen.
+class ScenarioActions(Subject):
+    """Goes to other scenarios, and offers what the file of this one says now, where that is not on screen.
 
     ``is_known`` tells whether the world came from that file: a session brings its own copy. ``take`` opens
-    another recipe in place of the run.
+    another recipe in place of the run; ``go_by`` goes to a scenario that stands so many places further in the
+    catalogue.
     """
 
     is_known: bool
     take: Callable[[Recipe], None]
+    go_by: Callable[[int], None]
     _declined = ""
+
+    def previous(self) -> None:
+        """Go to the previous scenario of the catalogue."""
+        self.go_by(-1)
+
+    def following(self) -> None:
+        """Go to the next scenario of the catalogue."""
+        self.go_by(1)
 
     def begin_with_old_or_new(self, start_again: Callable[[], None]) -> None:
         """Ask whether the run is to begin anew with the new content, if there is any.

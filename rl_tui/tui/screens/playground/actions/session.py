@@ -69,6 +69,13 @@ class SessionActions(Subject):
                 f"{OTHER_BITS}; what you do here is saved in a copy", severity="warning", timeout=15
             )
 
+    @property
+    def after_leaving(self) -> str:
+        """What becomes of the run once a person goes back to the catalogue."""
+        if self.snapshot is not None and self.snapshot.program is not None:
+            return "your program then ends"
+        return "this run is then gone" if self.screen.in_kiosk else "this session is kept there"
+
     def save(self) -> None:
         """Ask for a name, and save the session."""
         autosave = self.autosave

@@ -52,7 +52,12 @@ class TimeActions(Subject):
         self.link.wanted.step = step
         self.link.send(GoTo(step))
 
-    def announce_arrival(self, now: Snapshot) -> None:
+    def announce(self, before: Snapshot | None, now: Snapshot) -> None:
+        """Say where a branch has begun between two snapshots, and where the run has come to."""
+        self._announce_fork(before, now)
+        self._announce_arrival(now)
+
+    def _announce_arrival(self, now: Snapshot) -> None:
         """Say where the run has come to: on another branch, or not as far as was asked."""
         if now.playback.phase is Phase.SEEKING or not self.link.wanted.is_taken_in(now):
             return
@@ -70,7 +75,7 @@ class TimeActions(Subject):
             here = f"{unit_of(now)} {episode_under_way(now):,}, step {now.counters.step:,}"
             self.screen.tell(f"the run ends here so far: {here}; space goes on")
 
-    def announce_fork(self, before: Snapshot | None, now: Snapshot) -> None:
+    def _announce_fork(self, before: Snapshot | None, now: Snapshot) -> None:
         """Say so where another branch begins between two snapshots."""
         if before is not None and _has_forked(before, now):
             branch = now.timeline.current

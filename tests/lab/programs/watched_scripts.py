@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import time
+from collections.abc import Callable
 from pathlib import Path
 from textwrap import dedent
 from typing import Any
@@ -44,3 +47,24 @@ def watched(path: Path, *arguments: str, **more: Any) -> ProgramLog:
 def lines_of(log: ProgramLog, stream: str = "out") -> list[str]:
     """Return what the program wrote on a stream."""
     return [line.text for line in log.output if line.stream == stream]
+
+
+def lives(process: int) -> bool:
+    """Return whether a process is there, and no zombie."""
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    state = Path(f"/proc/{process}/stat")
+    try:
+        return state.read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return not state.parent.parent.exists()
+
+
+def wait_until(condition: Callable[[], bool]) -> None:
+    """Wait for what another process does; fail when it does not come."""
+    until = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < until, "it did not come"
+        time.sleep(0.01)

@@ -1,0 +1,201 @@
+"""How far a program had come after so many steps: its table, its episodes, and what they are worth."""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final, NamedTuple, Self
+
+import numpy as np
+
+from rl_tui.lab.programs.program_world import ProgramWorld
+from rl_tui.lab.programs.recording import Recording, Steps
+from rl_tui.lab.run.evaluation import MOST_STATES, Evaluation, GreedyReturn, MarksState
+from rl_tui.lab.run.exact_answers import DEAREST_LIVE, visits_of
+from rl_tui.lab.run.history import History
+from rl_tui.lab.run.results import RunResults
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
+
+PIECE: Final = 20_000
+"""So many steps at most are taken in between two looks at the clock."""
+_TIES: Final = "random"  # what a program does among equals is its own: they are shared evenly
+
+
+class UnderWay(NamedTuple):
+    """An episode that has not ended: its number in the program, its return and its length so far."""
+
+    episode: int
+    earned: float
+    length: int
+    has_ended: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ProgressState:
+    """A copy of all that is known of a program after ``step`` steps."""
+
+    step: int
+    episodes: int
+    table: FloatArray | None
+    changes_until: int
+    visits: IntArray
+    under_way: dict[int, UnderWay]
+    history: tuple[IntArray | FloatArray, ...]
+    marks: MarksState
+
+
+class Progress:
+    """Where a program stood after ``step`` steps of ``recording``; it is brought further by :meth:`go_on`.
+
+    The same steps come to the same bits however they are cut. ``table`` is the program's, [cells], NaN where
+    it has no entry; None while none was found. ``visits`` counts how often each pair was taken, [P].
+    """
+
+    def __init__(self, recording: Recording, world: ProgramWorld) -> None:
+        self.recording = recording
+        self.world = world
+        self.step = 0
+        self.episodes = 0
+        """Finished episodes; one that the program left to begin another is finished then."""
+        self.table: FloatArray | None = None
+        self.visits: IntArray = np.zeros(world.world.space.pairs, np.int64)
+        self._changes_until = 0  # the changes of steps before this one are in the table
+        self._under_way: dict[int, UnderWay] = {}  # by environment
+        self._history = History()
+        mdp = world.world.mdp
+        self._greedy_return = GreedyReturn(lambda: mdp)
+        self._evaluation = Evaluation(mdp, self._greedy_return)
+        self._is_live = mdp is not None and mdp.states <= MOST_STATES and visits_of(mdp) <= DEAREST_LIVE
+
+    @property
+    def q(self) -> FloatArray:
+        """The estimates of our pairs, [P]; 0 where there is no table."""
+        if self.table is None:
+            return np.zeros(self.world.world.space.pairs)
+        return self.world.q_of(self.table)
+
+    @property
+    def results(self) -> RunResults:
+        """What it has achieved so far; what the greedy policy is worth only where there is a table."""
+        mean_return, mean_length = self._history.last_100
+        has_value = self._is_live and self.table is not None
+        greedy_return = self._greedy_return(self.q, _TIES) if has_value else None
+        return RunResults(
+            curve=self._history.curve(),
+            marks=self._evaluation.marks(),
+            return_last_100=mean_return,
+            length_last_100=mean_length,
+            greedy_return=greedy_return,
+            greedy_ends=self._greedy_return.ends if has_value else None,
+        )
+
+    def go_on(self, until: int) -> None:
+        """Take in what was recorded up to the step ``until``."""
+        while True:
+            self._take_changes()
+            self._mark_if_due(is_left=self.step < until)
+            if self.step >= until:
+                return
+            mark = self._evaluation.next_step
+            stop = min(until, self.step + PIECE)
+            self._take_steps(stop if mark is None else min(stop, mark))
+
+    def checkpoint(self) -> ProgressState:
+        """Return a copy of where it stands."""
+        return ProgressState(
+            self.step,
+            self.episodes,
+            None if self.table is None else self.table.copy(),
+            self._changes_until,
+            self.visits.copy(),
+            dict(self._under_way),
+            self._history.checkpoint(),
+            self._evaluation.checkpoint(),
+        )
+
+    def at(self, state: ProgressState) -> Self:
+        """Return another progress of the same program that stands at ``state``."""
+        other = copy(self)
+        other.step, other.episodes = state.step, state.episodes
+        other.table = None if state.table is None else state.table.copy()
+        other._changes_until, other.visits = state.changes_until, state.visits.copy()
+        other._under_way = dict(state.under_way)
+        mdp = self.world.world.mdp
+        other._history, other._greedy_return = History(), GreedyReturn(lambda: mdp)
+        other._evaluation = Evaluation(mdp, other._greedy_return)
+        other._history.restore(state.history)
+        other._evaluation.restore(state.marks)
+        return other
+
+    def _take_changes(self) -> None:
+        """Bring the table to where it stands after the steps taken in."""
+        recording = self.recording
+        if self.table is None:
+            if recording.initial is None or recording.found_at > self.step:
+                return
+            self.table, self._changes_until = recording.initial.copy(), recording.found_at
+        if self._changes_until < self.step:
+            changes = recording.changes
+            begin, end = np.searchsorted(changes.step, (self._changes_until, self.step))
+            self.table[changes.cell[begin:end]] = changes.after[begin:end]
+            self._changes_until = self.step
+
+    def _mark_if_due(self, *, is_left: bool) -> None:
+        """Take the mark that is due here; without a table only where this moment is left for the next."""
+        mark = self._evaluation.next_step
+        while mark is not None and mark <= self.step and (is_left or self.table is not None):
+            self._evaluation.mark(self.episodes, None if self.table is None else self.q, _TIES)
+            mark = self._evaluation.next_step
+
+    def _take_steps(self, stop: int) -> None:
+        """Take in the steps up to ``stop``: episodes that end, and which pairs were taken."""
+        steps = steps_between(self.recording, self.step, stop)
+        pair_of_cell = self.world.pair_of_cell
+        actions = len(self.world.world.space.action_names)
+        cells = steps.state * actions + steps.action
+        pairs = pair_of_cell[np.clip(cells, 0, len(pair_of_cell) - 1)]
+        np.add.at(self.visits, pairs[pairs >= 0], 1)
+        returns, lengths = self._finished(steps)
+        self.episodes += len(returns)
+        self._history.add(returns, lengths)
+        self.step = stop
+
+    def _finished(self, steps: Steps) -> tuple[FloatArray, IntArray]:
+        """Return the returns and lengths of the episodes that end in ``steps``, the first to end first."""
+        found: list[tuple[int, float, int]] = []
+        for environment in np.unique(steps.environment):
+            places = np.flatnonzero(steps.environment == environment)
+            found += self._finished_in(int(environment), places, steps)
+        found.sort()
+        return np.array([each[1] for each in found]), np.array([each[2] for each in found], np.int64)
+
+    def _finished_in(self, environment: int, places: IntArray, steps: Steps) -> list[tuple[int, float, int]]:
+        """Return (place, return, length) of the episodes of one environment that end at its ``places``."""
+        episode, ended = steps.episode[places], (steps.terminated | steps.truncated)[places]
+        begins = np.flatnonzero(np.diff(episode, prepend=episode[0]) != 0).tolist()
+        pieces = [0, *begins, len(places)]
+        found = []
+        for first, last in pairwise(pieces):
+            if first == last:
+                continue
+            number, before = int(episode[first]), self._under_way.get(environment)
+            earned, length = 0.0, 0
+            if before is not None and before.episode == number:
+                earned, length = before.earned, before.length
+            elif before is not None and not before.has_ended:
+                found.append((int(places[first]), before.earned, before.length))
+            for reward in steps.reward[places[first:last]].tolist():
+                earned += reward
+            length += last - first
+            has_ended = bool(ended[last - 1])
+            if has_ended:
+                found.append((int(places[last - 1]), earned, length))
+            self._under_way[environment] = UnderWay(number, earned, length, has_ended)
+        return found
+
+
+def steps_between(recording: Recording, first: int, last: int) -> Steps:
+    """Return the steps from ``first`` to before ``last``, as far as they are kept."""
+    begin, end = max(first - recording.first, 0), max(last - recording.first, 0)
+    return Steps._make(column[begin:end] for column in recording.steps)

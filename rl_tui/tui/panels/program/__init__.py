@@ -1,0 +1,1 @@
+"""Panels of a program of somebody's own that is watched."""

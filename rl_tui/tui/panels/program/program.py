@@ -1,0 +1,217 @@
+"""The program that is watched, where the sliders of an agent stand: table, update, findings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final, NamedTuple
+
+from rich.cells import cell_len, set_cell_size
+from rich.style import Style
+from textual.strip import Strip
+
+from rl_tui.common.findings import one_line
+from rl_tui.lab.detective.verdict import Rule
+from rl_tui.lab.live.program_view import ProgramView
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, length, spelled, strips_of, wrapped
+from rl_tui.tui.draw.to_ascii import separated
+from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.program.words import (
+    IN_SHORT,
+    LONGEST_NAME,
+    LONGEST_SENTENCE,
+    clause,
+    counted,
+    fit_texts,
+    fitting_numbers,
+    name_of,
+    notes_of,
+    open_text,
+    place_text,
+    ranked,
+    table_texts,
+    update_texts,
+)
+from rl_tui.tui.theme.look import Look
+
+NO_TABLE: Final = "no table found yet"
+UNKNOWN: Final = "update not known yet"
+_HINTS: Final = ("F: findings · O: output", "F O")
+
+
+class _Part(NamedTuple):
+    """Some lines; where there is no room for all parts, those of the highest ``rank`` are left out."""
+
+    rank: int
+    lines: list[Line]
+
+
+class ProgramPanel(Panel):
+    """What there is to know of a program in a few lines, the most important where there is little room."""
+
+    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return the picture of the program of ``snapshot``."""
+        program = None if snapshot is None else snapshot.program
+        name = "Program" if program is None else f"Program · {name_of(program)}"
+        self.heading = self.fitting((*self.captioned(name), name, "Program"), width)
+        self.footing = "" if program is None else self.fitting(_HINTS, width)
+        lines: list[Line] = []
+        if snapshot is not None and program is not None:
+            lines = program_lines(snapshot, program, self.look, width, height)
+        self.free_rows = height - len(lines)
+        return strips_of(lines, width, height, self.look)
+
+
+def program_lines(
+    snapshot: Snapshot, program: ProgramView, look: Look, width: int, height: int
+) -> list[Line]:
+    """Return what the panel says in ``height`` rows of ``width`` cells, at most so many lines."""
+    writer = _Writer(snapshot, program, look, width)
+    parts = [part for part in writer.parts() if part.lines]
+    kept: list[_Part] = []
+    room = height
+    for part in sorted(parts, key=lambda part: part.rank):
+        if room <= 0:
+            break
+        if len(part.lines) > room:
+            part.lines[room:] = []
+            part.lines[-1] = _unfinished(part.lines[-1], look, width)
+        kept.append(part)
+        room -= len(part.lines)
+    return [line for part in parts if part in kept for line in part.lines]
+
+
+def _unfinished(line: Line, look: Look, width: int) -> Line:
+    """Return ``line`` with a sign at its end that there is more."""
+    *whole, last = spelled(line, look)
+    room = max(0, width - length(whole) - 1)
+    text = set_cell_size(last.text, min(cell_len(last.text), room)).rstrip()
+    return [*whole, Piece(text + look.glyphs.ellipsis, last.style)]
+
+
+class _Writer:
+    def __init__(self, snapshot: Snapshot, program: ProgramView, look: Look, width: int) -> None:
+        self._steps = snapshot.counters.step
+        self._program = program
+        self._look = look
+        self._width = width
+        self._palette = look.palette
+
+    def parts(self) -> Iterator[_Part]:
+        """Yield the parts in the order in which they stand below one another."""
+        program = self._program
+        yield _Part(0, self._end())
+        if program.refused:
+            return
+        yield _Part(4, self._table())
+        yield _Part(2, self._update())
+        yield _Part(5, self._fit())
+        yield _Part(1 if program.verdict.findings else 3, self._findings())
+        yield _Part(6, self._choices())
+        yield _Part(7, self._notes())
+
+    def _end(self) -> list[Line]:
+        """Return why the program goes no further, if it does not for a reason that is to be seen at once."""
+        program, stopped = self._program, f" {self._look.glyphs.stopped} "
+        if program.refused:
+            return self._wrapped(f"{stopped}{one_line(program.refused, LONGEST_SENTENCE)}", self._palette.bad)
+        if program.error is None:
+            return []
+        error = program.error
+        what = one_line(error.type, LONGEST_NAME)
+        place = place_text(error.file, error.line, program.path)
+        at = f" ({place})" if place else ""
+        text = one_line(error.text, LONGEST_SENTENCE)
+        forms = (f"{stopped}{what}{at}: {text}", f"{stopped}{what}{at}")
+        return [
+            self._fitting(forms, self._palette.bad) if len(forms[0]) <= self._width else self._cut(forms[0])
+        ]
+
+    def _table(self) -> list[Line]:
+        program = self._program
+        environment = one_line(program.environment, LONGEST_NAME)
+        if program.table is None:
+            looked = "; ".join(one_line(each, LONGEST_SENTENCE) for each in program.looked_for)
+            start = f" {environment} · {NO_TABLE}" if environment else f" {NO_TABLE}"
+            text = f"{start}; looked for: {looked}" if looked else start
+            return self._wrapped(separated(text, self._look.glyphs), self._palette.text)
+        tables = table_texts(program.table)
+        forms = (
+            f" {environment} · {tables[0]}",
+            f" {environment} · {tables[1]}",
+            *(f" {each}" for each in tables),
+        )
+        return [self._fitting(forms, self._palette.text)]
+
+    def _update(self) -> list[Line]:
+        update = self._program.verdict.update
+        texts = update_texts(update, self._look.glyphs)
+        if texts:
+            return [self._fitting([f" {each}" for each in texts], self._palette.strong)]
+        if self._program.table is None:
+            return []
+        reason = f": {clause(update.reason)}" if update.reason else ""
+        numbers = fitting_numbers(update, self._look.glyphs)
+        known = f"update known in part, {numbers}" if numbers else UNKNOWN
+        return self._wrapped(f" {known}{reason}", self._palette.text)[:2]
+
+    def _fit(self) -> list[Line]:
+        update = self._program.verdict.update
+        is_open, texts = open_text(update, self._look.glyphs), fit_texts(update)
+        forms = [" · ".join(filter(None, (each, is_open))) for each in texts] + list(texts)
+        return [self._fitting([f" {each}" for each in forms], self._palette.dim)] if forms else []
+
+    def _findings(self) -> list[Line]:
+        program, findings = self._program, ranked(self._program.verdict.findings)
+        if not findings:
+            return self._nothing_wrong()
+        worst = findings[0]
+        place = place_text(worst.file, worst.line, program.path)
+        said = IN_SHORT[worst.fault]
+        at = f" ({place})" if place else ""
+        count = f" {self._look.glyphs.breakpoint} {counted(findings)}: "
+        style = self._palette.bad if worst.kind == "fault" else self._palette.accent
+        hint = Piece("   F shows it" if len(findings) == 1 else "   F shows them", self._palette.dim)
+        forms: list[Line] = [[Piece(f"{count}{said}{at}", style), hint]]
+        forms += [
+            [Piece(text, style)] for text in (f"{count}{said}{at}", f"{count}{said}", count.rstrip(": "))
+        ]
+        return [first_that_fits(forms, self._width, self._look)]
+
+    def _nothing_wrong(self) -> list[Line]:
+        """Return over how many steps nothing wrong was found, where anything could be."""
+        if not self._steps or self._program.table is None:
+            return []
+        found = f" nothing wrong found in {self._steps:,} steps"
+        is_open = self._program.verdict.update.rule is Rule.UNKNOWN
+        forms = (f"{found}, as far as can be told", found) if is_open else (found,)
+        return [self._fitting(forms, self._palette.dim)]
+
+    def _choices(self) -> list[Line]:
+        """Return what else might be the table, and how to choose it."""
+        table = self._program.table
+        if table is None or not table.others:
+            return []
+        names = ", ".join(one_line(each, LONGEST_NAME) for each in table.others[:4])
+        forms = (f" T chooses another table: {names}", f" T: another table ({len(table.others):,})")
+        return [self._fitting(forms, self._palette.dim)]
+
+    def _notes(self) -> list[Line]:
+        """Return what cannot be told and what had to be done otherwise: the first, and how many there are."""
+        notes = notes_of(self._program)
+        if not notes:
+            return []
+        count = f" note 1 of {len(notes):,}: " if len(notes) > 1 else " note: "
+        return self._wrapped(f"{count}{notes[0]}", self._palette.dim)
+
+    def _wrapped(self, text: str, style: Style) -> list[Line]:
+        start = text[: len(text) - len(text.lstrip(" "))]
+        return list(wrapped(text.lstrip(" "), self._width, style, self._look, start, "   "))
+
+    def _fitting(self, forms: Iterator[str] | tuple[str, ...] | list[str], style: Style) -> Line:
+        return first_that_fits(
+            [[Piece(separated(form, self._look.glyphs), style)] for form in forms], self._width, self._look
+        )
+
+    def _cut(self, text: str) -> Line:
+        return [Piece(text, self._palette.bad)]

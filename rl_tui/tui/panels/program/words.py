@@ -1,0 +1,184 @@
+"""What is said of a watched program, in words: its table, its update in the book's symbols, its findings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+from rl_tui.common.findings import one_line
+from rl_tui.lab.detective.verdict import Fault, Finding, Place, Rule, Target, UpdateFound
+from rl_tui.lab.live.program_view import ProgramView
+from rl_tui.lab.programs.program_log import FoundTable
+from rl_tui.tui.draw import numbers
+from rl_tui.tui.theme.glyphs import Glyphs
+
+LONGEST_NAME: Final = 40
+LONGEST_SENTENCE: Final = 600
+IN_SHORT: Final = {
+    Fault.BOOTSTRAPS_AFTER_END: "bootstraps after the end",
+    Fault.NO_BOOTSTRAP_AFTER_TRUNCATION: "no bootstrap at the time limit",
+    Fault.WRONG_AXIS: "maximum along the wrong axis",
+    Fault.UPDATES_AFTER_MOVING: "updates the state it moved to",
+    Fault.SHIFTED_REWARD: "uses the reward before",
+    Fault.ROUNDING_TABLE: "the table rounds",
+    Fault.SHARED_TABLE: "rows of the table are one",
+    Fault.GAMMA_TWICE: "γ counts twice",
+    Fault.STEP_SIZE_OUT_OF_RANGE: "step size out of range",
+    Fault.WRONG_CELL: "updates another cell",
+    Fault.LOSES_UPDATE: "loses its updates",
+    Fault.FIRST_OF_TIES: "takes the first of equals",
+    Fault.NEVER_EXPLORES: "never explores",
+}
+"""Each fault and risk in a few plain words."""
+
+_RULES: Final = {
+    Rule.Q_LEARNING: "Q-learning",
+    Rule.SARSA: "SARSA",
+    Rule.EXPECTED_SARSA: "Expected SARSA",
+    Rule.MONTE_CARLO: "Monte Carlo",
+}
+_BOOTSTRAPS: Final = {
+    Target.BEST: "max Q(s′,·)",
+    Target.NEXT_ACTION: "Q(s′,a′)",
+    Target.EXPECTED: "Σ π Q(s′,·)",
+    Target.COLUMN: "max Q(·,a)",
+    Target.SAME_ACTION: "Q(s′,a)",
+    Target.OWN_STATE: "max Q(s,·)",
+    Target.INDEX: "argmax Q(s′,·)",
+    Target.NOTHING: "",
+}
+_CELLS: Final = {Place.TAKEN: "Q(s,a)", Place.MOVED: "Q(s′,a)", Place.ONE_LATE: "Q(s,a)"}
+_FORMS: Final = {
+    "array": "array",
+    "dict-of-arrays": "dict of arrays",
+    "dict-of-pairs": "dict of (state, action)",
+    "lists": "list of lists",
+}
+
+
+def name_of(program: ProgramView) -> str:
+    """Return the name of the program, short and with nothing in it that a terminal might obey."""
+    return one_line(program.title or Path(program.path).name, LONGEST_NAME)
+
+
+def table_texts(table: FoundTable) -> tuple[str, ...]:
+    """Return the table in words, the longest form first: ``table q: array 16×4, float64``."""
+    name = one_line(table.name, LONGEST_NAME)
+    form = _FORMS.get(table.form, one_line(table.form, LONGEST_NAME))
+    shape = "×".join(map(str, table.shape[:4]))
+    dtype = f", {one_line(table.dtype, LONGEST_NAME)}" if table.dtype else ""
+    return f"table {name}: {form} {shape}{dtype}", f"table {name}: {form} {shape}", f"table {name} {shape}"
+
+
+def update_texts(update: UpdateFound, glyphs: Glyphs) -> tuple[str, ...]:
+    """Return the update in the symbols of the book, the longest form first, with the numbers that are known.
+
+    An α or a γ that nothing tells stands there as a letter. Empty for an update that is not known.
+    """
+    if update.rule is Rule.UNKNOWN:
+        return ()
+    alpha = step_size_letter(update) if update.alpha is None else number_text(update.alpha, glyphs)
+    alpha = f"({alpha})" if alpha.startswith(glyphs.minus) else alpha
+    cell, rule = _CELLS[update.place], _RULES[update.rule]
+    if update.rule is Rule.MONTE_CARLO:
+        gain = "G"
+    else:
+        reward = "r before" if update.uses_reward_before else "own r" if update.reward == "own" else "r"
+        bootstrap = _BOOTSTRAPS[update.target]
+        gamma = "γ" if update.gamma is None else number_text(update.gamma, glyphs)
+        gain = f"{reward} + {gamma}·{bootstrap}" if bootstrap else reward
+    step = f"{alpha}·({gain} − {cell})"
+    equation = f"{cell} ← {cell} + {step}"
+    return f"{rule}:  {equation}", equation, f"{cell} += {step}", rule
+
+
+def clause(sentence: str) -> str:
+    """Return ``sentence`` as it stands within another one: without its full stop, and begun in small."""
+    text = one_line(sentence, LONGEST_SENTENCE).removesuffix(".")
+    is_word = text[:1].isupper() and (text[1:2].islower() or text[1:2] == " ")
+    return text[:1].lower() + text[1:] if is_word else text
+
+
+def notes_of(program: ProgramView) -> list[str]:
+    """Return what cannot be told, and what had to be done otherwise, a sentence each; each is said once."""
+    update = program.verdict.update
+    notes, known = [*program.verdict.notes, *program.notes], update.reason.removesuffix(".")
+    return [
+        one_line(note, LONGEST_SENTENCE)
+        for note in dict.fromkeys(notes)
+        if not known or not note.startswith(known)
+    ]
+
+
+def step_size_letter(update: UpdateFound) -> str:
+    """Return how a step size is written that is no one number: α, or 1/N."""
+    return "1/N" if update.alpha_schedule == "1/N" else "α"
+
+
+def fitting_numbers(update: UpdateFound, glyphs: Glyphs) -> str:
+    """Return the α and the γ that fit though the rule is open: ``α .1, γ .99``; empty where none do."""
+    known = (("α", update.alpha), ("γ", update.gamma))
+    return ", ".join(f"{sign} {number_text(x, glyphs)}" for sign, x in known if x is not None)
+
+
+def open_text(update: UpdateFound, glyphs: Glyphs) -> str:
+    """Return what the equation does not hold: a step size that varies, a γ that is open, the ε of a mean."""
+    parts = []
+    if update.alpha is None and update.alpha_schedule == "by-episode":
+        parts.append("α varies by episode")
+    elif update.alpha is None and update.alpha_schedule is None:
+        parts.append("α open")
+    if update.gamma is None and update.rule is not Rule.MONTE_CARLO:
+        parts.append("γ open")
+    if update.epsilon is not None:
+        parts.append(f"ε {number_text(update.epsilon, glyphs)}")
+    return " · ".join(parts)
+
+
+def number_text(x: float, glyphs: Glyphs) -> str:
+    """Return a step size or a discount with as many digits as it has, four of them at the most."""
+    return (
+        numbers.brief(x, glyphs, decimals=4) if abs(x) >= 1e-3 or not x else numbers.scientific(x, 2, glyphs)
+    )
+
+
+def fit_texts(update: UpdateFound) -> tuple[str, ...]:
+    """Return how well the update fits, longest form first; empty for an update that is not known."""
+    if update.fits is None:
+        return ()
+    fits = f"fits {share_text(update.fits)} of steps"
+    ruled = f"{_RULES[update.rule]} {fits}" if update.rule in _RULES else fits
+    informative = f"{update.informative:,} informative"
+    departs = [] if update.departs_at is None else [f"departs at step {update.departs_at + 1:,}"]
+    return (
+        " · ".join([ruled, informative, *departs]),
+        " · ".join([ruled, *departs]),
+        " · ".join([fits, *departs]),
+        fits,
+    )
+
+
+def share_text(share: float) -> str:
+    """Return a share of steps in percent; what is not all of them is not written as 100."""
+    if share >= 1.0:
+        return "100 %"
+    return f"{min(99.99, share * 100):.2f}".rstrip("0").rstrip(".") + " %"
+
+
+def ranked(findings: Sequence[Finding]) -> list[Finding]:
+    """Return ``findings``, the worst first: proven faults, declared ones, risks; of those the earliest."""
+    return sorted(findings, key=lambda each: (each.kind == "risk", each.certainty == "declared", each.step))
+
+
+def counted(findings: Sequence[Finding]) -> str:
+    """Return how many faults and risks there are: ``1 fault, 2 risks``."""
+    faults = sum(each.kind == "fault" for each in findings)
+    counts = ((faults, "fault"), (len(findings) - faults, "risk"))
+    return ", ".join(f"{count} {noun}{'' if count == 1 else 's'}" for count, noun in counts if count)
+
+
+def place_text(file: str, line: int | None, path: str = "") -> str:
+    """Return ``line 12``, with the file's name where that is another one than ``path``; empty if unknown."""
+    name = "" if not file or file == path else f"{one_line(Path(file).name, LONGEST_NAME)}, "
+    return f"{name}line {line:,}" if line is not None else name.removesuffix(", ")

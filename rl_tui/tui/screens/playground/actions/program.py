@@ -1,0 +1,91 @@
+"""A program of somebody's own: what cannot be done to it, which of its tables learns, and news of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from rl_tui.common.findings import one_line
+from rl_tui.lab.live.commands import ChooseTable
+from rl_tui.lab.live.program_view import ProgramView
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.tui.actions.action import Action
+from rl_tui.tui.screens.dialogs.choice import Candidate, Choice
+from rl_tui.tui.screens.playground.actions.subject import Subject
+
+FIRST_KEYS: Final = "space runs your program, s takes one of its steps"
+_LONGEST_NAME: Final = 40
+_LONGEST_NEWS: Final = 300
+_UNTIL_READ: Final = 15.0
+
+
+@dataclass(eq=False)
+class ProgramActions(Subject):
+    """What is special where somebody's own program takes the steps; ``actions`` are those of the screen."""
+
+    actions: Sequence[Action]
+
+    @property
+    def program(self) -> ProgramView | None:
+        """The program that is watched, None where it is an agent of ours that is shown."""
+        return None if self.snapshot is None else self.snapshot.program
+
+    @property
+    def idle_keys(self) -> frozenset[str]:
+        """The ids of the actions that mean nothing here: the key line leaves them out."""
+        is_program = self.program is not None
+        return frozenset(
+            each.id for each in self.actions if (each.not_for_program if is_program else each.of_program)
+        )
+
+    def refuses(self, command: str) -> bool:
+        """Say why ``command`` cannot be done to a program, if that is so; return whether it is."""
+        program = self.program
+        why = next(
+            (each.not_for_program for each in self.actions if (each.command or each.id) == command), ""
+        )
+        if program is None or not why:
+            return False
+        self.screen.tell(why.format(file=file_name(program)))
+        return True
+
+    def choose_table(self) -> None:
+        """Choose which of several tables is the one that learns."""
+        program = self.program
+        if program is None:
+            self.screen.tell("this is an agent of ours, with one table; T is for a program of yours")
+        elif program.table is None:
+            self.screen.tell("no table was found in your program: there is none to choose")
+        elif not program.table.others:
+            self.screen.tell(
+                f"{one_line(program.table.name, _LONGEST_NAME)} is the only table of your program"
+            )
+        else:
+            names = (program.table.name, *program.table.others)
+            candidates = [
+                Candidate(str(place), one_line(name, _LONGEST_NAME)) for place, name in enumerate(names)
+            ]
+            choice = Choice("The table that learns: the program starts again", candidates, "0", self.glyphs)
+            self.ask(choice, lambda place: self._take_table(names[int(place)]))
+
+    def _take_table(self, name: str) -> None:
+        if self.program is not None and self.program.table is not None and self.program.table.name != name:
+            self.link.send(ChooseTable(name))
+
+    def announce(self, before: Snapshot | None, now: Snapshot) -> None:
+        """Say what is new about the program: how to begin, what a saved file changed, that it is over."""
+        program, was = now.program, None if before is None else before.program
+        if program is None or now.playback.phase is Phase.PREPARING:
+            return
+        is_first = was is None or (before is not None and before.playback.phase is Phase.PREPARING)
+        if is_first and not now.counters.step and not program.ended and not program.refused:
+            self.screen.tell(FIRST_KEYS, timeout=_UNTIL_READ)
+        if program.reloaded and (was is None or was.reloaded != program.reloaded):
+            self.screen.tell(one_line(program.reloaded, _LONGEST_NEWS), timeout=_UNTIL_READ)
+
+
+def file_name(program: ProgramView) -> str:
+    """Return the name of the program's file, short and with nothing in it that a terminal might obey."""
+    return one_line(Path(program.path).name or program.title, _LONGEST_NAME)

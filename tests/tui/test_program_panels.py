@@ -1,0 +1,360 @@
+"""The panels of a watched program, and what the others say of one, drawn from snapshots made by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from program_samples import AFTER_END, KNOWN, SOURCE, TABLE, TIES, failed, program, unknown, watched
+from samples import lake, look
+from seams import sized
+from snapshots import changed
+
+from rl_tui.lab.detective.verdict import Fault, Place, Rule, Target, UpdateFound, Verdict
+from rl_tui.lab.live.program_view import ProgramView
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.programs.program_log import OutputLine
+from rl_tui.tui.draw.pieces import length
+from rl_tui.tui.panels.last_step.last_step import last_step_lines
+from rl_tui.tui.panels.microscope.microscope import page
+from rl_tui.tui.panels.program.findings import NOTHING, FindingsPanel
+from rl_tui.tui.panels.program.output import MOST_LINES, NOTHING_WRITTEN, OutputPanel
+from rl_tui.tui.panels.program.program import UNKNOWN, ProgramPanel
+from rl_tui.tui.panels.program.source import safe_line, source_lines
+from rl_tui.tui.panels.program.words import IN_SHORT, ranked, share_text, update_texts
+from rl_tui.tui.panels.status_line import PROGRAM_ENDED, status_line
+
+BOTH = Verdict(update=KNOWN, findings=(TIES, AFTER_END))
+
+
+def drawn(
+    kind: type[ProgramPanel | FindingsPanel | OutputPanel],
+    snapshot: Snapshot | None,
+    width: int = 56,
+    height: int = 20,
+    **options: Any,
+) -> str:
+    panel = sized(kind(look(**options)), width, height)
+    panel.snapshot = snapshot
+    rows = panel.picture(snapshot, width, height)
+    assert [row.cell_length for row in rows] == [width] * height
+    return "\n".join(row.text.rstrip() for row in rows)
+
+
+def story(snapshot: Snapshot, width: int = 56, height: int = 8) -> str:
+    lines = last_step_lines(snapshot, look(), width, height)
+    assert all(length(line) <= width for line in lines[1:])
+    return "\n".join("".join(piece.text for piece in line).rstrip() for line in lines)
+
+
+# The panel where the sliders stand
+
+
+def test_table_and_update_with_the_numbers_that_fit() -> None:
+    lines = drawn(ProgramPanel, watched(), height=6).splitlines()
+    assert lines[0] == " FrozenLake-v1 · table q: array 16×4, float64"
+    assert lines[1] == " Q(s,a) ← Q(s,a) + .1·(r + .99·max Q(s′,·) − Q(s,a))"
+    assert lines[2] == " Q-learning fits 99.93 % of steps · departs at step 812"
+
+
+def test_where_there_is_little_room_the_update_and_the_worst_finding_are_left() -> None:
+    lines = drawn(ProgramPanel, watched(program(verdict=BOTH)), 80, 2).splitlines()
+    assert lines[0].startswith(" Q-learning:  Q(s,a) ←")
+    assert "1 fault, 1 risk: bootstraps after the end (line 15)" in lines[1]
+
+
+def test_what_it_raised_comes_before_all_else() -> None:
+    assert "IndexError (line 15): index 16" in drawn(ProgramPanel, failed(), 80, 1)
+
+
+def test_an_update_that_is_not_known_says_why_and_nothing_else() -> None:
+    text = drawn(ProgramPanel, unknown("several cells moved"), height=6)
+    assert f"{UNKNOWN}: several cells moved" in text
+    for claim in ("α", "γ", "fits", "max Q"):
+        assert claim not in text
+
+
+def test_an_update_of_which_the_numbers_fit_but_no_step_decides_the_rule() -> None:
+    reason = "No step yet tells Q-learning from SARSA: the next actions were greedy ones."
+    open_rule = UpdateFound(alpha=0.1, alpha_schedule="constant", gamma=0.99, reason=reason)
+    view = program(verdict=Verdict(update=open_rule, notes=(reason,)))
+    text = " ".join(drawn(ProgramPanel, watched(view), 110, 6).split())
+    assert "known in part, α .1, γ .99: no step yet tells Q-learning from SARSA: the next actions" in text
+    assert "max Q" not in text
+    assert "note" not in text
+
+
+def test_without_a_table_it_says_what_was_looked_for() -> None:
+    view = program(table=None, verdict=Verdict(), looked_for=("an array of 16×4", "a dict"))
+    text = " ".join(drawn(ProgramPanel, watched(view), 80, 4).split())
+    assert "an array of 16×4; a dict" in text
+
+
+def test_other_tables_are_named_with_the_key_that_chooses() -> None:
+    view = program(table=replace(TABLE, others=("visits", "best")))
+    assert "T chooses another table: visits, best" in drawn(ProgramPanel, watched(view), height=6)
+
+
+def test_what_is_cut_off_ends_with_a_sign() -> None:
+    view = program(
+        verdict=Verdict(update=KNOWN, notes=("a note that is longer than one row of it has room for",))
+    )
+    lines = drawn(ProgramPanel, watched(view), 40, 5).splitlines()
+    assert lines[-1].endswith("…")
+
+
+@pytest.mark.parametrize(
+    "view",
+    [
+        program(),
+        program(verdict=BOTH, notes=("one", "two")),
+        program(table=None, looked_for=("an array",)),
+        program(refused="it steps in several threads"),
+        failed().program,
+        program(title="\x1b[31m", environment="\x07", output=(OutputLine(1, "out", "\x1b[2J" * 90),)),
+    ],
+)
+def test_every_panel_fits_any_size_and_shows_nothing_a_terminal_obeys(view: ProgramView) -> None:
+    for options in ({}, {"ascii": True}):
+        for width in (1, 9, 34, 80):
+            for height in (1, 2, 6):
+                for kind in (ProgramPanel, FindingsPanel, OutputPanel):
+                    text = drawn(kind, watched(view), width, height, **options)
+                    assert text.replace("\n", "").isprintable()
+                    assert not options or text.isascii()
+
+
+@pytest.mark.parametrize("kind", [ProgramPanel, FindingsPanel, OutputPanel])
+def test_without_a_program_they_are_blank(kind: type[ProgramPanel | FindingsPanel | OutputPanel]) -> None:
+    assert drawn(kind, None).split() == drawn(kind, lake()).split() == []
+
+
+# Its words
+
+
+@pytest.mark.parametrize(
+    ("update", "equation"),
+    [
+        (KNOWN, "Q(s,a) ← Q(s,a) + .1·(r + .99·max Q(s′,·) − Q(s,a))"),
+        (replace(KNOWN, gamma=None), "Q(s,a) ← Q(s,a) + .1·(r + γ·max Q(s′,·) − Q(s,a))"),
+        (
+            replace(KNOWN, rule=Rule.SARSA, target=Target.NEXT_ACTION, alpha=None, alpha_schedule="1/N"),
+            "Q(s,a) ← Q(s,a) + 1/N·(r + .99·Q(s′,a′) − Q(s,a))",
+        ),
+        (
+            replace(KNOWN, alpha=None, alpha_schedule="by-episode"),
+            "Q(s,a) ← Q(s,a) + α·(r + .99·max Q(s′,·) − Q(s,a))",
+        ),
+        (replace(KNOWN, target=Target.NOTHING), "Q(s,a) ← Q(s,a) + .1·(r − Q(s,a))"),
+        (
+            replace(KNOWN, place=Place.MOVED, reward="own"),
+            "Q(s′,a) ← Q(s′,a) + .1·(own r + .99·max Q(s′,·) − Q(s′,a))",
+        ),
+        (
+            UpdateFound(rule=Rule.MONTE_CARLO, alpha_schedule="1/N"),
+            "Q(s,a) ← Q(s,a) + 1/N·(G − Q(s,a))",
+        ),
+    ],
+)
+def test_an_update_is_written_with_what_is_known_of_it(update: UpdateFound, equation: str) -> None:
+    assert update_texts(update, look().glyphs)[1] == equation
+
+
+def test_an_unknown_update_is_not_written() -> None:
+    assert update_texts(UpdateFound(alpha=0.1, gamma=0.9), look().glyphs) == ()
+
+
+@pytest.mark.parametrize(
+    ("share", "text"),
+    [(1.0, "100 %"), (0.99995, "99.99 %"), (0.5, "50 %"), (0.0, "0 %"), (0.9993, "99.93 %")],
+)
+def test_not_all_steps_are_never_all(share: float, text: str) -> None:
+    assert share_text(share) == text
+
+
+def test_every_fault_has_a_name_of_its_own() -> None:
+    assert set(IN_SHORT) == set(Fault)
+    assert len(set(IN_SHORT.values())) == len(Fault)
+
+
+def test_the_worst_comes_first() -> None:
+    declared = replace(AFTER_END, certainty="declared", step=0)
+    later = replace(AFTER_END, step=9_000)
+    assert ranked([TIES, later, declared, AFTER_END]) == [AFTER_END, later, declared, TIES]
+
+
+# Findings
+
+
+def test_the_chosen_finding_shows_line_evidence_and_correction() -> None:
+    text = drawn(FindingsPanel, watched(program(verdict=BOTH)), 100)
+    for said in (
+        "▸ fault: bootstraps after the end   line 15",
+        AFTER_END.text,
+        "proven, 34 steps speak for it, none against; enter goes to the first, step 812",
+        " ▸ 15 ",
+        SOURCE[14],
+        "Instead: after a terminal step the target is r alone",
+        "  risk: takes the first of equals   line 13",
+    ):
+        assert said in text
+    assert TIES.text not in text
+
+
+def test_the_cursor_goes_to_the_next_finding() -> None:
+    panel = sized(FindingsPanel(look()), 80, 20)
+    panel.show(watched(program(verdict=BOTH)))
+    assert panel.chosen == AFTER_END
+    panel.action_choose(1)
+    assert panel.chosen is TIES
+    panel.action_choose(1)
+    assert panel.chosen is TIES
+    panel.action_choose(-1)
+    assert panel.chosen is AFTER_END
+
+
+def test_the_finding_chosen_is_in_view_where_there_is_little_room() -> None:
+    panel = sized(FindingsPanel(look()), 34, 6)
+    panel.show(watched(program(verdict=BOTH)))
+    panel.action_choose(1)
+    assert "risk: takes the first" in panel.picture(panel.snapshot, 34, 6)[0].text
+
+
+def test_a_finding_in_another_file_shows_no_source_of_this_one() -> None:
+    elsewhere = replace(AFTER_END, file="/home/someone/agent.py")
+    text = drawn(FindingsPanel, watched(program(verdict=Verdict(findings=(elsewhere,)))), 80)
+    assert "agent.py, line 15" in text
+    assert SOURCE[14].strip() not in text
+
+
+def test_nothing_found_says_what_that_rests_on() -> None:
+    text = " ".join(drawn(FindingsPanel, watched()).split())
+    assert f"{NOTHING}: 12,400 steps and 1,033 ends of episodes were examined, 1,204 of them" in text
+    assert "nothing could be examined" in " ".join(drawn(FindingsPanel, watched(program(table=None))).split())
+
+
+def test_declared_is_said() -> None:
+    declared = replace(AFTER_END, certainty="declared", fault=Fault.GAMMA_TWICE)
+    text = drawn(FindingsPanel, watched(program(verdict=Verdict(findings=(declared,)))), 80)
+    assert "rests on a number read from your code" in text
+    assert "proven" not in text
+
+
+# Source and output
+
+
+def test_source_is_data() -> None:
+    assert safe_line("\ta = 1\x1b[31m\n") == "    a = 1\\u001b[31m"
+    lines = source_lines(["a = '[bold]'", "b", "c"], 1, look(), 30)
+    assert "".join(piece.text for piece in lines[0]) == " ▸ 1 a = '[bold]'"
+    assert source_lines(["a"], 2, look(), 30) == source_lines([], 1, look(), 30) == []
+
+
+def test_the_line_that_is_meant_is_shown_whole() -> None:
+    lines = source_lines(SOURCE, 15, look(), 30)
+    code = "".join(piece.text for line in lines for piece in line if piece.style == look().palette.strong)
+    assert "".join(code.split()) == "".join(SOURCE[14].split())
+
+
+def test_the_last_lines_are_in_view_until_somebody_scrolls_up() -> None:
+    lines = tuple(OutputLine(step, "out", f"line {step}") for step in range(30))
+    panel = OutputPanel(look())
+
+    def last(*more: OutputLine) -> str:
+        return panel.picture(watched(program(output=(*lines, *more))), 40, 5)[-1].text
+
+    assert "line 29" in last()
+    panel.action_scroll_rows(-10)
+    assert "line 19" in last(OutputLine(30, "out", "line 30"))
+    panel.action_scroll_rows(999)
+    assert "line 31" in last(OutputLine(31, "out", "line 31"))
+
+
+def test_stderr_is_marked_and_steps_stand_before_the_lines() -> None:
+    text = drawn(OutputPanel, watched(), 80)
+    assert " 1,200 │ episode 100 return 0.0" in text
+    assert " 2,410 ! UserWarning: a warning of some library" in text
+
+
+def test_an_exception_stands_at_the_end_with_traceback_and_line() -> None:
+    lines = drawn(OutputPanel, failed(), 80).splitlines()
+    assert " Traceback (most recent call last):" in lines
+    assert " ■ IndexError: index 16 is out of bounds for axis 0 with size 16 (line 15)" in lines
+    assert any(line.startswith(" ▸ 15 ") for line in lines)
+    assert sum("IndexError" in line for line in lines) == 1
+
+
+def test_floods_are_bounded_and_silence_is_said() -> None:
+    flood = tuple(OutputLine(step, "out", "x" * 5_000) for step in range(2_000))
+    panel = OutputPanel(look())
+    assert len(panel.rows(watched(program(output=flood)), 40, 10)) <= 8 * MOST_LINES
+    assert NOTHING_WRITTEN in drawn(OutputPanel, watched(program(output=())))
+
+
+# What other panels say of a program
+
+
+def test_a_step_that_the_update_fits_has_its_equation_and_no_word_on_exploring() -> None:
+    text = story(changed(watched(), algorithm="q-learning"))
+    assert "target = r + γ · max Q" in text
+    assert "ε" not in text
+    assert "random" not in text
+    assert "your program chose it" in story(watched(), 80)
+
+
+def test_a_step_whose_update_is_not_known_tells_only_what_moved() -> None:
+    picture = unknown("several cells moved in most steps")
+    last = picture.counters.last_step
+    assert last is not None
+    text = story(picture, 80)
+    assert "your program moved Q(6,←) from " in text
+    assert "the update is not known yet: several cells moved in most steps" in text
+    for invented in ("target", "α", "γ", "δ"):
+        assert invented not in text
+    assert "your program moved" in story(picture, 80, 1)
+
+
+def test_a_step_that_moved_several_cells_says_how_many() -> None:
+    assert "this step moved 5 cells" in story(unknown(others=4), 110)
+
+
+def test_a_step_that_departs_says_so() -> None:
+    picture = unknown()
+    assert picture.program is not None
+    picture = replace(picture, program=replace(picture.program, verdict=Verdict(update=KNOWN)))
+    assert "this step departs from the update that fits the others" in story(picture, 110)
+
+
+def test_a_step_that_changed_nothing() -> None:
+    picture = unknown()
+    last = picture.counters.last_step
+    assert last is not None
+    same = changed(picture, last_step=replace(last, before=last.after))
+    assert "stays" in story(same, 80)
+    none = changed(picture, last_step=replace(last, updated_pair=-1))
+    assert "the program changed nothing" in story(none, 80)
+
+
+def test_the_microscope_has_the_update_that_fits_and_invents_nothing() -> None:
+    text = "\n".join(row.text for row in page(watched(), 0, look(), 120, 20))
+    assert "Q-learning:  Q(s,a) ←" in text or "Q(s,a) ← Q(s,a) + .1·(r + .99·max Q(s′,·) − Q(s,a))" in text
+    assert "fits 99.93 % of steps" in text
+    assert "departs at step 812" in text
+    text = "\n".join(row.text for row in page(unknown("no step tells it"), 0, look(), 120, 20))
+    assert "which estimates your program looked up is not known" in text
+    assert "your program moved" in text
+    for invented in ("sampled", "expected", "α", "max Q", "G₀"):
+        assert invented not in text
+
+
+def status(snapshot: Snapshot, width: int = 110) -> str:
+    return "".join(piece.text for piece in status_line(snapshot, look(), width))
+
+
+def test_the_status_line_names_the_program_and_says_that_it_has_ended() -> None:
+    assert "frozen_lake.py" in status(watched())
+    assert "Q-learning" not in status(watched())
+    assert "frozen_lake.py" in status(watched(), 70)
+    assert PROGRAM_ENDED in status(watched(phase=Phase.SPENT))
+    assert "budget" not in status(watched(phase=Phase.SPENT))
