@@ -13,7 +13,7 @@ from rl_tui.worlds.mdp.space import FloatArray
 
 NOTHING: Final = -1
 _NEAR: Final = 1e-5
-"""How far, of the number that moved, a step may be off and still be told as the update (single precision)."""
+"""How far, of the number that moved, a step may be off and still be that update (single precision)."""
 
 
 class CellChange(NamedTuple):
@@ -95,7 +95,7 @@ def update_of_step(
     if update.rule is Rule.MONTE_CARLO or (update.rule is Rule.UNKNOWN and update.alpha_schedule is None):
         return bare
     moment = _moment(recording, place, update, table.reshape(-1, recording.actions))
-    return _told(bare, update, moment) if moment else bare
+    return _with_parts(bare, update, moment) if moment else bare
 
 
 def _cell(steps: Steps, place: int, actions: int, where: Place) -> int:
@@ -127,7 +127,7 @@ def _moment(recording: Recording, place: int, update: UpdateFound, table: FloatA
     )
 
 
-def _told(bare: StepUpdate, update: UpdateFound, moment: _Moment) -> StepUpdate:
+def _with_parts(bare: StepUpdate, update: UpdateFound, moment: _Moment) -> StepUpdate:
     """Return ``bare`` with the parts of ``update``, if they come to what happened."""
     gamma = update.gamma if update.gamma is not None else 0.0
     values = _values(update, moment)
@@ -150,7 +150,7 @@ def _told(bare: StepUpdate, update: UpdateFound, moment: _Moment) -> StepUpdate:
                 bare,
                 step_size=alpha,
                 gamma=gamma,
-                gathered=whole - gamma * value,
+                gathered=whole - gamma * value if update.reward == "own" else moment.reward,
                 discount=gamma,
                 bootstrap=value,
                 bootstrap_state=NOTHING if moment.ended and value == 0.0 else moment.state,

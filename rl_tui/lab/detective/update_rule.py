@@ -30,6 +30,7 @@ _RIGHT: Final = (Target.BEST, Target.NEXT_ACTION)
 _WRONG: Final = (Target.COLUMN, Target.OWN_STATE, Target.INDEX, Target.SAME_ACTION)
 
 
+@np.errstate(all="ignore")  # what cannot be divided is NaN, and counts for nothing
 def update_of(evidence: Evidence, numbers: Mapping[str, float]) -> UpdateFound:
     """Return the update that explains ``evidence``; ``numbers`` are those that the code holds, by name.
 

@@ -13,7 +13,6 @@ from rl_tui.lab.own_agents.loading import AgentName, AgentPlace, the_agent
 from rl_tui.lab.programs.child.source import read_script
 from rl_tui.lab.programs.program_process import ProgramRequest
 from rl_tui.lab.run.recipe import Recipe
-from rl_tui.worlds.environment import OWN_IDS
 from rl_tui.worlds.files.shipped import shipped_folder
 
 GIVEN: Final = ("alpha", "gamma", "epsilon", "epsilon_decay", "epsilon_min", "initial_q")

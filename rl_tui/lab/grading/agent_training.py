@@ -65,7 +65,7 @@ class AgentRun:
 
     @property
     def mdp(self) -> TabularMDP | None:
-        """The table that exact figures are worked out from; None where there is none, it is large, or drifts."""
+        """The table for exact figures; None where there is none, where it is large, and where it drifts."""
         mdp = self.world.mdp
         return None if mdp is None or mdp.states > MOST_STATES or mdp.drift_std > 0.0 else mdp
 
@@ -151,7 +151,7 @@ class AgentRuns:
         }
 
     def head(self, verdict: Verdict | None) -> dict[str, Any]:
-        """Return who learned, as JSON; of the hyper-parameters what ``verdict`` proves, the others are null."""
+        """Return who learned, as JSON; hyper-parameters that ``verdict`` does not prove are null."""
         of_recipe, update = head(self.recipe), (verdict or Verdict()).update
         proven: dict[str, float | str | None] = {
             "alpha": update.alpha,

@@ -55,6 +55,7 @@ def learn(built: Any, place: AgentPlace, env: Any, settings: AgentSettings) -> N
     """
     random.seed(settings.seed)
     np.random.seed(settings.seed)
+    env.action_space.seed(settings.seed)
     agent, player = _ready(built, place, env, settings)
     actions, method = int(env.action_space.n), _choosing(place)
     # Looking for the table begins at the names of this frame: `agent` is one of them

@@ -160,9 +160,8 @@ def _is_abstract(method: _Function) -> bool:
     if any(_last_name(each) == "abstractmethod" for each in method.decorator_list):
         return True
     last = method.body[-1]
-    raised = last.exc.func if isinstance(last, ast.Raise) and isinstance(last.exc, ast.Call) else last
-    raised = raised.exc if isinstance(raised, ast.Raise) else raised
-    return _last_name(raised) == "NotImplementedError"
+    raised = last.exc if isinstance(last, ast.Raise) else None
+    return _last_name(raised.func if isinstance(raised, ast.Call) else raised) == "NotImplementedError"
 
 
 def _last_name(node: ast.AST | None) -> str:

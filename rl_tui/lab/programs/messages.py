@@ -85,6 +85,8 @@ class Kind:
     """method ("step" or "reset"), file, line: where the user's code called it first."""
     LINES: Final = "lines"
     """lines: [[file, line, count], …], the lines that changed the table."""
+    AGENT: Final = "agent"
+    """name, style, file, line (of the method that learns), done_is_either: an agent without a loop learns."""
     OUTPUT: Final = "output"
     """stream ("out" or "err"), text, replaces (the line before it on that stream); step, if it is known.
     It comes from the watching side, which reads both streams: also those of C code and of child processes."""

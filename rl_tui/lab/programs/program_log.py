@@ -30,6 +30,7 @@ GARBLED: Final = "what came from the program is garbled: something else wrote in
 _COUNTED: Final = (0, 2, 5, 6, 7)
 """The columns of steps that are whole numbers, other than states."""
 _STATES: Final = (1, 4)
+_EPISODE: Final = 6
 _NONE_OF_OURS: Final = (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError)
 
 
@@ -88,6 +89,15 @@ class ProgramError:
     traceback: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class ProgramAgent:
+    """The agent without a loop that a program is; ``done_is_either`` as its shape has it."""
+
+    name: str
+    style: str
+    done_is_either: bool
+
+
 @dataclass(slots=True)
 class OutputLine:
     """One line that a program wrote, after so many steps; ``stream`` is "out" or "err"."""
@@ -102,10 +112,14 @@ class ProgramLog:
     """What came through the pipe, put in its place by :meth:`take`."""
 
     recording: Recording = field(default_factory=Recording)
+    episodes: int = 0
+    """How many have begun, over all environments."""
     environments: list[ProgramEnvironment] = field(default_factory=list)
     table: FoundTable | None = None
     shared_at: int | None = None
     """The step at which rows of the table were seen to be one and the same object."""
+    agent: ProgramAgent | None = None
+    """None for a script with a loop of its own."""
     numbers: dict[str, float] = field(default_factory=dict)
     """Numbers that the program's code holds, by name."""
     lines: dict[tuple[str, int], int] = field(default_factory=dict)
@@ -161,6 +175,7 @@ class ProgramLog:
         cells = 0 if self.recording.initial is None else len(self.recording.initial)
         if not (_is_within(changes[:, 1], cells) and _is_within(changes[:, 0], NO_LIMIT)):
             raise ValueError("no changes of ours")
+        self.episodes = max(self.episodes, 1 + int(steps[:, _EPISODE].max(initial=-1)))
         self.recording.add(steps, changes)
         self.waiting_at = None
 
@@ -208,6 +223,9 @@ class ProgramLog:
             case Kind.LINES:
                 for file, line, count in said["lines"]:
                     self.lines[file, line] = self.lines.get((file, line), 0) + count
+            case Kind.AGENT:
+                self.agent = ProgramAgent(said["name"], said["style"], said["done_is_either"])
+                self.called.setdefault("step", (said["file"], said["line"]))
             case Kind.OUTPUT:
                 self._take_output(said)
             case Kind.NOTE:

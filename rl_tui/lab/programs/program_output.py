@@ -48,15 +48,11 @@ class WrittenLines:
         if int(now) != self._second:
             yield from self._catch_up()
             self._second, self._room = int(now), MOST_A_SECOND
-        *lines, self._rest = (self._rest + piece).split(b"\n")
-        for line in lines[: self._room]:
+        *lines, rest = (self._rest + piece).split(b"\n", self._room)
+        for line in lines:
             yield self._told(line)
-        flood = lines[self._room :]
-        self._room = max(0, self._room - len(lines))
-        self._left_out += len(flood)
-        self._is_told = self._is_told and not flood
-        self._last.extend(flood[-LAST_KEPT:])
-        self._rest = _shortened(self._rest)
+        self._room -= len(lines)
+        self._rest = _shortened(self._without_flood(rest))
         if self._room and self._rest.strip():
             text, replaces = self._told(self._rest)
             self._is_told = True
@@ -67,6 +63,15 @@ class WrittenLines:
         yield from self._catch_up()
         if self._rest.strip() and not self._is_told:
             yield self._told(self._rest)
+
+    def _without_flood(self, text: bytes) -> bytes:
+        """Count the whole lines of ``text``, keep the last ones, and return the one without an end."""
+        *flood, rest = text.rsplit(b"\n", LAST_KEPT + 1)
+        if flood:
+            self._left_out += text.count(b"\n")
+            self._last.extend(flood[-LAST_KEPT:])
+            self._is_told = False
+        return rest
 
     def _catch_up(self) -> Iterator[WrittenLine]:
         """Yield how many lines were left out, and the last ones of them."""

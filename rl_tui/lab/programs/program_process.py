@@ -24,6 +24,7 @@ from rl_tui.lab.programs.program_output import WrittenLine, WrittenLines
 
 _CHUNK: Final = 1 << 20
 _LOOK_AGAIN: Final = 0.5  # seconds, after which a process is asked whether it still lives
+_BEHIND_OUTPUT: Final = 10  # milliseconds, in which a step comes that was taken before something was written
 _FAREWELL: Final = 1.0  # seconds that a process may take to end once its pipe is closed
 _CLOSED_ITS_PIPE: Final = "the program closed the pipe by which it was watched, and was ended"
 _ENVIRONMENT: Final = {"PYTHONHASHSEED": "0", "MPLBACKEND": "Agg", "SDL_VIDEODRIVER": "dummy"}
@@ -95,7 +96,8 @@ class ProgramProcess:
         self._unsent = b""
         self._bytes = bytearray()
         self._streams = {pipes[1][0]: ("out", WrittenLines()), pipes[2][0]: ("err", WrittenLines())}
-        self._poll = select.poll()
+        self._poll, self._poll_steps = select.poll(), select.poll()
+        self._poll_steps.register(self._reading, select.POLLIN)
         for descriptor in (self._reading, *self._streams):
             os.set_blocking(descriptor, False)
             self._poll.register(descriptor, select.POLLIN)
@@ -156,7 +158,10 @@ class ProgramProcess:
         until = None if seconds is None else time.monotonic() + seconds
         while True:
             left = _LOOK_AGAIN if until is None else min(_LOOK_AGAIN, until - time.monotonic())
-            if self._poll.poll(max(0.0, left) * 1000) or self._process.poll() is not None:
+            ready = self._poll.poll(max(0.0, left) * 1000)
+            if ready and all(descriptor != self._reading for descriptor, _ in ready):
+                self._poll_steps.poll(_BEHIND_OUTPUT)  # of the step that it belongs to
+            if ready or self._process.poll() is not None:
                 return
             if until is not None and time.monotonic() >= until:
                 return

@@ -44,9 +44,10 @@ def recorded(
     steps: int = 1500,
     initial: str = "random",
     dtype: str = "float64",
+    greedy: float = 0.0,
     rewards: tuple[float, ...] = (-1.0, 0.0, 0.0, 1.0, 2.0),
 ) -> ProgramLog:
-    """Return what a program tells that acts at random and learns by ``learner``."""
+    """Return what a program tells that learns by ``learner``, acts greedily so often, and else at random."""
     rng = np.random.default_rng(seed)
     next_state = rng.integers(0, STATES, (STATES, ACTIONS, 2))
     reward = rng.choice(rewards, (STATES, ACTIONS, 2))
@@ -62,17 +63,17 @@ def recorded(
     rows: list[list[float]] = []
     changes: list[tuple[float, float, float, float]] = []
 
-    def chosen() -> int:
-        return int(rng.integers(ACTIONS))
+    def chosen(state: int) -> int:
+        return int(table[state].argmax()) if rng.random() < greedy else int(rng.integers(ACTIONS))
 
-    state, action, place, episode, before = 0, chosen(), 0, 0, 0.0
+    state, action, place, episode, before = 0, chosen(0), 0, 0, 0.0
     for number in range(steps):
         which = int(rng.integers(2))
         following = int(next_state[state, action, which])
         got = float(reward[state, action, which])
         terminated = bool(ends[state, action, which])
         truncated = place == LIMIT - 1
-        next_action = chosen()
+        next_action = chosen(following)
         step = Step(
             state,
             action,
@@ -96,7 +97,7 @@ def recorded(
         state, action = following, next_action
         if terminated or truncated:
             state, place, episode = 0, 0, episode + 1
-            action = chosen()
+            action = chosen(0)
     log.recording.add(np.array(rows, np.float64), np.array(changes, np.float64).reshape(-1, 4))
     log.ended = True
     return log

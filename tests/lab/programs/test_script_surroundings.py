@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import pytest
-from watching import LOOP, lines_of, script_in, watched
+from watching import LOOP, lines_of, lives, script_in, wait_until, watched
 
 pytestmark = pytest.mark.process
 
@@ -107,13 +106,13 @@ def test_floods_by_processes_do_not_outlive_the_script(tmp_path: Path) -> None:
         import os, subprocess, sys
         for _ in range(5):
             child = subprocess.Popen(["sh", "-c", "while :; do echo flood; done"])
-            print(child.pid)
+            print(child.pid, file=sys.stderr)
         """,
     )
     log = watched(path)
-    numbers = [int(line) for line in lines_of(log) if line.isdigit()]
-    assert (log.ended, log.error) == (True, None)
-    assert not any(map(_lives, numbers))
+    numbers = [int(line) for line in lines_of(log, "err")]
+    assert (log.ended, log.error, len(numbers)) == (True, None, 5)
+    wait_until(lambda: not any(map(lives, numbers)))
 
 
 @pytest.mark.parametrize(
@@ -275,7 +274,9 @@ def test_plots_open_no_window(tmp_path: Path) -> None:
     package = tmp_path / "matplotlib"
     package.mkdir()
     (package / "__init__.py").write_text("def use(name):\n    raise ImportError('no display')\n")
-    (package / "pyplot.py").write_text("def show():\n    raise RuntimeError('a window')\npause = show\n")
+    (package / "pyplot.py").write_text(
+        "def show():\n    raise RuntimeError('a window')\npause = show\nswitch_backend = print\n"
+    )
     log = watched(
         script_in(
             tmp_path,
@@ -290,7 +291,7 @@ def test_plots_open_no_window(tmp_path: Path) -> None:
         )
     )
     assert log.error is None
-    assert lines_of(log) == ["Agg dummy 0"]
+    assert lines_of(log) == ["agg", "Agg dummy 0"]
 
 
 def test_the_old_gym_is_told_of_where_it_is_installed(tmp_path: Path) -> None:
@@ -321,7 +322,23 @@ def test_threads_that_the_script_leaves_are_waited_for(tmp_path: Path) -> None:
     text = (
         "import threading, time\nthreading.Thread(target=lambda: (time.sleep(.2), print('late'))).start()\n"
     )
-    assert lines_of(watched(script_in(tmp_path, text))) == ["late"]
+    log = watched(script_in(tmp_path, text))
+    assert lines_of(log) == ["late"]
+    assert log.notes == ["the script starts threads: the same seed need not give the same run"]
+
+
+def test_processes_that_the_script_forks_work_and_are_told_of(tmp_path: Path) -> None:
+    text = """\
+    import multiprocessing
+    def squared(x):
+        return x * x
+    if __name__ == "__main__":
+        with multiprocessing.get_context("fork").Pool(2) as pool:
+            print(pool.map(squared, [1, 2, 3]))
+    """
+    log = watched(script_in(tmp_path, text))
+    assert (lines_of(log), log.error) == (["[1, 4, 9]"], None)
+    assert "the script starts processes: the same seed need not give the same run" in log.notes
 
 
 def test_memory_is_bounded_where_that_is_asked_for(tmp_path: Path) -> None:
@@ -329,12 +346,3 @@ def test_memory_is_bounded_where_that_is_asked_for(tmp_path: Path) -> None:
     found = watched(path, memory=2 * 10**9).error
     assert found is not None
     assert found.type == "MemoryError"
-
-
-def _lives(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    state = Path(f"/proc/{process}/stat")
-    return not state.exists() or state.read_text().rsplit(")", 1)[1].split()[0] != "Z"

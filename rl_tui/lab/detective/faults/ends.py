@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -11,6 +11,9 @@ from rl_tui.lab.detective.faults.proof import CodePlace, Proof, some_of, written
 from rl_tui.lab.detective.source.code_names import CodeNames
 from rl_tui.lab.detective.verdict import Fault, Place, Target
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
+
+_LEAST_DISCOUNT: Final = 1e-3
+"""A smaller one may be nothing but rounding."""
 
 
 class _Ends(NamedTuple):
@@ -38,7 +41,7 @@ def proofs_at_ends(
     ended = evidence.terminated & predictions.is_learning
     cut_off = evidence.truncated & ~evidence.terminated & predictions.is_learning
     proofs = [] if may_be_own else [_lost_at_end(predictions, ended, reward, names)]
-    if update.target is not Target.NOTHING and update.gamma:
+    if update.target is not Target.NOTHING and (update.gamma or 0.0) >= _LEAST_DISCOUNT:
         proofs.append(_bootstraps(predictions, ended, reward, names))
         if not done_is_either:
             proofs.append(_left_out(predictions, cut_off, reward, names))

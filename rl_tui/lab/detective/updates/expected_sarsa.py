@@ -44,10 +44,9 @@ def _solved(sample: Sample, mean: FloatArray, triples: IntArray) -> FloatArray:
     columns = np.stack((sample.reward - sample.old, sample.best, mean - sample.best), axis=-1)
     matrix, change = columns[triples], sample.change[triples]
     size = np.abs(matrix).max(1, keepdims=True)
-    with np.errstate(all="ignore"):
-        good = np.abs(np.linalg.det(matrix / size)) > _SINGULAR
-        answer = np.linalg.solve(matrix[good], change[good][..., None])[..., 0]
-        return np.column_stack((answer[:, 0], answer[:, 1] / answer[:, 0], answer[:, 2] / answer[:, 1]))
+    good = np.abs(np.linalg.det(matrix / size)) > _SINGULAR
+    answer = np.linalg.solve(matrix[good], change[good][..., None])[..., 0]
+    return np.column_stack((answer[:, 0], answer[:, 1] / answer[:, 0], answer[:, 2] / answer[:, 1]))
 
 
 def _with(
@@ -74,9 +73,8 @@ def _with_own_epsilons(
     """Return the trial whose ε is another one in each episode, as the first telling step there has it."""
     precision = max(sample.evidence.precision, 1e-8)
     alpha, gamma = plainest(alpha, numbers, precision), plainest(gamma, numbers, precision)
-    with np.errstate(all="ignore"):
-        rest = sample.change / alpha - sample.reward + sample.old - gamma * sample.best
-        epsilon = rest / (gamma * (mean - sample.best))
+    rest = sample.change / alpha - sample.reward + sample.old - gamma * sample.best
+    epsilon = rest / (gamma * (mean - sample.best))
     weight = np.abs(alpha * gamma * (mean - sample.best)) / sample.slack
     weight[~((epsilon > -1e-6) & (epsilon < 1 + 1e-6)) | sample.ended] = 0.0
     episode = sample.evidence.episode[sample.at]

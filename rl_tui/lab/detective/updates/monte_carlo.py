@@ -82,25 +82,23 @@ class _Visits:
     def step_size(self, gamma: float) -> float | None:
         """Return the constant step size towards the returns under ``gamma``, 0 for 1/N, None if neither."""
         distance = self._returns(gamma)[self._at] - self.old
-        with np.errstate(all="ignore"):
-            size = (self.new - self.old) / distance
-        told = np.isfinite(size) & (np.abs(distance) > 1e-6) & (self.left < _LONGEST)
-        if np.sum(told) < FEWEST or np.sum(told & (self.left > 0)) < FEWEST_INFORMATIVE:
+        size = (self.new - self.old) / distance
+        telling = np.isfinite(size) & (np.abs(distance) > 1e-6) & (self.left < _LONGEST)
+        if np.sum(telling) < FEWEST or np.sum(telling & (self.left > 0)) < FEWEST_INFORMATIVE:
             return None
         near = 1e-6 if self._exact else 2e-3
-        usual = most_frequent(size[told][:, None], 5 if self._exact else 2, 1)
-        if usual and np.mean(np.abs(size[told] - usual[0][0]) <= near * abs(usual[0][0])) > SHARE:
+        usual = most_frequent(size[telling][:, None], 5 if self._exact else 2, 1)
+        if usual and np.mean(np.abs(size[telling] - usual[0][0]) <= near * abs(usual[0][0])) > SHARE:
             return usual[0][0]
-        return 0.0 if self._falls(size, told, near) else None
+        return 0.0 if self._falls(size, telling, near) else None
 
-    def _falls(self, size: FloatArray, told: BoolArray, near: float) -> bool:
+    def _falls(self, size: FloatArray, telling: BoolArray, near: float) -> bool:
         """Return whether 1/size is a whole number that grows from each change of a cell to its next."""
-        with np.errstate(all="ignore"):
-            count = 1.0 / size
-            whole = np.abs(count - np.rint(count)) <= near * np.maximum(1.0, np.abs(count))
-        if np.mean((whole & (count > 0.5))[told]) <= SHARE:
+        count = 1.0 / size
+        whole = np.abs(count - np.rint(count)) <= near * np.maximum(1.0, np.abs(count))
+        if np.mean((whole & (count > 0.5))[telling]) <= SHARE:
             return False
-        places = np.flatnonzero(told & whole)
+        places = np.flatnonzero(telling & whole)
         places = places[np.argsort(self._cell[places], kind="stable")]
         same = self._cell[places][1:] == self._cell[places][:-1]
         grown = np.diff(np.rint(count[places]))[same]

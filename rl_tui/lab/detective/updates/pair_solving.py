@@ -17,9 +17,8 @@ _SEED: Final = 17
 
 def rounded(numbers: FloatArray, digits: int) -> FloatArray:
     """Return ``numbers`` with so many significant digits."""
-    with np.errstate(all="ignore"):
-        scale = 10.0 ** (digits - 1 - np.floor(np.log10(np.abs(numbers))))
-        result: FloatArray = np.where(numbers == 0.0, 0.0, np.rint(numbers * scale) / scale)
+    scale = 10.0 ** (digits - 1 - np.floor(np.log10(np.abs(numbers))))
+    result: FloatArray = np.where(numbers == 0.0, 0.0, np.rint(numbers * scale) / scale)
     return result
 
 
@@ -57,9 +56,8 @@ def solved_pairs(
     cp, cq = change[one], change[other]
     determinant = up * vq - uq * vp
     good = np.abs(determinant) > _SINGULAR * (np.abs(up * vq) + np.abs(uq * vp))
-    with np.errstate(all="ignore"):
-        a, b = (cp * vq - cq * vp) / determinant, (up * cq - uq * cp) / determinant
-        ratio = b / a
+    a, b = (cp * vq - cq * vp) / determinant, (up * cq - uq * cp) / determinant
+    ratio = b / a
     pairs = np.column_stack((a, np.where(np.abs(ratio) < _NOTHING, 0.0, ratio)))[good]
     return [(a, a * ratio) for a, ratio in most_frequent(pairs, digits, most)]
 

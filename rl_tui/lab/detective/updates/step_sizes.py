@@ -30,20 +30,19 @@ def by_episode(sample: Sample, target: Target, numbers: Mapping[str, float]) -> 
     one, other = moved[same], moved[same + 1]
     if len(one) < _FEWEST_PAIRS:
         return None
-    with np.errstate(all="ignore"):
-        above = sample.change[other] * unit[one] - sample.change[one] * unit[other]
-        below = sample.change[one] * value[other] - sample.change[other] * value[one]
-        size = np.abs(sample.change[one] * value[other]) + np.abs(sample.change[other] * value[one])
-        gamma = np.where(np.abs(below) > 1e-6 * size, above / below, np.nan)
+    above = sample.change[other] * unit[one] - sample.change[one] * unit[other]
+    below = sample.change[one] * value[other] - sample.change[other] * value[one]
+    size = np.abs(sample.change[one] * value[other]) + np.abs(sample.change[other] * value[one])
+    gamma = np.where(np.abs(below) > 1e-6 * size, above / below, np.nan)
     for each in _discounts(gamma, sample, numbers):
         alpha, reliable = _step_sizes(sample, unit, value, each)
-        told = reliable[one] & reliable[other]
+        telling = reliable[one] & reliable[other]
         equal = np.abs(alpha[one] - alpha[other]) <= _near(sample) * np.abs(alpha[one])
         varied = np.ptp(alpha[moved][reliable[moved]]) > 1e-4 * np.max(alpha[moved], initial=0.0)
-        shown = told & equal & ((value[one] != 0.0) | (value[other] != 0.0))
+        shown = telling & equal & ((value[one] != 0.0) | (value[other] != 0.0))
         if np.any(value) and np.sum(shown) < FEWEST_INFORMATIVE:
             continue  # each step alone explains itself, with any γ
-        if np.sum(told) >= _FEWEST_PAIRS and np.mean(equal[told]) > SHARE and varied:
+        if np.sum(telling) >= _FEWEST_PAIRS and np.mean(equal[telling]) > SHARE and varied:
             ruling = _first_of_each(sample.evidence.episode[sample.at], alpha, reliable)
             return Trial(sample, target, sample.reward, value, ruling, each, schedule="by-episode")
     return None
@@ -66,20 +65,17 @@ def by_visits(sample: Sample, target: Target, numbers: Mapping[str, float]) -> T
     for counted in (np.ones(len(sample.evidence), np.bool_), sample.evidence.learns):
         visits = _visits(sample.evidence, counted)[sample.at]
         grown = visits[other] - visits[one]
-        with np.errstate(all="ignore"):
-            above = grown - unit[other] / sample.change[other] + unit[one] / sample.change[one]
-            below = value[other] / sample.change[other] - value[one] / sample.change[one]
-            gamma = np.where(np.abs(below) > 1e-6, above / below, np.nan)
+        above = grown - unit[other] / sample.change[other] + unit[one] / sample.change[one]
+        below = value[other] / sample.change[other] - value[one] / sample.change[one]
+        gamma = np.where(np.abs(below) > 1e-6, above / below, np.nan)
         for each in _discounts(gamma, sample, numbers):
             alpha, reliable = _step_sizes(sample, unit, value, each)
-            told = reliable[one] & reliable[other] & (grown > 0)
-            with np.errstate(all="ignore"):
-                first, second = 1 / alpha[one], 1 / alpha[other]
+            telling = reliable[one] & reliable[other] & (grown > 0)
+            first, second = 1 / alpha[one], 1 / alpha[other]
             near = 10 * _near(sample) * np.abs(second)
             equal = (np.abs(second - first - grown) <= near) & (np.abs(first - np.rint(first)) <= near)
-            if np.sum(told) >= FEWEST and np.mean(equal[told]) > SHARE:
-                with np.errstate(all="ignore"):
-                    ruling = np.where(reliable, 1 / np.rint(1 / alpha), np.nan)
+            if np.sum(telling) >= FEWEST and np.mean(equal[telling]) > SHARE:
+                ruling = np.where(reliable, 1 / np.rint(1 / alpha), np.nan)
                 return Trial(sample, target, sample.reward, value, ruling, each, schedule="1/N")
     return None
 
@@ -97,10 +93,9 @@ def _discounts(gamma: FloatArray, sample: Sample, numbers: Mapping[str, float]) 
 def _step_sizes(
     sample: Sample, unit: FloatArray, value: FloatArray, gamma: float
 ) -> tuple[FloatArray, BoolArray]:
-    """Return the step size of each step, [n], and where it is told well enough."""
+    """Return the step size of each step, [n], and where that is exact enough."""
     error = unit + gamma * value
-    with np.errstate(all="ignore"):
-        alpha = sample.change / error
+    alpha = sample.change / error
     reliable = (np.abs(sample.change) > 100 * sample.slack) & np.isfinite(alpha)
     cancels = np.abs(error) < 1e-6 * (np.abs(unit) + np.abs(gamma * value))
     result: BoolArray = reliable & ~cancels

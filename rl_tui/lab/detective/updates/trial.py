@@ -89,8 +89,8 @@ class Trial:
             inner = self.counted
         if np.sum(inner) < FEWEST or np.mean(self.explained[inner]) <= SHARE:
             return False
-        told = self.informative
-        return not told.any() or bool(np.mean(self.explained[told]) > SHARE)
+        telling = self.informative
+        return not telling.any() or bool(np.mean(self.explained[telling]) > SHARE)
 
     @property
     def tells_gamma(self) -> bool:

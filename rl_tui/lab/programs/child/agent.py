@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from rl_tui.lab.own_agents.agent_loop import AgentSettings, learn, make_scenario
 from rl_tui.lab.own_agents.loading import load_module, the_agent
+from rl_tui.lab.own_agents.shapes import SHAPE_OF
 from rl_tui.lab.own_agents.stand_ins import offer_stand_ins
 from rl_tui.lab.programs.child.source import read_script
+from rl_tui.lab.programs.messages import Kind
 
 
-def run_agent(said: Mapping[str, Any]) -> None:
-    """Let the agent that is ``said`` learn to its end.
+def run_agent(said: Mapping[str, Any], tell: Callable[..., None]) -> None:
+    """Let the agent that is ``said`` learn to its end; ``tell`` sends a message of a kind.
 
     ``gymnasium.make`` is the watched one by now. Raises UserError where the file has no such agent, or it
     cannot be bound, and whatever the agent raises.
@@ -25,5 +27,15 @@ def run_agent(said: Mapping[str, Any]) -> None:
     offer_stand_ins(place.style)
     sys.argv = [said["path"], *said["arguments"]]
     built = getattr(load_module(script.code, path), place.name)
+    shape = SHAPE_OF[place.style]
+    method = getattr(built, shape.update) if shape.update else built
+    tell(
+        Kind.AGENT,
+        name=place.name,
+        style=place.style.value,
+        file=str(path.absolute()),
+        line=getattr(getattr(method, "__code__", None), "co_firstlineno", place.line),
+        done_is_either=shape.done_is_either,
+    )
     settings = AgentSettings(said["hyperparameters"], said["defaults"], said["episodes"], said["seed"])
     learn(built, place, make_scenario(said["scenario"], said["scenario_seed"]), settings)

@@ -40,7 +40,7 @@ def main(said: dict[str, Any]) -> None:
         else:
             from rl_tui.lab.programs.child.agent import run_agent
 
-            run_agent(said)
+            run_agent(said, channel.message)
     except BaseException as error:
         channel.message(Kind.ERROR, **described(error))
     recorder.end()

@@ -6,8 +6,10 @@ import builtins
 import fcntl
 import os
 import pickle
+import select
 import signal
 import sys
+import threading
 import warnings
 from collections.abc import Callable
 from contextlib import suppress
@@ -22,6 +24,7 @@ _INPUT: Final = (
     "input() cannot be answered while rl-tui watches: write the value into the script, or pass it after the "
     "script's name"
 )
+_NOT_REPEATABLE: Final = "the script starts {}: the same seed need not give the same run"
 _OLD_GYM: Final = (
     "the script imports gym, of which rl-tui sees nothing: it watches environments of its successor; "
     "write `import gymnasium as gym`"
@@ -37,6 +40,8 @@ def end_with(life: int) -> None:
     signal.signal(signal.SIGIO, signal.SIG_DFL)  # which ends a process; whoever started us may ignore it
     fcntl.fcntl(life, fcntl.F_SETOWN, -os.getpgrp())
     fcntl.fcntl(life, fcntl.F_SETFL, fcntl.fcntl(life, fcntl.F_GETFL) | os.O_ASYNC)
+    if select.select([life], [], [], 0.0)[0]:  # it is closed already
+        os.killpg(0, signal.SIGKILL)
 
 
 def bound_memory(most: int) -> None:
@@ -57,6 +62,7 @@ def surround(note: Callable[[str], None]) -> None:
     builtins.input = _refuse_input
     sys.modules.setdefault("pickle5", pickle)  # it was the pickle of Python 3.8, for older ones
     warnings.filterwarnings("ignore", message=_NO_WINDOW)
+    _tell_of_workers(note)
     sys.meta_path.insert(
         0,
         _AfterImport(
@@ -67,6 +73,25 @@ def surround(note: Callable[[str], None]) -> None:
             }
         ),
     )
+
+
+def _tell_of_workers(note: Callable[[str], None]) -> None:
+    """Tell, once each, when the script starts a thread or forks: no seed makes repeatable when they run."""
+    left = {"threads", "processes"}
+
+    def tell(what: str) -> None:
+        if what in left and os.getpid() == process:
+            left.remove(what)
+            note(_NOT_REPEATABLE.format(what))
+
+    def start(thread: threading.Thread) -> None:
+        if not thread.daemon:  # those of libraries, which watch over something
+            tell("threads")
+        start_thread(thread)
+
+    process, start_thread = os.getpid(), threading.Thread.start
+    threading.Thread.start = start  # type: ignore[method-assign, assignment]
+    os.register_at_fork(before=lambda: tell("processes"))
 
 
 def _refuse_input(*_: object) -> NoReturn:
@@ -83,8 +108,9 @@ def _draw_into_memory(matplotlib: ModuleType) -> None:
 
 
 def _show_nothing(pyplot: ModuleType) -> None:
-    for name in ("show", "pause", "switch_backend"):
-        setattr(pyplot, name, _nothing)
+    switch = pyplot.switch_backend
+    pyplot.show = pyplot.pause = _nothing  # type: ignore[attr-defined]
+    pyplot.switch_backend = lambda *_: switch("agg")  # type: ignore[attr-defined]  # pyplot calls it itself
 
 
 class _AfterImport(MetaPathFinder):

@@ -1,0 +1,41 @@
+"""The programs that were written for tests, with a fault each and without, and what they expect."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, Final
+
+from rl_tui.lab.detective.detective import verdict_of
+from rl_tui.lab.detective.verdict import Finding, Verdict
+from rl_tui.lab.programs.program_log import ProgramLog
+from rl_tui.lab.programs.program_process import ProgramRequest
+from rl_tui.lab.programs.to_the_end import watched_to_the_end
+
+SCRIPTS: Final = Path(__file__).parent / "scripts"
+FAULTY: Final = sorted((SCRIPTS / "faulty").glob("*.py"))
+CORRECT: Final = sorted((SCRIPTS / "correct").glob("*.py"))
+
+
+def expected(script: Path, what: str = "expect") -> Any:
+    """Return what a line ``# WHAT: JSON`` at the top of ``script`` says; None if it has none."""
+    for line in script.read_text(encoding="utf-8").splitlines():
+        if not line.startswith("#"):
+            return None
+        name, _, value = line.removeprefix("#").partition(":")
+        if name.strip() == what:
+            return json.loads(value)
+    return None
+
+
+def watched(script: Path, seed: int) -> tuple[ProgramLog, Verdict]:
+    """Return what ``script`` told, and what is said of it."""
+    log = watched_to_the_end(ProgramRequest(script, seed=seed))
+    return log, verdict_of(log)
+
+
+def line_of(finding: Finding) -> str:
+    """Return the line of the source that a finding names; empty if it names none."""
+    if finding.line is None:
+        return ""
+    return Path(finding.file).read_text(encoding="utf-8").splitlines()[finding.line - 1].strip()

@@ -1,0 +1,23 @@
+"""Of what is right nothing is said to be wrong, whatever update was found."""
+
+from __future__ import annotations
+
+import pytest
+from correct_learners import CORRECT_LEARNERS
+from made_recordings import recorded
+
+from rl_tui.lab.detective.detective import verdict_of
+
+WORLDS = {
+    "dense": {"initial": "random", "rewards": (-1.0, 0.0, 0.0, 1.0, 2.0)},
+    "costs": {"initial": "zeros", "rewards": (-1.0,), "greedy": 0.8},
+    "sparse": {"initial": "high", "rewards": (0.0,) * 9 + (1.0,), "greedy": 0.7, "dtype": "float32"},
+}
+
+
+@pytest.mark.parametrize("world", WORLDS)
+@pytest.mark.parametrize("name", CORRECT_LEARNERS)
+def test_nothing_is_said_of_a_correct_learner(name: str, world: str) -> None:
+    log = recorded(CORRECT_LEARNERS[name](), 1, steps=1200, **WORLDS[world])  # type: ignore[arg-type]
+    log.numbers |= {"alpha": 0.1, "gamma": 0.9, "epsilon": 0.2}
+    assert verdict_of(log).findings == ()
