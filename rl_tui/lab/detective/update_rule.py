@@ -163,7 +163,7 @@ def _undecided(trial: Trial) -> str:
     rival = _RIGHT[1 - _RIGHT.index(trial.target)]
     deciding = trial.differs_from(trial.sample.value(rival)) & trial.explained
     if np.sum(deciding) < FEWEST_INFORMATIVE:
-        return "No step yet tells Q-learning from SARSA: the next actions were greedy ones."
+        return "No step yet tells Q-learning from SARSA: next actions were greedy, or nearly all were."
     return ""
 
 

@@ -78,6 +78,8 @@ class _Visits:
         self.left: IntArray = self._left[self._at]
         self._cell = changes.cell[kept][once]
         self.old, self.new = changes.before[kept][once], changes.after[kept][once]
+        self._again = np.ones(len(self._cell), np.bool_)  # a change of a cell that had changed before
+        self._again[np.unique(self._cell, return_index=True)[1]] = False
 
     def step_size(self, gamma: float) -> float | None:
         """Return the constant step size towards the returns under ``gamma``, 0 for 1/N, None if neither."""
@@ -89,7 +91,7 @@ class _Visits:
         near = 1e-6 if self._exact else 2e-3
         usual = most_frequent(size[telling][:, None], 5 if self._exact else 2, 1)
         if usual and np.mean(np.abs(size[telling] - usual[0][0]) <= near * abs(usual[0][0])) > SHARE:
-            return usual[0][0]
+            return usual[0][0] if np.sum(telling & self._again) >= FEWEST_INFORMATIVE else None
         return 0.0 if self._falls(size, telling, near) else None
 
     def _falls(self, size: FloatArray, telling: BoolArray, near: float) -> bool:
