@@ -1,10 +1,44 @@
 """rl-tui: watch a tabular reinforcement-learning agent learn, in any terminal.
 
-With Gymnasium, ``import rl_tui`` makes every shipped scenario one of its environments: ``rl_tui/NAME-v0``.
+From Python: :func:`train`, :func:`solve`, :func:`evaluate` and :func:`scenarios` do what the commands do, and
+return figures and arrays. What the user can mend is raised as :class:`Error`, in one line. With Gymnasium,
+``import rl_tui`` makes every shipped scenario one of its environments: ``rl_tui/NAME-v0``. Nothing else is
+imported before it is needed.
 """
 
 from rl_tui.common.after_import import import_after
 
+# typing itself takes longer to import than all of this
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from rl_tui.common.errors import UserError as Error
+    from rl_tui.python.answers import evaluate, scenarios, solve
+    from rl_tui.python.training import train
+
 __version__ = "0.1.0"
+__all__ = ["Error", "__version__", "evaluate", "scenarios", "solve", "train"]
+
+_PLACES = {
+    "Error": ("rl_tui.common.errors", "UserError"),
+    "evaluate": ("rl_tui.python.answers", "evaluate"),
+    "scenarios": ("rl_tui.python.answers", "scenarios"),
+    "solve": ("rl_tui.python.answers", "solve"),
+    "train": ("rl_tui.python.training", "train"),
+}
 
 import_after("gymnasium", "rl_tui.worlds.environments.registration")
+
+
+def __getattr__(name: str) -> object:
+    """Return what is offered under ``name``, imported now."""
+    if name not in _PLACES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    module, attribute = _PLACES[name]
+    found = globals()[name] = getattr(import_module(module), attribute)
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -108,4 +108,18 @@ def test_the_wheel_works_in_an_empty_environment_from_another_folder(dist: Path,
         name.removesuffix(".toml") for name in SCENARIOS
     }
     assert json.loads(rl_tui_says("train", "frozenlake", "--json"))["expected_return"] == 1.0
+    from_python = """
+import gymnasium, rl_tui
+print(gymnasium.make("rl_tui/cliff-v0").unwrapped, len(rl_tui.scenarios()))
+print(rl_tui.train("student", steps=5).steps)
+"""
+    python_says = subprocess.run(
+        [binaries / "python", "-c", from_python],
+        cwd=elsewhere,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert python_says.stdout.splitlines() == [f"<ScenarioEnv<rl_tui/cliff-v0>> {len(SCENARIOS)}", "5"]
     assert list(elsewhere.iterdir()) == []

@@ -24,7 +24,7 @@ def import_after(package: str, module: str) -> None:
 
 
 class _ImportAfter:
-    """Finds the one package where Python does, and adds the module to what its import does."""
+    """Finds the one package where the other finders do, and adds the module to what its import does."""
 
     def __init__(self, package: str, module: str) -> None:
         self._package = package
@@ -36,9 +36,9 @@ class _ImportAfter:
         """Return where the package is, None for any other."""
         if fullname != self._package:
             return None
-        from importlib.machinery import PathFinder
-
-        spec = PathFinder.find_spec(fullname, path, target)
+        others = (each for each in sys.meta_path if not isinstance(each, _ImportAfter))
+        found = (each.find_spec(fullname, path, target) for each in others)
+        spec = next((each for each in found if each is not None), None)
         if spec is None or spec.loader is None:
             return spec
         execute = spec.loader.exec_module

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 from rl_tui.common.errors import UserError
-
-OWN_IDS: Final = "rl_tui/"
-"""How the ids begin by which Gymnasium knows our own scenarios."""
 
 
 class StepResult(NamedTuple):

@@ -40,7 +40,7 @@ def command(scenario: str, gamma: float | None, flips: bool, seed: int, as_json:
     from rl_tui.agents.exact.solve import solve
     from rl_tui.common.errors import UserError
     from rl_tui.lab.run.exact_answers import NO_TABLE
-    from rl_tui.lab.run.figures import MOST_STATES, policy_names, table
+    from rl_tui.lab.run.figures import MOST_STATES, solution_figures
     from rl_tui.lab.run.library import recipe_named
     from rl_tui.lab.run.recipe import begin
 
@@ -52,20 +52,7 @@ def command(scenario: str, gamma: float | None, flips: bool, seed: int, as_json:
     if mdp.states > MOST_STATES:
         click.echo(f"{mdp.states:,} states: the exact answer may take many minutes", err=True)
     solution = solve(mdp, recipe.hyperparameters.gamma)
-    answer = {
-        "scenario": recipe.scenario.id,
-        "gamma": solution.gamma,
-        "states": list(mdp.state_names),
-        "actions": list(mdp.action_names),
-        "v": solution.v.tolist(),
-        "q": table(mdp, solution.q),
-        "policy": policy_names(mdp, solution.greedy.astype(float)),
-        "left_out": policy_names(mdp, (solution.best & ~solution.greedy).astype(float)),
-        "value_at_start": solution.value_at_start,
-        "expected_return": solution.expected_return,
-        "best_expected_return": solution.best_expected_return,
-        "iterations": solution.iterations,
-    }
+    answer = solution_figures(recipe, mdp, solution)
     changes = _with_flips(world, mdp, answer) if flips else None
     if as_json:
         print_json(answer)

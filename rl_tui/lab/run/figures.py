@@ -132,6 +132,24 @@ def training_figures(run: Run, seconds: float) -> dict[str, Any]:
     return document
 
 
+def solution_figures(recipe: Recipe, mdp: TabularMDP, solution: Solution) -> dict[str, Any]:
+    """Return the exact answer in the world of ``recipe``: the document of ``solve --json``."""
+    return {
+        "scenario": recipe.scenario.id,
+        "gamma": solution.gamma,
+        "states": list(mdp.state_names),
+        "actions": list(mdp.action_names),
+        "v": solution.v.tolist(),
+        "q": table(mdp, solution.q),
+        "policy": policy_names(mdp, solution.greedy.astype(float)),
+        "left_out": policy_names(mdp, (solution.best & ~solution.greedy).astype(float)),
+        "value_at_start": solution.value_at_start,
+        "expected_return": solution.expected_return,
+        "best_expected_return": solution.best_expected_return,
+        "iterations": solution.iterations,
+    }
+
+
 def pulls(run: Run) -> dict[str, float | None]:
     """Return how the pulls of a bandit were spent, as JSON; nothing where the world of ``run`` is none."""
     spent = run.bandit

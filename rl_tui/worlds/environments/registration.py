@@ -11,8 +11,8 @@ from typing import Final
 
 from gymnasium.envs.registration import EnvSpec, registry
 
-from rl_tui.worlds.environment import OWN_IDS
-from rl_tui.worlds.files.shipped import SUFFIX, shipped_folder
+from rl_tui.common.own_ids import OWN_IDS
+from rl_tui.worlds.files.shipped import shipped_names
 
 _ENTRY_POINT: Final = "rl_tui.worlds.environments.scenario_env:ScenarioEnv"
 _NAME: Final = re.compile(r"[\w-]+")
@@ -49,15 +49,7 @@ def spec_of(scenario: str) -> ScenarioSpec:
     return ScenarioSpec(id=f"{OWN_IDS}{name}-v0", entry_point=_ENTRY_POINT, kwargs={"scenario": scenario})
 
 
-def _register_scenarios() -> None:
-    try:
-        names = sorted(path.stem for path in shipped_folder().glob(f"*{SUFFIX}"))
-    except OSError:  # a folder that cannot be read offers nothing
-        return
-    for name in names:
-        spec = spec_of(name)
-        # gymnasium.register would compare each id with all others, and make a plain EnvSpec
-        registry[spec.id] = spec
-
-
-_register_scenarios()
+for _name in shipped_names():
+    _spec = spec_of(_name)
+    # gymnasium.register would compare each id with all others, and make a plain EnvSpec
+    registry[_spec.id] = _spec

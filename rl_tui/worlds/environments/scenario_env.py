@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar
 
 import gymnasium
 import numpy as np
@@ -18,10 +19,9 @@ from rl_tui.worlds.environments.text_picture import text_picture
 from rl_tui.worlds.environments.transition_rows import Entry, PairRow, rows_of, table_of
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.files.scenario import Scenario
+from rl_tui.worlds.gym.advice import advice_kept
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
-
-_MOST_SEEDS: Final = 2**31
 
 
 class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]
@@ -60,18 +60,19 @@ class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]
         self._offset: npt.NDArray[np.float64] | None = None
         self._stepped: Environment | None = None
         if self._mdp is None and self.world.new_environment is not None:
-            self._stepped = self.world.new_environment()
+            with advice_kept():
+                self._stepped = self.world.new_environment()
 
-    @property
+    @cached_property
     def P(self) -> dict[int, dict[int, list[Entry]]]:  # noqa: N802
-        """State → action → [(probability, next state, reward, terminated), …], made anew when asked for.
+        """State → action → [(probability, next state, reward, terminated), …]: what steps are drawn from.
 
         Rewards are means: where they are noisy, what a step pays lies around them; where they drift, they are
-        those of the beginning. Raises AttributeError where there is no table.
+        those of the beginning. Writing to it changes no step. Raises AttributeError where there is no table.
         """
         return table_of(self._table("P"))
 
-    @property
+    @cached_property
     def initial_state_distrib(self) -> npt.NDArray[np.float64]:
         """The probability to start in each state, [S]. Raises AttributeError where it is not known."""
         mdp = self._table("initial_state_distrib")
@@ -157,10 +158,7 @@ def time_limit_of_scenario(scenario: str | Path | Scenario) -> int | None:
     return _found_and_built(scenario, 0)[1].space.time_limit or None
 
 
+@advice_kept()
 def _found_and_built(scenario: str | Path | Scenario, seed: int) -> tuple[Scenario, World]:
-    level = gymnasium.logger.min_level
-    try:
-        found = scenario if isinstance(scenario, Scenario) else find(str(scenario))
-        return found, found.build(streams(seed).world)
-    finally:
-        gymnasium.logger.min_level = level  # making an environment behind a world silences all advice
+    found = scenario if isinstance(scenario, Scenario) else find(str(scenario))
+    return found, found.build(streams(seed).world)

@@ -2,14 +2,32 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Final
+import os
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 SUFFIX: Final = ".toml"
-_PACKAGE: Final = Path(__file__).parents[2]
+_PACKAGE: Final = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 
 
 def shipped_folder() -> Path:
     """Return the folder of the shipped scenarios: inside the installed package, or beside it in a clone."""
-    inside = _PACKAGE / "scenarios"
-    return inside if inside.is_dir() else _PACKAGE.parent / "scenarios"
+    from pathlib import Path  # which takes longer to import than all else here
+
+    return Path(_folder())
+
+
+def shipped_names() -> list[str]:
+    """Return the ids of the shipped scenarios, in alphabetical order; none where they cannot be listed."""
+    try:
+        files = os.listdir(_folder())
+    except OSError:
+        return []
+    return sorted(file.removesuffix(SUFFIX) for file in files if file.endswith(SUFFIX))
+
+
+def _folder() -> str:
+    inside = os.path.join(_PACKAGE, "scenarios")
+    return inside if os.path.isdir(inside) else os.path.join(os.path.dirname(_PACKAGE), "scenarios")

@@ -9,7 +9,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding, one_line, shown
 from rl_tui.common.interrupts import is_interrupt
 from rl_tui.common.kiosk import in_kiosk
-from rl_tui.worlds.environment import OWN_IDS
+from rl_tui.common.own_ids import OWN_IDS
 from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL
 from rl_tui.worlds.sections.world_section import WorldRefusedError
 

@@ -13,7 +13,7 @@ import numpy as np
 from rl_tui.common.findings import near, one_line, shown
 from rl_tui.common.interrupts import is_interrupt
 from rl_tui.common.limits import LARGEST_ARGUMENTS, LONGEST_TIME_LIMIT
-from rl_tui.worlds.environment import OWN_IDS
+from rl_tui.common.own_ids import OWN_IDS
 from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL
 from rl_tui.worlds.gym.modules import registered_id
 from rl_tui.worlds.sections.world_section import WorldRefusedError

@@ -1,0 +1,1 @@
+"""rl-tui from Python: what ``import rl_tui`` offers."""

@@ -1,0 +1,140 @@
+"""``rl_tui.solve``, ``rl_tui.evaluate`` and ``rl_tui.scenarios``: exact answers, and what there is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import near, shown
+from rl_tui.lab.answers.policy_kind import PolicyKind
+from rl_tui.python.results import EvaluateResult, ScenarioInfo, SolveResult, TrainResult
+from rl_tui.python.settings import checked, goal_of, recipe_of
+from rl_tui.worlds.gym.advice import advice_kept
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+_WORDS: Final = (PolicyKind.UNIFORM, PolicyKind.OPTIMAL, PolicyKind.GREEDY)
+_SUFFIX: Final = ".json"
+
+
+@advice_kept()
+def scenarios() -> list[ScenarioInfo]:
+    """Return the scenarios there are, in teaching order, then the user's own; broken files are left out."""
+    from rl_tui.lab.run.library import listing, read_catalogue
+
+    found = []
+    for scenario in read_catalogue().scenarios:
+        try:
+            row = listing(scenario)
+        except UserError:
+            continue  # it cannot be built here
+        found.append(ScenarioInfo(**row))
+    return found
+
+
+@advice_kept()
+def solve(scenario: str | Path, *, gamma: float | None = None, seed: int = 0) -> SolveResult:
+    """Return the optimal values and policy, exact to 1e-9.
+
+    ``gamma``, from 0 to 1, is the scenario's where it is not given. ``seed`` counts only where the world
+    depends on it: the arms of a bandit, a random map. Raises rl_tui.Error where the world has no table, or
+    gamma = 1 leaves no answer.
+    """
+    from rl_tui.agents.exact.policies import uniform_over
+    from rl_tui.agents.exact.solve import solve as solve_exactly
+    from rl_tui.lab.experiments.evaluating import table_of
+    from rl_tui.lab.run.figures import solution_figures
+    from rl_tui.lab.run.recipe import begin
+    from rl_tui.python.arrays import by_state
+
+    recipe, _ = recipe_of(scenario, None, {} if gamma is None else {"gamma": gamma}, seed)
+    mdp = table_of(recipe, begin(recipe))
+    solution = solve_exactly(mdp, recipe.hyperparameters.gamma)
+    return SolveResult(
+        scenario=recipe.scenario.id,
+        gamma=solution.gamma,
+        states=tuple(mdp.state_names),
+        actions=mdp.action_names,
+        v=solution.v,
+        q=by_state(mdp, solution.q),
+        policy=by_state(mdp, uniform_over(mdp, solution.greedy), 0.0),
+        value_at_start=solution.value_at_start,
+        expected_return=solution.expected_return,
+        best_expected_return=solution.best_expected_return,
+        figures=solution_figures(recipe, mdp, solution),
+    )
+
+
+@advice_kept()
+def evaluate(
+    scenario: str | Path,
+    policy: str | Path | TrainResult | npt.ArrayLike,
+    *,
+    epsilon: float = 0.0,
+    gamma: float | None = None,
+    algorithm: str | None = None,
+    alpha: float | str | None = None,
+    episodes: int | None = None,
+    steps: int | None = None,
+    seed: int = 0,
+) -> EvaluateResult:
+    """Return what a policy is worth in each state, exactly, and how long its episodes last.
+
+    ``policy`` is "uniform", "optimal", "greedy" (of what is learned with ``algorithm``, ``alpha``,
+    ``episodes`` or ``steps`` and ``seed``, all else being the scenario's), the path of a JSON file, what
+    :func:`rl_tui.train` returned, or an array: an action in each state, [S] whole numbers, or probabilities,
+    [S, A]. ``epsilon``, from 0 to 1, of the time a random action is taken instead. ``gamma`` is the
+    scenario's where it is not given. Raises rl_tui.Error where the world has no table, or something is not
+    known or out of its range.
+    """
+    from rl_tui.lab.experiments.evaluating import evaluation_of, policy_named, policy_of, table_of
+    from rl_tui.lab.run.recipe import begin
+    from rl_tui.python.arrays import by_state, choices_in, numbers
+
+    training = {"algorithm": algorithm, "alpha": alpha, "episodes": episodes, "steps": steps}
+    name = _name_of(policy, [each for each, value in training.items() if value is not None])
+    settings = {key: value for key, value in {"gamma": gamma, "alpha": alpha}.items() if value is not None}
+    recipe, _ = recipe_of(scenario, algorithm, settings, seed)
+    mixed = float(checked("epsilon", epsilon))
+    beginning = begin(recipe)
+    mdp = table_of(recipe, beginning)
+    if isinstance(policy, str | Path):
+        followed = policy_named(name, recipe, beginning, goal_of(recipe, episodes, steps))
+    else:
+        array = policy.policy if isinstance(policy, TrainResult) else policy
+        followed = policy_of(mdp, choices_in(mdp, array))
+    chances, figures = evaluation_of(recipe, name, followed, mixed)
+    return EvaluateResult(
+        scenario=recipe.scenario.id,
+        gamma=recipe.hyperparameters.gamma,
+        policy_name=name,
+        epsilon=mixed,
+        states=tuple(mdp.state_names),
+        actions=mdp.action_names,
+        policy=by_state(mdp, chances),
+        v=numbers(figures["V"].values()),
+        value_at_start=figures["value_at_start"],
+        expected_return=figures["expected_return"],
+        steps=figures["steps"],
+        ends=figures["ends"],
+        figures=figures,
+    )
+
+
+def _name_of(policy: object, training: Sequence[str]) -> str:
+    """Return what the policy is called. Raises UserError for an unknown name, and ``training`` of no use."""
+    if isinstance(policy, TrainResult):
+        name = "trained"
+    elif isinstance(policy, str | Path):
+        name = str(policy)
+        if name not in _WORDS and not name.endswith(_SUFFIX):
+            expected = f"{', '.join(_WORDS)}, a file FILE{_SUFFIX}, or an array"
+            raise UserError(f"policy is {shown(name)}; expected {expected}{near(name, _WORDS)}")
+    else:
+        name = "array"
+    if training and name != PolicyKind.GREEDY:
+        raise UserError(f'{training[0]} needs the policy "{PolicyKind.GREEDY}": no other policy is learned')
+    return name

@@ -1,0 +1,28 @@
+"""Gymnasium's advice (its log level), which is one setting for the whole process."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+
+@contextmanager
+def advice_kept() -> Iterator[None]:
+    """Leave the log level as it was: making an environment behind a world silences all advice.
+
+    Serves as a decorator too. Does not import gymnasium.
+    """
+    logger = _logger()
+    level = None if logger is None else logger.min_level
+    try:
+        yield
+    finally:
+        logger = _logger()
+        if logger is not None:
+            logger.min_level = logger.WARN if level is None else level
+
+
+def _logger() -> Any:
+    return getattr(sys.modules.get("gymnasium"), "logger", None)
