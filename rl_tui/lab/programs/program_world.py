@@ -12,10 +12,10 @@ import numpy as np
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.common.limits import LONGEST_TIME_LIMIT, MOST_PAIRS
+from rl_tui.common.own_ids import OWN_IDS
 from rl_tui.common.streams import streams
 from rl_tui.lab.programs.program_log import ProgramEnvironment
 from rl_tui.lab.run.library import find
-from rl_tui.worlds.environment import OWN_IDS
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.gym.section import GymnasiumSection
 from rl_tui.worlds.gym.tables.blackjack import DREW, LOST, WON
@@ -53,6 +53,14 @@ class ProgramWorld:
     """[observations], as ``state_of``, of the first observation of an episode."""
     ends: Mapping[str, int] = field(default_factory=dict)
     """The states in which a game of Blackjack ends, which are no observations; else empty."""
+
+    def is_same(self, other: ProgramWorld) -> bool:
+        """Return whether ``other`` was made of the same environment in the same way."""
+        mine, theirs = self.scenario, other.scenario
+        is_made_alike = (mine.id, mine.section) == (theirs.id, theirs.section)
+        spaces = self.world.space, other.world.space
+        sizes = [(each.states, each.pairs, each.time_limit) for each in spaces]
+        return is_made_alike and sizes[0] == sizes[1] and not isinstance(mine.section, _Unknown)
 
     def q_of(self, table: FloatArray) -> FloatArray:
         """Return the estimates of our pairs, [P], by the program's ``table``, [cells]; absent ones are 0."""

@@ -8,12 +8,14 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from rl_tui.agents.catalogue import OWN_PROGRAM
 from rl_tui.lab.live.snapshot import AgentView, Snapshot
 from rl_tui.lab.live.viewport import pairs_of_states
 from rl_tui.lab.timeline.run_names import feature_text
 from rl_tui.tui.panels.controls.controls import in_force, sliders_of
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.policies.studied import as_studied, studied_kind
+from rl_tui.tui.panels.program.words import name_of
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.theme.look import Look
@@ -113,7 +115,13 @@ def stand_alone(panel: BoardPanel) -> None:
 
 
 def lane_titles(lane: Snapshot, number: str) -> tuple[str, ...]:
-    """Return what stands on the border of the world of ``lane``, the longest form first."""
+    """Return what stands on the border of the world of ``lane``, the longest form first.
+
+    Of somebody's program no setting is said: which ε it explores by, for one, nobody knows.
+    """
+    if lane.program is not None:
+        known = f" · {lane.agent.row.name}" if lane.agent.row is not OWN_PROGRAM else ""
+        return f"{number} {name_of(lane.program)}{known}", f"{number} {name_of(lane.program)}"
     group, agent = lane.run_group, lane.agent
     name, algorithm = group.lanes[group.shown].name, agent.row.name
     is_bandit = isinstance(lane.world.drawing, Arms)

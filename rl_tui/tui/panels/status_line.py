@@ -117,8 +117,9 @@ def status_line(
         title = shortened(separated(scenario, glyphs), max(0, room), glyphs.ellipsis)
         return [Piece(f" {title} " if title else "", palette.strong), Piece(f" {WAITING}", palette.dim)]
     if snapshot.playback.phase is Phase.STOPPED:
+        stopped = "" if snapshot.program is not None else "stopped: "
         message = shortened(
-            to_ascii(f" {glyphs.stopped} stopped: {snapshot.playback.message}", glyphs),
+            to_ascii(f" {glyphs.stopped} {stopped}{snapshot.playback.message}", glyphs),
             width,
             glyphs.ellipsis,
         )

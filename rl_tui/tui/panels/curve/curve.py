@@ -114,7 +114,12 @@ class ReturnCurve(Panel, can_focus=True):
         with_figures = not (fast and in_border)
         words = remark(snapshot, data, look.glyphs, decimals, with_figures=with_figures)
         if data.lanes:
-            words = lane_remark(data, look, plot_columns(plot.scale, look, width))
+            words = lane_remark(
+                data,
+                look,
+                plot_columns(plot.scale, look, width),
+                counts_seeds=snapshot.program is None,
+            )
         below = below_note(data, plot, look.glyphs, decimals, with_figures=with_figures)
         heads = lane_titles(data, heads, look.glyphs) if data.lanes else heads
         return heads, words, below

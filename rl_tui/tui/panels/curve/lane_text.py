@@ -27,7 +27,8 @@ from rl_tui.tui.theme.look import Look
 
 _GREEDY: Final = ", greedy "
 _LARGEST_SHARE: Final = 0.5  # of the plot that names may take
-_ONE_SEED: Final = ("one seed; M counts many", "one seed")
+_ONE_SEED: Final = "one seed"
+_COUNTS: Final = "; M counts many"
 _TITLE_NAME: Final = 16  # cells of a shortened name in a title
 
 
@@ -80,14 +81,17 @@ def lane_titles(data: CurveData, usual: tuple[str, ...], glyphs: Glyphs) -> tupl
     return f"{usual[0]} · {named}", f"Return · {named}", named, f"Return · {clipped}", clipped, short
 
 
-def lane_remark(data: CurveData, look: Look, room: int) -> tuple[str, ...]:
-    """Return what the figures beside the names are, and of how many seeds, the longest form first."""
+def lane_remark(data: CurveData, look: Look, room: int, *, counts_seeds: bool = True) -> tuple[str, ...]:
+    """Return what the figures beside the names are, and of how many seeds, the longest form first.
+
+    ``counts_seeds`` says that M does for these lanes.
+    """
     if room < ROOM_FOR_NAMES or not data.furthest:
         return ()
     if data.seeds:
         return seed_remark(data.seeds, look)
     if not _form(data, look, room).number:
-        return _ONE_SEED
+        return (_ONE_SEED + _COUNTS, _ONE_SEED) if counts_seeds else (_ONE_SEED,)
     what = "pulls" if data.is_bandit else "episodes"
     recent = recent_name(*(lane.finished for lane in data.lanes if not lane.is_exact))
     if any(lane.is_exact for lane in data.lanes):
@@ -97,13 +101,15 @@ def lane_remark(data: CurveData, look: Look, room: int) -> tuple[str, ...]:
             f"mean of the {recent}, or exact",
         )
     best = "the best arm" if data.is_bandit else "γ-best"
+    one_seed = _ONE_SEED + _COUNTS if counts_seeds else _ONE_SEED
     return (
-        f"beside names: mean of the {recent} {what} of one seed; M counts many",
-        *((f"one seed; M counts many · h adds {best}",) if data.hides_optimum else ()),
-        f"beside names: {recent} {what}, one seed; M counts many",
-        f"{recent} of one seed; M counts many",
-        f"{recent}, one seed; M: many",
-        *_ONE_SEED,
+        f"beside names: mean of the {recent} {what} of {one_seed}",
+        *((f"{one_seed} · h adds {best}",) if data.hides_optimum else ()),
+        f"beside names: {recent} {what}, {one_seed}",
+        f"{recent} of {one_seed}",
+        *((f"{recent}, one seed; M: many",) if counts_seeds else ()),
+        one_seed,
+        _ONE_SEED,
     )
 
 

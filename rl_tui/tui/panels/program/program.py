@@ -26,6 +26,7 @@ from rl_tui.tui.panels.program.words import (
     fitting_numbers,
     name_of,
     notes_of,
+    number_text,
     open_text,
     place_text,
     ranked,
@@ -34,8 +35,12 @@ from rl_tui.tui.panels.program.words import (
 )
 from rl_tui.tui.theme.look import Look
 
+LOOKED_FOR_LATER: Final = "its table is looked for as it learns"
 NO_TABLE: Final = "no table found yet"
 UNKNOWN: Final = "update not known yet"
+_GAMMA_FROM: Final = {"declared": "read from your code", "usual": "the usual one, yours is open"}
+_NEWS_ROWS: Final = 2
+_WORTH_SAYING: Final = 100  # steps, before which nothing could be found wrong
 _HINTS: Final = ("F: findings · O: output", "F O")
 
 
@@ -103,12 +108,14 @@ class _Writer:
         yield _Part(0, self._end())
         if program.refused:
             return
-        yield _Part(4, self._table())
+        yield _Part(4, self._news())
+        yield _Part(5, self._table())
         yield _Part(2, self._update())
-        yield _Part(5, self._fit())
+        yield _Part(6, self._fit())
         yield _Part(1 if program.verdict.findings else 3, self._findings())
-        yield _Part(6, self._choices())
-        yield _Part(7, self._notes())
+        yield _Part(7, self._gamma())
+        yield _Part(7, self._choices())
+        yield _Part(8, self._notes())
 
     def _end(self) -> list[Line]:
         """Return why the program goes no further, if it does not for a reason that is to be seen at once."""
@@ -127,9 +134,20 @@ class _Writer:
             self._fitting(forms, self._palette.bad) if len(forms[0]) <= self._width else self._cut(forms[0])
         ]
 
+    def _news(self) -> list[Line]:
+        """Return what the file that was saved last has changed."""
+        news = one_line(self._program.reloaded, LONGEST_SENTENCE)
+        lines = self._wrapped(f" {news}", self._palette.accent) if news else []
+        return (
+            lines if len(lines) <= _NEWS_ROWS else [lines[0], _unfinished(lines[1], self._look, self._width)]
+        )
+
     def _table(self) -> list[Line]:
         program = self._program
         environment = one_line(program.environment, LONGEST_NAME)
+        if program.table is None and not self._steps:
+            forms = (f" {environment} · {LOOKED_FOR_LATER}", f" {LOOKED_FOR_LATER}")
+            return [self._fitting(forms, self._palette.text)]
         if program.table is None:
             looked = "; ".join(one_line(each, LONGEST_SENTENCE) for each in program.looked_for)
             start = f" {environment} · {NO_TABLE}" if environment else f" {NO_TABLE}"
@@ -161,6 +179,16 @@ class _Writer:
         forms = [" · ".join(filter(None, (each, is_open))) for each in texts] + list(texts)
         return [self._fitting([f" {each}" for each in forms], self._palette.dim)] if forms else []
 
+    def _gamma(self) -> list[Line]:
+        """Return which γ the exact answers are for, where it is not the one that the steps have told."""
+        program = self._program
+        if program.gamma is None or program.gamma_source not in _GAMMA_FROM:
+            return []
+        source = _GAMMA_FROM[program.gamma_source]
+        gamma = number_text(program.gamma, self._look.glyphs)
+        forms = (f" exact answers are for γ {gamma}: {source}", f" exact for γ {gamma}: {source}")
+        return [self._fitting(forms, self._palette.dim)]
+
     def _findings(self) -> list[Line]:
         program, findings = self._program, ranked(self._program.verdict.findings)
         if not findings:
@@ -180,7 +208,7 @@ class _Writer:
 
     def _nothing_wrong(self) -> list[Line]:
         """Return over how many steps nothing wrong was found, where anything could be."""
-        if not self._steps or self._program.table is None:
+        if self._steps < _WORTH_SAYING or self._program.table is None:
             return []
         found = f" nothing wrong found in {self._steps:,} steps"
         is_open = self._program.verdict.update.rule is Rule.UNKNOWN

@@ -1,0 +1,233 @@
+"""A watched script on the playground: real keys, and a real process behind it."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from functools import partial
+from pathlib import Path
+from textwrap import dedent
+
+import pytest
+from seams import choose, notes, playground, press, screen_text, snapshot, train
+from textual.pilot import Pilot
+
+from rl_tui.common.errors import UserError
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.live_programs.watched_program import WatchedProgram
+from rl_tui.lab.programs.program_process import ProgramRequest
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.catalogue import CONTROLS, FINDINGS, OUTPUT, PROGRAM, TABLE
+from rl_tui.tui.screens.playground.actions.program import FIRST_KEYS
+from rl_tui.tui.screens.playground.board import NO_PROGRAM
+
+SCRIPT = """\
+    import gymnasium as gym
+    import numpy as np
+    alpha, gamma, epsilon = 0.5, 0.9, 0.2
+    rng = np.random.default_rng(0)
+    env = gym.make("CliffWalking-v1", max_episode_steps=200)
+    env.action_space.seed(0)
+    q, other = np.zeros((48, 4)), np.ones((48, 4))
+    print("training starts")
+    for episode in range(12):
+        s, _ = env.reset(seed=episode)
+        done = False
+        while not done:
+            best = np.flatnonzero(q[s] == q[s].max())
+            a = int(rng.choice(best)) if rng.random() > epsilon else int(rng.integers(4))
+            s2, r, terminated, truncated, _ = env.step(a)
+            target = r + gamma * q[s2].max() {end}
+            q[s, a] += alpha * (target - q[s, a])
+            other[s, a] += 0.25 * (r - other[s, a])
+            s, done = s2, terminated or truncated
+    """
+
+
+@pytest.fixture
+def script(tmp_path: Path) -> Path:
+    """A script that learns as the book does."""
+    path = tmp_path / "cliff.py"
+    path.write_text(dedent(SCRIPT).format(end="* (not terminated)"), encoding="utf-8")
+    return path
+
+
+@asynccontextmanager
+async def watching(path: Path, size: tuple[int, int] = (120, 40)) -> AsyncIterator[Pilot[UserError]]:
+    program = WatchedProgram(ProgramRequest(path))
+    try:
+        program.wait_for_environment()
+        app = RlTuiApp(
+            Display(fps=1000.0), program, make_player=partial(Player, automatic=False), picture=True
+        )
+        app.NOTIFICATION_TIMEOUT = 3600.0
+        async with app.run_test(size=size, notifications=True) as pilot:
+            await settle(pilot)
+            yield pilot
+    finally:
+        program.end()
+
+
+async def test_it_stands_at_its_beginning_and_says_how_to_go_on(script: Path) -> None:
+    async with watching(script, (80, 24)) as pilot:
+        assert snapshot(pilot).counters.step == 0
+        assert notes(pilot.app) == [FIRST_KEYS]
+        board = playground(pilot).board
+        assert board.shows(PROGRAM)
+        assert not board.shows(CONTROLS)
+        assert "cliff.py" in screen_text(pilot.app)
+        assert (await press(pilot, "s")).counters.step == 1
+        assert notes(pilot.app) == []
+
+
+@pytest.mark.parametrize("key", ["a", "p", "t", "i", "1", "4", "o"])
+async def test_what_the_program_decides_is_said_so(script: Path, key: str) -> None:
+    async with watching(script) as pilot:
+        before = playground(pilot).link.sent
+        await press(pilot, key)
+        (said,) = notes(pilot.app)
+        assert "your program decides that: change it in cliff.py and save" in said
+        assert playground(pilot).link.sent == before
+
+
+@pytest.mark.parametrize(
+    ("key", "instead"),
+    [
+        ("y", "takes its own steps"),
+        ("n", "--seed"),
+        ("x", "cliff.py"),
+        ("w", "cliff.py"),
+        ("M", "rl-tui grade cliff.py"),
+        ("E", "no sweeps"),
+        ("I", "no sweeps"),
+        ("W", "+ and −"),
+        ("Y", "c puts one"),
+        ("j", "b, B and g"),
+        ("l", "z shows"),
+        ("left_square_bracket", "esc goes there"),
+        ("right_square_bracket", "esc goes there"),
+    ],
+)
+async def test_what_cannot_be_done_says_what_to_do_instead(script: Path, key: str, instead: str) -> None:
+    async with watching(script) as pilot:
+        screen = pilot.app.screen
+        await press(pilot, key)
+        (said,) = notes(pilot.app)
+        assert instead in said
+        assert pilot.app.screen is screen
+
+
+async def test_its_keys_stand_on_the_key_line_and_those_of_ours_do_not(script: Path) -> None:
+    async with watching(script, (160, 40)) as pilot:
+        await press(pilot, "s")
+        line = screen_text(pilot.app).splitlines()[-1]
+        for there in ("F findings", "O output", "space run", "b B back"):
+            assert there in line
+        for gone in ("algorithm", "policy", "eval", "you", "save"):
+            assert gone not in line
+
+
+async def test_the_step_back_is_told_as_it_was(script: Path) -> None:
+    async with watching(script) as pilot:
+        await train(pilot, 30)
+        then = screen_text(pilot.app)
+        await press(pilot, "s", "b")
+        assert snapshot(pilot).counters.step == 30
+        assert "only shown" in screen_text(pilot.app)
+        last = [line[62:] for line in then.splitlines() if "environment" in line or "target" in line]
+        assert last
+        assert all(line in screen_text(pilot.app) for line in last)
+
+
+async def test_a_finding_leads_to_the_first_step_that_shows_it(tmp_path: Path) -> None:
+    path = tmp_path / "endless.py"
+    path.write_text(
+        dedent(SCRIPT).format(end="").replace("np.zeros((48", "5 + np.zeros((48"), encoding="utf-8"
+    )
+    async with watching(path) as pilot:
+        while not snapshot(pilot).program.ended:  # type: ignore[union-attr]
+            await train(pilot, 4_000)
+        program = snapshot(pilot).program
+        assert program is not None
+        (finding,) = program.verdict.findings
+        await press(pilot, "F")
+        assert playground(pilot).board.shows(FINDINGS)
+        assert "fault: bootstraps after the end" in screen_text(pilot.app)
+        assert "target = " in screen_text(pilot.app)
+        now = await press(pilot, "enter")
+        assert now.counters.step == finding.step + 1
+        assert now.counters.last_step is not None
+        assert now.counters.last_step.terminated
+
+
+async def test_its_output_has_a_panel(script: Path) -> None:
+    async with watching(script) as pilot:
+        await train(pilot, 5)
+        await press(pilot, "O")
+        assert playground(pilot).board.shows(OUTPUT)
+        assert not playground(pilot).board.shows(TABLE)
+        assert "│ training starts" in screen_text(pilot.app)
+        await press(pilot, "O")
+        assert playground(pilot).board.shows(TABLE)
+
+
+async def test_another_table_can_be_chosen(script: Path) -> None:
+    async with watching(script) as pilot:
+        await train(pilot, 50)
+        program = snapshot(pilot).program
+        assert program is not None
+        assert program.table is not None
+        assert program.table.others
+        await press(pilot, "T")
+        await choose(pilot, "1")
+        assert snapshot(pilot).counters.step == 0
+        await train(pilot, 50)
+        chosen = snapshot(pilot).program
+        assert chosen is not None
+        assert chosen.table is not None
+        assert chosen.table.name == program.table.others[0]
+
+
+async def test_an_agent_of_ours_beside_it(script: Path) -> None:
+    async with watching(script) as pilot:
+        await train(pilot, 60)
+        await press(pilot, "c")
+        await choose(pilot, "sarsa")
+        beside = snapshot(pilot).beside
+        assert beside is not None
+        assert beside.agent.algorithm == "sarsa"
+        assert beside.counters.step == 60
+        assert playground(pilot).board.is_paired
+        assert "cliff.py" in screen_text(pilot.app)
+
+
+async def test_it_starts_again_and_it_ends(script: Path) -> None:
+    async with watching(script) as pilot:
+        await train(pilot, 40)
+        assert (await press(pilot, "r")).counters.step == 0
+        while not snapshot(pilot).program.ended:  # type: ignore[union-attr]
+            await train(pilot, 4_000)
+        assert "your program has ended" in screen_text(pilot.app)
+        await press(pilot, "space")
+        (said,) = notes(pilot.app)
+        assert "r starts it again" in said
+        await press(pilot, "escape")
+        assert "your program then ends" in notes(pilot.app)[0]
+
+
+async def test_without_a_program_these_keys_say_how_to_watch_one() -> None:
+    from rl_tui.lab.run.library import recipe_for
+    from rl_tui.worlds.files.catalogue import find
+
+    recipe = recipe_for(find("student"), {}, 0)
+    app = RlTuiApp(Display(fps=1000.0), recipe, make_player=partial(Player, automatic=False), picture=True)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        for key in ("F", "O"):
+            await press(pilot, key)
+            assert NO_PROGRAM in notes(app)[-1]
+            assert playground(pilot).board.shows(TABLE)
+        await press(pilot, "T")
+        assert "T is for a program of yours" in notes(app)[-1]
