@@ -424,6 +424,21 @@ def test_a_mean_over_actions_is_taken_apart_only_with_the_epsilon_that_is_known(
     assert other.backup is None
 
 
+def test_a_target_that_bootstraps_after_the_end_is_no_luck() -> None:
+    picture = watched()
+    last = picture.counters.last_step
+    assert last is not None
+    over = changed(picture, last_step=replace(last, terminated=True, bootstrap_state=last.next_state))
+    text = "\n".join(row.text for row in page(over, 0, look(), 120, 24))
+    assert "it bootstraps after the end" in text
+
+
+def test_a_product_in_a_finding_is_no_minus_in_ascii() -> None:
+    finding = replace(AFTER_END, text="with γ · 5 it would be 4.25")
+    text = drawn(FindingsPanel, watched(program(verdict=Verdict(findings=(finding,)))), 80, ascii=True)
+    assert "with gamma * 5 it would be" in text
+
+
 def status(snapshot: Snapshot, width: int = 110) -> str:
     return "".join(piece.text for piece in status_line(snapshot, look(), width))
 
