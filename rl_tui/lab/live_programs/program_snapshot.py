@@ -110,7 +110,7 @@ class ProgramSnapshots:
         return Snapshot(
             world=world.world,
             recipe=recipe,
-            agent=self._agent(playback, counters, q, is_explained=view.told.is_explained),
+            agent=self._agent(playback, counters, q, is_explained=view.last_update.is_explained),
             counters=counters,
             results=results,
             exact_answer=asked.exact(shown, gamma),

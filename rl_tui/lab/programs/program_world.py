@@ -12,10 +12,10 @@ import numpy as np
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.common.limits import LONGEST_TIME_LIMIT, MOST_PAIRS
+from rl_tui.common.own_ids import OWN_IDS
 from rl_tui.common.streams import streams
 from rl_tui.lab.programs.program_log import ProgramEnvironment
 from rl_tui.lab.run.library import find
-from rl_tui.common.own_ids import OWN_IDS
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.gym.section import GymnasiumSection
 from rl_tui.worlds.gym.tables.blackjack import DREW, LOST, WON

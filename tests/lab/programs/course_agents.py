@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-GYMNASIUM: Final = '''
+GYMNASIUM: Final = """
 from collections import defaultdict
 
 import gymnasium as gym
@@ -42,9 +42,9 @@ class LakeAgent:
 
 if __name__ == "__main__":
     raise SystemExit("the loop of the tutorial is not run")
-'''
+"""
 
-UDACITY: Final = '''
+UDACITY: Final = """
 import numpy as np
 from collections import defaultdict
 
@@ -63,9 +63,9 @@ class Agent:
     def step(self, state, action, reward, next_state, done):
         goal = reward if done else reward + self.gamma * np.max(self.Q[next_state])
         self.Q[state][action] += self.alpha * (goal - self.Q[state][action])
-'''
+"""
 
-BERKELEY: Final = '''
+BERKELEY: Final = """
 from game import *
 from learningAgents import ReinforcementAgent
 from featureExtractors import *
@@ -106,9 +106,9 @@ class QLearningAgent(ReinforcementAgent):
 
     def getValue(self, state):
         return self.computeValueFromQValues(state)
-'''
+"""
 
-RL_GLUE: Final = '''
+RL_GLUE: Final = """
 import numpy as np
 from rl_glue.agent import BaseAgent
 
@@ -142,30 +142,30 @@ class QLearningAgent(BaseAgent):
     def agent_end(self, reward):
         error = reward - self.q[self.prev_state, self.prev_action]
         self.q[self.prev_state, self.prev_action] += self.step_size * error
-'''
+"""
 
-FUNCTION: Final = '''
+FUNCTION: Final = """
 import numpy as np
 
 def update(q, s, a, r, s_next, alpha=0.2, gamma=0.9):
     q[s, a] += alpha * (r + gamma * np.max(q[s_next]) - q[s, a])
-'''
+"""
 
-RETURNING_FUNCTION: Final = '''
+RETURNING_FUNCTION: Final = """
 import numpy as np
 
 def q_update(next_state, reward, action, state, Q, done, learning_rate, discount):
     Q = Q.copy()
     Q[state, action] += learning_rate * (reward + (not done) * discount * Q[next_state].max() - Q[state, action])
     return Q
-'''
+"""
 
-SARSA_FUNCTION: Final = '''
+SARSA_FUNCTION: Final = """
 def update(q, s, a, r, s_next, a_next, terminated, alpha, gamma):
     q[s, a] += alpha * (r + (not terminated) * gamma * q[s_next, a_next] - q[s, a])
-'''
+"""
 
-GIVEN_THE_ENVIRONMENT: Final = '''
+GIVEN_THE_ENVIRONMENT: Final = """
 import numpy as np
 
 class Agent:
@@ -182,7 +182,7 @@ class Agent:
         lr, gamma, _ = self.settings
         goal = reward + gamma * self.table[next_obs].max() * (1 - terminated)
         self.table[obs, action] += lr * (goal - self.table[obs, action])
-'''
+"""
 
 OF_STYLE: Final = {
     "gymnasium": GYMNASIUM,

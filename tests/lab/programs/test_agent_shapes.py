@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 from lab.programs.course_agents import (
     BERKELEY,
     FUNCTION,
@@ -19,6 +18,7 @@ from lab.programs.course_agents import (
     UDACITY,
     agent_in,
 )
+
 from rl_tui.common.errors import UserError
 from rl_tui.lab.detective.detective import verdict_of
 from rl_tui.lab.detective.verdict import Rule
@@ -34,11 +34,11 @@ pytestmark = pytest.mark.process
 
 PATIENCE = 120.0
 TEXTS = {**OF_STYLE, **OTHERS}
-TOLD = '''
+TOLD = """
 class Agent:
     def __init__(self):
         self.done, self.legal = [], []
-'''
+"""
 
 
 def learned(
@@ -80,7 +80,9 @@ def test_what_is_given_by_name_is_what_it_learns_with(tmp_path: Path) -> None:
 @pytest.mark.parametrize("style", OF_STYLE)
 def test_the_same_seed_is_the_same_run(style: str, tmp_path: Path) -> None:
     path = agent_in(tmp_path, OF_STYLE[style])
-    first, again, other = (learned(path, "frozenlake-slippery", 20, seed).recording.steps for seed in (5, 5, 6))
+    first, again, other = (
+        learned(path, "frozenlake-slippery", 20, seed).recording.steps for seed in (5, 5, 6)
+    )
     for one, two in zip(first, again, strict=True):
         np.testing.assert_array_equal(one, two)
     assert not np.array_equal(first.state, other.state)
@@ -132,7 +134,9 @@ def test_rl_glues_end_comes_only_where_the_world_ends_the_episode(tmp_path: Path
 
 
 def test_berkeleys_legal_actions_are_none_after_the_end_only(tmp_path: Path) -> None:
-    text = BERKELEY.replace("        sample =", "        print(len(self.getLegalActions(nextState)))\n        sample =")
+    text = BERKELEY.replace(
+        "        sample =", "        print(len(self.getLegalActions(nextState)))\n        sample ="
+    )
     path = agent_in(tmp_path, text)
     assert printed(learned(path, cut_off(tmp_path), 1))[-1] == "2"
     log = learned(path, "frozenlake", 5)
@@ -141,7 +145,9 @@ def test_berkeleys_legal_actions_are_none_after_the_end_only(tmp_path: Path) -> 
 
 
 def test_epsilon_decays_after_each_episode(tmp_path: Path) -> None:
-    text = GYMNASIUM.replace("self.epsilon - self.epsilon_decay)", "self.epsilon - 0.25); print(self.epsilon)")
+    text = GYMNASIUM.replace(
+        "self.epsilon - self.epsilon_decay)", "self.epsilon - 0.25); print(self.epsilon)"
+    )
     log = learned(agent_in(tmp_path, text), episodes=3, epsilon=1.0, epsilon_min=0.5)
     assert printed(log) == ["0.75", "0.5", "0.5"]
 
@@ -168,7 +174,9 @@ def test_a_name_that_is_no_agent(name: str, said: str, tmp_path: Path) -> None:
 
 def test_methods_of_base_classes_count_also_of_those_in_a_neighbouring_file(tmp_path: Path) -> None:
     agent_in(tmp_path, UDACITY.replace("class Agent", "class Base"), "base.py")
-    text = "from base import Base\n\nclass Mine(Base):\n    def select_action(self, state):\n        return 1\n"
+    text = (
+        "from base import Base\n\nclass Mine(Base):\n    def select_action(self, state):\n        return 1\n"
+    )
     path = agent_in(tmp_path, text)
     assert style_in(text, tmp_path) == [("Mine", Style.UDACITY.value)]
     assert set(learned(path, episodes=3).recording.steps.action.tolist()) == {1}
@@ -201,7 +209,11 @@ def test_the_update_function_of_a_script_is_no_agent(tmp_path: Path) -> None:
     [
         (UDACITY.replace("goal = reward if", "goal = 1 / 0 if"), 17, "division by zero"),
         (UDACITY.replace("self.nA = nA", "self.nA = None + nA"), 8, "unsupported operand"),
-        (UDACITY.replace("return np.random.choice(np.flat", "return None and (np.flat"), None, "returned None"),
+        (
+            UDACITY.replace("return np.random.choice(np.flat", "return None and (np.flat"),
+            None,
+            "returned None",
+        ),
         (UDACITY.replace("nA=6", "colour, nA=6"), None, "colour"),
         (f"import nothing_like_that\n{UDACITY}", 1, "No module named"),
     ],

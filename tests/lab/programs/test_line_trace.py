@@ -9,7 +9,7 @@ from textwrap import dedent
 from typing import Any
 
 import pytest
-from watching import LOOP, script_in, wait_until, watched
+from watched_scripts import LOOP, script_in, wait_until, watched
 
 from rl_tui.lab.programs.child.line_trace import MOST_LINES, TRACED_AT_FIRST, LineTrace, Place
 from rl_tui.lab.programs.program_log import ProgramLog

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from watching import LOOP, lines_of, lives, script_in, wait_until, watched
+from watched_scripts import LOOP, lines_of, lives, script_in, wait_until, watched
 
 pytestmark = pytest.mark.process
 

@@ -1,0 +1,70 @@
+"""Scripts that tests write down and watch."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+from textwrap import dedent
+from typing import Any
+
+from rl_tui.lab.programs.program_log import ProgramLog
+from rl_tui.lab.programs.program_process import ProgramRequest
+from rl_tui.lab.programs.to_the_end import watched_to_the_end
+
+PATIENCE = 60.0
+"""Seconds after which a program that hangs fails a test."""
+
+LOOP = """\
+import gymnasium as gym
+import numpy as np
+env = gym.make("FrozenLake-v1")
+Q = np.zeros((16, 4))
+for episode in range({episodes}):
+    state, info = env.reset()
+    done = False
+    while not done:
+        action = env.action_space.sample()
+        next_state, reward, terminated, truncated, info = env.step(action)
+        Q[state, action] += 0.5 * (reward - 1 + 0.9 * Q[next_state].max() - Q[state, action])
+        state, done = next_state, terminated or truncated
+"""
+
+
+def script_in(folder: Path, text: str, name: str = "script.py") -> Path:
+    """Write a script into ``folder`` and return its path."""
+    path = folder / name
+    path.write_text(dedent(text), encoding="utf-8")
+    return path
+
+
+def watched(path: Path, *arguments: str, **more: Any) -> ProgramLog:
+    """Return what the script told until it ended."""
+    return watched_to_the_end(ProgramRequest(path, arguments, **more), seconds=PATIENCE)
+
+
+def lines_of(log: ProgramLog, stream: str = "out") -> list[str]:
+    """Return what the program wrote on a stream."""
+    return [line.text for line in log.output if line.stream == stream]
+
+
+def lives(process: int) -> bool:
+    """Return whether a process is there, and no zombie."""
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    state = Path(f"/proc/{process}/stat")
+    try:
+        return state.read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return not state.parent.parent.exists()
+
+
+def wait_until(condition: Callable[[], bool]) -> None:
+    """Wait for what another process does; fail when it does not come."""
+    until = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < until, "it did not come"
+        time.sleep(0.01)
