@@ -38,7 +38,7 @@ def is_secret(snapshot: Snapshot) -> bool:
 
 
 def as_learned(snapshot: Snapshot) -> Snapshot:
-    """Return ``snapshot`` as world and table show it: where a program has no table, no zero is an estimate."""
+    """Return ``snapshot`` as world and table show it: a program without a table has estimated nothing."""
     if snapshot.program is None or snapshot.program.table is not None:
         return snapshot
     unvisited = np.zeros_like(snapshot.agent.visits)
