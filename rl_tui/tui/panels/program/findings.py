@@ -15,10 +15,17 @@ from rl_tui.lab.detective.verdict import Finding
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, strips_of, wrapped
-from rl_tui.tui.draw.to_ascii import separated
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.program.source import source_lines
-from rl_tui.tui.panels.program.words import IN_SHORT, LONGEST_SENTENCE, clause, notes_of, place_text, ranked
+from rl_tui.tui.panels.program.words import (
+    IN_SHORT,
+    LONGEST_SENTENCE,
+    clause,
+    is_own,
+    notes_of,
+    place_text,
+    ranked,
+)
 from rl_tui.tui.panels.scrolled_panel import ScrolledPanel, scroll_bindings
 from rl_tui.tui.theme.look import Look
 
@@ -107,7 +114,7 @@ def finding_lines(
 ) -> list[Line]:
     """Return what is said of ``finding``: one line, or all of it where it ``is_chosen``."""
     palette, glyphs = look.palette, look.glyphs
-    place = place_text(finding.file, finding.line, program.path)
+    place = place_text(finding.file, finding.line, program)
     mark = glyphs.cursor if is_chosen else " "
     style = palette.bad if finding.kind == "fault" else palette.accent
     name = Piece(f" {mark} {finding.kind}: {IN_SHORT[finding.fault]}", style)
@@ -147,7 +154,7 @@ def evidence_text(finding: Finding) -> str:
 
 def _code(finding: Finding, program: ProgramView, look: Look, width: int) -> list[Line]:
     """Return the source around the finding; of another file than the program's own there is none."""
-    if finding.line is None or finding.file not in ("", program.path):
+    if finding.line is None or not is_own(finding.file, program):
         return []
     return source_lines(program.source, finding.line, look, width)
 
@@ -170,4 +177,4 @@ def _nothing_found(snapshot: Snapshot, program: ProgramView, look: Look, width: 
 
 def _paragraph(text: str, look: Look, width: int, *, is_dim: bool = False) -> list[Line]:
     style = look.palette.dim if is_dim else look.palette.text
-    return list(wrapped(separated(text, look.glyphs), width, style, look, _INDENT, _INDENT))
+    return list(wrapped(text, width, style, look, _INDENT, _INDENT))
