@@ -129,10 +129,11 @@ def constructor_arguments(
     naming all parameters that cannot be bound.
     """
     values, unknown = dict[str, Any](), []
-    for parameter in signature_of(called, name).parameters.values():
+    parameters = signature_of(called, name).parameters
+    for parameter in parameters.values():
         role, has_default = role_of(parameter.name), parameter.default is not inspect.Parameter.empty
         if parameter.kind is inspect.Parameter.VAR_KEYWORD:
-            values |= _arguments_of_any_name({**defaults, **given}, surroundings, values)
+            values |= _arguments_of_any_name({**defaults, **given}, surroundings, parameters)
         elif parameter.kind not in _NAMED:
             continue
         elif role in surroundings and not (has_default and role == "episodes"):
@@ -149,9 +150,9 @@ def constructor_arguments(
 
 
 def _arguments_of_any_name(
-    numbers: Mapping[str, float], surroundings: Mapping[str, Any], bound: Mapping[str, Any]
+    numbers: Mapping[str, float], surroundings: Mapping[str, Any], named: Iterable[str]
 ) -> dict[str, Any]:
-    """Return what Berkeley's ``**args`` hands on to its base class, less what is ``bound``."""
+    """Return what Berkeley's ``**args`` hands on to its base class, but for what is ``named`` itself."""
     usual = {
         "actionFn": surroundings["legal_actions"],
         "alpha": numbers["alpha"],
@@ -159,7 +160,7 @@ def _arguments_of_any_name(
         "gamma": numbers["gamma"],
         "numTraining": surroundings["episodes"],
     }
-    roles = {role_of(name) for name in bound}
+    roles = {role_of(name) for name in named}
     return {name: value for name, value in usual.items() if role_of(name) not in roles}
 
 

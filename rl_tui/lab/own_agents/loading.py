@@ -170,7 +170,7 @@ def _last_name(node: ast.AST | None) -> str:
 
 
 def _named(tree: ast.Module, folder: Path, name: str) -> AgentPlace | None:
-    """Return the agent of that name. Who names a function may call it, and what else stands there, at will."""
+    """Return the agent of that name. A function that is named may be called anything."""
     for each in tree.body:
         if isinstance(each, ast.ClassDef) and each.name == name:
             style = _style(each, tree, folder)

@@ -7,8 +7,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from rl_tui.lab.own_agents.agent_loop import AgentSettings, learn, make_scenario
+from rl_tui.lab.own_agents.agent_loop import learn, make_scenario
 from rl_tui.lab.own_agents.loading import load_module, the_agent
+from rl_tui.lab.own_agents.ready_agent import AgentSettings
 from rl_tui.lab.own_agents.shapes import SHAPE_OF
 from rl_tui.lab.own_agents.stand_ins import offer_stand_ins
 from rl_tui.lab.programs.child.source import read_script
@@ -38,4 +39,5 @@ def run_agent(said: Mapping[str, Any], tell: Callable[..., None]) -> None:
         done_is_either=shape.done_is_either,
     )
     settings = AgentSettings(said["hyperparameters"], said["defaults"], said["episodes"], said["seed"])
-    learn(built, place, make_scenario(said["scenario"], said["scenario_seed"]), settings)
+    env = make_scenario(said["scenario"], said["scenario_seed"])
+    learn(built, place, env, settings, lambda text: tell(Kind.NOTE, text=text))
