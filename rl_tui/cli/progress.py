@@ -6,7 +6,8 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING, Final
+from itertools import repeat
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
@@ -41,13 +42,18 @@ class Progress:
 
 
 @contextmanager
-def progress(label: str) -> Iterator[Progress]:
-    """Yield what shows how far it has come."""
+def progress(label: str, *, has_end: bool = True) -> Iterator[Progress]:
+    """Yield what shows how far it has come; only what it says, where nobody knows how far it will go."""
     if not sys.stderr.isatty():
         yield Progress(lambda parts, text: None)
         return
+    without_end: dict[str, Any] = {
+        "iterable": repeat(None),
+        "bar_template": "%(label)s  %(info)s",
+        "show_percent": False,
+    }
     with click.progressbar(
-        length=_PARTS,
+        **({"length": _PARTS} if has_end else without_end),
         label=label,
         file=sys.stderr,
         width=0,  # what the rest leaves of the line

@@ -78,6 +78,15 @@ def test_the_document(tmp_path: Path) -> None:
     assert json.loads(run(path, "--json", "--seed", "4")[1])["steps"] != found["steps"]
 
 
+def test_findings_are_no_failure_and_have_their_line(tmp_path: Path) -> None:
+    path = script_in(tmp_path, Q_LEARNING.replace("Q[state, action] +=", "Q[next_state, action] +="))
+    found = document(path)
+    finding = next(each for each in found["findings"] if each["fault"] == "updates-after-moving")
+    assert {"kind", "certainty", "step", "steps_for", "steps_against", "file", "line", "text"} <= set(finding)
+    assert (finding["kind"], finding["certainty"]) == ("fault", "proven")
+    assert (finding["file"], finding["line"]) == (path, 16)
+
+
 def test_where_nothing_is_known_there_is_null(tmp_path: Path) -> None:
     found = document(script_in(tmp_path, "print('nothing to watch')\n"))
     assert (found["environment"], found["table"], found["steps"], found["episodes"]) == (None, None, 0, 0)

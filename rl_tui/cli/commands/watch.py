@@ -79,11 +79,11 @@ def _print_report(request: ProgramRequest) -> ProgramError | None:
     from rl_tui.lab.grading.watch_report import error_of, watch_report
     from rl_tui.lab.programs.to_the_end import watched_to_the_end
 
-    with progress(request.path.name) as bar:
+    with progress(request.path.name, has_end=request.steps is not None) as bar:
 
         def show(log: ProgramLog) -> None:
             if request.steps is None:
-                bar.say(counted(log.recording.count, "step"))
+                bar.say(f"{counted(log.recording.count, 'step')}, {counted(log.episodes, 'episode')}")
             else:
                 bar(log.recording.count, request.steps)
 

@@ -15,9 +15,9 @@ def verdict_of(log: ProgramLog) -> Verdict:
     """Return the verdict on the program that told ``log``; it claims nothing that steps do not prove."""
     if log.table is None or log.recording.initial is None:
         return Verdict()
-    either = log.agent is not None and log.agent.done_is_either
+    is_either = log.agent is not None and log.agent.done_is_either
     with np.errstate(all="ignore"):  # somebody's table may hold anything
         evidence = Evidence(log.recording)
         update = update_of(evidence, log.numbers)
-        findings, notes = findings_of(evidence, update, log, done_is_either=either)
+        findings, notes = findings_of(evidence, update, log, done_is_either=is_either)
     return Verdict(update, findings, notes)

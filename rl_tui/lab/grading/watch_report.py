@@ -55,9 +55,9 @@ def environment_of(log: ProgramLog) -> ProgramEnvironment | None:
 def episodes_of(log: ProgramLog) -> int:
     """Return how many episodes are over: ended, or left for another one."""
     steps = log.recording.steps
-    if not len(steps.episode):
+    if not log.episodes:
         return 0
-    return int(steps.episode.max() + (steps.terminated[-1] or steps.truncated[-1]))
+    return log.episodes - (not (steps.terminated[-1] or steps.truncated[-1]))
 
 
 def error_of(log: ProgramLog) -> ProgramError | None:

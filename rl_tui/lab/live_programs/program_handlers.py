@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
+from rl_tui.agents.catalogue import OWN_PROGRAM
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live import commands
 from rl_tui.lab.live.state import State
@@ -115,7 +117,9 @@ def _draw_action(playback: ProgramPlayback, command: commands.DrawAction) -> Non
 
 
 def _add_lane(playback: ProgramPlayback, command: commands.AddLane) -> None:
-    recipe = usual_recipe(playback.history.newest.world, playback.program.request.seed)
+    usual, found = usual_recipe(playback.program.world, playback.program.request.seed), playback.found
+    algorithm = usual.algorithm if found.algorithm == OWN_PROGRAM.id else found.algorithm
+    recipe = replace(usual, algorithm=algorithm, hyperparameters=found.hyperparameters)
     playback.beside.add(recipe, command.changes)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from rl_tui.agents.catalogue import OWN_PROGRAM
 from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.last_step import Author
 from rl_tui.common.errors import UserError
 from rl_tui.lab.detective.verdict import Place, Rule, UpdateFound
 from rl_tui.lab.live.program_view import ProgramView
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from rl_tui.agents.counters import Counters
     from rl_tui.lab.live_programs.program_playback import ProgramPlayback
     from rl_tui.lab.programs.program_world import ProgramWorld
+    from rl_tui.worlds.mdp.space import FloatArray
 
 GAMMA_NAMES: Final = ("gamma", "discount", "discount_factor", "discount_rate", "df")
 SHOWN_OUTPUT: Final = 200
@@ -90,7 +92,7 @@ class ProgramSnapshots:
     def build(self, playback: ProgramPlayback) -> Snapshot:
         """Return the newest picture of ``playback``."""
         shown, found = playback.history.shown, playback.found
-        view = StepView(shown, found.hyperparameters.gamma)
+        view = StepView(shown, playback.verdicts.newest.update, found.hyperparameters.gamma)
         counters, results, world = view.counters, shown.results, shown.world
         playing = view_of(playback)
         recipe = Recipe(world.scenario, found.algorithm, found.hyperparameters, playback.program.request.seed)
@@ -108,7 +110,7 @@ class ProgramSnapshots:
         return Snapshot(
             world=world.world,
             recipe=recipe,
-            agent=self._agent(playback, counters, q),
+            agent=self._agent(playback, counters, q, is_explained=view.told.is_explained),
             counters=counters,
             results=results,
             exact_answer=asked.exact(shown, gamma),
@@ -122,7 +124,9 @@ class ProgramSnapshots:
             program=program_view(playback),
         )
 
-    def _agent(self, playback: ProgramPlayback, counters: Counters, q: np.ndarray) -> AgentView:
+    def _agent(
+        self, playback: ProgramPlayback, counters: Counters, q: FloatArray, *, is_explained: bool
+    ) -> AgentView:
         shown, found, viewport = playback.history.shown, playback.found, playback.questions.beside.viewport
         part, world = None, shown.world.world
         if viewport is not None and is_large(world):
@@ -135,10 +139,11 @@ class ProgramSnapshots:
             part.q if part else q,
             part.visits if part else shown.visits.copy(),
             part=part,
+            author=None if is_explained else Author(OWN_PROGRAM.id, found.hyperparameters),
         )
 
     def _group(
-        self, playback: ProgramPlayback, counters: Counters, results: RunResults, q: np.ndarray
+        self, playback: ProgramPlayback, counters: Counters, results: RunResults, q: FloatArray
     ) -> RunGroupView:
         beside, found = playback.beside, playback.found
         if not beside.runs:

@@ -2,28 +2,50 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from functools import cached_property
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
 from rl_tui.agents.counters import Counters
 from rl_tui.agents.last_step import NOTHING, LastStep
+from rl_tui.lab.detective.step_story import update_of_step
 from rl_tui.lab.live_programs.progress import Progress, steps_between
 from rl_tui.lab.timeline.trail import MOST_STEPS, Trail, TrailStep
 from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION
 
 if TYPE_CHECKING:
+    from rl_tui.lab.detective.verdict import UpdateFound
     from rl_tui.lab.programs.recording import Steps
-    from rl_tui.worlds.mdp.space import BoolArray, FloatArray
+    from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 _MOST_REWARDS: Final = 256
 
 
-class StepView:
-    """The step that led to where ``progress`` stands; ``gamma`` discounts the rewards of its episode."""
+class ToldUpdate(NamedTuple):
+    """What a step did to the table, as in LastStep; unexplained, its target is what stands there."""
 
-    def __init__(self, progress: Progress, gamma: float) -> None:
+    cell: int = NOTHING
+    before: float = 0.0
+    after: float = 0.0
+    others: int = 0
+    step_size: float = 1.0
+    gathered: float = 0.0
+    discount: float = 0.0
+    bootstrap: float = 0.0
+    bootstrap_state: int = NOTHING
+    is_explained: bool = False
+
+
+class StepView:
+    """The step that led to where ``progress`` stands.
+
+    ``update`` is what is known of how it learns; ``gamma`` discounts the rewards of its episode.
+    """
+
+    def __init__(self, progress: Progress, update: UpdateFound, gamma: float) -> None:
         self._progress = progress
+        self._update = update
         self._gamma = gamma
         self._world = progress.world
         here = progress.step
@@ -43,7 +65,7 @@ class StepView:
         state = self._landing(steps, place)
         ended = bool(steps.terminated[place] or steps.truncated[place])
         length = int(steps.episode_step[place]) + 1
-        rewards = steps.reward
+        rewards, (errors, pairs) = steps.reward, self._td_errors()
         return Counters(
             state=state,
             step_from=self._start() if ended else state,
@@ -53,6 +75,8 @@ class StepView:
             episode_return=0.0 if ended else float(sum(rewards.tolist())),
             rewards=rewards[-_MOST_REWARDS:].copy(),
             discounted_return=float(sum(rewards * self._gamma ** np.arange(len(rewards)))),
+            td_errors=errors,
+            updated_pairs=pairs,
             last_step=self._last_step(steps, place, ended=ended),
         )
 
@@ -106,8 +130,9 @@ class StepView:
         pair = self._world.pair(observation, action, count)
         if pair == NOTHING:
             return None  # for screens a step without a pair is a planner's
-        next_state = self._landing(steps, place)
-        moved, others, before, after = self._moved(observation, action)
+        next_state, told = self._landing(steps, place), self.told
+        own_cell = observation * self._progress.recording.actions + action
+        moved = self._pair_of(told.cell, own_cell, pair)
         return LastStep(
             step=self._progress.step,
             episode=self._progress.episodes + (not ended),
@@ -121,36 +146,66 @@ class StepView:
             terminated=bool(steps.terminated[place]),
             truncated=bool(steps.truncated[place]),
             updated_pair=moved,
-            others=others,
+            others=told.others if moved != NOTHING else 0,
             table=0,
-            before=before,
-            step_size=1.0,
+            before=told.before,
+            step_size=told.step_size,
             gamma=self._gamma,
-            gathered=after,
-            discount=0.0,
-            bootstrap=0.0,
-            after=after,
+            gathered=told.gathered,
+            discount=told.discount,
+            bootstrap=told.bootstrap,
+            after=told.after,
             episode_step=count + 1,
+            bootstrap_state=NOTHING if told.bootstrap_state == NOTHING else next_state,
         )
 
-    def _moved(self, observation: int, action: int) -> tuple[int, int, float, float]:
-        """Return the pair that moved with the last step, how many others did, and its value before and after.
+    @cached_property
+    def told(self) -> ToldUpdate:
+        """What the last step did to the table, part by part as far as that is known."""
+        progress = self._progress
+        if self._last is None or progress.table is None or progress.step <= progress.recording.found_at:
+            return ToldUpdate()
+        changes, step = progress.recording.changes, progress.step - 1
+        begin, end = np.searchsorted(changes.step, (step, step + 1))
+        table = progress.table.copy()
+        table[changes.cell[begin:end][::-1]] = changes.before[begin:end][::-1]
+        story = update_of_step(progress.recording, self._update, step, table)
+        if story.step_size is not None and story.gathered is not None:
+            return ToldUpdate(
+                story.cell,
+                story.before,
+                story.after,
+                0,
+                story.step_size,
+                story.gathered,
+                story.discount or 0.0,
+                story.bootstrap or 0.0,
+                story.bootstrap_state,
+                is_explained=True,
+            )
+        if not story.moved:
+            return ToldUpdate()
+        own = int(self._last.state[0]) * progress.recording.actions + int(self._last.action[0])
+        first = next((each for each in story.moved if each.cell == own), story.moved[0])
+        others = len({each.cell for each in story.moved}) - 1
+        return ToldUpdate(first.cell, first.before, first.after, others, gathered=first.after)
 
-        Of several it is the one that was taken, else the first; −1 where none moved.
-        """
-        recording, here = self._progress.recording, self._progress.step
-        changes = recording.changes
-        begin, end = np.searchsorted(changes.step, (here - 1, here))
-        before, after = changes.before[begin:end], changes.after[begin:end]
-        cells = changes.cell[begin:end]
-        pairs = self._world.pair_of_cell[cells]
-        known = np.flatnonzero((pairs >= 0) & ~_same(before, after))
-        if not len(known):
-            return NOTHING, 0, 0.0, 0.0
-        own = known[cells[known] == observation * recording.actions + action]
-        place = int(own[-1] if len(own) else known[0])
-        others = len(np.unique(cells[known])) - 1
-        return int(pairs[place]), others, float(np.nan_to_num(before[place])), float(after[place])
+    def _pair_of(self, cell: int, own_cell: int, own_pair: int) -> int:
+        """Return our pair for ``cell``: of several that share it, the one that was taken."""
+        if cell in (NOTHING, own_cell):
+            return own_pair if cell == own_cell else NOTHING
+        return int(self._world.pair_of_cell[cell])
+
+    def _td_errors(self) -> tuple[FloatArray, IntArray]:
+        """Return the TD errors of the last changes, and the pairs that they moved, where α is known."""
+        update, changes = self._update, self._progress.recording.changes
+        if not update.alpha:
+            return np.empty(0), np.empty(0, np.int64)
+        end = int(np.searchsorted(changes.step, self._progress.step))
+        last = slice(max(0, end - _MOST_REWARDS), end)
+        pairs = self._world.pair_of_cell[changes.cell[last]]
+        errors = (changes.after[last] - np.nan_to_num(changes.before[last])) / update.alpha
+        return errors[pairs >= 0], pairs[pairs >= 0]
 
     def _outcome(self, pair: int, next_state: int, reward: float) -> int:
         """Return the outcome of the table that happened, −1 where several, or none, may have."""
@@ -160,7 +215,3 @@ class StepView:
         first, last = int(mdp.first_outcome[pair]), int(mdp.first_outcome[pair + 1])
         fits = (mdp.next_state[first:last] == next_state) & (mdp.reward[first:last] == reward)
         return first + int(np.argmax(fits)) if np.count_nonzero(fits) == 1 else UNKNOWN_ACTION
-
-
-def _same(before: FloatArray, after: FloatArray) -> BoolArray:
-    return np.asarray((before == after) | (np.isnan(before) & np.isnan(after)))

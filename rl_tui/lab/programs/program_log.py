@@ -30,6 +30,7 @@ GARBLED: Final = "what came from the program is garbled: something else wrote in
 _COUNTED: Final = (0, 2, 5, 6, 7)
 """The columns of steps that are whole numbers, other than states."""
 _STATES: Final = (1, 4)
+_EPISODE: Final = 6
 _NONE_OF_OURS: Final = (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError)
 
 
@@ -111,6 +112,8 @@ class ProgramLog:
     """What came through the pipe, put in its place by :meth:`take`."""
 
     recording: Recording = field(default_factory=Recording)
+    episodes: int = 0
+    """How many have begun, over all environments."""
     environments: list[ProgramEnvironment] = field(default_factory=list)
     table: FoundTable | None = None
     shared_at: int | None = None
@@ -172,6 +175,7 @@ class ProgramLog:
         cells = 0 if self.recording.initial is None else len(self.recording.initial)
         if not (_is_within(changes[:, 1], cells) and _is_within(changes[:, 0], NO_LIMIT)):
             raise ValueError("no changes of ours")
+        self.episodes = max(self.episodes, 1 + int(steps[:, _EPISODE].max(initial=-1)))
         self.recording.add(steps, changes)
         self.waiting_at = None
 

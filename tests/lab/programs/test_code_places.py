@@ -129,6 +129,19 @@ def test_a_source_that_cannot_be_read_tells_no_names(source: str, tmp_path: Path
     assert names_of(code, log.table, UpdateFound(), {}) == CodeNames()
 
 
+def test_the_choice_of_an_agent_without_a_loop(tmp_path: Path) -> None:
+    agent = """
+class Agent:
+    def select_action(self, state):
+        return self.Q[state].argmax()
+
+    def step(self, state, action, reward, next_state, done):
+        self.Q[state][action] += reward  # not world.step(
+"""
+    code, _, text = code_of(tmp_path, agent, "agent.Q")
+    assert text_of(code.choice_line(), text) == "return self.Q[state].argmax()"
+
+
 def test_lines_of_notebooks_do_no_harm(tmp_path: Path) -> None:
     code, _, text = code_of(tmp_path, "%matplotlib inline\n!pip install gymnasium\n" + loop())
     assert text_of(code.table_line(), text) == TABLE

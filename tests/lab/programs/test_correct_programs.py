@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from watching import watched
+from watched_scripts import watched
 
 from rl_tui.lab.detective.detective import verdict_of
 

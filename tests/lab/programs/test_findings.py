@@ -12,7 +12,8 @@ from made_recordings import Learner, Step, recorded
 from rl_tui.lab.detective.evidence import Evidence
 from rl_tui.lab.detective.findings import findings_of
 from rl_tui.lab.detective.verdict import Fault, Finding, Place, Rule, Target, UpdateFound
-from rl_tui.lab.programs.program_log import ProgramLog
+from rl_tui.lab.programs.messages import StepFlag
+from rl_tui.lab.programs.program_log import FoundTable, ProgramEnvironment, ProgramLog
 from rl_tui.worlds.mdp.space import FloatArray
 
 ALPHA, GAMMA = 0.1, 0.9
@@ -341,6 +342,54 @@ def test_a_shared_row_is_told_only_where_rows_move_alike() -> None:
     log = recorded(q_learning)
     log.shared_at = 0
     assert found(log, Q_LEARNING) == ()
+
+
+def standing(episodes: int, action_of: Callable[[int], int]) -> ProgramLog:
+    """Return a program that never leaves the corner of the frozen lake, with a table of zeros."""
+    count = 100 * episodes
+    number = np.arange(count)
+    columns = np.zeros((count, 8))
+    columns[:, 2] = [action_of(each) for each in number]
+    columns[99::100, 5] = StepFlag.TRUNCATED
+    columns[:, 6], columns[:, 7] = number // 100, number % 100
+    log = ProgramLog(table=FoundTable("Q", "array", (16, 4), "float64"), ended=True)
+    log.environments.append(ProgramEnvironment(0, "FrozenLake-v1", {"is_slippery": False}, (16,), 4, 100))
+    log.recording.find_table(0, 4, np.zeros(64))
+    log.recording.add(columns, np.empty((0, 4)))
+    return log
+
+
+@pytest.mark.parametrize(
+    ("action_of", "fault"),
+    [
+        (lambda number: 0, Fault.NEVER_EXPLORES),
+        (lambda number: number % 4 if number % 10 == 0 else 0, Fault.FIRST_OF_TIES),
+    ],
+    ids=["never", "first"],
+)
+def test_a_risk_is_told_where_random_ties_would_have_seen_a_reward(
+    action_of: Callable[[int], int], fault: Fault
+) -> None:
+    (finding,) = found(standing(700, action_of), UNKNOWN)
+    assert finding.fault is fault
+    assert finding.kind == "risk"
+    assert found(standing(50, action_of), UNKNOWN) == ()  # too few episodes: it may be bad luck
+
+
+def test_where_all_actions_are_taken_there_is_no_risk() -> None:
+    assert found(standing(700, lambda number: number * 7 // 3 % 4), UNKNOWN) == ()
+
+
+def test_without_a_table_of_transitions_nothing_is_said_of_luck() -> None:
+    log = standing(700, lambda number: 0)
+    log.environments[0] = ProgramEnvironment(0, "Own-v0", None, (16,), 4, 100)
+    assert found(log, UNKNOWN) == ()
+
+
+def test_a_table_of_integers_that_nothing_writes_to_is_no_fault() -> None:
+    log = recorded(lambda table, step: None, initial="zeros", dtype="int64")
+    holds_numbers(log)
+    assert found(log, UNKNOWN) == ()
 
 
 def test_a_finding_that_rests_on_a_name_says_so() -> None:

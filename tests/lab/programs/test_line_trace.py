@@ -9,8 +9,11 @@ from textwrap import dedent
 from typing import Any
 
 import pytest
+from watched_scripts import LOOP, script_in, wait_until, watched
 
-from rl_tui.lab.programs.child.line_trace import MOST_LINES, LineTrace, Place
+from rl_tui.lab.programs.child.line_trace import MOST_LINES, TRACED_AT_FIRST, LineTrace, Place
+from rl_tui.lab.programs.program_log import ProgramLog
+from rl_tui.lab.programs.program_process import ProgramProcess, ProgramRequest
 
 
 class Traced:
@@ -131,6 +134,43 @@ def test_where_changes_are_rare_it_gives_up(tmp_path: Path) -> None:
         """,
     )
     assert traced.lines == {2: 1}
+
+
+@pytest.mark.process
+@pytest.mark.parametrize(
+    ("old", "new", "line"),
+    [
+        ("", "", 11),
+        ("np.zeros((16, 4))", "{s: np.zeros(4) for s in range(16)}", 11),
+        ("np.zeros((16, 4))", "[[0.0] * 4 for _ in range(16)]", 11),
+        ("Q[next_state].max()", "(\n            max(Q[next_state]))", 11),
+    ],
+)
+def test_lines_of_a_real_script(tmp_path: Path, old: str, new: str, line: int) -> None:
+    text = LOOP.format(episodes=100).replace(old, new) if old else LOOP.format(episodes=100)
+    if "[[" in new or "{s" in new:
+        text = text.replace("Q[state, action]", "Q[state][action]").replace(".max()", "[0]")
+    path = script_in(tmp_path, text)
+    assert watched(path).lines == {(str(path), line): TRACED_AT_FIRST}
+
+
+@pytest.mark.process
+def test_a_script_that_runs_can_be_asked_for_lines_again(tmp_path: Path) -> None:
+    process = ProgramProcess(ProgramRequest(script_in(tmp_path, LOOP.format(episodes=10**7))))
+    log = ProgramLog()
+
+    def has_told(changes: int) -> bool:
+        for letter, payload in process.frames(0.1):
+            log.take(letter, payload)
+        return sum(log.lines.values()) >= changes
+
+    try:
+        wait_until(lambda: has_told(TRACED_AT_FIRST))
+        process.ask({"trace": 17})
+        wait_until(lambda: has_told(TRACED_AT_FIRST + 17))
+    finally:
+        process.end()
+    assert len(log.lines) == 1
 
 
 def test_a_debugger_is_left_alone(tmp_path: Path) -> None:

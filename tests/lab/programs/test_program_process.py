@@ -11,7 +11,7 @@ from pathlib import Path
 from textwrap import dedent
 
 import pytest
-from watching import LOOP, lines_of, lives, script_in, wait_until, watched
+from watched_scripts import LOOP, lines_of, lives, script_in, wait_until, watched
 
 from rl_tui.lab.programs.program_log import ProgramLog
 from rl_tui.lab.programs.program_process import ProgramProcess, ProgramRequest

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from watching import LOOP, lines_of, lives, script_in, wait_until, watched
+from watched_scripts import LOOP, lines_of, lives, script_in, wait_until, watched
 
 pytestmark = pytest.mark.process
 
@@ -322,7 +322,23 @@ def test_threads_that_the_script_leaves_are_waited_for(tmp_path: Path) -> None:
     text = (
         "import threading, time\nthreading.Thread(target=lambda: (time.sleep(.2), print('late'))).start()\n"
     )
-    assert lines_of(watched(script_in(tmp_path, text))) == ["late"]
+    log = watched(script_in(tmp_path, text))
+    assert lines_of(log) == ["late"]
+    assert log.notes == ["the script starts threads: the same seed need not give the same run"]
+
+
+def test_processes_that_the_script_forks_work_and_are_told_of(tmp_path: Path) -> None:
+    text = """\
+    import multiprocessing
+    def squared(x):
+        return x * x
+    if __name__ == "__main__":
+        with multiprocessing.get_context("fork").Pool(2) as pool:
+            print(pool.map(squared, [1, 2, 3]))
+    """
+    log = watched(script_in(tmp_path, text))
+    assert (lines_of(log), log.error) == (["[1, 4, 9]"], None)
+    assert "the script starts processes: the same seed need not give the same run" in log.notes
 
 
 def test_memory_is_bounded_where_that_is_asked_for(tmp_path: Path) -> None:

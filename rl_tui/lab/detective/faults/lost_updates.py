@@ -17,8 +17,9 @@ _MOST: Final = 2_000
 """Steps of which is asked whether a step size and a discount explain what was cut off."""
 _MOST_NUMBERS: Final = 12
 _FEWEST_REWARDS: Final = 5
-_PATIENCE: Final = 100
-"""Rewards that a program may see before its first update while it still runs: it may fill a memory first."""
+_PATIENCE: Final = 1_000
+_PATIENT_EPISODES: Final = 100
+"""Rewards and episodes that a program may see before its first update while it runs: it may fill a memory."""
 
 
 def proof_of_rounding(
@@ -29,7 +30,8 @@ def proof_of_rounding(
     Either numbers of the code explain what is kept as the whole part of an update, or nothing is kept at all
     of rewards though the code writes.
     """
-    if not dtype.startswith(("int", "uint")):
+    never_moves = not evidence.recording.changes.step.size
+    if not dtype.startswith(("int", "uint")) or (never_moves and not writes):
         return None
     cut = _cut_off(evidence, numbers)
     if cut is None and writes:
@@ -94,7 +96,8 @@ def proof_of_no_update(evidence: Evidence, names: CodeNames, *, writes: bool, is
         return None  # what was learned earlier, or read from a file, is only used
     rewarded = _tells(evidence, float(np.nan_to_num(initial).max(initial=0.0)))
     at = np.flatnonzero(rewarded)
-    if len(at) < (_FEWEST_REWARDS if is_over else _PATIENCE):
+    is_long = len(at) >= _PATIENCE and np.ptp(evidence.episode) >= _PATIENT_EPISODES
+    if len(at) < _FEWEST_REWARDS or not (is_over or is_long):
         return None
     first = at[0]
     return Proof(

@@ -127,8 +127,9 @@ class Predictions:
         best: FloatArray = rows.max(1)
         if target is Target.INDEX:
             best = rows.argmax(1).astype(np.float64)
-        if target is Target.EXPECTED and update.epsilon is not None:
-            best = (1.0 - update.epsilon) * best + update.epsilon * rows.mean(1)
+        if target is Target.EXPECTED:
+            epsilon = np.nan if update.epsilon is None else update.epsilon  # of each episode another one
+            best = (1.0 - epsilon) * best + epsilon * rows.mean(1)
         column: FloatArray = best[:, None]
         return column
 

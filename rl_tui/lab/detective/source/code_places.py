@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -25,6 +26,8 @@ from rl_tui.lab.detective.source.syntax import (
 from rl_tui.lab.programs.program_log import ProgramLog
 
 _MOST_FILES: Final = 16
+_CHOICE: Final = re.compile(r"action|policy|^act$|agent_start|choose|greedy", re.IGNORECASE)
+"""Names of methods that choose an action."""
 _Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
@@ -209,7 +212,7 @@ class ProgramCode:
         """Return the line that chooses the action given to ``env.step``, followed through one function."""
         call = self.step_call()
         if call is None or call.argument is None:
-            return self.call_line()
+            return self._chosen_by_a_method() or self.call_line()
         given = first_name(call.argument)
         candidates = [
             each
@@ -225,6 +228,15 @@ class ProgramCode:
                 if chosen is not None:
                     return chosen
         return candidates[0].line if candidates else call.line
+
+    def _chosen_by_a_method(self) -> CodeLine | None:
+        """Return the line that chooses in an agent without a loop of its own."""
+        for name in self._functions:
+            if _CHOICE.search(name):
+                chosen = self._chosen_in(name)
+                if chosen is not None:
+                    return chosen
+        return None
 
     def _chosen_in(self, function_name: str) -> CodeLine | None:
         """Return the line of a function that chooses: the one with a maximum, else its first return."""

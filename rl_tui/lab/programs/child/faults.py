@@ -11,6 +11,7 @@ from types import FrameType, TracebackType
 from typing import Any, Final
 
 import rl_tui
+from rl_tui.common.errors import UserError
 from rl_tui.lab.programs.child.advice import advice_on
 
 _OURS: Final = str(Path(rl_tui.__file__).parent)
@@ -33,6 +34,8 @@ def described(error: BaseException) -> dict[str, Any]:
 
     The place is the innermost one in the user's code; of a syntax error it is the line that has it.
     """
+    if isinstance(error, UserError) and isinstance(error.__cause__, SyntaxError):
+        error = error.__cause__
     frames = [each for each in _walk(error.__traceback__) if not _is_ours(each[0])]
     own = [each for each in frames if is_users_file(each[0].f_code.co_filename)] or frames
     file, line = (own[-1][0].f_code.co_filename, own[-1][1]) if own else ("", None)

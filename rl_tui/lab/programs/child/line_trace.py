@@ -11,6 +11,7 @@ from types import CodeType, FrameType
 from typing import Any, Final
 
 from rl_tui.lab.programs.child.faults import is_users_file
+from rl_tui.lab.programs.child.source import parsed
 
 Place = tuple[str, int]
 """A file and a line."""
@@ -25,18 +26,16 @@ class LineTrace:
 
     ``look`` returns what can be compared to find out whether the table changed; it is called at each line.
     ``tell`` gets the lines and how often each changed the table, when as many changes as were asked for have
-    been seen, or :meth:`stop` is called. ``trees`` are the syntax trees of files, where they differ from what
-    stands there. Nothing is left of it afterwards, and code runs as fast as before.
+    been seen, or :meth:`stop` is called. Nothing is left of it afterwards, and code runs as fast as before.
     """
 
     def __init__(
         self,
         look: Callable[[], object],
         tell: Callable[[Mapping[Place, int]], None],
-        trees: Mapping[str, ast.Module] | None = None,
     ) -> None:
         self._look, self._tell = look, tell
-        self._statements = _Statements(trees or {})
+        self._statements = _Statements()
         self._is_users: dict[str, bool] = {}
         self._changes: Counter[Place] = Counter()
         self._wanted = self._lines_left = 0
@@ -196,8 +195,7 @@ def _never_again() -> Any:
 class _Statements:
     """The first lines of statements, by file."""
 
-    def __init__(self, trees: Mapping[str, ast.Module]) -> None:
-        self._trees = trees
+    def __init__(self) -> None:
         self._first_lines: dict[str, dict[int, int]] = {}
 
     def first_line(self, file: str, line: int) -> int:
@@ -208,7 +206,7 @@ class _Statements:
 
     def _read(self, file: str) -> dict[int, int]:
         try:
-            tree = self._trees.get(file) or ast.parse("".join(linecache.getlines(file)))
+            tree, _, _ = parsed("".join(linecache.getlines(file)), file)
         except (SyntaxError, ValueError, RecursionError, MemoryError):
             return {}
         found: dict[int, int] = {}

@@ -39,7 +39,7 @@ def read_script(path: Path) -> Script:
     """
     text = _text(path)
     try:
-        tree, text, count = _parsed(text, str(path.absolute()))
+        tree, text, count = parsed(text, str(path.absolute()))
         return Script(compile(tree, str(path.absolute()), "exec", dont_inherit=True), text, tree, count)
     except _NOT_PYTHON as error:
         raise UserError(_fault(path, error)) from error
@@ -87,7 +87,7 @@ def _decoded(content: bytes) -> str:
     return content.decode(encoding)
 
 
-def _parsed(text: str, file: str) -> tuple[ast.Module, str, int]:
+def parsed(text: str, file: str) -> tuple[ast.Module, str, int]:
     """Return ``text`` parsed, as it was parsed, and how many lines of a notebook were left out.
 
     A line is looked at only where Python takes offence at it: one that begins with ``%`` may as well go on a

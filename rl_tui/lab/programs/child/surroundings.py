@@ -9,6 +9,7 @@ import pickle
 import select
 import signal
 import sys
+import threading
 import warnings
 from collections.abc import Callable
 from contextlib import suppress
@@ -23,6 +24,7 @@ _INPUT: Final = (
     "input() cannot be answered while rl-tui watches: write the value into the script, or pass it after the "
     "script's name"
 )
+_NOT_REPEATABLE: Final = "the script starts {}: the same seed need not give the same run"
 _OLD_GYM: Final = (
     "the script imports gym, of which rl-tui sees nothing: it watches environments of its successor; "
     "write `import gymnasium as gym`"
@@ -60,6 +62,7 @@ def surround(note: Callable[[str], None]) -> None:
     builtins.input = _refuse_input
     sys.modules.setdefault("pickle5", pickle)  # it was the pickle of Python 3.8, for older ones
     warnings.filterwarnings("ignore", message=_NO_WINDOW)
+    _tell_of_workers(note)
     sys.meta_path.insert(
         0,
         _AfterImport(
@@ -71,6 +74,25 @@ def surround(note: Callable[[str], None]) -> None:
             }
         ),
     )
+
+
+def _tell_of_workers(note: Callable[[str], None]) -> None:
+    """Tell, once each, when the script starts a thread or forks: no seed makes repeatable when they run."""
+    left = {"threads", "processes"}
+
+    def tell(what: str) -> None:
+        if what in left and os.getpid() == process:
+            left.remove(what)
+            note(_NOT_REPEATABLE.format(what))
+
+    def start(thread: threading.Thread) -> None:
+        if not thread.daemon:  # those of libraries, which watch over something
+            tell("threads")
+        start_thread(thread)
+
+    process, start_thread = os.getpid(), threading.Thread.start
+    threading.Thread.start = start  # type: ignore[method-assign, assignment]
+    os.register_at_fork(before=lambda: tell("processes"))
 
 
 def _refuse_input(*_: object) -> NoReturn:

@@ -1,0 +1,337 @@
+"""A watched program with a play button: exact steps, its past, its end, its file, ours beside it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Container
+from pathlib import Path
+
+import numpy as np
+import pytest
+from program_watching import LEARNS, Watcher, watched, written
+
+from rl_tui.agents.catalogue import OWN_PROGRAM
+from rl_tui.common.errors import UserError
+from rl_tui.lab.live import commands
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.until import Event, Until
+from rl_tui.lab.live_programs.program_playback import ProgramPlayback
+from rl_tui.lab.live_programs.watched_program import WatchedProgram
+from rl_tui.lab.programs.program_process import ProgramRequest
+from rl_tui.lab.run.recipe import SetParameter, SwitchAlgorithm
+
+pytestmark = pytest.mark.process
+
+
+def figures(snapshot: Snapshot) -> tuple[object, ...]:
+    """Return what a moment is known by, without what depends on how far the program has been."""
+    counters, results, last = snapshot.counters, snapshot.results, snapshot.counters.last_step
+    moved = None if last is None else (last.pair, last.next_state, last.reward)
+    return (
+        *(counters.step, counters.episodes, counters.state, counters.episode_step, moved),
+        *(counters.episode_return, counters.rewards.tolist(), counters.discounted_return),
+        *(snapshot.agent.q.tolist(), snapshot.agent.visits.tolist()),
+        *(results.return_last_100, results.length_last_100, results.greedy_return),
+        *(results.curve.return_mean.tolist(), results.marks.expected_return.tolist()),
+        *(results.marks.step.tolist(), snapshot.trail),
+    )
+
+
+def test_it_stands_before_its_first_step(tmp_path: Path) -> None:
+    with watched(written(tmp_path)) as watcher:
+        snapshot = watcher.do()
+    assert snapshot.playback.phase is Phase.PAUSED
+    assert (snapshot.counters.step, snapshot.counters.last_step) == (0, None)
+    assert snapshot.program is not None
+    assert (snapshot.program.title, snapshot.program.environment) == ("student.py", "FrozenLake-v1")
+    assert snapshot.world.mdp is not None
+
+
+def test_a_step_is_one_step_with_all_that_it_changed(tmp_path: Path) -> None:
+    with watched(written(tmp_path)) as watcher:
+        for step in range(1, 6):
+            assert watcher.do(commands.Step()).counters.step == step
+        rewarded = watcher.do(commands.RunUntil(Until(Event.REWARD)))
+    last = rewarded.counters.last_step
+    assert last is not None
+    assert last.reward == 1.0
+    assert (last.before, last.after) == (0.0, pytest.approx(0.1))
+    assert rewarded.agent.q[last.updated_pair] == last.after
+
+
+def test_an_episode_ends_where_the_environment_ends_it(tmp_path: Path) -> None:
+    with watched(written(tmp_path)) as watcher:
+        first = watcher.do(commands.RunEpisode())
+        second = watcher.do(commands.RunEpisode())
+    for number, snapshot in enumerate((first, second), start=1):
+        last = snapshot.counters.last_step
+        assert snapshot.counters.episodes == number
+        assert last is not None
+        assert last.terminated or last.truncated
+    assert len(second.results.curve.episode) == 2
+
+
+def test_it_runs_until_a_step_an_episode_a_value_and_an_optimal_policy(tmp_path: Path) -> None:
+    with watched(written(tmp_path)) as watcher:
+        assert watcher.do(commands.RunUntil(Until(Event.STEP, 37))).counters.step == 37
+        assert watcher.do(commands.RunUntil(Until(Event.EPISODE, 20))).counters.episodes == 19
+        changed = watcher.do(commands.RunUntil(Until(Event.POLICY_CHANGE)))
+        last = changed.counters.last_step
+        assert last is not None
+        pair = last.updated_pair
+        reached = watcher.do(commands.RunUntil(Until(Event.VALUE, pair=pair, threshold=0.3)))
+        assert reached.agent.q[pair] >= 0.3
+        optimal = watcher.do(commands.RunUntil(Until(Event.OPTIMAL)))
+        assert optimal.results.greedy_return == 1.0
+        before = watcher.do(commands.StepBack())
+        assert before.results.greedy_return != 1.0
+
+
+def test_what_lies_behind_is_refused_in_a_sentence(tmp_path: Path) -> None:
+    with watched(written(tmp_path)) as watcher:
+        watcher.do(commands.Train(50))
+        assert "lies behind" in watcher.do(commands.RunUntil(Until(Event.STEP, 10))).playback.paused_by
+
+
+def test_a_breakpoint_stops_it_at_the_very_step(tmp_path: Path) -> None:
+    with watched(written(tmp_path)) as watcher:
+        watcher.do(commands.ToggleBreakpoint(state=4))
+        snapshot = watcher.do(commands.RunUntil(Until(Event.EPISODE, 100)))
+        assert snapshot.counters.state == 4
+        assert snapshot.playback.paused_by == "breakpoint: state 4"
+        pair = snapshot.world.space.pair_of(4, 0)
+        watcher.do(commands.ClearBreakpoints(), commands.ToggleBreakpoint(pair=pair))
+        taken = watcher.do(commands.RunUntil(Until(Event.EPISODE, 100))).counters.last_step
+        assert taken is not None
+        assert taken.pair == pair
+
+
+def test_what_is_shown_of_the_past_is_what_was_shown_then(tmp_path: Path) -> None:
+    with watched(written(tmp_path)) as watcher:
+        shown = {}
+        for step in (7, 100, 333, 800, 1_500):
+            shown[step] = figures(watcher.do(commands.RunUntil(Until(Event.STEP, step))))
+        for step in (100, 1_500, 7, 800, 333):
+            assert figures(watcher.do(commands.GoTo(step=step))) == shown[step]
+
+
+def test_back_and_episode_back_and_on_from_the_newest_step(tmp_path: Path) -> None:
+    with watched(written(tmp_path)) as watcher:
+        watcher.do(commands.Train(200))
+        back = watcher.do(commands.StepBack())
+        assert back.counters.step == 199
+        assert back.timeline.in_past
+        began = watcher.do(commands.EpisodeBack())
+        assert began.counters.episode_step == 0
+        earlier = watcher.do(commands.EpisodeBack())
+        assert earlier.counters.episodes == began.counters.episodes - 1
+        third = watcher.do(commands.GoTo(episode=3))
+        assert (third.counters.episodes, third.counters.episode_step) == (2, 0)
+        on = watcher.do(commands.Step())
+        assert (on.counters.step, on.timeline.in_past) == (201, False)
+
+
+def test_its_end_is_told_and_all_stays_on_screen(tmp_path: Path) -> None:
+    with watched(written(tmp_path, episodes=5)) as watcher:
+        snapshot = watcher.do(commands.Train(10_000))
+        assert snapshot.playback.phase is Phase.SPENT
+        assert snapshot.playback.message
+        assert snapshot.counters.episodes == 5
+        assert snapshot.program is not None
+        assert snapshot.program.ended
+        assert watcher.do(commands.GoTo(step=3)).counters.step == 3
+
+
+@pytest.mark.parametrize(
+    ("line", "told", "known"),
+    # what a killed program had not told yet is lost
+    [("1 / 0", "ZeroDivisionError", (4,)), ("import os; os.kill(os.getpid(), 9)", "SIGKILL", range(5))],
+    ids=["raises", "is killed"],
+)
+def test_a_program_that_breaks_down_stops_at_its_step(
+    tmp_path: Path, line: str, told: str, known: Container[int]
+) -> None:
+    text = LEARNS.replace("    done = False", f"    done = False\n    if episode == 4: {line}")
+    with watched(written(tmp_path, text)) as watcher:
+        snapshot = watcher.do(commands.Train(10_000))
+    assert snapshot.playback.phase is Phase.STOPPED
+    assert told in snapshot.playback.message
+    assert snapshot.counters.episodes in known
+
+
+def test_without_an_environment_it_is_refused_in_a_sentence(tmp_path: Path) -> None:
+    program = WatchedProgram(ProgramRequest(written(tmp_path, "print('hello')")))
+    try:
+        with pytest.raises(UserError, match="without an environment"):
+            program.wait_for_environment()
+    finally:
+        program.end()
+
+
+def test_without_a_table_all_else_lives(tmp_path: Path) -> None:
+    text = """
+import gymnasium
+env = gymnasium.make("FrozenLake-v1")
+for _ in range(20):
+    env.reset(); ended = False
+    while not ended:
+        ended = any(env.step(env.action_space.sample())[2:4])
+"""
+    with watched(written(tmp_path, text)) as watcher:
+        snapshot = watcher.do(commands.Train(60))
+    assert snapshot.program is not None
+    assert snapshot.program.table is None
+    assert snapshot.program.looked_for
+    assert snapshot.results.greedy_return is None
+    assert np.isnan(snapshot.results.marks.expected_return).all()
+    assert snapshot.agent.visits.sum() == 60
+
+
+def test_the_update_that_was_found_is_told_part_by_part(tmp_path: Path) -> None:
+    with watched(written(tmp_path)) as watcher:
+        found = watcher.do(commands.Train(1_500))
+    last = found.counters.last_step
+    assert found.agent.algorithm == "q-learning"
+    assert found.agent.hyperparameters.alpha == pytest.approx(0.1)
+    assert found.agent.hyperparameters.gamma == pytest.approx(0.99)
+    assert found.agent.author is None
+    assert last is not None
+    assert last.after == pytest.approx(last.before + last.step_size * (last.target - last.before))
+    assert found.program is not None
+    assert found.program.gamma_source == "found"
+    assert found.exact_answer.solution is not None
+
+
+def test_while_the_update_is_unknown_the_program_stands_for_it(tmp_path: Path) -> None:
+    with watched(written(tmp_path)) as watcher:
+        snapshot = watcher.do(commands.Train(3))
+    assert snapshot.agent.learned_by[0] == OWN_PROGRAM.id
+    assert snapshot.agent.row is OWN_PROGRAM
+
+
+def test_started_again_it_does_the_same_again(tmp_path: Path) -> None:
+    with watched(written(tmp_path)) as watcher:
+        first = figures(watcher.do(commands.Train(400)))
+        recipe = watcher.do().recipe
+        assert watcher.do(commands.Restart(recipe)).counters.step == 0
+        assert figures(watcher.do(commands.Train(400))) == first
+
+
+def test_what_cannot_be_done_to_a_program_is_told_in_a_sentence(tmp_path: Path) -> None:
+    refused = (
+        commands.Apply(SetParameter("alpha", 0.5)),
+        commands.Apply(SwitchAlgorithm("sarsa")),
+        commands.Take(1),
+        commands.WatchLearning(),
+        commands.ChooseBranch(0),
+        commands.ChooseLane(1),
+        commands.StudySeeds(),
+    )
+    with watched(written(tmp_path)) as watcher:
+        before = watcher.do(commands.Step())
+        told = [watcher.do(command).playback.paused_by for command in refused]
+        after = watcher.do()
+    assert all(told)
+    assert "student.py" in told[0]
+    assert figures(after) == figures(before)
+
+
+def test_ours_beside_it_comes_to_the_same_step(tmp_path: Path) -> None:
+    with watched(written(tmp_path)) as watcher:
+        watcher.do(commands.Train(300))
+        beside = watcher.do(commands.AddLane((SwitchAlgorithm("sarsa"),)))
+        _assert_beside(beside, 300)
+        _assert_beside(watcher.do(commands.Train(100)), 400)
+        _assert_beside(watcher.do(commands.GoTo(step=50)), 50)
+        alone = watcher.do(commands.DropLane(1))
+    assert alone.beside is None
+    assert not alone.run_group.lanes
+
+
+def _assert_beside(snapshot: Snapshot, step: int) -> None:
+    other = snapshot.beside
+    assert other is not None
+    assert other.agent.algorithm == "sarsa"
+    assert (snapshot.counters.step, other.counters.step) == (step, step)
+    assert [lane.step for lane in snapshot.run_group.lanes] == [step, step]
+
+
+def test_a_cell_is_followed_through_its_changes(tmp_path: Path) -> None:
+    with watched(written(tmp_path)) as watcher:
+        rewarded = watcher.do(commands.RunUntil(Until(Event.REWARD))).counters.last_step
+        assert rewarded is not None
+        history = watcher.do(commands.FollowCell(rewarded.pair), commands.Train(200)).cell
+    assert history is not None
+    assert history.value[0] == 0.0
+    assert history.value[list(history.step).index(rewarded.step)] == pytest.approx(0.1)
+
+
+def test_two_environments_take_turns(tmp_path: Path) -> None:
+    text = LEARNS.replace(
+        "    s, _ = env.reset()",
+        """    if episode % 2:
+        test.reset()
+        for _ in range(2):
+            test.step(2)
+    s, _ = env.reset()""",
+    ).replace("q = np", 'test = gym.make("FrozenLake-v1", is_slippery=False)\nq = np')
+    with watched(written(tmp_path, text)) as watcher:
+        snapshot = watcher.do(commands.Train(400))
+        shown = figures(snapshot)
+        watcher.do(commands.Train(100))
+        assert figures(watcher.do(commands.GoTo(step=400))) == shown
+
+
+def test_blackjack_has_naturals_and_an_exact_answer(tmp_path: Path) -> None:
+    text = """
+import gymnasium, collections
+import numpy as np
+env = gymnasium.make("Blackjack-v1", sab=True)
+q = collections.defaultdict(lambda: np.zeros(2))
+rng = np.random.default_rng(0)
+for _ in range(400):
+    s, _ = env.reset(); ended = False
+    while not ended:
+        a = int(rng.integers(2))
+        s2, r, terminated, truncated, _ = env.step(a)
+        q[s][a] += 0.1 * (r + (0 if terminated else q[s2].max()) - q[s][a])
+        s, ended = s2, terminated or truncated
+"""
+    with watched(written(tmp_path, text)) as watcher:
+        snapshot = watcher.do(commands.Train(300))
+        last = snapshot.counters.last_step
+    assert snapshot.world.mdp is not None
+    assert last is not None
+    assert snapshot.results.greedy_return is not None
+
+
+def test_the_file_saved_again_starts_it_again_and_says_what_became_better(tmp_path: Path) -> None:
+    slow = LEARNS.replace("alpha, gamma, epsilon = 0.1", "alpha, gamma, epsilon = 0.0")
+    path = written(tmp_path, slow)
+    clock = iter(range(10**9))
+    program = WatchedProgram(ProgramRequest(path))
+    program.wait_for_environment()
+    playback = ProgramPlayback(program, lambda: None, clock=lambda: next(clock) / 10)
+    try:
+        watcher = Watcher(playback)
+        playback.work()
+        playback.handle(commands.Train(1_500))
+        _until(watcher, lambda: playback.history.newest.step == 1_500)
+        path.write_text("this is no Python")
+        _until(watcher, lambda: "not started again" in playback.reloaded)
+        assert "line 1" in playback.reloaded
+        assert playback.history.newest.step == 1_500
+        path.write_text(LEARNS.replace("EPISODES", "300"))
+        _until(watcher, lambda: playback.history.newest.step == 0)
+        playback.handle(commands.Train(1_600))
+        _until(watcher, lambda: "better" in playback.reloaded)
+        assert "it was 0" in playback.reloaded
+    finally:
+        playback.close()
+
+
+def _until(watcher: Watcher, is_there: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + 60
+    while not is_there():
+        watcher.playback.work()
+        assert time.monotonic() < deadline
