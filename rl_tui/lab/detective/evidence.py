@@ -137,6 +137,25 @@ class Evidence:
         return result
 
     @cached_property
+    def visits(self) -> tuple[IntArray, IntArray]:
+        """How often the cell of each step was taken until then, this step included, [N].
+
+        First of all steps, then of those of episodes in which the table changed.
+        """
+        order = order_by(self.cell)
+        cell = self.cell[order]
+        begins = np.flatnonzero(np.diff(cell, prepend=-1))
+        lengths = np.diff(np.append(begins, len(order)))
+        place = np.arange(len(order))
+        counted = np.cumsum(self.learns[order])
+        before: IntArray = counted[begins] - self.learns[order[begins]]
+        every: IntArray = np.empty(len(order), np.int64)
+        learning: IntArray = np.empty(len(order), np.int64)
+        every[order] = place - np.repeat(begins, lengths) + 1
+        learning[order] = counted - np.repeat(before, lengths)
+        return every, learning
+
+    @cached_property
     def precision(self) -> float:
         """How exactly the table holds a number: a number within this share of it may be the same one."""
         after = self.changes.after[-_JUDGED:]

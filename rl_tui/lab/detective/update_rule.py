@@ -9,7 +9,7 @@ import numpy as np
 
 from rl_tui.lab.detective.evidence import Evidence
 from rl_tui.lab.detective.updates.expected_sarsa import expected_trial
-from rl_tui.lab.detective.updates.monte_carlo import monte_carlo_update
+from rl_tui.lab.detective.updates.monte_carlo import AT_ENDS, monte_carlo_update
 from rl_tui.lab.detective.updates.own_reward import own_reward_trial
 from rl_tui.lab.detective.updates.sample import Sample, place_of, sample_of
 from rl_tui.lab.detective.updates.step_sizes import by_episode, by_visits
@@ -42,7 +42,7 @@ def update_of(evidence: Evidence, numbers: Mapping[str, float]) -> UpdateFound:
     ends = evidence.terminated | evidence.truncated
     several = evidence.changes_of > 1
     inner = moved & ~ends
-    if np.any(inner) and np.mean(several[inner]) > 1 - SHARE:
+    if np.mean(ends[moved]) < AT_ENDS and np.mean(several[inner]) > 1 - SHARE:
         most = int(evidence.changes_of[inner].max())
         return UpdateFound(reason=f"A step moves several numbers, up to {most}: no one-step update fits.")
     if np.mean(several[moved]) > 1 - SHARE:
@@ -163,7 +163,7 @@ def _undecided(trial: Trial) -> str:
     rival = _RIGHT[1 - _RIGHT.index(trial.target)]
     deciding = trial.differs_from(trial.sample.value(rival)) & trial.explained
     if np.sum(deciding) < FEWEST_INFORMATIVE:
-        return "No step yet tells Q-learning from SARSA: the next actions were greedy ones."
+        return "No step yet tells Q-learning from SARSA: next actions were greedy, or nearly all were."
     return ""
 
 

@@ -7,6 +7,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from correct_learners import (
+    ALPHA,
+    CORRECT_LEARNERS,
+    GAMMA,
+    averaging,
+    best,
+    moved,
+    q_learning,
+    sarsa,
+)
 from made_recordings import Learner, Step, recorded
 
 from rl_tui.lab.detective.evidence import Evidence
@@ -16,8 +26,7 @@ from rl_tui.lab.programs.messages import StepFlag
 from rl_tui.lab.programs.program_log import FoundTable, ProgramEnvironment, ProgramLog
 from rl_tui.worlds.mdp.space import FloatArray
 
-ALPHA, GAMMA = 0.1, 0.9
-SEEDS = range(4)
+SEEDS = range(3)
 Q_LEARNING = UpdateFound(
     Rule.Q_LEARNING, ALPHA, "constant", GAMMA, fits=1.0, informative=1000, target=Target.BEST
 )
@@ -25,51 +34,30 @@ SARSA = replace(Q_LEARNING, rule=Rule.SARSA, target=Target.NEXT_ACTION)
 UNKNOWN = UpdateFound()
 
 
-def moves(table: FloatArray, step: Step, target: float, alpha: float = ALPHA) -> None:
-    """Move the step's own cell towards ``target``."""
-    table[step.state, step.action] += alpha * (target - table[step.state, step.action])
-
-
-def best(table: FloatArray, step: Step) -> float:
-    """Return the value of the next state, 0 after the end."""
-    return 0.0 if step.terminated else float(table[step.next_state].max())
-
-
-def q_learning(table: FloatArray, step: Step) -> None:
-    """As the book has it."""
-    moves(table, step, step.reward + GAMMA * best(table, step))
-
-
-def sarsa(table: FloatArray, step: Step) -> None:
-    """As the book has it."""
-    future = 0.0 if step.terminated else table[step.next_state, step.next_action]
-    moves(table, step, step.reward + GAMMA * future)
-
-
 def bootstraps(table: FloatArray, step: Step) -> None:
     """Takes the terminal state's value."""
-    moves(table, step, step.reward + GAMMA * table[step.next_state].max())
+    moved(table, step, step.reward + GAMMA * table[step.next_state].max())
 
 
 def sarsa_bootstraps(table: FloatArray, step: Step) -> None:
     """Takes the value of an action that is never taken."""
-    moves(table, step, step.reward + GAMMA * table[step.next_state, step.next_action])
+    moved(table, step, step.reward + GAMMA * table[step.next_state, step.next_action])
 
 
 def done_is_done(table: FloatArray, step: Step) -> None:
     """Takes the end of the time for the end."""
     over = step.terminated or step.truncated
-    moves(table, step, step.reward + (0.0 if over else GAMMA * table[step.next_state].max()))
+    moved(table, step, step.reward + (0.0 if over else GAMMA * table[step.next_state].max()))
 
 
 def previous_reward(table: FloatArray, step: Step) -> None:
     """Takes the reward of the step before, also over the end of an episode."""
-    moves(table, step, step.reward_before + GAMMA * best(table, step))
+    moved(table, step, step.reward_before + GAMMA * best(table, step))
 
 
 def previous_reward_within(table: FloatArray, step: Step) -> None:
     """Takes the reward of the step before, 0 at first."""
-    moves(table, step, (0.0 if step.first else step.reward_before) + GAMMA * best(table, step))
+    moved(table, step, (0.0 if step.first else step.reward_before) + GAMMA * best(table, step))
 
 
 def after_moving(table: FloatArray, step: Step) -> None:
@@ -80,7 +68,7 @@ def after_moving(table: FloatArray, step: Step) -> None:
 
 def column(table: FloatArray, step: Step) -> None:
     """Takes the largest value of a column."""
-    moves(table, step, step.reward + (0.0 if step.terminated else GAMMA * table[:, step.action].max()))
+    moved(table, step, step.reward + (0.0 if step.terminated else GAMMA * table[:, step.action].max()))
 
 
 def next_cell(table: FloatArray, step: Step) -> None:
@@ -103,7 +91,7 @@ def skips_ends(table: FloatArray, step: Step) -> None:
 
 def takes_too_much(table: FloatArray, step: Step) -> None:
     """Goes beyond its target."""
-    moves(table, step, step.reward + GAMMA * best(table, step), alpha=1.2)
+    moved(table, step, step.reward + GAMMA * best(table, step), alpha=1.2)
 
 
 @dataclass(frozen=True)
@@ -177,96 +165,35 @@ def test_a_fault_is_told_alone_and_nothing_speaks_against_it(name: str, seed: in
     assert finding.correction
 
 
-def own_reward(table: FloatArray, step: Step) -> None:
-    """Gives itself another reward where an episode ends without one."""
-    reward = -1.0 if step.terminated and step.reward == 0.0 else step.reward
-    moves(table, step, reward + GAMMA * best(table, step))
-
-
-def with_evaluation(table: FloatArray, step: Step) -> None:
-    """Learns in every other episode only."""
-    if step.episode % 2:
-        q_learning(table, step)
-
-
-def skips_truncated(table: FloatArray, step: Step) -> None:
-    """Throws the step away that was cut off."""
-    if not step.truncated:
-        q_learning(table, step)
-
-
-def all_or_nothing(table: FloatArray, step: Step) -> None:
-    """Takes the whole target."""
-    moves(table, step, step.reward + GAMMA * best(table, step), alpha=1.0)
-
-
 def undiscounted(table: FloatArray, step: Step) -> None:
     """Weighs all rewards alike."""
-    moves(table, step, step.reward + best(table, step))
+    moved(table, step, step.reward + best(table, step))
 
 
 def short_sighted(table: FloatArray, step: Step) -> None:
     """Sees this reward alone."""
-    moves(table, step, step.reward)
-
-
-def clipped(table: FloatArray, step: Step) -> None:
-    """Keeps values in a range."""
-    q_learning(table, step)
-    np.clip(table, -1.0, 1.5, out=table)
-
-
-def by_visits() -> Learner:
-    """Averages."""
-    counts: dict[tuple[int, int], int] = {}
-
-    def learn(table: FloatArray, step: Step) -> None:
-        cell = step.state, step.action
-        counts[cell] = counts.get(cell, 0) + 1
-        moves(table, step, step.reward + GAMMA * best(table, step), alpha=1.0 / counts[cell])
-
-    return learn
-
-
-def falling(table: FloatArray, step: Step) -> None:
-    """Has a step size that falls from episode to episode."""
-    moves(table, step, step.reward + GAMMA * best(table, step), alpha=0.5 * 0.99**step.episode)
-
-
-def replays() -> Learner:
-    """Remembers three steps and learns from one of them."""
-    memory: list[Step] = []
-
-    def learn(table: FloatArray, step: Step) -> None:
-        memory.append(step)
-        q_learning(table, memory[step.number * 7 % len(memory)])
-
-    return learn
-
-
-def is_bound_anew(table: FloatArray, step: Step) -> None:
-    """Begins with another table now and then."""
-    q_learning(table, step)
-    if step.number % 400 == 399:
-        table[:] = 0.0
+    moved(table, step, step.reward)
 
 
 CORRECT: dict[str, tuple[Callable[[], Learner], UpdateFound]] = {
     "q-learning": (lambda: q_learning, Q_LEARNING),
     "sarsa": (lambda: sarsa, SARSA),
     "sarsa, not found": (lambda: sarsa, UNKNOWN),
-    "own reward at ends": (lambda: own_reward, replace(Q_LEARNING, fits=0.98)),
-    "evaluation": (lambda: with_evaluation, Q_LEARNING),
-    "what was cut off is thrown away": (lambda: skips_truncated, Q_LEARNING),
-    "alpha 1": (lambda: all_or_nothing, replace(Q_LEARNING, alpha=1.0)),
+    "own reward at ends": (CORRECT_LEARNERS["a penalty at the end"], replace(Q_LEARNING, fits=0.98)),
+    "evaluation": (CORRECT_LEARNERS["evaluation"], Q_LEARNING),
+    "what was cut off is thrown away": (CORRECT_LEARNERS["throws away what was cut off"], Q_LEARNING),
+    "alpha 1": (CORRECT_LEARNERS["alpha 1"], replace(Q_LEARNING, alpha=1.0)),
     "gamma 1": (lambda: undiscounted, replace(Q_LEARNING, gamma=1.0)),
     "gamma 0": (lambda: short_sighted, replace(Q_LEARNING, gamma=0.0, target=Target.NOTHING)),
     "gamma not known": (lambda: q_learning, replace(Q_LEARNING, gamma=None)),
-    "clipped": (lambda: clipped, Q_LEARNING),
-    "1/N": (by_visits, replace(Q_LEARNING, alpha=None, alpha_schedule="1/N")),
-    "alpha by episode": (lambda: falling, replace(Q_LEARNING, alpha=None, alpha_schedule="by-episode")),
-    "replay": (replays, UNKNOWN),
-    "bound anew": (lambda: is_bound_anew, Q_LEARNING),
+    "clipped": (CORRECT_LEARNERS["clipped values"], Q_LEARNING),
+    "1/N": (averaging, replace(Q_LEARNING, alpha=None, alpha_schedule="1/N")),
+    "alpha by episode": (
+        CORRECT_LEARNERS["alpha by episode"],
+        replace(Q_LEARNING, alpha=None, alpha_schedule="by-episode"),
+    ),
+    "replay": (CORRECT_LEARNERS["replay"], UNKNOWN),
+    "bound anew": (CORRECT_LEARNERS["begins anew"], Q_LEARNING),
 }
 
 
@@ -288,7 +215,7 @@ def test_a_fault_is_told_also_where_the_step_size_falls(schedule: str) -> None:
         cell = step.state, step.action
         counts[cell] = counts.get(cell, 0) + 1
         alpha = 1.0 / counts[cell] if schedule == "1/N" else 0.5 * 0.999**step.episode
-        moves(table, step, step.reward + GAMMA * table[step.next_state].max(), alpha=alpha)
+        moved(table, step, step.reward + GAMMA * table[step.next_state].max(), alpha=alpha)
 
     update = replace(Q_LEARNING, alpha=None, alpha_schedule=schedule)  # type: ignore[arg-type]
     faults = [each.fault for each in found(recorded(learn), update)]
@@ -331,7 +258,7 @@ def test_a_number_that_is_no_discount_is_no_root() -> None:
 
 def test_integers_that_lose_nothing_are_no_fault() -> None:
     def counts_steps(table: FloatArray, step: Step) -> None:
-        moves(table, step, step.reward + best(table, step), alpha=1.0)
+        moved(table, step, step.reward + best(table, step), alpha=1.0)
 
     log = recorded(counts_steps, initial="zeros", dtype="int64")
     log.numbers["alpha"] = 1.0

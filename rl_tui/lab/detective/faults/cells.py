@@ -69,7 +69,7 @@ def _proof(evidence: Evidence, at: IntArray, wrong: IntArray, place: str, names:
             f"is not Q(s, a)"
         )
     is_next = place == "(s′, a)"
-    cell = f"{names.table}[{names.state}, {names.action}]"
+    cell = names.cell()
     return Proof(
         Fault.UPDATES_AFTER_MOVING if is_next else Fault.WRONG_CELL,
         evidence.number[speaking],

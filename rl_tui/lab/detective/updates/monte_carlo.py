@@ -18,6 +18,8 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 _MOST_STEPS: Final = 40_000
 _LONGEST: Final = 400
 """Longer episodes are left out."""
+AT_ENDS: Final = 0.9
+"""The share of changes that come at ends of episodes, of cells taken in them; others were seen late."""
 _USUAL: Final = (1.0, 0.9, 0.95, 0.98, 0.99, 0.999)
 
 
@@ -25,11 +27,11 @@ def monte_carlo_update(evidence: Evidence, numbers: Mapping[str, float]) -> Upda
     """Return Monte Carlo's update if the returns of the episodes prove it, else None."""
     moved = evidence.changes_of > 0
     ends = evidence.terminated | evidence.truncated
-    if not np.any(moved) or np.mean(ends[moved]) <= SHARE:
+    if not np.any(moved) or np.mean(ends[moved]) < AT_ENDS:
         return None
     used = evidence.learns & (np.arange(len(evidence)) < _MOST_STEPS)
     visits = _Visits(evidence, np.flatnonzero(used))
-    if len(visits.old) < FEWEST or visits.inside <= SHARE:
+    if len(visits.old) < FEWEST or visits.inside < AT_ENDS:
         return None
     named = [each for each in numbers.values() if 0.0 < each <= 1.0]
     found = [(gamma, visits.step_size(gamma)) for gamma in dict.fromkeys((*named, *_USUAL))]
@@ -78,6 +80,8 @@ class _Visits:
         self.left: IntArray = self._left[self._at]
         self._cell = changes.cell[kept][once]
         self.old, self.new = changes.before[kept][once], changes.after[kept][once]
+        self._again = np.ones(len(self._cell), np.bool_)  # a change of a cell that had changed before
+        self._again[np.unique(self._cell, return_index=True)[1]] = False
 
     def step_size(self, gamma: float) -> float | None:
         """Return the constant step size towards the returns under ``gamma``, 0 for 1/N, None if neither."""
@@ -89,7 +93,7 @@ class _Visits:
         near = 1e-6 if self._exact else 2e-3
         usual = most_frequent(size[telling][:, None], 5 if self._exact else 2, 1)
         if usual and np.mean(np.abs(size[telling] - usual[0][0]) <= near * abs(usual[0][0])) > SHARE:
-            return usual[0][0]
+            return usual[0][0] if np.sum(telling & self._again) >= FEWEST_INFORMATIVE else None
         return 0.0 if self._falls(size, telling, near) else None
 
     def _falls(self, size: FloatArray, telling: BoolArray, near: float) -> bool:

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.lab.detective.evidence import Evidence, order_by
+from rl_tui.lab.detective.evidence import order_by
 from rl_tui.lab.detective.updates.pair_solving import most_frequent, plainest
 from rl_tui.lab.detective.updates.sample import EXACT, Sample
 from rl_tui.lab.detective.updates.trial import FEWEST, FEWEST_INFORMATIVE, SHARE, Trial
@@ -62,8 +62,8 @@ def by_visits(sample: Sample, target: Target, numbers: Mapping[str, float]) -> T
     one, other = moved[same], moved[same + 1]
     if len(one) < FEWEST:
         return None
-    for counted in (np.ones(len(sample.evidence), np.bool_), sample.evidence.learns):
-        visits = _visits(sample.evidence, counted)[sample.at]
+    for counted in sample.evidence.visits:
+        visits = counted[sample.at]
         grown = visits[other] - visits[one]
         above = grown - unit[other] / sample.change[other] + unit[one] / sample.change[one]
         below = value[other] / sample.change[other] - value[one] / sample.change[one]
@@ -114,15 +114,4 @@ def _first_of_each(group: IntArray, numbers: FloatArray, known: BoolArray) -> Fl
     if len(groups):
         at = np.searchsorted(groups, group).clip(0, len(groups) - 1)
         result = np.where(groups[at] == group, numbers[places[first[at]]], np.nan)
-    return result
-
-
-def _visits(evidence: Evidence, counted: BoolArray) -> IntArray:
-    """Return how often the cell of each step was taken until then, this step included, [N]."""
-    order = order_by(evidence.cell)
-    total = np.cumsum(counted[order])
-    begins = np.flatnonzero(np.diff(evidence.cell[order], prepend=-1))
-    before = np.where(begins > 0, total[begins - 1], 0)
-    result: IntArray = np.empty(len(order), np.int64)
-    result[order] = total - np.repeat(before, np.diff(np.append(begins, len(order))))
     return result

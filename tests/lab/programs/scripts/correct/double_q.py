@@ -4,13 +4,13 @@ import random
 import gymnasium as gym
 import numpy as np
 
-env = gym.make("CliffWalking-v1")
+env = gym.make("CliffWalking-v1", max_episode_steps=300)
 Q1 = np.zeros((48, 4))
 Q2 = np.zeros((48, 4))
 for i in range(100):
     s, _ = env.reset()
-    done = False
-    while not done:
+    done = cut = False
+    while not (done or cut):
         total = Q1[s] + Q2[s]
         a = random.randrange(4) if random.random() < 0.1 else int(np.argmax(total))
         s2, r, done, cut, _ = env.step(a)

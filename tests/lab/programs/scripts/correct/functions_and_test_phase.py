@@ -6,7 +6,7 @@ import random
 import gymnasium as gym
 import numpy as np
 
-EPISODES = 600
+EPISODES = 1500
 EVALUATION = 30
 
 
@@ -26,7 +26,7 @@ def epsilon_greedy_policy(qtable, state, epsilon, env):
 
 def train(episodes, env, qtable, learning_rate=0.7, gamma=0.95, max_steps=99):
     for episode in range(episodes):
-        epsilon = 0.05 + 0.95 * np.exp(-0.005 * episode)
+        epsilon = 0.05 + 0.95 * np.exp(-0.0005 * episode)
         state, info = env.reset()
         for step in range(max_steps):
             action = epsilon_greedy_policy(qtable, state, epsilon, env)
