@@ -11,6 +11,7 @@ from rl_tui.lab.programs.recording import Changes, Recording
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 NO_ACTION: Final = -1
+_TOO_LARGE: Final = 1e100
 _FEW: Final = 1 << 16
 _JUDGED: Final = 20_000
 """Changes from which the precision of a table is read."""
@@ -105,6 +106,13 @@ class Evidence:
         place = self.changes.step - self.number[0]
         at: IntArray = np.where((place >= 0) & (place < len(self)), place, -1)
         return at
+
+    @cached_property
+    def runs_away_at(self) -> float:
+        """The first step after which a number is so large that sums with it say nothing; ∞ if none is."""
+        changes = self.recording.changes
+        large = np.abs(changes.after) >= _TOO_LARGE
+        return float(changes.step[large].min()) if large.any() else np.inf
 
     @cached_property
     def changes_of(self) -> IntArray:

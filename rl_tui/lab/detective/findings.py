@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
+import numpy as np
+
 from rl_tui.common.findings import one_line
 from rl_tui.lab.detective.evidence import Evidence
 from rl_tui.lab.detective.faults.axes import proof_of_axis
@@ -41,17 +43,24 @@ def findings_of(
     """
     if log.table is None or not len(evidence):
         return (), ()
+    with np.errstate(over="ignore", invalid="ignore"):  # of a table whose numbers run away
+        return _found(evidence, update, log, log.table, done_is_either=done_is_either)
+
+
+def _found(
+    evidence: Evidence, update: UpdateFound, log: ProgramLog, table: FoundTable, *, done_is_either: bool
+) -> tuple[tuple[Finding, ...], tuple[str, ...]]:
     code = ProgramCode(log)
-    names = names_of(code, log.table, update, log.numbers)
-    predictions = by_the_environment(evidence, update, log.table.dtype)
+    names = names_of(code, table, update, log.numbers)
+    predictions = by_the_environment(evidence, update, table.dtype)
     proofs = [
-        *_without_a_rule(evidence, log, log.table, code, names),
+        *_without_a_rule(evidence, log, table, code, names),
         *_by_the_rule(predictions, update, log, code, names, done_is_either=done_is_either),
     ]
     enough = [proof for proof in proofs if proof is not None and proof.is_enough]
     hidden = frozenset().union(*(_HIDDEN_BY.get(proof.fault, frozenset()) for proof in enough))
     findings = tuple(_finding(proof, code) for proof in enough if proof.fault not in hidden)
-    return findings, notes_on(evidence, predictions.update, log.table.dtype)
+    return findings, notes_on(evidence, predictions.update, table.dtype)
 
 
 def _without_a_rule(

@@ -19,6 +19,7 @@ from correct_learners import (
 )
 from made_recordings import Learner, Step, recorded
 
+from rl_tui.lab.detective.detective import verdict_of
 from rl_tui.lab.detective.evidence import Evidence
 from rl_tui.lab.detective.findings import findings_of
 from rl_tui.lab.detective.verdict import Fault, Finding, Place, Rule, Target, UpdateFound
@@ -324,3 +325,14 @@ def test_a_finding_that_rests_on_a_name_says_so() -> None:
     holds_gamma(log)
     (finding,) = found(log, Q_LEARNING)
     assert finding.certainty == "declared"
+
+
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_a_step_size_is_told_also_of_a_table_that_runs_away(dtype: str) -> None:
+    def diverges(table: FloatArray, step: Step) -> None:
+        with np.errstate(all="ignore"):
+            moved(table, step, step.reward + GAMMA * best(table, step), alpha=10.0)
+
+    log = recorded(diverges, dtype=dtype, steps=3000)
+    assert not np.isfinite(log.recording.changes.after).all()
+    assert [each.fault for each in verdict_of(log).findings] == [Fault.STEP_SIZE_OUT_OF_RANGE]

@@ -28,11 +28,11 @@ def proof_of_axis(predictions: Predictions, reward: FloatArray, names: CodeNames
     column, best = predictions.values(at), predictions.values(at, Target.BEST)
     over_states = predictions.after(readings, reward[at], column)
     over_actions = predictions.after(readings, reward[at], best)
-    told = predictions.told_apart(readings, over_states, over_actions)
-    speaking = at[told.one]
+    seen = predictions.witnesses(readings, over_states, over_actions)
+    speaking = at[seen.one]
     text = ""
     if len(speaking):
-        first = int(np.argmax(told.one))
+        first = int(np.argmax(seen.one))
         text = (
             f"at step {evidence.number[speaking[0]]:,} the target held {written(column[first, 0])}, the "
             f"largest value of any state for action {evidence.action[speaking[0]]}; the largest of the next "
@@ -41,8 +41,8 @@ def proof_of_axis(predictions: Predictions, reward: FloatArray, names: CodeNames
     return Proof(
         Fault.WRONG_AXIS,
         evidence.number[speaking],
-        int(told.other.sum()),
+        int(seen.other.sum()),
         text,
         f"take the maximum over the actions of the next state, {names.best()}: {names.target()}",
-        neither=int(told.neither.sum()),
+        neither=int(seen.neither.sum()),
     )

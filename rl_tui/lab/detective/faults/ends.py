@@ -61,34 +61,34 @@ def _ends(predictions: Predictions, which: BoolArray, reward: FloatArray) -> _En
 
 def _bootstraps(predictions: Predictions, ended: BoolArray, reward: FloatArray, names: CodeNames) -> Proof:
     ends = _ends(predictions, ended, reward)
-    told = predictions.told_apart(ends.readings, ends.with_next, ends.without)
+    seen = predictions.witnesses(ends.readings, ends.with_next, ends.without)
     return Proof(
         Fault.BOOTSTRAPS_AFTER_END,
-        predictions.evidence.number[ends.readings.at[told.one]],
-        int(told.other.sum()),
+        predictions.evidence.number[ends.readings.at[seen.one]],
+        int(seen.other.sum()),
         _seen(
-            predictions, ends, told.one, "the episode was over, yet the target held the next state's value:"
+            predictions, ends, seen.one, "the episode was over, yet the target held the next state's value:"
         ),
         f"after a terminal state there is nothing more to come: {names.target()}",
-        neither=int(told.neither.sum()),
+        neither=int(seen.neither.sum()),
     )
 
 
 def _left_out(predictions: Predictions, cut_off: BoolArray, reward: FloatArray, names: CodeNames) -> Proof:
     ends = _ends(predictions, cut_off, reward)
-    told = predictions.told_apart(ends.readings, ends.without, ends.with_next)
+    seen = predictions.witnesses(ends.readings, ends.without, ends.with_next)
     return Proof(
         Fault.NO_BOOTSTRAP_AFTER_TRUNCATION,
-        predictions.evidence.number[ends.readings.at[told.one]],
-        int(told.other.sum()),
+        predictions.evidence.number[ends.readings.at[seen.one]],
+        int(seen.other.sum()),
         _seen(
             predictions,
             ends,
-            told.one,
+            seen.one,
             "the time limit cut the episode off, and the next state's value was left out:",
         ),
         f"cut off is not ended; ask for {names.terminated} alone: {names.target()}",
-        neither=int(told.neither.sum()),
+        neither=int(seen.neither.sum()),
     )
 
 
@@ -97,11 +97,11 @@ def _lost_at_end(predictions: Predictions, ended: BoolArray, reward: FloatArray,
     ends = _ends(predictions, ended & _follows_a_change(predictions), reward)
     readings = ends.readings
     expected = np.concatenate((ends.with_next, ends.without), axis=1)
-    told = predictions.told_apart(readings, readings.before[:, None], expected)
-    steps = predictions.evidence.number[readings.at[told.one]]
+    seen = predictions.witnesses(readings, readings.before[:, None], expected)
+    steps = predictions.evidence.number[readings.at[seen.one]]
     text = ""
     if len(steps):
-        first = int(np.argmax(told.one))
+        first = int(np.argmax(seen.one))
         text = (
             f"{len(steps):,} last steps of episodes left the table as it was, and none changed it; at step "
             f"{steps[0]:,} the reward {written(reward[readings.at[first]])} should have moved "
@@ -110,11 +110,11 @@ def _lost_at_end(predictions: Predictions, ended: BoolArray, reward: FloatArray,
     return Proof(
         Fault.LOSES_UPDATE,
         steps,
-        int(told.other.sum()),
+        int(seen.other.sum()),
         text,
         f"update also after the last step of an episode, before the loop is left: {names.target()}",
         CodePlace.CALL,
-        neither=int(told.neither.sum()),
+        neither=int(seen.neither.sum()),
     )
 
 

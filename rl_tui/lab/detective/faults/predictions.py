@@ -36,7 +36,7 @@ class Readings(NamedTuple):
     after: FloatArray
 
 
-class Told(NamedTuple):
+class Witnesses(NamedTuple):
     """Of n steps that tell two hypotheses apart: which speak for the one, which for the other; [n] each."""
 
     one: BoolArray
@@ -69,9 +69,10 @@ class Predictions:
 
     @cached_property
     def is_plain(self) -> BoolArray:
-        """Whether a step moved its own cell alone, or nothing, [N]."""
-        plain: BoolArray = (self.evidence.changes_of == 0) | (self.evidence.only_change[0] == self.moved_cell)
-        return plain
+        """Whether a step moved its own cell alone, or nothing, [N], before any number runs away."""
+        evidence = self.evidence
+        own: BoolArray = (evidence.changes_of == 0) | (evidence.only_change[0] == self.moved_cell)
+        return own & (evidence.number < evidence.runs_away_at)
 
     @cached_property
     def is_learning(self) -> BoolArray:
@@ -140,7 +141,7 @@ class Predictions:
         predicted: FloatArray = before + alpha * (reward[:, None] + discounted - before)
         return predicted
 
-    def told_apart(self, readings: Readings, one: FloatArray, other: FloatArray) -> Told:
+    def witnesses(self, readings: Readings, one: FloatArray, other: FloatArray) -> Witnesses:
         """Return which steps came out as ``one`` [n, K] predicts and which as ``other`` [n, L] does.
 
         Only steps are counted on which any of the one differs clearly from any of the other.
@@ -155,7 +156,7 @@ class Predictions:
         fits_one = (np.abs(one - after) <= near[:, None]).any(1)
         fits_other = (np.abs(other - after) <= near[:, None]).any(1)
         moved = readings.before != readings.after
-        return Told(clear & fits_one, clear & fits_other, clear & moved & ~fits_one & ~fits_other)
+        return Witnesses(clear & fits_one, clear & fits_other, clear & moved & ~fits_one & ~fits_other)
 
     def _column_values(self, at: IntArray) -> FloatArray:
         """Return the largest value of any state for the action taken, [n, 1]; NaN where it costs too much."""
@@ -199,8 +200,8 @@ def by_the_environment(evidence: Evidence, update: UpdateFound, dtype: str) -> P
     inner = ~(evidence.terminated | evidence.truncated) & (evidence.changes_of == 1)
     readings = plainer.readings(some_of(np.flatnonzero(inner), _FEW))
     expected = plainer.after(readings, evidence.reward[readings.at], plainer.values(readings.at))
-    told = plainer.told_apart(readings, expected, readings.before[:, None])
-    explained, others = int(told.one.sum()), int(told.neither.sum())
+    seen = plainer.witnesses(readings, expected, readings.before[:, None])
+    explained, others = int(seen.one.sum()), int(seen.neither.sum())
     return plainer if explained >= _FEWEST and others <= _EXCEPTIONS * explained else predictions
 
 

@@ -49,8 +49,8 @@ def _proof(predictions: Predictions, before: FloatArray, names: CodeNames) -> Pr
     values = np.concatenate((values, without), axis=1)
     late = predictions.after(readings, before[at], values)
     now = predictions.after(readings, evidence.reward[at], values)
-    told = predictions.told_apart(readings, late, now)
-    speaking = at[told.one]
+    seen = predictions.witnesses(readings, late, now)
+    speaking = at[seen.one]
     text = ""
     if len(speaking):
         first = speaking[0]
@@ -62,9 +62,9 @@ def _proof(predictions: Predictions, before: FloatArray, names: CodeNames) -> Pr
     return Proof(
         Fault.SHIFTED_REWARD,
         evidence.number[speaking],
-        int(told.other.sum()),
+        int(seen.other.sum()),
         text,
         f"take the {names.reward} that {names.environment}.step({names.action}) returned for this "
         f"{names.state} and {names.action}: {names.target()}",
-        neither=int(told.neither.sum()),
+        neither=int(seen.neither.sum()),
     )

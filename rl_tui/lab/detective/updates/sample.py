@@ -121,6 +121,7 @@ def sample_of(evidence: Evidence, place: Place) -> Sample:
     fit = evidence.learns & (evidence.changes_of <= 1) & ((moved == cell) | (moved < 0)) & (cell >= 0)
     fit &= evidence.next_state * evidence.actions < len(evidence.initial)
     fit &= (evidence.terminated | (evidence.next_action != NO_ACTION)) & ~evidence.truncated
+    fit &= evidence.number < evidence.runs_away_at
     fit[-1:] = False  # what it moved may still be on its way
     at = _chosen(evidence, np.flatnonzero(fit), moved >= 0)
     still = moved[at] < 0
