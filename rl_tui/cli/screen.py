@@ -82,14 +82,19 @@ def started(request: ProgramRequest) -> Iterator[WatchedProgram]:
     """
     from rl_tui.lab.live_programs.watched_program import WatchedProgram
 
-    if in_kiosk():
-        raise UserError("kiosk mode runs no programs of others")
+    refuse_where_served()
     program = WatchedProgram(request)
     try:
         program.wait_for_environment()
         yield program
     finally:
         program.end()
+
+
+def refuse_where_served() -> None:
+    """Raise UserError where others use the program: somebody's own code runs with all rights of its user."""
+    if in_kiosk() or os.environ.get("TEXTUAL_DRIVER") == IN_BROWSER:
+        raise UserError("your own code runs neither in a kiosk nor where the program is served")
 
 
 def _run_app(display: Display, start: Recipe | StoredSession | WatchedProgram | None) -> None:

@@ -12,6 +12,7 @@ from seams import sized
 from snapshots import changed
 
 from rl_tui.lab.detective.verdict import Fault, Place, Rule, Target, UpdateFound, Verdict
+from rl_tui.lab.last_step.story import story_of
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.programs.program_log import OutputLine
@@ -336,6 +337,15 @@ def test_a_step_that_changed_nothing() -> None:
     assert "the program changed nothing" in story(none, 80)
 
 
+def test_without_a_table_nothing_is_said_of_what_was_learned() -> None:
+    picture = watched(program(table=None, verdict=Verdict()))
+    last = picture.counters.last_step
+    assert last is not None
+    text = story(changed(picture, last_step=replace(last, updated_pair=-1)), 80)
+    assert "no table was found, so no change is seen" in text
+    assert "greedy" not in text
+
+
 def test_the_microscope_has_the_update_that_fits_and_invents_nothing() -> None:
     text = "\n".join(row.text for row in page(watched(), 0, look(), 120, 20))
     assert "Q-learning:  Q(s,a) ←" in text or "Q(s,a) ← Q(s,a) + .1·(r + .99·max Q(s′,·) − Q(s,a))" in text
@@ -346,6 +356,29 @@ def test_the_microscope_has_the_update_that_fits_and_invents_nothing() -> None:
     assert "your program moved" in text
     for invented in ("sampled", "expected", "α", "max Q", "G₀"):
         assert invented not in text
+
+
+def test_what_a_fault_puts_into_the_target_is_written_as_it_is() -> None:
+    column = Verdict(update=replace(KNOWN, target=Target.COLUMN, uses_reward_before=True))
+    picture = watched(program(verdict=column))
+    text = story(picture, 80)
+    assert "target = r before + γ · max Q(·,a)" in text
+    found = story_of(picture)
+    assert found is not None
+    assert found.sources == {}
+    assert found.backup is None
+
+
+def test_a_mean_over_actions_is_taken_apart_only_with_the_epsilon_that_is_known() -> None:
+    mean = Verdict(update=replace(KNOWN, rule=Rule.EXPECTED_SARSA, target=Target.EXPECTED, epsilon=0.1))
+    picture = changed(watched(program(verdict=mean)), algorithm="expected-sarsa")
+    last = picture.counters.last_step
+    assert last is not None
+    known, other = (story_of(changed(picture, last_step=replace(last, epsilon=each))) for each in (0.1, 0.0))
+    assert known is not None
+    assert known.backup is not None
+    assert other is not None
+    assert other.backup is None
 
 
 def status(snapshot: Snapshot, width: int = 110) -> str:

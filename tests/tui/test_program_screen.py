@@ -41,7 +41,7 @@ SCRIPT = """\
             s2, r, terminated, truncated, _ = env.step(a)
             target = r + gamma * q[s2].max() {end}
             q[s, a] += alpha * (target - q[s, a])
-            other[s, a] -= 0.25 * other[s, a]
+            other[s, a] += 0.25 * (r - other[s, a])
             s, done = s2, terminated or truncated
     """
 
@@ -182,11 +182,12 @@ async def test_another_table_can_be_chosen(script: Path) -> None:
         assert program.table.others
         await press(pilot, "T")
         await choose(pilot, "1")
+        assert snapshot(pilot).counters.step == 0
+        await train(pilot, 50)
         chosen = snapshot(pilot).program
         assert chosen is not None
         assert chosen.table is not None
         assert chosen.table.name == program.table.others[0]
-        assert snapshot(pilot).counters.step == 0
 
 
 async def test_an_agent_of_ours_beside_it(script: Path) -> None:

@@ -36,10 +36,12 @@ def request_of(
     ``given`` are the hyper-parameters that a person gave. Raises UserError where there is no such agent,
     UsageError beside a session.
     """
+    from rl_tui.cli.screen import refuse_where_served
     from rl_tui.lab.experiments.training import Goal
     from rl_tui.lab.grading.agent_request import agent_request, place_of_agent
     from rl_tui.lab.run.recipe import Recipe
 
+    refuse_where_served()
     if not isinstance(start, Recipe):
         raise click.UsageError("--agent needs a scenario, not a session", click.get_current_context())
     place_of_agent(agent)  # what is wrong with it is said before the screen is taken

@@ -16,6 +16,7 @@ from rl_tui.agents.update_terms import Lookup, UpdateTerms
 from rl_tui.lab.last_step.backup import Backup, backup_of, sources
 from rl_tui.lab.last_step.estimates import EstimatesBefore
 from rl_tui.lab.last_step.gust import gust_of
+from rl_tui.lab.last_step.program_terms import program_terms, reads_by_the_book
 from rl_tui.lab.last_step.state_backup import StateBackup, state_backup_of
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import Snapshot
@@ -78,8 +79,17 @@ class StepStory:
 
     @property
     def terms(self) -> UpdateTerms:
-        """The symbols and words of the algorithm's update."""
-        return self.algorithm.update
+        """The symbols and words of the algorithm's update, or of what a program makes of it."""
+        terms, program = self.algorithm.update, self.program
+        return terms if program is None else program_terms(terms, program)
+
+    @property
+    def reads_by_the_book(self) -> bool:
+        """Whether which estimates the update looked up is what its algorithm says."""
+        program = self.program
+        return program is None or (
+            self.has_equation and reads_by_the_book(self.terms, program.verdict.update, self.last)
+        )
 
     @property
     def is_bandit(self) -> bool:
@@ -108,7 +118,7 @@ class StepStory:
     @cached_property
     def backup(self) -> Backup | None:
         """The update as a tree over all that might have followed; None where there is none, or not known."""
-        return backup_of(self.before, self.mean) if self.has_equation else None
+        return backup_of(self.before, self.mean) if self.reads_by_the_book else None
 
     @cached_property
     def state_backup(self) -> StateBackup | None:
@@ -118,7 +128,7 @@ class StepStory:
     @cached_property
     def sources(self) -> dict[int, float]:
         """The pairs that the bootstrap was read from, each with its weight in it; none where not known."""
-        return sources(self.before) if self.has_equation else {}
+        return sources(self.before) if self.reads_by_the_book else {}
 
     @property
     def looked_up(self) -> list[tuple[float, float]]:
@@ -187,7 +197,9 @@ def story_of(snapshot: Snapshot) -> StepStory | None:
         hyperparameters=hyperparameters,
         policy=POLICY_BY_ID[hyperparameters.policy],
         before=before,
-        greedy=_greedy_before(before, knows_others=_knows_others(snapshot, algorithm)),
+        greedy=[]
+        if snapshot.program is not None and snapshot.program.table is None
+        else _greedy_before(before, knows_others=_knows_others(snapshot, algorithm)),
         chance=chance,
         meant=meant,
         went=went,

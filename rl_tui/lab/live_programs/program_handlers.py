@@ -73,12 +73,12 @@ def _toggle_breakpoint(playback: ProgramPlayback, command: commands.ToggleBreakp
     breakpoints = playback.breakpoints.toggled(state=command.state, pair=command.pair)
     breakpoints.check(playback.beside.world.space)
     playback.breakpoints = breakpoints
-    if playback.state is State.RUNNING:
-        playback.program.hold()
+    playback.arm()
 
 
 def _clear_breakpoints(playback: ProgramPlayback, _: commands.ClearBreakpoints) -> None:
     playback.breakpoints = Breakpoints()
+    playback.arm()
 
 
 def _restart(playback: ProgramPlayback, _: commands.Restart) -> None:

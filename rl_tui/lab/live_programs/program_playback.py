@@ -23,7 +23,7 @@ from rl_tui.lab.live_programs.program_file import LOOKS, ProgramFile
 from rl_tui.lab.live_programs.program_handlers import HANDLERS, refusal_of
 from rl_tui.lab.live_programs.program_questions import ProgramQuestions
 from rl_tui.lab.live_programs.program_snapshot import Found, ProgramSnapshots, found_of, usual_recipe
-from rl_tui.lab.live_programs.program_stop import ProgramStop, met_breakpoint
+from rl_tui.lab.live_programs.program_stop import ProgramStop, asked_for, met_breakpoint
 from rl_tui.lab.live_programs.reload import Reload
 from rl_tui.lab.live_programs.verdicts import Verdicts
 from rl_tui.lab.live_programs.watched_program import WatchedProgram, error_in_words
@@ -32,8 +32,6 @@ from rl_tui.lab.programs.program_process import ProgramRequest
 from rl_tui.lab.timeline.branches import RunRecord
 
 ENDED_BY_ITSELF: Final = "your program has ended"
-_BETWEEN: Final = 0.002
-"""Seconds for which it listens for the next step, where it looks at each."""
 _WHILE_RUNNING: Final = 0.01
 _AT_A_STOP: Final = 0.05
 """Seconds for which a pause or a step waits for the program: mostly it is there at once."""
@@ -81,6 +79,7 @@ class ProgramPlayback:
         self._on_exact = on_exact
         self._pace = Pace()
         self._goal: int | None = None  # it goes on until that step
+        self._until: Until | None = None  # waits for the program to come to rest
         self._owed = 0  # steps that were asked for while it had not come to rest
         self._snapshots = ProgramSnapshots()
         self._reload: Reload | None = None
@@ -89,26 +88,18 @@ class ProgramPlayback:
         self.verdicts = Verdicts(on_exact, automatic=automatic)
         """What the detective says of it."""
         self._is_closed = False
-        self._watch(program)
-
-    def _watch(self, program: WatchedProgram) -> None:
-        """Begin with ``program``. Raises UserError where it is too large to be shown."""
-        world = program.world
-        self.program = program
-        """What is watched."""
-        self.history = ProgramHistory(program.log.recording, world)
-        """What it has done so far."""
-        recipe = usual_recipe(world, program.request.seed)
+        recipe = usual_recipe(program.world, program.request.seed)
         self.usual: Hyperparameters = recipe.hyperparameters
         """The hyper-parameters that the scenario suggests."""
-        self._record = Record((RunRecord(recipe),), speed=self.speed)
-        self.questions: ProgramQuestions = ProgramQuestions(
-            self._record, self._on_exact, automatic=self.automatic
-        )
+        self._record = Record((RunRecord(recipe),), speed=speed)
+        self.questions: ProgramQuestions = ProgramQuestions(self._record, on_exact, automatic=automatic)
         """What a person asks beside it."""
-        self.beside = RunsBeside(world.world, automatic=self.automatic)
+        self.beside = RunsBeside(program.world.world, automatic=automatic)
         """Runs of ours beside it."""
-        self.verdicts.forget()
+        self.program = program
+        """What is watched."""
+        self.history = ProgramHistory(program.log.recording, program.world)
+        """What it has done so far."""
         self._take_in()
 
     @property
@@ -119,7 +110,10 @@ class ProgramPlayback:
     @property
     def on_the_way(self) -> bool:
         """Whether something that was asked for and has an end is not done yet."""
-        return self.state in UNFINISHED or self._goal is not None or self._owed > 0 or self._is_behind
+        waits = self._reload is not None and not (self._reload.is_watched or self._reload.is_saved)
+        return (
+            self.state in UNFINISHED or self._goal is not None or self._owed > 0 or self._is_behind or waits
+        )
 
     @property
     def is_still(self) -> bool:
@@ -221,12 +215,18 @@ class ProgramPlayback:
 
     def rest(self) -> None:
         """Stand still, whatever was under way."""
-        self.paused_by, self.stop, self._goal, self._owed = "", None, None, 0
+        self.paused_by, self.stop, self._goal, self._owed, self._until = "", None, None, 0, None
         self.meter.clear()
         self.program.hold()
-        self._listen(_AT_A_STOP if not self.program.is_settled else 0.0)
         if self.state not in ENDED and self.state is not State.BUILDING:
             self._enter(State.PAUSED)
+        self.arm()
+        self._listen(_AT_A_STOP if not self.program.is_settled else 0.0)
+
+    def arm(self) -> None:
+        """Have the program stop at the breakpoints, and at what is waited for."""
+        asked = {} if self.state is State.TRAINING else asked_for(self.breakpoints, self.program.world)
+        self.program.stop_at(asked if self.stop is None else asked | self.stop.asked)
 
     def go_on_here(self) -> None:
         """Show the newest moment again: a program goes on where it is."""
@@ -266,6 +266,7 @@ class ProgramPlayback:
         if steps > 0 and self.state not in ENDED:
             self._goal = self.program.log.recording.count + steps
             self.state = State.TRAINING
+            self.arm()
             self.changed = False
 
     def run_until(self, until: Until) -> None:
@@ -274,10 +275,22 @@ class ProgramPlayback:
         self.go_on_here()
         if self.state in ENDED:
             return
-        answer = self.questions.exact(self.history.newest, self.found.hyperparameters.gamma)
-        self.stop = ProgramStop(until, self.history.newest, answer)
-        self._goal = self.stop.steps
         self._enter(State.UNTIL)
+        self._until = until
+        if self.program.is_settled:
+            self._wait_for(until)
+
+    def _wait_for(self, until: Until) -> None:
+        """Have the program, which has come to rest, run until something happens. Raises UserError."""
+        self._until = None
+        answer = self.questions.exact(self.history.newest, self.found.hyperparameters.gamma)
+        try:
+            self.stop = ProgramStop(until, self.history.newest, answer)
+        except UserError:
+            self.rest()
+            raise
+        self._goal = self.stop.steps
+        self.arm()
 
     def show(self, step: int) -> None:
         """Pause, and show the moment after ``step`` steps, as far as it is recorded."""
@@ -328,7 +341,7 @@ class ProgramPlayback:
         if not program.is_over or self.state in ENDED:
             return program.is_over
         self._take_in()
-        self.paused_by, self.stop, self._goal, self._owed = "", None, None, 0
+        self.paused_by, self.stop, self._goal, self._owed, self._until = "", None, None, 0, None
         error = program.log.error
         self.message = ENDED_BY_ITSELF if error is None else f"your program stopped: {error_in_words(error)}"
         if program.log.refused:
@@ -339,53 +352,34 @@ class ProgramPlayback:
 
     def _continue_running(self) -> float:
         """Let it take the steps that are due."""
-        now, newest = self._clock(), self.history.newest
-        if self.speed is None and not self.breakpoints:
-            self.program.let(NO_LIMIT)
-            self._listen(0.0)
-        elif self.breakpoints:
-            due = 1_000_000 if self.speed is None else self._pace.due(now)
-            self._creep(due)
-        else:
-            due = self._pace.due(now)
-            if due > 0:
-                self.program.let(self.program.log.recording.count + due)
-                before = newest.step
-                self._listen(min(CHUNK, _AT_A_STOP))
-                self._pace.took(newest.step - before)
-            else:
-                self._listen(0.0)
-        self.meter.note(self._clock(), newest.step, self.speed)
-        if self._note_end():
-            return 0.0
+        program, newest, before = self.program, self.history.newest, self.history.newest.step
         if self.speed is None:
-            return 0.0 if self.breakpoints else _WHILE_RUNNING
-        return self._pace.wait(self._clock())
+            program.let(NO_LIMIT)
+            self._listen(0.0)
+        else:
+            due = self._pace.due(self._clock())
+            if due > 0:
+                program.let(program.log.recording.count + due)
+            self._listen(CHUNK if due > 0 else 0.0)
+            self._pace.took(newest.step - before)
+        self.meter.note(self._clock(), newest.step, self.speed)
+        if self._note_end() or self._has_stopped():
+            return 0.0
+        return _WHILE_RUNNING if self.speed is None else self._pace.wait(self._clock())
 
-    def _creep(self, steps: int) -> None:
-        """Take at most ``steps`` steps, one at a time, and rest where one met what it waits for."""
-        until, program, newest = self._clock() + CHUNK, self.program, self.history.newest
-        for _ in range(steps):
-            before = newest.step
-            program.let(program.log.recording.count + 1)
-            while not program.is_settled and self._clock() < until:
-                program.listen(_BETWEEN)
-            if not program.is_settled:
-                return
-            self._take_in()
-            if newest.step > before:
-                if self.state is State.RUNNING:
-                    self._pace.took(1)
-                if self._has_met_something():
-                    return
-            if program.is_over or self._clock() >= until:
-                return
+    def _has_stopped(self) -> bool:
+        """Rest where the program has met a breakpoint, or what was waited for; return whether it did.
 
-    def _has_met_something(self) -> bool:
-        """Rest where the last step met a breakpoint, or what was waited for; return whether it did."""
-        stop, words = self.stop, met_breakpoint(self.breakpoints, self.history.newest)
-        is_over = stop is not None and stop.is_over()
+        What it met may be none of both: a state of ours may be one of several with the same observation.
+        """
+        program, stop = self.program, self.stop
+        if program.log.stopped_by is None:
+            return False
+        self._take_in()
+        words = met_breakpoint(self.breakpoints, self.history.newest)
+        is_over = stop is not None and program.log.stopped_by in stop.asked and stop.is_over
         if not words and not is_over:
+            program.let(NO_LIMIT if self._goal is None else self._goal)
             return False
         self.rest()
         if words:
@@ -396,27 +390,29 @@ class ProgramPlayback:
 
     def _continue_to_goal(self) -> float:
         """Go on to where it is to stop, or until some milliseconds are over."""
-        stop, newest = self.stop, self.history.newest
-        watches = stop is not None and (stop.looks_at_each_step or bool(self.breakpoints))
-        if watches:
-            self._creep(1_000_000)
-        elif self._goal is not None:
+        newest = self.history.newest
+        if self._goal is not None:
             self.program.let(self._goal)
-            self._listen(CHUNK)
-            if newest.step >= self._goal:
-                self._arrive()
+        self._listen(CHUNK)
+        if self._until is not None and self.program.is_at_rest:
+            try:
+                self._wait_for(self._until)
+            except UserError as fault:
+                self.paused_by, self.changed = str(fault), True
+            return 0.0
+        if not self._has_stopped() and self._goal is not None and newest.step >= self._goal:
+            self._arrive()
         self._note_end()
         return 0.0
 
     def _arrive(self) -> None:
-        """Rest where it was to stop, or go on with what was done before."""
+        """Rest after the last of the steps that were asked for."""
         stop = self.stop
         self.rest()
         self.changed = True
+        self.paused_by = met_breakpoint(self.breakpoints, self.history.newest)
         if stop is not None:
             self.paused_by = until_in_words(stop.until, self.history.newest.world.world)
-        elif words := met_breakpoint(self.breakpoints, self.history.newest):
-            self.paused_by = words
 
     def _stand_still(self) -> float | None:
         self._work_off(0.0)
@@ -433,6 +429,8 @@ class ProgramPlayback:
             self._goal, self._owed = program.log.recording.count + self._owed, 0
             program.let(self._goal)
         self._listen(seconds)
+        if program.log.stopped_by is not None and self._owed == 0 and self._goal is not None:
+            self._has_stopped()
         if self._goal is not None and self.history.newest.step >= self._goal:
             self._goal = None
             self.paused_by = met_breakpoint(self.breakpoints, self.history.newest)
@@ -473,20 +471,39 @@ class ProgramPlayback:
         try:
             if not reload.is_ready():
                 return
-            old, self.state = self.program, State.PAUSED
-            self._watch(reload.taken())
+            self._go_over_to(reload.taken())
         except UserError as fault:
             reload.close()
             self._reload, self.reloaded, self.changed = None, str(fault), True
             return
-        old.end()
-        self.file.read_again()
-        self.message, self.paused_by, self.changed = "", "", True
         self.reloaded = "started again from its seed" if reload.is_saved else ""
         if not reload.is_saved:
             self._reload = None
+
+    def _go_over_to(self, program: WatchedProgram) -> None:
+        """Watch ``program`` in place of the one until now; it runs on where that ran.
+
+        Raises UserError where it is too large to be shown.
+        """
+        before, world = self.program.world, program.world
+        if before.is_same(world):
+            program.world = world = before
+        else:
+            self.breakpoints = Breakpoints()
+            self.beside = RunsBeside(world.world, automatic=self.automatic)
+            self.usual = usual_recipe(world, program.request.seed).hyperparameters
+        was_running, old = self.state is State.RUNNING, self.program
+        self.program, self.history = program, ProgramHistory(program.log.recording, world)
+        old.end()
+        self.file.read_again()
+        self.verdicts.forget()
+        self.message, self.paused_by, self.stop, self.changed = "", "", None, True
+        self._goal, self._owed, self._until = None, 0, None
         self._enter(State.PAUSED)
-        self._note_end()
+        self._take_in()
+        self.arm()
+        if not self._note_end() and was_running:
+            self.run()
 
     def with_table(self, name: str) -> ProgramRequest:
         """Return the request for the same program with another table."""

@@ -1,8 +1,8 @@
-"""What a program is to stop at, looked at after every step."""
+"""What a program is to stop at: as it is asked to, and whether that was it."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,8 +13,8 @@ from rl_tui.lab.live_programs.progress import Progress, steps_between
 from rl_tui.lab.programs.messages import NO_LIMIT
 
 if TYPE_CHECKING:
+    from rl_tui.lab.programs.program_world import ProgramWorld
     from rl_tui.lab.run.exact_answers import Answer
-    from rl_tui.worlds.mdp.space import BoolArray
 
 
 class ProgramStop:
@@ -27,62 +27,38 @@ class ProgramStop:
         self.until = until
         self.steps = NO_LIMIT
         """After how many steps of the program it is over in any case."""
+        self.asked: dict[str, Any] = {}
+        """What the program is asked to stop at, as messages.py has it."""
         self._progress = progress
         self._optimum = answer.solution
-        self._episodes = NO_LIMIT
-        space = progress.world.world.space
+        world = progress.world
         match until.event:
             case Event.STEP:
                 self.steps = until.number
-                _check_ahead(
-                    until.number > progress.step, f"step {until.number:,}", f"step {progress.step:,}"
-                )
+                here = f"step {progress.step:,}"
+                _check_ahead(until.number > progress.step, f"step {until.number:,}", here)
             case Event.EPISODE:
-                self._episodes = until.number - 1
-                here = f"episode {progress.episodes + 1:,}"
-                _check_ahead(
-                    self._episodes > progress.episodes, f"the start of episode {until.number:,}", here
-                )
+                left, here = until.number - 1 - progress.episodes, f"episode {progress.episodes + 1:,}"
+                _check_ahead(left > 0, f"the start of episode {until.number:,}", here)
+                self.asked = {"episode_ends": left}
             case Event.EPISODE_END:
-                self._episodes = progress.episodes + 1 + until.number
-            case Event.VALUE if not 0 <= until.pair < space.pairs:
-                raise UserError(f"there is no pair {until.pair} here")
+                self.asked = {"episode_ends": 1 + until.number}
+            case Event.REWARD:
+                self.asked = {"reward": True}
+            case Event.POLICY_CHANGE:
+                self.asked = {"policy": True}
+            case Event.VALUE:
+                if not 0 <= until.pair < world.world.space.pairs:
+                    raise UserError(f"there is no pair {until.pair} here")
+                self.asked = {"value": [int(world.cell_of_pair[until.pair]), until.threshold]}
             case Event.OPTIMAL:
                 self._check_optimal(answer)
-        self._best = self._best_pairs() if until.event in (Event.POLICY_CHANGE, Event.OPTIMAL) else None
-        self._value = self._value_now()
+                self.asked = {"policy": True}
 
     @property
-    def looks_at_each_step(self) -> bool:
-        """Whether it may be over after any step."""
-        return self.until.event is not Event.STEP
-
     def is_over(self) -> bool:
-        """Return whether it has happened with the last step; to be asked after each."""
-        progress = self._progress
-        match self.until.event:
-            case Event.STEP | Event.EPISODE | Event.EPISODE_END:
-                return progress.step >= self.steps or progress.episodes >= self._episodes
-            case Event.REWARD:
-                last = steps_between(progress.recording, progress.step - 1, progress.step)
-                return bool((last.reward != 0.0).any())
-            case Event.VALUE:
-                before, now = self._value, self._value_now()
-                self._value = now
-                return min(before, now) < self.until.threshold <= max(before, now) or (
-                    now == self.until.threshold and before != now
-                )
-        before_best, self._best = self._best, self._best_pairs()
-        has_changed = before_best is None or not np.array_equal(before_best, self._best)
-        return has_changed and (self.until.event is Event.POLICY_CHANGE or self._is_optimal())
-
-    def _value_now(self) -> float:
-        return float(self._progress.q[self.until.pair]) if self.until.event is Event.VALUE else 0.0
-
-    def _best_pairs(self) -> BoolArray:
-        from rl_tui.agents.exact.policies import best_pairs
-
-        return best_pairs(self._progress.world.world.space, self._progress.q)
+        """Whether what the program stopped at is what was waited for."""
+        return self.until.event is not Event.OPTIMAL or self._is_optimal()
 
     def _check_optimal(self, answer: Answer) -> None:
         if self._progress.world.world.mdp is None or answer.refused:
@@ -97,6 +73,18 @@ class ProgramStop:
         if mdp is None or self._optimum is None or self._progress.table is None:
             return False
         return is_optimal(mdp, self._progress.q, "random", self._optimum)
+
+
+def asked_for(breakpoints: Breakpoints, world: ProgramWorld) -> dict[str, Any]:
+    """Return what a program is asked to stop at for ``breakpoints``, as messages.py has it."""
+    asked: dict[str, Any] = {}
+    if breakpoints.states:
+        states = np.array(sorted(breakpoints.states))
+        seen = np.isin(world.state_of, states) | np.isin(world.first_state_of, states)
+        asked["states"] = np.flatnonzero(seen).tolist()
+    if breakpoints.pairs:
+        asked["cells"] = sorted({int(world.cell_of_pair[pair]) for pair in breakpoints.pairs})
+    return asked
 
 
 def met_breakpoint(breakpoints: Breakpoints, progress: Progress) -> str:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cached_property
-from typing import Final
+from typing import Any, Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line, shown
@@ -32,10 +32,16 @@ class WatchedProgram:
         self.heard_at = time.monotonic()
         """When it last told something."""
         self._limit = 0
+        self._asked: dict[str, Any] | None = None
         try:
             self._process = ProgramProcess(request, allowed=0)
         except OSError as error:
             raise UserError(f"{_name(request)}: no process can be started: {error.strerror}") from error
+
+    @property
+    def exit_status(self) -> int | None:
+        """How its process ended, None while it lives."""
+        return self._process.exit_status
 
     @property
     def is_over(self) -> bool:
@@ -65,12 +71,28 @@ class WatchedProgram:
         return world_of_program(self.log.environments[0])
 
     def let(self, steps: int = NO_LIMIT) -> None:
-        """Let it take steps until it has taken so many in all."""
-        if steps != self._limit and not self.is_over:
-            if steps > self.log.recording.count:
-                self.log.waiting_at = self.log.stopped_by = None
-            self._limit = steps
-            self._process.allow(steps)
+        """Let it take steps until it has taken so many in all, also where it has met something."""
+        has_met = self.log.stopped_by is not None
+        if self.is_over or (steps == self._limit and not has_met):
+            return
+        self._limit = steps
+        self._process.allow(steps)
+        if steps > self.log.recording.count:
+            self.log.waiting_at = self.log.stopped_by = None
+            if has_met:  # it waits to hear anew what it is to stop at
+                self._process.ask({"stop": self._asked})
+
+    def stop_at(self, asked: Mapping[str, Any]) -> None:
+        """Have it stop where something happens, as messages.py has it, from its next step on if it waits.
+
+        Elsewhere it hears that within a moment.
+        """
+        wanted = dict(asked) or None
+        if wanted == self._asked and "episode_ends" not in asked:  # those are counted from now on
+            return
+        self._asked = wanted
+        if self.log.stopped_by is None:
+            self._process.ask({"stop": wanted})
 
     def hold(self) -> None:
         """Let it take no step beyond the one it is in."""

@@ -54,6 +54,14 @@ class ProgramWorld:
     ends: Mapping[str, int] = field(default_factory=dict)
     """The states in which a game of Blackjack ends, which are no observations; else empty."""
 
+    def is_same(self, other: ProgramWorld) -> bool:
+        """Return whether ``other`` was made of the same environment in the same way."""
+        mine, theirs = self.scenario, other.scenario
+        is_made_alike = (mine.id, mine.section) == (theirs.id, theirs.section)
+        spaces = self.world.space, other.world.space
+        sizes = [(each.states, each.pairs, each.time_limit) for each in spaces]
+        return is_made_alike and sizes[0] == sizes[1] and not isinstance(mine.section, _Unknown)
+
     def q_of(self, table: FloatArray) -> FloatArray:
         """Return the estimates of our pairs, [P], by the program's ``table``, [cells]; absent ones are 0."""
         return np.nan_to_num(table)[self.cell_of_pair]

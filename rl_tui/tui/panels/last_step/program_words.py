@@ -60,8 +60,6 @@ def why_no_equation(story: StepStory) -> Sequence[str]:
             f"this step moved {cells}: which update that is, no equation of one cell says",
             f"moved {cells}",
         )
-    if program is not None and program.table is None:
-        return ("no table was found, so no change is seen", "no table was found")
     update = None if program is None else program.verdict.update
     if update is None or update.rule is Rule.UNKNOWN:
         reason = "" if update is None else clause(update.reason)

@@ -21,7 +21,7 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
 
 BACKUP_HEADING: Final = "The backup"
-NOT_KNOWN: Final = "which estimates your program looked up is not known"
+NOT_KNOWN: Final = "which estimates your program looked up is not known, or not as in the book"
 MOST_LEAVES: Final = 8
 TARGET_ROWS: Final = 4
 _HEAD_ROWS: Final = 3
@@ -32,7 +32,7 @@ def backup_section(words: StepWords, look: Look, width: int, *, secret: bool) ->
     """Return the tree over all outcomes and the targets below it; ``secret`` hides true rewards."""
     world, backup = words.story.world, words.story.backup
     if backup is None:
-        text = words.story.terms.waiting if words.story.has_equation else NOT_KNOWN
+        text = words.story.terms.waiting if words.story.reads_by_the_book else NOT_KNOWN
         waiting: Line = [Piece(f" {text}", look.palette.dim)]
         return MicroscopeSection(BACKUP_HEADING, [waiting], 1)
     lines = _tree(world, backup, look, width, secret=secret)

@@ -35,9 +35,12 @@ from rl_tui.tui.panels.program.words import (
 )
 from rl_tui.tui.theme.look import Look
 
+LOOKED_FOR_LATER: Final = "its table is looked for as it learns"
 NO_TABLE: Final = "no table found yet"
 UNKNOWN: Final = "update not known yet"
 _GAMMA_FROM: Final = {"declared": "read from your code", "usual": "the usual one, yours is open"}
+_NEWS_ROWS: Final = 2
+_WORTH_SAYING: Final = 100  # steps, before which nothing could be found wrong
 _HINTS: Final = ("F: findings · O: output", "F O")
 
 
@@ -134,11 +137,17 @@ class _Writer:
     def _news(self) -> list[Line]:
         """Return what the file that was saved last has changed."""
         news = one_line(self._program.reloaded, LONGEST_SENTENCE)
-        return self._wrapped(f" {news}", self._palette.accent) if news else []
+        lines = self._wrapped(f" {news}", self._palette.accent) if news else []
+        return (
+            lines if len(lines) <= _NEWS_ROWS else [lines[0], _unfinished(lines[1], self._look, self._width)]
+        )
 
     def _table(self) -> list[Line]:
         program = self._program
         environment = one_line(program.environment, LONGEST_NAME)
+        if program.table is None and not self._steps:
+            forms = (f" {environment} · {LOOKED_FOR_LATER}", f" {LOOKED_FOR_LATER}")
+            return [self._fitting(forms, self._palette.text)]
         if program.table is None:
             looked = "; ".join(one_line(each, LONGEST_SENTENCE) for each in program.looked_for)
             start = f" {environment} · {NO_TABLE}" if environment else f" {NO_TABLE}"
@@ -199,7 +208,7 @@ class _Writer:
 
     def _nothing_wrong(self) -> list[Line]:
         """Return over how many steps nothing wrong was found, where anything could be."""
-        if not self._steps or self._program.table is None:
+        if self._steps < _WORTH_SAYING or self._program.table is None:
             return []
         found = f" nothing wrong found in {self._steps:,} steps"
         is_open = self._program.verdict.update.rule is Rule.UNKNOWN
