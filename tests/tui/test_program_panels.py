@@ -11,6 +11,8 @@ from samples import lake, look
 from seams import sized
 from snapshots import changed
 
+from rl_tui.agents.catalogue import OWN_PROGRAM
+from rl_tui.agents.last_step import Author
 from rl_tui.lab.detective.verdict import Fault, Place, Rule, Target, UpdateFound, Verdict
 from rl_tui.lab.last_step.story import story_of
 from rl_tui.lab.live.program_view import ProgramView
@@ -23,7 +25,7 @@ from rl_tui.tui.panels.program.findings import NOTHING, FindingsPanel
 from rl_tui.tui.panels.program.output import MOST_LINES, NOTHING_WRITTEN, OutputPanel
 from rl_tui.tui.panels.program.program import UNKNOWN, ProgramPanel
 from rl_tui.tui.panels.program.source import safe_line, source_lines
-from rl_tui.tui.panels.program.words import IN_SHORT, ranked, share_text, update_texts
+from rl_tui.tui.panels.program.words import IN_SHORT, is_own, ranked, share_text, update_texts
 from rl_tui.tui.panels.status_line import PROGRAM_ENDED, status_line
 
 BOTH = Verdict(update=KNOWN, findings=(TIES, AFTER_END))
@@ -229,6 +231,21 @@ def test_a_finding_in_another_file_shows_no_source_of_this_one() -> None:
     assert SOURCE[14].strip() not in text
 
 
+@pytest.mark.parametrize(
+    ("path", "file", "is_own_one"),
+    [
+        ("agent.py", "/home/someone/agent.py", True),
+        ("../work/agent.py", "/home/work/agent.py", True),
+        ("/home/someone/agent.py", "/home/someone/agent.py", True),
+        ("/home/someone/agent.py", "/home/other/agent.py", False),
+        ("agent.py", "/home/someone/helper.py", False),
+        ("agent.py", "", True),
+    ],
+)
+def test_the_file_of_a_program_may_be_given_as_people_do(path: str, file: str, is_own_one: bool) -> None:
+    assert is_own(file, program(path=path)) is is_own_one
+
+
 def test_nothing_found_says_what_that_rests_on() -> None:
     text = " ".join(drawn(FindingsPanel, watched()).split())
     assert f"{NOTHING}: 12,400 steps and 1,033 ends of episodes were examined, 1,204 of them" in text
@@ -324,7 +341,28 @@ def test_a_step_that_departs_says_so() -> None:
     picture = unknown()
     assert picture.program is not None
     picture = replace(picture, program=replace(picture.program, verdict=Verdict(update=KNOWN)))
+    picture = changed(picture, author=Author(OWN_PROGRAM.id, picture.agent.hyperparameters))
     assert "this step departs from the update that fits the others" in story(picture, 110)
+
+
+def test_a_step_size_that_varies_is_that_of_the_step() -> None:
+    by_visits = Verdict(update=replace(KNOWN, alpha=None, alpha_schedule="1/N"))
+    picture = changed(watched(program(verdict=by_visits)), algorithm=OWN_PROGRAM.id)
+    last = picture.counters.last_step
+    assert last is not None
+    seventh = replace(last, step_size=1 / 7, after=last.before + last.td_error / 7)
+    assert " + 1/7 · (" in story(changed(picture, last_step=seventh), 80)
+
+
+def test_monte_carlo_departs_from_nothing() -> None:
+    picture = unknown()
+    assert picture.program is not None
+    verdict = Verdict(update=UpdateFound(rule=Rule.MONTE_CARLO, alpha_schedule="1/N"))
+    picture = replace(picture, program=replace(picture.program, verdict=verdict))
+    picture = changed(picture, author=Author(OWN_PROGRAM.id, picture.agent.hyperparameters))
+    text = story(picture, 110)
+    assert "from the return of its steps" in text
+    assert "departs" not in text
 
 
 def test_a_step_that_changed_nothing() -> None:

@@ -18,7 +18,15 @@ from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, strips_of, wrap
 from rl_tui.tui.draw.to_ascii import separated
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.program.source import source_lines
-from rl_tui.tui.panels.program.words import IN_SHORT, LONGEST_SENTENCE, clause, notes_of, place_text, ranked
+from rl_tui.tui.panels.program.words import (
+    IN_SHORT,
+    LONGEST_SENTENCE,
+    clause,
+    is_own,
+    notes_of,
+    place_text,
+    ranked,
+)
 from rl_tui.tui.panels.scrolled_panel import ScrolledPanel, scroll_bindings
 from rl_tui.tui.theme.look import Look
 
@@ -107,7 +115,7 @@ def finding_lines(
 ) -> list[Line]:
     """Return what is said of ``finding``: one line, or all of it where it ``is_chosen``."""
     palette, glyphs = look.palette, look.glyphs
-    place = place_text(finding.file, finding.line, program.path)
+    place = place_text(finding.file, finding.line, program)
     mark = glyphs.cursor if is_chosen else " "
     style = palette.bad if finding.kind == "fault" else palette.accent
     name = Piece(f" {mark} {finding.kind}: {IN_SHORT[finding.fault]}", style)
@@ -147,7 +155,7 @@ def evidence_text(finding: Finding) -> str:
 
 def _code(finding: Finding, program: ProgramView, look: Look, width: int) -> list[Line]:
     """Return the source around the finding; of another file than the program's own there is none."""
-    if finding.line is None or finding.file not in ("", program.path):
+    if finding.line is None or not is_own(finding.file, program):
         return []
     return source_lines(program.source, finding.line, look, width)
 

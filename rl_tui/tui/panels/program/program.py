@@ -126,7 +126,7 @@ class _Writer:
             return []
         error = program.error
         what = one_line(error.type, LONGEST_NAME)
-        place = place_text(error.file, error.line, program.path)
+        place = place_text(error.file, error.line, program)
         at = f" ({place})" if place else ""
         text = one_line(error.text, LONGEST_SENTENCE)
         forms = (f"{stopped}{what}{at}: {text}", f"{stopped}{what}{at}")
@@ -146,8 +146,8 @@ class _Writer:
         program = self._program
         environment = one_line(program.environment, LONGEST_NAME)
         if program.table is None and not self._steps:
-            forms = (f" {environment} · {LOOKED_FOR_LATER}", f" {LOOKED_FOR_LATER}")
-            return [self._fitting(forms, self._palette.text)]
+            later = (f" {environment} · {LOOKED_FOR_LATER}", f" {LOOKED_FOR_LATER}")
+            return [self._fitting(later, self._palette.text)]
         if program.table is None:
             looked = "; ".join(one_line(each, LONGEST_SENTENCE) for each in program.looked_for)
             start = f" {environment} · {NO_TABLE}" if environment else f" {NO_TABLE}"
@@ -194,7 +194,7 @@ class _Writer:
         if not findings:
             return self._nothing_wrong()
         worst = findings[0]
-        place = place_text(worst.file, worst.line, program.path)
+        place = place_text(worst.file, worst.line, program)
         said = IN_SHORT[worst.fault]
         at = f" ({place})" if place else ""
         count = f" {self._look.glyphs.breakpoint} {counted(findings)}: "

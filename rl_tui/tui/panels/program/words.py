@@ -178,7 +178,13 @@ def counted(findings: Sequence[Finding]) -> str:
     return ", ".join(f"{count} {noun}{'' if count == 1 else 's'}" for count, noun in counts if count)
 
 
-def place_text(file: str, line: int | None, path: str = "") -> str:
-    """Return ``line 12``, with the file's name where that is another one than ``path``; empty if unknown."""
-    name = "" if not file or file == path else f"{one_line(Path(file).name, LONGEST_NAME)}, "
+def is_own(file: str, program: ProgramView) -> bool:
+    """Return whether ``file`` is that of ``program``, whose path may be written as a person gave it."""
+    given = [part for part in Path(program.path).parts if part != ".."]
+    return not file or list(Path(file).parts[-len(given) :]) == given
+
+
+def place_text(file: str, line: int | None, program: ProgramView) -> str:
+    """Return ``line 12``, with the file's name where that is not the program's own; empty if unknown."""
+    name = "" if is_own(file, program) else f"{one_line(Path(file).name, LONGEST_NAME)}, "
     return f"{name}line {line:,}" if line is not None else name.removesuffix(", ")
