@@ -69,6 +69,7 @@ def surround(note: Callable[[str], None]) -> None:
             {
                 "matplotlib": _draw_into_memory,
                 "matplotlib.pyplot": _show_nothing,
+                "tqdm.notebook": _draw_bars_as_text,
                 "gym": lambda _: note(_OLD_GYM),
             }
         ),
@@ -111,6 +112,14 @@ def _show_nothing(pyplot: ModuleType) -> None:
     switch = pyplot.switch_backend
     pyplot.show = pyplot.pause = _nothing  # type: ignore[attr-defined]
     pyplot.switch_backend = lambda *_: switch("agg")  # type: ignore[attr-defined]  # pyplot calls it itself
+
+
+def _draw_bars_as_text(notebook: ModuleType) -> None:
+    """Let bars meant for a notebook, which raise where there is none, be those of a terminal."""
+    from tqdm import std
+
+    notebook.tqdm = notebook.tqdm_notebook = std.tqdm  # type: ignore[attr-defined]
+    notebook.trange = notebook.tnrange = std.trange  # type: ignore[attr-defined]
 
 
 class _AfterImport(MetaPathFinder):
