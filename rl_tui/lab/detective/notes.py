@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from typing import Final
 
 from rl_tui.lab.detective.evidence import Evidence
-from rl_tui.lab.detective.verdict import Place, Rule, Target, UpdateFound
+from rl_tui.lab.detective.verdict import MovedCell, Rule, UpdateFound, UpdateTarget
 
-_UNUSUAL: Final = (Target.SAME_ACTION, Target.OWN_STATE, Target.INDEX, Target.NOTHING)
+_UNUSUAL: Final = (UpdateTarget.SAME_ACTION, UpdateTarget.OWN_STATE, UpdateTarget.INDEX, UpdateTarget.NOTHING)
 
 
 def notes_on(evidence: Evidence, update: UpdateFound, dtype: str) -> tuple[str, ...]:
@@ -31,7 +31,7 @@ def _notes(evidence: Evidence, update: UpdateFound, dtype: str) -> Iterator[str]
         yield f"The target takes {update.target} for the value of the next state."
     if update.reward == "own":
         yield "The reward is the program's own: what is done at the end of an episode cannot be told."
-    if update.place is Place.ONE_LATE:
+    if update.place is MovedCell.ONE_LATE:
         yield "Each update comes one step late; it is then that of the step before."
     if dtype.startswith("float16"):
         yield "The table holds float16: estimates have three digits."

@@ -16,7 +16,7 @@ from rl_tui.agents.exact.policy_figures import expected_return
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.lab.detective.detective import verdict_of
-from rl_tui.lab.detective.verdict import Fault, Finding
+from rl_tui.lab.detective.verdict import CodeFault, CodeFinding
 from rl_tui.lab.experiments.patience import cores
 from rl_tui.lab.experiments.training import Goal
 from rl_tui.lab.grading.agent_request import agent_request
@@ -61,7 +61,7 @@ class GradedRun:
     expected_return: float | None = None
     share: float | None = None
     error: str = ""
-    findings: tuple[Finding, ...] = ()
+    findings: tuple[CodeFinding, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,9 +89,9 @@ class GradedSubmission:
         return mean is not None and len(self.shares) == len(self.runs) and mean >= self.threshold - _TOLERANCE
 
     @property
-    def findings(self) -> list[tuple[Finding, int]]:
+    def findings(self) -> list[tuple[CodeFinding, int]]:
         """Each fault that was found, as in the first seed that shows it, and how many seeds show it."""
-        first, count = dict[Fault, Finding](), dict[Fault, int]()
+        first, count = dict[CodeFault, CodeFinding](), dict[CodeFault, int]()
         for run in self.runs:
             for finding in run.findings:
                 first.setdefault(finding.fault, finding)

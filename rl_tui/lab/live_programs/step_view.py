@@ -10,13 +10,13 @@ import numpy as np
 from rl_tui.agents.counters import Counters
 from rl_tui.agents.last_step import NOTHING, LastStep
 from rl_tui.lab.detective.step_story import update_of_step
-from rl_tui.lab.live_programs.progress import Progress, steps_between
+from rl_tui.lab.live_programs.progress import ProgramState, steps_between
 from rl_tui.lab.timeline.trail import MOST_STEPS, Trail, TrailStep
 from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION
 
 if TYPE_CHECKING:
     from rl_tui.lab.detective.verdict import UpdateFound
-    from rl_tui.lab.programs.recording import Steps
+    from rl_tui.lab.programs.recording import StepColumns
     from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 _MOST_REWARDS: Final = 256
@@ -43,7 +43,7 @@ class StepView:
     ``update`` is what is known of how it learns; ``gamma`` discounts the rewards of its episode.
     """
 
-    def __init__(self, progress: Progress, update: UpdateFound, gamma: float) -> None:
+    def __init__(self, progress: ProgramState, update: UpdateFound, gamma: float) -> None:
         self._progress = progress
         self._update = update
         self._gamma = gamma
@@ -101,7 +101,7 @@ class StepView:
             )
         return tuple(found)
 
-    def _steps_of_episode(self, last: Steps) -> Steps:
+    def _steps_of_episode(self, last: StepColumns) -> StepColumns:
         """Return the steps of the episode of the last one, that one included, as far as they are kept."""
         here, length = self._progress.step, int(last.episode_step[0]) + 1
         steps = steps_between(self._progress.recording, here - length, here)
@@ -112,7 +112,7 @@ class StepView:
             same = steps.episode == last.episode[0]
         return type(steps)._make(column[same] for column in steps)
 
-    def _landing(self, steps: Steps, place: int) -> int:
+    def _landing(self, steps: StepColumns, place: int) -> int:
         return self._world.landing(
             int(steps.next_state[place]),
             float(steps.reward[place]),
@@ -124,7 +124,7 @@ class StepView:
         mdp = self._world.world.mdp
         return 0 if mdp is None else int(mdp.start_state[0])
 
-    def _last_step(self, steps: Steps, place: int, *, ended: bool) -> LastStep | None:
+    def _last_step(self, steps: StepColumns, place: int, *, ended: bool) -> LastStep | None:
         observation, action = int(steps.state[place]), int(steps.action[place])
         count = int(steps.episode_step[place])
         pair = self._world.pair(observation, action, count)

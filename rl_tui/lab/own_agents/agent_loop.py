@@ -14,7 +14,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import shown
 from rl_tui.lab.own_agents.loading import AgentPlace
 from rl_tui.lab.own_agents.players import Happened
-from rl_tui.lab.own_agents.ready_agent import AgentSettings, ready_agent
+from rl_tui.lab.own_agents.ready_agent import GivenSettings, ready_agent
 from rl_tui.lab.own_agents.shapes import SHAPE_OF
 
 
@@ -26,7 +26,7 @@ def make_scenario(scenario: str, seed: int) -> Any:
 
 
 def learn(
-    built: Any, place: AgentPlace, env: Any, settings: AgentSettings, note: Callable[[str], None]
+    built: Any, place: AgentPlace, env: Any, settings: GivenSettings, note: Callable[[str], None]
 ) -> None:
     """Let the agent ``built``, the class or function at ``place``, learn in ``env`` for its episodes.
 

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rl_tui.lab.own_agents.binding import bind, bound_roles
-from rl_tui.lab.own_agents.shapes import FUNCTION, SHAPE_OF, Shape, Style
+from rl_tui.lab.own_agents.shapes import FUNCTION, SHAPE_OF, AgentShape, Style
 
 Mask = npt.NDArray[np.int8] | None
 """1 for each action that is legal, [A]; None: all are."""
@@ -47,7 +47,7 @@ class AgentPlayer(Protocol):
 class MethodsPlayer:
     """An agent that is an object with one method to choose an action and one to learn."""
 
-    def __init__(self, agent: Any, shape: Shape, env: Any) -> None:
+    def __init__(self, agent: Any, shape: AgentShape, env: Any) -> None:
         self._env, self._either = env, shape.done_is_either
         self._choose = bind(getattr(agent, shape.choose), shape.choose, shape.roles[shape.choose])
         update = getattr(agent, shape.update)

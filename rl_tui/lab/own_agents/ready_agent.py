@@ -25,7 +25,7 @@ _IN_INFO: Final = frozenset({"alpha", "gamma", "epsilon"})
 
 
 @dataclass(frozen=True, slots=True)
-class AgentSettings:
+class GivenSettings:
     """With what an agent learns.
 
     ``given`` are numbers by role that a person gave, ``defaults`` those of the scenario, which hold alpha,
@@ -54,7 +54,7 @@ class ReadyAgent(NamedTuple):
     unused: frozenset[str]
 
 
-def ready_agent(built: Any, place: AgentPlace, env: Any, settings: AgentSettings) -> ReadyAgent:
+def ready_agent(built: Any, place: AgentPlace, env: Any, settings: GivenSettings) -> ReadyAgent:
     """Make the agent of ``built``, the class or function at ``place``, for ``env``.
 
     Raises UserError, naming all that cannot be bound, and whatever its constructor raises.
@@ -90,13 +90,13 @@ def ready_agent(built: Any, place: AgentPlace, env: Any, settings: AgentSettings
     return ReadyAgent(agent, MethodsPlayer(agent, shape, env), unused)
 
 
-def _of_function(update: Any, name: str, sizes: tuple[int, int], settings: AgentSettings) -> ReadyAgent:
+def _of_function(update: Any, name: str, sizes: tuple[int, int], settings: GivenSettings) -> ReadyAgent:
     function = FunctionPlayer(update, name, sizes, settings.numbers, settings.given, settings.seed)
     taken = bound_roles(update, name, FUNCTION.roles[""]).values()
     return ReadyAgent(function, function, frozenset(settings.given) & {"alpha", "gamma"} - set(taken))
 
 
-def _agent_info(sizes: tuple[int, int], settings: AgentSettings) -> dict[str, float | int]:
+def _agent_info(sizes: tuple[int, int], settings: GivenSettings) -> dict[str, float | int]:
     """Return what RL-Glue's ``agent_init`` is given."""
     numbers = settings.numbers
     return {

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from rl_tui.lab.programs.messages import HEADER, LARGEST_FRAME, NO_LIMIT, OWN_MESSAGE, Kind
+from rl_tui.lab.programs.messages import HEADER, LARGEST_FRAME, NO_LIMIT, OWN_MESSAGE, MessageKind
 from rl_tui.lab.programs.program_log import GARBLED
 from rl_tui.lab.programs.program_output import WrittenLine, WrittenLines
 
@@ -225,7 +225,7 @@ class ProgramProcess:
         for stream, lines in self._streams.values():
             found += _messages(stream, lines.end())
         text = GARBLED if garbled else _CLOSED_ITS_PIPE if status is None else ""
-        found.append(_message(Kind.GONE, status=status, text=text))
+        found.append(_message(MessageKind.GONE, status=status, text=text))
         self.closed = True
         return found
 
@@ -281,7 +281,7 @@ def _memory_file(closing: ExitStack) -> int:
 
 def _messages(stream: str, lines: Iterable[WrittenLine]) -> list[tuple[bytes, bytes]]:
     return [
-        _message(Kind.OUTPUT, step=None, stream=stream, text=line.text, replaces=line.replaces)
+        _message(MessageKind.OUTPUT, step=None, stream=stream, text=line.text, replaces=line.replaces)
         for line in lines
     ]
 

@@ -23,7 +23,7 @@ _CHANGE_TYPES: Final = (np.int64, np.int64, np.float64, np.float64)
 Doubles = npt.NDArray[np.float64]
 
 
-class Steps(NamedTuple):
+class StepColumns(NamedTuple):
     """N steps as columns, [N] each, oldest first."""
 
     environment: IntArray
@@ -39,7 +39,7 @@ class Steps(NamedTuple):
     """From 0 within its episode."""
 
 
-class Changes(NamedTuple):
+class ChangeColumns(NamedTuple):
     """M changes of the table as columns, [M] each, oldest first."""
 
     step: IntArray
@@ -93,14 +93,14 @@ class Recording:
             self._forget()
 
     @property
-    def steps(self) -> Steps:
+    def steps(self) -> StepColumns:
         """All steps that are kept."""
-        return Steps(*self._steps.views())
+        return StepColumns(*self._steps.views())
 
     @property
-    def changes(self) -> Changes:
+    def changes(self) -> ChangeColumns:
         """All changes of the steps that are kept."""
-        return Changes(*self._changes.views())
+        return ChangeColumns(*self._changes.views())
 
     def table_at(self, step: int) -> FloatArray:
         """Return the table after ``step`` steps, [S·A]; NaN where it has no entry.

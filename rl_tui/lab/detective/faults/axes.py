@@ -9,7 +9,7 @@ import numpy as np
 from rl_tui.lab.detective.faults.predictions import Predictions
 from rl_tui.lab.detective.faults.proof import Proof, some_of, written
 from rl_tui.lab.detective.source.code_names import CodeNames
-from rl_tui.lab.detective.verdict import Fault, Place, Target
+from rl_tui.lab.detective.verdict import CodeFault, MovedCell, UpdateTarget
 from rl_tui.worlds.mdp.space import FloatArray
 
 _FEW: Final = 2_000
@@ -19,13 +19,17 @@ _FEW: Final = 2_000
 def proof_of_axis(predictions: Predictions, reward: FloatArray, names: CodeNames) -> Proof | None:
     """Return the proof that the largest value of a column stands in the target."""
     update = predictions.update
-    if update.target is not Target.COLUMN or not predictions.is_known or update.place is Place.ONE_LATE:
+    if (
+        update.target is not UpdateTarget.COLUMN
+        or not predictions.is_known
+        or update.place is MovedCell.ONE_LATE
+    ):
         return None
     evidence = predictions.evidence
     inner = ~(evidence.terminated | evidence.truncated) & (evidence.changes_of == 1)
     readings = predictions.readings(some_of(np.flatnonzero(inner), _FEW))
     at = readings.at
-    column, best = predictions.values(at), predictions.values(at, Target.BEST)
+    column, best = predictions.values(at), predictions.values(at, UpdateTarget.BEST)
     over_states = predictions.after(readings, reward[at], column)
     over_actions = predictions.after(readings, reward[at], best)
     seen = predictions.witnesses(readings, over_states, over_actions)
@@ -39,7 +43,7 @@ def proof_of_axis(predictions: Predictions, reward: FloatArray, names: CodeNames
             f"state is {written(best[first, 0])}; so at all {len(speaking):,} steps that tell the two apart"
         )
     return Proof(
-        Fault.WRONG_AXIS,
+        CodeFault.WRONG_AXIS,
         evidence.number[speaking],
         int(seen.other.sum()),
         text,

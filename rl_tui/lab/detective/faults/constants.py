@@ -12,7 +12,7 @@ import numpy as np
 from rl_tui.lab.detective.faults.predictions import Predictions
 from rl_tui.lab.detective.faults.proof import Proof, some_of, written
 from rl_tui.lab.detective.source.code_names import CodeNames
-from rl_tui.lab.detective.verdict import Fault, Place
+from rl_tui.lab.detective.verdict import CodeFault, MovedCell
 from rl_tui.worlds.mdp.space import FloatArray
 
 _NEAR: Final = 1e-6
@@ -38,7 +38,7 @@ def proof_of_gamma_twice(
     seen = predictions.witnesses(readings, twice, once)
     root = written(numbers[name])
     return Proof(
-        Fault.GAMMA_TWICE,
+        CodeFault.GAMMA_TWICE,
         evidence.number[readings.at[seen.one]],
         int(seen.other.sum()),
         f"the table moves with γ {written(gamma)}; your `{name}` is {root}, and {root}² = {written(gamma)}",
@@ -66,7 +66,7 @@ def proof_of_step_size(predictions: Predictions, reward: FloatArray, names: Code
     alpha = update.alpha
     if not predictions.is_known or update.alpha_schedule != "constant" or alpha is None:
         return None
-    if 0.0 < alpha <= 1.0 + _NEAR or update.place is Place.ONE_LATE or update.reward == "own":
+    if 0.0 < alpha <= 1.0 + _NEAR or update.place is MovedCell.ONE_LATE or update.reward == "own":
         return None
     evidence = predictions.evidence
     changed = evidence.changes_of == 1
@@ -78,7 +78,7 @@ def proof_of_step_size(predictions: Predictions, reward: FloatArray, names: Code
     allowed = readings.before[:, None] + nearest / alpha * (moved - readings.before[:, None])
     seen = predictions.witnesses(readings, moved, allowed)
     return Proof(
-        Fault.STEP_SIZE_OUT_OF_RANGE,
+        CodeFault.STEP_SIZE_OUT_OF_RANGE,
         evidence.number[readings.at[seen.one]],
         int(seen.other.sum()),
         f"{names.alpha} is {written(alpha)} at all {int(seen.one.sum()):,} steps that tell it"

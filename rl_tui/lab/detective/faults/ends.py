@@ -9,7 +9,7 @@ import numpy as np
 from rl_tui.lab.detective.faults.predictions import Predictions, Readings
 from rl_tui.lab.detective.faults.proof import CodePlace, Proof, some_of, written
 from rl_tui.lab.detective.source.code_names import CodeNames
-from rl_tui.lab.detective.verdict import Fault, Place, Target
+from rl_tui.lab.detective.verdict import CodeFault, MovedCell, UpdateTarget
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
 _LEAST_DISCOUNT: Final = 1e-3
@@ -35,13 +35,13 @@ def proofs_at_ends(
     be others: an own one may leave an estimate where it is.
     """
     update = predictions.update
-    if not predictions.is_known or update.reward == "own" or update.place is Place.ONE_LATE:
+    if not predictions.is_known or update.reward == "own" or update.place is MovedCell.ONE_LATE:
         return ()
     evidence = predictions.evidence
     ended = evidence.terminated & evidence.learns
     cut_off = evidence.truncated & ~evidence.terminated & evidence.learns
     proofs = [] if may_be_own else [_lost_at_end(predictions, ended, reward, names)]
-    if update.target is not Target.NOTHING and (update.gamma or 0.0) >= _LEAST_DISCOUNT:
+    if update.target is not UpdateTarget.NOTHING and (update.gamma or 0.0) >= _LEAST_DISCOUNT:
         proofs.append(_bootstraps(predictions, ended, reward, names))
         if not done_is_either:
             proofs.append(_left_out(predictions, cut_off, reward, names))
@@ -63,7 +63,7 @@ def _bootstraps(predictions: Predictions, ended: BoolArray, reward: FloatArray, 
     ends = _ends(predictions, ended, reward)
     seen = predictions.witnesses(ends.readings, ends.with_next, ends.without)
     return Proof(
-        Fault.BOOTSTRAPS_AFTER_END,
+        CodeFault.BOOTSTRAPS_AFTER_END,
         predictions.evidence.number[ends.readings.at[seen.one]],
         int(seen.other.sum()),
         _seen(
@@ -78,7 +78,7 @@ def _left_out(predictions: Predictions, cut_off: BoolArray, reward: FloatArray, 
     ends = _ends(predictions, cut_off, reward)
     seen = predictions.witnesses(ends.readings, ends.without, ends.with_next)
     return Proof(
-        Fault.NO_BOOTSTRAP_AFTER_TRUNCATION,
+        CodeFault.NO_BOOTSTRAP_AFTER_TRUNCATION,
         predictions.evidence.number[ends.readings.at[seen.one]],
         int(seen.other.sum()),
         _seen(
@@ -108,7 +108,7 @@ def _lost_at_end(predictions: Predictions, ended: BoolArray, reward: FloatArray,
             f"{written(readings.before[first])} to {written(ends.without[first, 0])}"
         )
     return Proof(
-        Fault.LOSES_UPDATE,
+        CodeFault.LOSES_UPDATE,
         steps,
         int(seen.other.sum()),
         text,

@@ -10,7 +10,7 @@ import numpy as np
 
 from rl_tui.lab.detective.evidence import NO_ACTION, Evidence
 from rl_tui.lab.detective.faults.proof import some_of
-from rl_tui.lab.detective.verdict import Place, Rule, Target, UpdateFound
+from rl_tui.lab.detective.verdict import MovedCell, Rule, UpdateFound, UpdateTarget
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 _PRECISION: Final = {"float32": 3e-6, "float16": 4e-3}
@@ -63,7 +63,7 @@ class Predictions:
     def moved_cell(self) -> IntArray:
         """The cell that each step moves, [N]."""
         evidence = self.evidence
-        if self.update.place is Place.MOVED:
+        if self.update.place is MovedCell.MOVED:
             return evidence.next_state * evidence.actions + evidence.action
         return evidence.cell
 
@@ -99,28 +99,28 @@ class Predictions:
             at, before, np.where(evidence.changes_of[at] > 0, evidence.only_change[2][at], before)
         )
 
-    def values(self, at: IntArray, target: Target | None = None) -> FloatArray:
+    def values(self, at: IntArray, target: UpdateTarget | None = None) -> FloatArray:
         """Return what each step may have taken for the value of its next state, [n, K].
 
         There is more than one where the program chose an action that it never took.
         """
         evidence, update = self.evidence, self.update
         target = target or update.target
-        if target is Target.NOTHING:
+        if target is UpdateTarget.NOTHING:
             return np.zeros((len(at), 1))
-        if target is Target.COLUMN:
+        if target is UpdateTarget.COLUMN:
             return self._column_values(at)
-        source = evidence.state if target is Target.OWN_STATE else evidence.next_state
+        source = evidence.state if target is UpdateTarget.OWN_STATE else evidence.next_state
         rows = evidence.rows(source[at], at)
-        if target is Target.NEXT_ACTION:
+        if target is UpdateTarget.NEXT_ACTION:
             return _of_next_action(rows, evidence.next_action[at])
-        if target is Target.SAME_ACTION:
+        if target is UpdateTarget.SAME_ACTION:
             same: FloatArray = np.take_along_axis(rows, evidence.action[at][:, None], 1)
             return same
         best: FloatArray = rows.max(1)
-        if target is Target.INDEX:
+        if target is UpdateTarget.INDEX:
             best = rows.argmax(1).astype(np.float64)
-        if target is Target.EXPECTED:
+        if target is UpdateTarget.EXPECTED:
             epsilon = np.nan if update.epsilon is None else update.epsilon  # of each episode another one
             best = (1.0 - epsilon) * best + epsilon * rows.mean(1)
         column: FloatArray = best[:, None]
@@ -202,7 +202,7 @@ class Predictions:
 def by_the_environment(evidence: Evidence, update: UpdateFound, dtype: str) -> Predictions:
     """Return the predictions with the environment's reward, if an own one is needed at last steps at most."""
     predictions = Predictions(evidence, update, dtype)
-    if update.reward != "own" or update.place is Place.ONE_LATE:
+    if update.reward != "own" or update.place is MovedCell.ONE_LATE:
         return predictions
     plainer = Predictions(evidence, replace(update, reward="environment"), dtype)
     inner = ~(evidence.terminated | evidence.truncated) & (evidence.changes_of == 1)

@@ -9,7 +9,7 @@ import numpy as np
 from rl_tui.lab.detective.faults.predictions import Predictions
 from rl_tui.lab.detective.faults.proof import Proof, some_of, written
 from rl_tui.lab.detective.source.code_names import CodeNames
-from rl_tui.lab.detective.verdict import Fault, Place
+from rl_tui.lab.detective.verdict import CodeFault, MovedCell
 from rl_tui.worlds.mdp.space import FloatArray
 
 _MOST: Final = 20_000
@@ -28,7 +28,7 @@ def reward_used(predictions: Predictions, names: CodeNames) -> RewardUsed:
     evidence = predictions.evidence
     if not predictions.is_known or predictions.update.reward == "own":
         return RewardUsed(evidence.reward, None)
-    if predictions.update.place is Place.ONE_LATE:
+    if predictions.update.place is MovedCell.ONE_LATE:
         return RewardUsed(evidence.reward, None)
     within = np.where(evidence.episode_step == 0, 0.0, evidence.reward_before)
     for before in (evidence.reward_before, within):
@@ -60,7 +60,7 @@ def _proof(predictions: Predictions, before: FloatArray, names: CodeNames) -> Pr
             f"steps that tell the two apart"
         )
     return Proof(
-        Fault.SHIFTED_REWARD,
+        CodeFault.SHIFTED_REWARD,
         evidence.number[speaking],
         int(seen.other.sum()),
         text,
