@@ -21,9 +21,9 @@ def grades(grading: Grading, graded: Sequence[GradedSubmission]) -> str:
     rows = [_HEAD, *(_row(each, grading.yardstick.best) for each in graded)]
     parts = [head, "", columns(rows, right=(2, 3, 4, 5, 6))]
     for each in graded:
-        told = _told(each)
-        if told:
-            parts += ["", printable(each.name), *(f"  {line}" for line in told)]
+        remarks = _remarks(each)
+        if remarks:
+            parts += ["", printable(each.name), *(f"  {line}" for line in remarks)]
     return "\n".join(parts)
 
 
@@ -41,7 +41,7 @@ def _row(each: GradedSubmission, best: float) -> tuple[str, ...]:
     )
 
 
-def _told(each: GradedSubmission) -> list[str]:
+def _remarks(each: GradedSubmission) -> list[str]:
     """Return the findings and the errors of a submission, a line each, with how many seeds show them."""
     of = f"of {len(each.runs):,}"
     lines = []

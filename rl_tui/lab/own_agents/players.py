@@ -1,4 +1,4 @@
-"""How an agent of each shape is asked for actions and told what happened."""
+"""How an agent of each shape is asked for actions and given what happened."""
 
 from __future__ import annotations
 
@@ -66,12 +66,12 @@ class MethodsPlayer:
     def after(self, step: Happened) -> Any:
         """Let it learn, and return the next action."""
         over = step.terminated or step.truncated
-        told = step._asdict() | {"env": self._env, "done": over if self._either else step.terminated}
+        given = step._asdict() | {"env": self._env, "done": over if self._either else step.terminated}
         if self._looks_ahead:
-            told["next_action"] = self.begin(step.next_state, step.mask)
-            self._update(told)
-            return told["next_action"]
-        self._update(told)
+            given["next_action"] = self.begin(step.next_state, step.mask)
+            self._update(given)
+            return given["next_action"]
+        self._update(given)
         return None if over else self.begin(step.next_state, step.mask)
 
     def end(self, episode: int) -> None:
@@ -184,8 +184,8 @@ class FunctionPlayer:
     def after(self, step: Happened) -> Any:
         """Let it learn, and return the next action."""
         ahead = self.begin(step.next_state, step.mask) if self._looks_ahead else None
-        told = {"q": self.q, "done": step.terminated, "next_action": ahead}
-        values = {**step._asdict(), **self._numbers, **told}
+        given = {"q": self.q, "done": step.terminated, "next_action": ahead}
+        values = {**step._asdict(), **self._numbers, **given}
         returned = self._update(**{parameter: values[role] for parameter, role in self._roles})
         if np.shape(returned) == self._shape:
             self.q = returned

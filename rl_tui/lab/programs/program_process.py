@@ -75,14 +75,14 @@ class ProgramProcess:
             raise FileNotFoundError("which Python this is is not known")
         with ExitStack() as to_close, ExitStack() as of_the_child:
             pipes = [_pipe(to_close, of_the_child) for _ in range(3)]
-            (self._reading, told), *_ = pipes
+            (self._reading, reports), *_ = pipes
             asked, self._asking = _pipe(of_the_child, to_close)
             life, _ = _pipe(of_the_child, to_close)
             shared = _memory_file(of_the_child)
             memory = to_close.enter_context(mmap.mmap(shared, mmap.PAGESIZE))
             self._allowed = to_close.enter_context(memoryview(memory).cast("q"))
             self._allowed[0] = allowed
-            descriptors = {"told": told, "asked": asked, "life": life, "shared": shared}
+            descriptors = {"reports": reports, "asked": asked, "life": life, "shared": shared}
             self._process = subprocess.Popen(
                 [sys.executable, "-P", "-c", _script(request, descriptors)],
                 stdin=subprocess.DEVNULL,

@@ -19,7 +19,7 @@ from rl_tui.lab.programs.messages import MessageKind
 
 def main(said: dict[str, Any]) -> None:
     """Run what was ``said`` (program_process.py), and tell of it until it is over."""
-    channel = Channel(said["told"])
+    channel = Channel(said["reports"])
     recorder = Recorder(
         channel, Gate(channel, said["asked"], said["shared"]), most=said["steps"], wanted=said["table"]
     )

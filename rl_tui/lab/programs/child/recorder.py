@@ -214,10 +214,10 @@ class Recorder:
         return None if self._tracker is None else self._tracker.changes_seen(self._recent)
 
     def _tell_lines(self, lines: Mapping[Place, int]) -> None:
-        told = [[file, line, count] for (file, line), count in lines.items()]
+        listed = [[file, line, count] for (file, line), count in lines.items()]
         if sum(lines.values()) >= TRACED_AT_FIRST:
             self._traces_left = 0
-        self.channel.message(MessageKind.LINES, lines=told)
+        self.channel.message(MessageKind.LINES, lines=listed)
 
     def _set_stop(self, said: Any) -> None:
         actions = 1 if self._numbering is None else self._numbering.actions
