@@ -101,10 +101,13 @@ def _constant(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
         if trial:
             yield trial
     if sample.place is not MovedCell.ONE_LATE:
-        for target in _RIGHT:
-            trial = constant_trial(sample, target, sample.reward_before, numbers, uses_reward_before=True)
-            if trial:
-                yield trial
+        begins = sample.evidence.episode_step[sample.at] == 0
+        within = np.where(begins, 0.0, sample.reward_before)  # where it is set to 0 for each episode
+        for before in (sample.reward_before, within):
+            for target in _RIGHT:
+                trial = constant_trial(sample, target, before, numbers, uses_reward_before=True)
+                if trial:
+                    yield trial
 
 
 def _faulty(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:

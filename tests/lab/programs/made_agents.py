@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from rl_tui.lab.programs.messages import CHANGE_WIDTH, STEP_WIDTH
+from rl_tui.lab.programs.messages import CHANGE_WIDTH, STEP_WIDTH, StepFlag
 from rl_tui.lab.programs.recording import Recording
+from rl_tui.worlds.mdp.space import FloatArray
 
 
 @dataclass
@@ -100,3 +101,11 @@ class Made:
             np.array(rows, float).reshape(-1, STEP_WIDTH), np.array(changes, float).reshape(-1, CHANGE_WIDTH)
         )
         return recording
+
+
+def sent(recording: Recording) -> tuple[FloatArray, FloatArray]:
+    """Return the steps, [n, 8], and changes, [m, 4], of ``recording`` as they come through the pipe."""
+    steps, changes = recording.steps, recording.changes
+    flags = steps.terminated * StepFlag.TERMINATED + steps.truncated * StepFlag.TRUNCATED
+    rows = np.column_stack((*steps[:5], flags, steps.episode, steps.episode_step))
+    return rows.astype(np.float64), np.column_stack(changes)

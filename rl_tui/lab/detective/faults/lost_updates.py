@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from rl_tui.lab.detective.evidence import Evidence
-from rl_tui.lab.detective.faults.proof import FEWEST_STEPS, CodePlace, Proof, some_of, written
+from rl_tui.lab.detective.faults.proof import FEWEST_STEPS, CodePlace, Proof, some_of, step_text, written
 from rl_tui.lab.detective.source.code_names import CodeNames
 from rl_tui.lab.detective.verdict import CodeFault
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
@@ -65,8 +65,8 @@ def _cut_off(evidence: Evidence, numbers: Mapping[str, float]) -> tuple[IntArray
             if (np.trunc(full) == after)[fractional].all() and fractional.sum() >= FEWEST_STEPS:
                 first = int(np.argmax(fractional))
                 return at[fractional], (
-                    f"at step {evidence.number[at[first]]:,} {written(full[first])} was cut off to "
-                    f"{written(after[first])}"
+                    f"at {step_text(evidence.number[at[first]])} the new estimate {written(full[first])} was cut "
+                    f"off to {written(after[first])}"
                 )
     return None
 
@@ -83,7 +83,7 @@ def _nothing_kept(evidence: Evidence) -> tuple[IntArray, str] | None:
     first = at[0]
     return (
         at,
-        f"nothing is kept of the reward {written(evidence.reward[first])} at step {evidence.number[first]:,}",
+        f"nothing is kept of the reward {written(evidence.reward[first])} at {step_text(evidence.number[first])}",
     )
 
 
@@ -104,7 +104,7 @@ def proof_of_no_update(evidence: Evidence, names: CodeNames, *, writes: bool, is
         CodeFault.LOSES_UPDATE,
         evidence.number[at],
         0,
-        f"{len(at):,} steps brought a reward, the first at step {evidence.number[first]:,} "
+        f"{len(at):,} steps brought a reward, the first at {step_text(evidence.number[first])} "
         f"({written(evidence.reward[first])}), and no number of the table ever moved",
         f"after each step put the new estimate into the table itself: {names.cell()} = {names.cell()} + "
         f"{names.alpha} * (target - {names.cell()})",
