@@ -74,10 +74,10 @@ class UpdateFound:
     ``epsilon`` is that of Expected SARSA's mean where it is constant, else None. ``reward`` is the
     environment's or the program's own. ``fits`` is the share of the steps considered that it explains, from 0
     to 1, None for an unknown rule; ``informative`` counts the steps on which the value of the next state
-    matters. ``departs_at`` is the first step that it does not explain, counted from 0. ``target``, ``place`` and
-    ``uses_reward_before`` (before that of the step whose cell moves) say how it does so, also where that is a
-    fault; ``rule`` is the one that it is meant to be. An unknown rule may come with ``alpha`` and ``gamma``:
-    those fit, but no step tells Q-learning from SARSA, as ``reason`` says then.
+    matters. ``departs_at`` is the first step that it does not explain, counted from 0. ``target``, ``place``
+    and ``uses_reward_before`` (before that of the step whose cell moves) say how it does so, also where that
+    is a fault; ``rule`` is the one that it is meant to be. An unknown rule may come with ``alpha`` and
+    ``gamma``: those fit, but no step tells Q-learning from SARSA, as ``reason`` says then.
     """
 
     rule: Rule = Rule.UNKNOWN
@@ -101,8 +101,9 @@ class CodeFinding:
     """A fault or a risk.
 
     ``certainty`` "declared" rests on a number read from the code. ``step`` is the first step that shows it,
-    counted from 0; ``steps_for`` of the steps on which the two hypotheses differ speak for it, ``steps_against`` against it:
-    0 for a fault. ``text`` says what was seen, ``correction`` what to do in the terms of the book.
+    counted from 0; ``steps_for`` of the steps on which the two hypotheses differ speak for it,
+    ``steps_against`` against it: 0 for a fault. ``text`` says what was seen, ``correction`` what to do in the
+    terms of the book.
     """
 
     fault: CodeFault

@@ -28,6 +28,8 @@ class Made:
     initial: float = 0.0
     bootstraps_after_end: bool = False
     reward_late: bool = False
+    reward_before_at_first: float | None = None
+    """What it takes at the first step of an episode; None: the last reward of the episode before."""
     own_reward: Callable[[int, int, int, float], float] | None = None
     minus_one: bool = False
     sparse: bool = False
@@ -82,6 +84,8 @@ class Made:
                 reward, ended = float(rewards[s2]), s2 == self.states - 1
                 cut = not ended and place + 1 == self.time_limit
                 rows.append((0, state, action, reward, s2, ended + 2 * cut, episode, place))
+                if place == 0 and self.reward_before_at_first is not None:
+                    before = self.reward_before_at_first
                 used = before if self.reward_late else reward
                 a2 = chosen(s2)
                 number = len(rows) - 1

@@ -92,6 +92,42 @@ def test_what_is_no_update_is_none(update: str, tmp_path: Path) -> None:
     assert not code.always_writes
 
 
+@pytest.mark.parametrize(
+    ("update", "always"),
+    [
+        ("if training: Q[s, a] += reward", False),
+        ("if ended: Q[s, a] += reward\n        else: Q[s, a] += reward + max(Q[new_s])", True),
+        ("for _ in range(2): Q[s, a] += reward", True),
+        ("if training: learn(s, a, reward)", False),
+        ("learn(s, a, reward)", True),
+    ],
+)
+def test_an_update_under_a_condition_is_not_always_made(update: str, always: bool, tmp_path: Path) -> None:
+    source = "def learn(s, a, r):\n    Q[s, a] += r\n" + loop(update=update)
+    code, _, _ = code_of(tmp_path, source, lines=False)
+    assert code.always_writes is always
+
+
+def test_an_evaluation_beside_the_training_makes_no_updates(tmp_path: Path) -> None:
+    evaluation = "def evaluate(world):\n    while True:\n        world.step(Q[0].argmax())\n"
+    code, _, _ = code_of(tmp_path, evaluation + loop(), lines=False)
+    assert not code.always_writes
+
+
+@pytest.mark.parametrize(
+    ("table", "update", "sets"),
+    [
+        (TABLE, UPDATE, False),
+        ("Q = {}\nfor cell in cells: Q[cell] = 0.0", UPDATE, False),
+        (TABLE, UPDATE + "\n        if ended: Q[s, a] = 0", True),
+        (TABLE, UPDATE + "\n        if ended: Q[s, a] = -1.0", True),
+    ],
+)
+def test_an_update_may_set_a_number(table: str, update: str, sets: bool, tmp_path: Path) -> None:
+    code, _, _ = code_of(tmp_path, loop(table=table, update=update), lines=False)
+    assert code.sets_a_constant is sets
+
+
 def test_a_write_in_a_function_that_is_given_the_table(tmp_path: Path) -> None:
     source = "def learn(table, s, a, r):\n    table[s][a] += r\n" + loop(update="learn(Q, s, a, reward)")
     code, _, text = code_of(tmp_path, source)

@@ -154,6 +154,23 @@ def test_episodes_of_one_step_tell_the_step_size_and_no_discount() -> None:
     assert (update.rule, update.alpha, update.gamma, update.informative) == (Rule.UNKNOWN, 0.1, None, 0)
 
 
+def test_steps_that_all_say_the_same_tell_no_update() -> None:
+    """At first visits of equal estimates with equal rewards any step size has its discount."""
+    same = Recording()
+    same.find_table(0, 2, np.ones(40))
+    steps = [(0, place, 0, 0.0, place + 1, 0, 0, place) for place in range(18)]
+    same.add(np.array(steps, float), np.array([(place, 2 * place, 1.0, 0.98) for place in range(18)]))
+    update = update_of(Evidence(same), {})
+    assert (update.rule, update.alpha, update.gamma) == (Rule.UNKNOWN, None, None)
+
+
+def test_the_reward_before_is_0_at_first_where_the_program_has_it_so() -> None:
+    recording = Made(rule="sarsa", reward_late=True, reward_before_at_first=0.0, time_limit=5).recording(4000)
+    update = update_of(Evidence(recording), {})
+    assert (update.rule, update.uses_reward_before, update.reward) == (Rule.SARSA, True, "environment")
+    assert (update.gamma, update.fits) == (0.9, 1.0)
+
+
 def test_nothing_is_said_of_an_update_that_is_none_of_these() -> None:
     rng = np.random.default_rng(3)
     update = found(alpha=lambda visits, episode: float(rng.uniform(0, 0.5)))

@@ -64,10 +64,9 @@ def _cut_off(evidence: Evidence, numbers: Mapping[str, float]) -> tuple[IntArray
             fractional = np.abs(full - np.rint(full)) > 1e-9
             if (np.trunc(full) == after)[fractional].all() and fractional.sum() >= FEWEST_STEPS:
                 first = int(np.argmax(fractional))
-                return at[fractional], (
-                    f"at {step_text(evidence.number[at[first]])} the new estimate {written(full[first])} was cut "
-                    f"off to {written(after[first])}"
-                )
+                step = step_text(evidence.number[at[first]])
+                new, kept = written(full[first]), written(after[first])
+                return at[fractional], f"at {step} the new estimate {new} was cut off to {kept}"
     return None
 
 
@@ -80,11 +79,8 @@ def _nothing_kept(evidence: Evidence) -> tuple[IntArray, str] | None:
     at = at[should]
     if len(at) < FEWEST_STEPS or evidence.changes_of[at].any():
         return None
-    first = at[0]
-    return (
-        at,
-        f"nothing is kept of the reward {written(evidence.reward[first])} at {step_text(evidence.number[first])}",
-    )
+    reward, step = written(evidence.reward[at[0]]), step_text(evidence.number[at[0]])
+    return at, f"nothing is kept of the reward {reward} at {step}"
 
 
 def proof_of_no_update(evidence: Evidence, names: CodeNames, *, writes: bool, is_over: bool) -> Proof | None:
@@ -106,7 +102,7 @@ def proof_of_no_update(evidence: Evidence, names: CodeNames, *, writes: bool, is
         0,
         f"{len(at):,} steps brought a reward, the first at {step_text(evidence.number[first])} "
         f"({written(evidence.reward[first])}), and no number of the table ever moved",
-        f"after each step put the new estimate into the table itself: {names.cell()} = {names.cell()} + "
+        f"after each step put the new estimate into the table itself: {names.cell()} += "
         f"{names.alpha} * (target - {names.cell()})",
         CodePlace.CALL,
     )

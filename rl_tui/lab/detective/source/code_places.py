@@ -153,22 +153,18 @@ class ProgramCode:
 
     def _is_always_in(self, body: Iterable[ast.stmt], writes: set[int], depth: int) -> bool:
         """Return whether one of ``writes`` is always done in ``body``, or in a function called there."""
-        for node in body:
-            if id(node) in writes:
-                return True
-            if isinstance(node, ast.If) and not is_main_guard(node):
-                branches = (node.body, node.orelse)
-                if all(self._is_always_in(branch, writes, depth) for branch in branches):
-                    return True
-            elif is_simple(node):
-                called = [self._functions.get(name_of(call.func)) for call in of_type(node, ast.Call)]
-                bodies = [each[1].body for each in called if each is not None and depth > 0]
-                if any(self._is_always_in(inner, writes, depth - 1) for inner in bodies):
-                    return True
-            elif not isinstance(node, _Function | ast.ClassDef):
-                if self._is_always_in(inner_statements(node), writes, depth):
-                    return True
-        return False
+        return any(id(node) in writes or self._is_always_done(node, writes, depth) for node in body)
+
+    def _is_always_done(self, node: ast.stmt, writes: set[int], depth: int) -> bool:
+        if isinstance(node, _Function | ast.ClassDef):
+            return False
+        if isinstance(node, ast.If) and not is_main_guard(node):
+            return all(self._is_always_in(part, writes, depth) for part in (node.body, node.orelse))
+        if not is_simple(node):
+            return self._is_always_in(inner_statements(node), writes, depth)
+        called = [self._functions.get(name_of(call.func)) for call in of_type(node, ast.Call)]
+        bodies = [each[1].body for each in called if each is not None and depth > 0]
+        return any(self._is_always_in(inner, writes, depth - 1) for inner in bodies)
 
     @cached_property
     def sets_a_constant(self) -> bool:
