@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from bisect import bisect_right
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from rl_tui.lab.programs.columns import Columns
 from rl_tui.lab.programs.messages import CHANGE_WIDTH, STEP_WIDTH, StepFlag
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 MOST_STEPS: Final = 4_000_000
 """Steps that are kept; when there are more the older half is forgotten."""
+
+_CHANGES_OF_A_STEP: Final = 8  # that are kept for each step, on an average
+_BETWEEN_KEYFRAMES: Final = 100_000  # changes
+_STEP_TYPES: Final = (*[np.int64] * 3, np.float64, np.int64, np.bool_, np.bool_, np.int64, np.int64)
+_CHANGE_TYPES: Final = (np.int64, np.int64, np.float64, np.float64)
 
 Doubles = npt.NDArray[np.float64]
 
@@ -48,7 +55,8 @@ class Recording:
     """The steps and changes of a program so far; ``first`` is the number of the first step that is kept.
 
     ``initial`` is the table as it was found at step ``found_at``, [S·A], with NaN where there was no entry;
-    None while no table was found. ``actions`` is A.
+    None while no table was found. ``actions`` is A. When there are more than ``most`` steps, or eight times
+    as many changes, the older half is forgotten; the table as it was then becomes the initial one.
     """
 
     def __init__(self, most: int = MOST_STEPS) -> None:
@@ -60,40 +68,39 @@ class Recording:
         self.initial: FloatArray | None = None
         self.rebound: list[int] = []
         """The steps after which another object was the table."""
-        self._most = most
-        self._steps: list[Steps] = []
-        self._changes: list[Changes] = []
+        self._most, self._most_changes = most, most * _CHANGES_OF_A_STEP
+        self._steps, self._changes = Columns(_STEP_TYPES), Columns(_CHANGE_TYPES)
+        self._latest = np.empty(0)
+        self._keyframes: list[tuple[int, FloatArray]] = []
 
     def find_table(self, step: int, actions: int, content: FloatArray) -> None:
         """Take ``content``, [S·A], for the table as it was before step ``step``."""
         self.found_at, self.actions, self.initial = step, actions, content
+        self._latest = content.copy()
         self._changes.clear()
+        self._keyframes.clear()
 
     def add(self, steps: Doubles, changes: Doubles) -> None:
         """Add steps, [n, 8], and changes, [m, 4], as they come through the pipe."""
         if len(steps):
-            self._steps.append(_columns(steps.reshape(-1, STEP_WIDTH)))
+            self._steps.add(_columns(steps.reshape(-1, STEP_WIDTH)))
             self.count += len(steps)
         if len(changes):
-            table = changes.reshape(-1, CHANGE_WIDTH)
-            step, cell = table[:, 0].astype(np.int64), table[:, 1].astype(np.int64)
-            self._changes.append(Changes(step, cell, table[:, 2].copy(), table[:, 3].copy()))
-        if self.count - self.first > self._most:
+            step, cell, before, after = changes.reshape(-1, CHANGE_WIDTH).T
+            self._changes.add((step, cell, before, after))
+            self._keep_latest(cell.astype(np.int64), after)
+        if len(self._steps) > self._most or len(self._changes) > self._most_changes:
             self._forget()
 
     @property
     def steps(self) -> Steps:
         """All steps that are kept."""
-        if len(self._steps) > 1:
-            self._steps = [Steps._make(map(np.concatenate, zip(*self._steps, strict=True)))]
-        return self._steps[0] if self._steps else _NO_STEPS
+        return Steps(*self._steps.views())
 
     @property
     def changes(self) -> Changes:
         """All changes of the steps that are kept."""
-        if len(self._changes) > 1:
-            self._changes = [Changes._make(map(np.concatenate, zip(*self._changes, strict=True)))]
-        return self._changes[0] if self._changes else _NO_CHANGES
+        return Changes(*self._changes.views())
 
     def table_at(self, step: int) -> FloatArray:
         """Return the table after ``step`` steps, [S·A]; NaN where it has no entry.
@@ -104,43 +111,44 @@ class Recording:
             raise ValueError("no table was found")
         if step < self.first:
             raise ValueError(f"step {step} is not kept any more")
-        table, changes = self.initial.copy(), self.changes
+        changes = self.changes
         until = int(np.searchsorted(changes.step, step))  # the changes of the first `step` steps
-        table[changes.cell[:until]] = changes.after[:until]  # of several of one cell the last one counts
+        if until == len(changes.step):
+            return self._latest.copy()
+        place = bisect_right(self._keyframes, until, key=lambda keyframe: keyframe[0])
+        begin, table = self._keyframes[place - 1] if place else (0, self.initial)
+        table = table.copy()
+        table[changes.cell[begin:until]] = changes.after[
+            begin:until
+        ]  # of several of one cell the last counts
         return table
 
+    def _keep_latest(self, cell: IntArray, after: FloatArray) -> None:
+        """Keep the table as it is now, and now and then as it was, from where others are found quickly."""
+        if self.initial is not None:
+            self._latest[cell] = after
+            last = self._keyframes[-1][0] if self._keyframes else 0
+            if len(self._changes) - last >= max(_BETWEEN_KEYFRAMES, 8 * len(self._latest)):
+                self._keyframes.append((len(self._changes), self._latest.copy()))
+
     def _forget(self) -> None:
-        """Forget the older half of the steps; the table as it was then becomes the initial one."""
-        drop = len(self.steps.state) // 2
-        keep_from = self.first + drop
-        changes = self.changes
+        steps, changes = len(self._steps), self.changes
+        keep_from = self.first + steps // 2
+        if len(changes.step) > self._most_changes:
+            keep_from = max(keep_from, int(changes.step[len(changes.step) // 2]) + 1)
+        until = int(np.searchsorted(changes.step, keep_from))
         if self.initial is not None:
             self.initial = self.table_at(keep_from)
             self.found_at = max(self.found_at, keep_from)
-        until = int(np.searchsorted(changes.step, keep_from))
-        self._changes = [Changes._make(column[until:].copy() for column in changes)]
-        self._steps = [Steps._make(column[drop:].copy() for column in self.steps)]
-        self.first = keep_from
+        self._changes.forget(until)
+        self._steps.forget(min(keep_from - self.first, steps))
+        self._keyframes = [(place - until, table) for place, table in self._keyframes if place >= until]
+        self.rebound = [each for each in self.rebound if each >= keep_from]
+        self.first = min(keep_from, self.first + steps)
 
 
-def _columns(table: Doubles) -> Steps:
+def _columns(table: Doubles) -> list[npt.NDArray[Any]]:
     environment, state, action, reward, next_state, flags, episode, episode_step = table.T
     said = flags.astype(np.int64)
-    return Steps(
-        environment.astype(np.int64),
-        state.astype(np.int64),
-        action.astype(np.int64),
-        reward.copy(),
-        next_state.astype(np.int64),
-        (said & StepFlag.TERMINATED) != 0,
-        (said & StepFlag.TRUNCATED) != 0,
-        episode.astype(np.int64),
-        episode_step.astype(np.int64),
-    )
-
-
-_NONE: Final = np.empty(0, np.int64)
-_NO_STEPS: Final = Steps(
-    _NONE, _NONE, _NONE, np.empty(0), _NONE, np.empty(0, np.bool_), np.empty(0, np.bool_), _NONE, _NONE
-)
-_NO_CHANGES: Final = Changes(_NONE, _NONE, np.empty(0), np.empty(0))
+    terminated, truncated = (said & StepFlag.TERMINATED) != 0, (said & StepFlag.TRUNCATED) != 0
+    return [environment, state, action, reward, next_state, terminated, truncated, episode, episode_step]

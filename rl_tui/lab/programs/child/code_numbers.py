@@ -12,6 +12,7 @@ import numpy as np
 from rl_tui.lab.programs.child.faults import is_users_file
 from rl_tui.lab.programs.child.tables.search import attributes
 
+_OF_THE_STEP: Final = ("r", "reward", "info")  # what the environment said, not the code
 _MOST: Final = 500
 _MOST_OF_A_DICT: Final = 100
 _DEEPEST_CODE: Final = 8
@@ -28,7 +29,7 @@ def numbers_in(frame: FrameType | None, scope: Mapping[str, Any]) -> dict[str, f
         if code is not None:
             found.update({repr(each): each for each in _constants(code)})
         for name, value in list(names.items()):
-            if not name.startswith("_"):
+            if not (name.startswith("_") or name in _OF_THE_STEP):
                 for inner, each in _inside(name, value):
                     if (number := _number(each)) is not None:
                         found[inner] = number

@@ -10,11 +10,11 @@ from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Any, Final
 
-import rl_tui
+from rl_tui import common
 from rl_tui.common.errors import UserError
 from rl_tui.lab.programs.child.advice import advice_on
 
-_OURS: Final = str(Path(rl_tui.__file__).parent)
+_OURS: Final = str(Path(common.__file__).parents[1])
 _LIBRARIES: Final = tuple(
     {sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")}
     | {"<frozen", sys.prefix + "/lib"}

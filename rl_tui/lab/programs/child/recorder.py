@@ -23,7 +23,7 @@ from rl_tui.lab.programs.messages import Kind
 _LOOKED_CLOSELY: Final = 200  # steps, before each of which the table is looked for
 _THEN_EVERY: Final = 1.05  # times as many steps as before
 _NUMBERS: Final = 3  # of each difference
-_MOST_TRACES: Final = 5  # times that lines are looked at, while too few of them were found
+_MOST_TRACES: Final = 2  # times that lines are looked at, while too few of them were found
 _MOST_REBOUND: Final = 1_000  # messages that say so
 _MANY_THREADS: Final = "more than one thread takes steps, and whose step a change belongs to cannot be known"
 _FORKED: Final = "a process that the program forked takes steps, and its table is not this process's"
@@ -211,7 +211,7 @@ class Recorder:
             frame = frame.f_back
 
     def _content(self) -> object:
-        return None if self._tracker is None else self._tracker.content()
+        return None if self._tracker is None else self._tracker.changes_seen(self._recent)
 
     def _tell_lines(self, lines: Mapping[Place, int]) -> None:
         told = [[file, line, count] for (file, line), count in lines.items()]

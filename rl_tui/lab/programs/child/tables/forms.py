@@ -7,7 +7,7 @@ would add an entry.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from itertools import chain, compress
 from operator import is_not
 from typing import Any, Final
@@ -63,8 +63,8 @@ class TableForm(ABC):
         """Return what differs now anywhere, and take it."""
 
     @abstractmethod
-    def content(self, table: Any) -> object:
-        """Return what can be compared to find out whether the table changed."""
+    def peek(self, table: Any, state: int) -> list[float]:
+        """Return the row of ``state`` as it is now, 0 where there is none, and take nothing."""
 
     def rows_are_shared(self, table: Any) -> bool:
         """Return whether rows of the table are one and the same object."""
@@ -119,9 +119,9 @@ class ArrayTable(TableForm):
         now = table.tobytes()
         return [] if now == self._kept else self._compare_all(now)
 
-    def content(self, table: Any) -> object:
-        """Return what can be compared with itself later."""
-        return table.tobytes()
+    def peek(self, table: Any, state: int) -> list[float]:
+        """Return the row of ``state`` as it is now."""
+        return self._numbers(table[self.numbering.place(state)].tobytes())
 
     def _compare(self, state: int, now: bytes, found: list[float]) -> None:
         begin = state * self._width
@@ -144,7 +144,10 @@ class ArrayTable(TableForm):
 
 
 class RowTable(TableForm):
-    """A row for each state: a list of rows, an array of objects, or a dict of rows by observation."""
+    """A row for each state: a list of rows, an array of objects, or a dict of rows by observation.
+
+    Rows are kept by their key: the observation in a dict, else their place.
+    """
 
     def __init__(self, numbering: Numbering, name: str) -> None:
         super().__init__(numbering)
@@ -153,10 +156,8 @@ class RowTable(TableForm):
     def take(self, table: Any) -> None:
         """Take the content of ``table`` for what was last seen."""
         self._numbers = [_NAN] * self.cells
-        self._kept: dict[int, Any] = {}
-        self._length = len(table)
-        for state, row in self._rows(table):
-            self._note(state, row, [])
+        self._kept: dict[Any, Any] = {}
+        self.all_differences(table)
 
     def values(self) -> Doubles:
         """Return what was last seen, [S·A]."""
@@ -169,61 +170,61 @@ class RowTable(TableForm):
     def differences(self, table: Any, states: Iterable[int]) -> list[float]:
         """Return what differs now in the rows of ``states``, and what is new."""
         found: list[float] = []
+        kept = self._kept
         for state in states:
-            row = self._row(table, state)
-            if row is not None:
-                self._compare(state, row, found)
-        if len(table) != self._length:
+            key = self._key(state)
+            row = self._row(table, state, key)
+            if row is not None and _raw(row) != kept.get(key):
+                self._note(key, row, found)
+        if isinstance(table, (dict, list)) and len(table) != len(kept):
             found += self._new_rows(table)
         return found
 
     def all_differences(self, table: Any) -> list[float]:
         """Return what differs now anywhere."""
         found: list[float] = []
-        if len(table) < self._length:
-            found += self._left_out(table)
-        for state, row in self._rows(table):
-            self._compare(state, row, found)
-        self._length = len(table)
+        kept = self._kept
+        rows = self._rows(table)
+        changed = [(key, row) for key, row in rows if _raw(row) != kept.get(key)]
+        for key, row in changed:
+            self._note(key, row, found)
+        if len(rows) != len(kept):
+            self._leave_out(kept.keys() - {key for key, _ in rows}, found)
         return found
 
-    def content(self, table: Any) -> object:
-        """Return what can be compared with itself later."""
-        return [_raw(row) if type(row) is np.ndarray else list(row) for _, row in self._rows(table)]
+    def peek(self, table: Any, state: int) -> list[float]:
+        """Return the row of ``state`` as it is now, 0 where there is none."""
+        row = self._row(table, state, self._key(state))
+        is_row = row is not None and _is_row(row, self.actions)
+        return [number_of(each) for each in row] if is_row else [0.0] * self.actions
 
     def rows_are_shared(self, table: Any) -> bool:
         """Return whether rows are one and the same object."""
         rows = [id(row) for _, row in self._rows(table)]
         return type(table) is not np.ndarray and len(set(rows)) < len(rows)
 
-    def _rows(self, table: Any) -> Iterator[tuple[int, Any]]:
+    def _rows(self, table: Any) -> Collection[tuple[Any, Any]]:
+        return dict.items(table) if isinstance(table, dict) else list(enumerate(_plain_rows(table)))
+
+    def _key(self, state: int) -> Any:
+        return self.numbering.key(state) if self.name == "dict-of-arrays" else state
+
+    def _row(self, table: Any, state: int, key: Any) -> Any:
         if isinstance(table, dict):
-            for key, row in dict.items(table):
-                state = _state(self.numbering, key)
-                if state is not None and _is_row(row, self.actions):
-                    yield state, row
-        else:
-            for state, row in enumerate(_plain_rows(table)):
-                if _is_row(row, self.actions):
-                    yield state, row
+            return dict.get(table, key)
+        if type(table) is np.ndarray:
+            return table[self.numbering.place(state)].tolist()
+        return table[state] if state < len(table) else None
 
-    def _row(self, table: Any, state: int) -> Any:
-        if isinstance(table, dict):
-            row = dict.get(table, self.numbering.key(state))
-        elif type(table) is np.ndarray:
-            row = table[self.numbering.place(state)].tolist()
-        else:
-            row = table[state] if state < len(table) else None
-        return row if _is_row(row, self.actions) else None
+    def _note(self, key: Any, row: Any, found: list[float]) -> None:
+        self._kept[key] = list(row) if type(row) is list else _raw(row)
+        state = key if self.name != "dict-of-arrays" else _state(self.numbering, key)
+        if state is not None and _is_row(row, self.actions):
+            is_array = type(row) is np.ndarray
+            now = row.astype(np.float64).tolist() if is_array else [number_of(each) for each in row]
+            self._set_row(state, now, found)
 
-    def _compare(self, state: int, row: Any, found: list[float]) -> None:
-        if _raw(row) != self._kept.get(state):
-            self._note(state, row, found)
-
-    def _note(self, state: int, row: Any, found: list[float]) -> None:
-        is_array = type(row) is np.ndarray
-        self._kept[state] = row.tobytes() if is_array else list(row)
-        now = row.astype(np.float64).tolist() if is_array else [number_of(each) for each in row]
+    def _set_row(self, state: int, now: list[float], found: list[float]) -> None:
         begin = state * self.actions
         before = self._numbers[begin : begin + self.actions]
         _add_differences(begin, zip(before, now, strict=True), found)
@@ -231,25 +232,20 @@ class RowTable(TableForm):
 
     def _new_rows(self, table: Any) -> list[float]:
         """Return what is new at the end of a dict, which keeps the order in which its keys came."""
-        new = len(table) - self._length
+        new = len(table) - len(self._kept)
         if new < 0 or not isinstance(table, dict):
             return self.all_differences(table)
         found: list[float] = []
         for key, _ in zip(dict.__reversed__(table), range(new), strict=False):
-            state, row = _state(self.numbering, key), dict.get(table, key)
-            if state is not None and _is_row(row, self.actions):
-                self._compare(state, row, found)
-        self._length = len(table)
+            self._note(key, dict.get(table, key), found)
         return found
 
-    def _left_out(self, table: Any) -> list[float]:
-        found: list[float] = []
-        for state in self._kept.keys() - {state for state, _ in self._rows(table)}:
-            begin = state * self.actions
-            _add_differences(begin, ((each, _NAN) for each in self.row(state)), found)
-            self._numbers[begin : begin + self.actions] = [_NAN] * self.actions
-            del self._kept[state]
-        return found
+    def _leave_out(self, keys: Iterable[Any], found: list[float]) -> None:
+        for key in keys:
+            del self._kept[key]
+            state = key if self.name != "dict-of-arrays" else _state(self.numbering, key)
+            if state is not None and state * self.actions < self.cells:
+                self._set_row(state, [_NAN] * self.actions, found)
 
 
 class PairTable(TableForm):
@@ -307,9 +303,11 @@ class PairTable(TableForm):
         self._kept = now
         return found
 
-    def content(self, table: Any) -> object:
-        """Return what can be compared with itself later."""
-        return list(dict.items(table))
+    def peek(self, table: Any, state: int) -> list[float]:
+        """Return the row of ``state`` as it is now, 0 where there is none."""
+        key, first = self.numbering.key(state), self.numbering.first_action
+        entries = (dict.get(table, (key, first + action), 0.0) for action in range(self.actions))
+        return [number_of(each) for each in entries]
 
     def _read_keys(self, table: Any) -> None:
         """Find the cell of each entry in their order, −1 for one that is none."""

@@ -11,7 +11,7 @@ from rl_tui.lab.programs.child.tables.forms import form_of
 from rl_tui.lab.programs.child.tables.search import MISSING, Candidate, Way, candidates
 
 _CLOSELY: Final = 500  # comparisons at the beginning, each of the whole table
-_PATIENCE: Final = 20  # ends of episodes at which the whole is compared although nothing was found there
+_PATIENCE: Final = 20  # comparisons of the whole, and of those at ends of episodes, that found nothing
 _GROWTH: Final = 1.05  # of the steps between two comparisons of the whole table that found nothing
 _MOST_STEPS: Final = 256
 _NUMBERS: Final = 3  # of each difference
@@ -28,7 +28,9 @@ class TableTracker:
         self.is_another = False
         """Whether another object was the table at the last call of :meth:`differences`."""
         self._calls, self._look_at = 0, 0
-        self._since_whole, self._spacing, self._ends_left = 0, 1.0, _PATIENCE
+        self._since_whole, self._spacing, self._ends_left, self._quiet = 0, 1.0, _PATIENCE, 0
+        self._peeked: dict[int, list[float]] = {}
+        self._changes_seen = 0
         self.form.take(self.table)
 
     @property
@@ -59,10 +61,17 @@ class TableTracker:
                 found += outside
         return found
 
-    def content(self) -> object:
-        """Return what can be compared to find out whether the table changed."""
-        now = self.way.read()
-        return self.form.content(self.table if now is MISSING or type(now) is not type(self.table) else now)
+    def changes_seen(self, states: Iterable[int]) -> int:
+        """Return how often one of the rows of ``states`` was seen to change by this function."""
+        table = self.way.read()
+        if type(table) is not type(self.table):
+            table = self.table
+        for state in states:
+            row = self.form.peek(table, state)
+            if self._peeked.setdefault(state, row) != row:
+                self._peeked[state] = row
+                self._changes_seen += 1
+        return self._changes_seen
 
     def rows_are_shared(self) -> bool:
         """Return whether rows of the table are one and the same object."""
@@ -77,8 +86,10 @@ class TableTracker:
         """Compare the whole table more often where it changes elsewhere, and more rarely where not."""
         self._since_whole = 0
         if was_outside and not at_reset:
-            self._spacing = 1.0
+            self._spacing, self._quiet = 1.0, 0
         elif self._calls > _CLOSELY:
+            self._quiet += 1
+        if self._quiet > _PATIENCE:
             self._spacing = min(self._spacing * _GROWTH, _MOST_STEPS)
         if at_reset:
             self._ends_left = _PATIENCE if was_outside else self._ends_left - 1

@@ -1,0 +1,56 @@
+"""Scripts that tests let go step by step."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from watching import PATIENCE, script_in
+
+from rl_tui.lab.programs.messages import NO_LIMIT
+from rl_tui.lab.programs.program_log import ProgramLog
+from rl_tui.lab.programs.program_process import ProgramProcess, ProgramRequest
+
+
+class Held:
+    """A program that goes only as far as it may; ``log`` is what it told so far."""
+
+    def __init__(self, process: ProgramProcess) -> None:
+        self.process, self.log = process, ProgramLog()
+
+    def until(self, is_so: Callable[[ProgramLog], bool]) -> ProgramLog:
+        """Take in what comes until it is so. Fails if that does not happen."""
+        end = time.monotonic() + PATIENCE
+        while not is_so(self.log):
+            assert time.monotonic() < end, self.log
+            assert not self.process.closed, self.log
+            for letter, payload in self.process.frames(1.0):
+                self.log.take(letter, payload)
+        return self.log
+
+    def go_to(self, steps: int) -> ProgramLog:
+        """Let it go on, and return the log when it waits at ``steps``."""
+        self.process.allow(steps)
+        return self.until(lambda log: log.waiting_at == steps)
+
+    def stop_at(self, **conditions: Any) -> ProgramLog:
+        """Let it go until it meets one of the conditions."""
+        self.log.stopped_by = None
+        self.process.ask({"stop": conditions})
+        self.process.allow(NO_LIMIT)
+        log = self.until(lambda log: log.stopped_by is not None or log.ended)
+        self.process.allow(log.recording.count)
+        return log
+
+
+@contextmanager
+def held(folder: Path, text: str, **more: Any) -> Iterator[Held]:
+    """Start a script that waits before its first step."""
+    process = ProgramProcess(ProgramRequest(script_in(folder, text), **more), allowed=0)
+    try:
+        yield Held(process)
+    finally:
+        process.end()

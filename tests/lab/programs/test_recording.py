@@ -1,0 +1,79 @@
+"""What is recorded of a program, against a plain replay of all that came."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rl_tui.lab.programs import recording as of_recording
+from rl_tui.lab.programs.recording import Recording
+
+CELLS = 6
+
+
+def _batches(
+    steps: int, seed: int, changes_of_a_step: int = 2
+) -> list[tuple[np.ndarray[tuple[int, int]], np.ndarray[tuple[int, int]]]]:
+    random, table, batches, at = np.random.default_rng(seed), np.zeros(CELLS), [], 0
+    while at < steps:
+        size = int(random.integers(1, 40))
+        rows = [[0, at + i, 1, 0.5, at + i + 1, i % 4, at // 10, i] for i in range(size)]
+        changes = []
+        for step in range(at, at + size):
+            for _ in range(int(random.integers(0, changes_of_a_step + 1))):
+                cell, after = int(random.integers(CELLS)), float(random.normal())
+                changes.append([step, cell, table[cell], after])
+                table[cell] = after
+        batches.append((np.array(rows, float), np.array(changes, float).reshape(-1, 4)))
+        at += size
+    return batches
+
+
+@pytest.mark.parametrize(("most", "each"), [(10_000, 2), (100, 2), (100, 30)])
+def test_the_table_of_any_moment_is_that_of_a_plain_replay(
+    monkeypatch: pytest.MonkeyPatch, most: int, each: int
+) -> None:
+    monkeypatch.setattr(of_recording, "_BETWEEN_KEYFRAMES", 20)
+    recording = Recording(most)
+    recording.find_table(0, 2, np.zeros(CELLS))
+    came: list[list[float]] = []
+
+    for steps, changes in _batches(1000, most + each, each):
+        recording.add(steps, changes)
+        came += changes.tolist()
+
+        assert len(recording.steps.state) <= most + 40
+        assert len(recording.changes.cell) <= 8 * most + 40 * each
+        for moment in {recording.first, (recording.first + recording.count) // 2, recording.count}:
+            table = np.zeros(CELLS)
+            for step, cell, _, after in came:
+                if step < moment:
+                    table[int(cell)] = after
+            np.testing.assert_array_equal(recording.table_at(moment), table)
+    assert (recording.first > 0) == (most == 100)
+    assert recording.steps.state.tolist() == list(range(recording.first, recording.count))
+    assert recording.changes.step[0] >= recording.first
+
+
+def test_what_was_given_out_does_not_change_when_more_comes() -> None:
+    recording = Recording()
+    recording.find_table(0, 2, np.zeros(CELLS))
+    (steps, changes), *later = _batches(5000, 1)
+    recording.add(steps, changes)
+    given, then = recording.steps.state, recording.steps.state.copy()
+    for batch in later:
+        recording.add(*batch)
+
+    np.testing.assert_array_equal(given, then)
+
+
+def test_a_moment_that_is_forgotten_is_refused() -> None:
+    recording = Recording(50)
+    with pytest.raises(ValueError, match="no table"):
+        recording.table_at(0)
+    recording.find_table(0, 2, np.zeros(CELLS))
+    for batch in _batches(200, 2):
+        recording.add(*batch)
+
+    with pytest.raises(ValueError, match="not kept"):
+        recording.table_at(0)

@@ -1,0 +1,306 @@
+"""Each step and each change of a script is told exactly: compared with what the script itself wrote down."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from textwrap import dedent, indent
+
+import numpy as np
+import pytest
+from watching import script_in, watched
+
+from rl_tui.lab.programs.program_log import ProgramLog
+
+pytestmark = pytest.mark.process
+
+_ENVIRONMENT = """
+import json, sys
+import numpy as np, gymnasium as gym
+from gymnasium import spaces
+
+class Shifted(gym.Env):
+    "A random walk whose states count from 5 and actions from 2."
+    observation_space = spaces.Discrete(4, start=5)
+    action_space = spaces.Discrete(2, start=2)
+    def reset(self, *, seed=None, options=None):
+        super().reset(seed=seed)
+        self.s = int(self.np_random.integers(5, 9))
+        return self.s, {}
+    def step(self, action):
+        self.s = min(8, max(5, self.s + (1 if action == 3 else -1)))
+        return self.s, float(self.s == 8), self.s == 8, False, {}
+
+gym.register("Shifted-v0", entry_point=Shifted, max_episode_steps=20)
+"""
+
+_SCRIPT = """
+log = []
+{setup}
+done = True
+for t in range({steps}):
+    if done:
+        s, _ = env.reset()
+    a = env.action_space.sample()
+    log.append(["table", {flat}])
+    s2, r, te, tr, _ = env.step(a)
+    log.append(["step", {number_s}, int(a) - {first}, float(r), {number_s2}, bool(te), bool(tr)])
+    best = max({get_s2})
+{update}
+    s, done = s2, te or tr
+log.append(["table", {flat}])
+open(sys.argv[1], "w").write(json.dumps(log))
+"""
+_ROWS = "[[float(x) for x in row] for row in {}]"
+_LAKE = "env = gym.make('FrozenLake-v1')\n"
+_TAXI = "env = gym.make('Taxi-v4')\n"
+_CASES: Mapping[str, tuple[str, str, str, str]] = {  # form: setup, flat table, row of s2, update
+    "array": (
+        _LAKE + "q = np.zeros((16, 4))",
+        "q.tolist()",
+        "q[s2]",
+        "q[s, a] += .1 * (r - .01 + .9 * best - q[s, a])",
+    ),
+    "float32": (
+        _LAKE + "q = np.zeros((16, 4), np.float32)",
+        "q.tolist()",
+        "q[s2]",
+        "q[s, a] += .1 * (r - .01 + .9 * best - q[s, a])",
+    ),
+    "fortran": (
+        _LAKE + "q = np.zeros((16, 4), order='F')",
+        "q.tolist()",
+        "q[s2]",
+        "q[s, a] += .1 * (r - .01 + .9 * best - q[s, a])",
+    ),
+    "objects": (
+        _LAKE + "q = np.zeros((16, 4), object)",
+        _ROWS.format("q"),
+        "q[s2]",
+        "q[s, a] += .1 * (r - .01 + .9 * best - q[s, a])",
+    ),
+    "integers": (
+        _LAKE + "q = np.zeros((16, 4), int)",
+        "q.tolist()",
+        "q[s2]",
+        "q[s, a] += int(3 * (r + 1 + best - q[s, a]))",
+    ),
+    "bound anew": (
+        _LAKE + "q = np.zeros((16, 4))",
+        "q.tolist()",
+        "q[s2]",
+        "q = q.copy(); q[s, a] += .1 * (r - .01 + .9 * best - q[s, a])",
+    ),
+    "reset now and then": (
+        _LAKE + "q = np.zeros((16, 4))",
+        "q.tolist()",
+        "q[s2]",
+        "q[s, a] += .1 * (r - .01 + .9 * best - q[s, a])\nif t % 50 == 49: q = np.zeros((16, 4))",
+    ),
+    "lists": (
+        _LAKE + "q = [[0.0] * 4 for _ in range(16)]",
+        "[list(row) for row in q]",
+        "q[s2]",
+        "q[s][a] += .1 * (r - .01 + .9 * best - q[s][a])",
+    ),
+    "lists bound anew": (
+        _LAKE + "q = [[0.0] * 4 for _ in range(16)]",
+        "[list(row) for row in q]",
+        "q[s2]",
+        "q = [list(row) for row in q]; q[s][a] += .1 * (r - .01 + .9 * best - q[s][a])",
+    ),
+    "dict of arrays": (
+        _LAKE + "q = {i: np.zeros(4) for i in range(16)}",
+        _ROWS.format("q.values()"),
+        "q[s2]",
+        "q[s][a] += .1 * (r - .01 + .9 * best - q[s][a])",
+    ),
+    "dict of lists": (
+        _LAKE + "q = {i: [0.0] * 4 for i in range(16)}",
+        _ROWS.format("q.values()"),
+        "q[s2]",
+        "q[s][a] += .1 * (r - .01 + .9 * best - q[s][a])",
+    ),
+    "dict of pairs": (
+        _LAKE + "q = {(i, b): 0.0 for i in range(16) for b in range(4)}",
+        "[[q[i, b] for b in range(4)] for i in range(16)]",
+        "q[s2, b] for b in range(4)",
+        "q[s, a] += .1 * (r - .01 + .9 * best - q[s, a])",
+    ),
+    "large array": (
+        _TAXI + "q = np.zeros((500, 6))",
+        "q.tolist()",
+        "q[s2]",
+        "q[s, a] += .1 * (r + .9 * best - q[s, a])",
+    ),
+    "large lists": (
+        _TAXI + "q = [[0.0] * 6 for _ in range(500)]",
+        "[list(row) for row in q]",
+        "q[s2]",
+        "q[s][a] += .1 * (r + .9 * best - q[s][a])",
+    ),
+    "large dict of arrays": (
+        _TAXI + "q = {i: np.zeros(6) for i in range(500)}",
+        _ROWS.format("q.values()"),
+        "q[s2]",
+        "q[s][a] += .1 * (r + .9 * best - q[s][a])",
+    ),
+    "large dict of pairs": (
+        _TAXI + "q = {(i, b): 0.0 for i in range(500) for b in range(6)}",
+        "[[q[i, b] for b in range(6)] for i in range(500)]",
+        "q[s2, b] for b in range(6)",
+        "q[s, a] += .1 * (r + .9 * best - q[s, a])",
+    ),
+    "an attribute": (
+        _LAKE + "class Agent: pass\nagent = Agent(); agent.q = np.zeros((16, 4))",
+        "agent.q.tolist()",
+        "agent.q[s2]",
+        "agent.q[s, a] += .1 * (r - .01 + .9 * best - agent.q[s, a])",
+    ),
+    "another agent": (
+        _LAKE + "class Agent:\n    def __init__(self): self.q = np.zeros((16, 4))\nagent = Agent()",
+        "agent.q.tolist()",
+        "agent.q[s2]",
+        "agent.q[s, a] += .1 * (r - .01 + .9 * best - agent.q[s, a])\nif t % 50 == 49: agent = Agent()",
+    ),
+    "several cells": (
+        _LAKE + "q = np.zeros((16, 4)); e = np.zeros((16, 4))",
+        "q.tolist()",
+        "q[s2]",
+        "e *= .8; e[s, a] += 1; q += .1 * (r - .01 + .9 * best - q[s, a]) * e",
+    ),
+    "several cells of lists": (
+        _TAXI + "q = [[0.0] * 6 for _ in range(500)]; past = [(0, 0)] * 5",
+        "[list(row) for row in q]",
+        "q[s2]",
+        "past = past[1:] + [(s, a)]\nfor x, y in past: q[x][y] += .1 * (r + .9 * best - q[x][y])",
+    ),
+    "start": (
+        "env = gym.make('Shifted-v0')\nq = np.zeros((4, 2))",
+        "q.tolist()",
+        "q[s2 - 5]",
+        "q[s - 5, a - 2] += .1 * (r - .01 + .9 * best - q[s - 5, a - 2])",
+    ),
+    "start, dict": (
+        "env = gym.make('Shifted-v0')\nq = {i: {} and 0 or [0.0, 0.0] for i in range(5, 9)}",
+        _ROWS.format("q.values()"),
+        "q[s2]",
+        "q[s][a - 2] += .1 * (r - .01 + .9 * best - q[s][a - 2])",
+    ),
+    "start, pairs": (
+        "env = gym.make('Shifted-v0')\nq = {(i, b): 0.0 for i in range(5, 9) for b in (2, 3)}",
+        "[[q[i, b] for b in (2, 3)] for i in range(5, 9)]",
+        "q[s2, b] for b in (2, 3)",
+        "q[s, a] += .1 * (r - .01 + .9 * best - q[s, a])",
+    ),
+    "blackjack": (
+        "env = gym.make('Blackjack-v1')\nq = np.zeros((32, 11, 2, 2))",
+        "q.reshape(-1, 2).tolist()",
+        "q[s2]",
+        "q[s][a] += .1 * (r + .9 * best - q[s][a])",
+    ),
+}
+
+
+def _script(name: str, steps: int = 700) -> str:
+    setup, flat, row, update = _CASES[name]
+    number = "int({0})"
+    first = "0"
+    if "Blackjack" in setup:
+        number = "int(({0}[0] * 11 + {0}[1]) * 2 + {0}[2])"
+    elif "Shifted" in setup:
+        number, first = "int({0}) - 5", "2"
+    text = _SCRIPT.format(
+        setup=setup,
+        steps=steps,
+        flat=flat,
+        get_s2=row,
+        update=indent(update, "    "),
+        first=first,
+        number_s=number.format("s"),
+        number_s2=number.format("s2"),
+    )
+    return _ENVIRONMENT + text
+
+
+@pytest.mark.parametrize("name", list(_CASES))
+def test_every_step_and_every_change_is_told_at_its_step(tmp_path: Path, name: str) -> None:
+    log = watched(script_in(tmp_path, _script(name)), str(tmp_path / "log.json"))
+
+    assert log.error is None
+    _assert_as_written(log, json.loads((tmp_path / "log.json").read_text()))
+
+
+@pytest.mark.parametrize("name", ["array", "lists", "dict of arrays", "dict of pairs"])
+def test_a_table_of_a_function_is_followed_through_its_calls(tmp_path: Path, name: str) -> None:
+    setup, flat, row, update = _CASES[name]
+    body = _SCRIPT.format(
+        setup=setup,
+        steps=150,
+        flat=flat,
+        get_s2=row,
+        update=indent(update, "    "),
+        first="0",
+        number_s="int(s)",
+        number_s2="int(s2)",
+    )
+    body = body.replace("log = []\n", "").replace(
+        'open(sys.argv[1], "w").write(json.dumps(log))', "del log[-1]"
+    )
+    text = _ENVIRONMENT + "log = []\ndef learn(log):\n" + indent(body, "    ")
+    text += "for _ in range(3): learn(log)\nopen(sys.argv[1], 'w').write(json.dumps(log))\n"
+
+    log = watched(script_in(tmp_path, text), str(tmp_path / "log.json"))
+
+    assert log.error is None
+    assert len(log.recording.rebound) == 2
+    _assert_as_written(log, json.loads((tmp_path / "log.json").read_text()))
+
+
+def test_two_environments_share_a_table(tmp_path: Path) -> None:
+    text = _ENVIRONMENT + dedent(
+        """
+        env, other = gym.make("FrozenLake-v1"), gym.make("FrozenLake-v1", is_slippery=False)
+        q, log = np.zeros((16, 4)), []
+        for episode in range(60):
+            here = other if episode % 3 == 2 else env
+            s, _ = here.reset()
+            done = False
+            while not done:
+                a = here.action_space.sample()
+                log.append(["table", q.tolist()])
+                s2, r, te, tr, _ = here.step(a)
+                log.append(["step", int(s), int(a), float(r), int(s2), te, tr])
+                if here is env:
+                    q[s, a] += .1 * (r - .01 + .9 * q[s2].max() - q[s, a])
+                s, done = s2, te or tr
+        open(sys.argv[1], "w").write(json.dumps(log))
+        """
+    )
+
+    log = watched(script_in(tmp_path, text), str(tmp_path / "log.json"))
+
+    _assert_as_written(log, json.loads((tmp_path / "log.json").read_text()))
+    steps = log.recording.steps
+    assert [each.number for each in log.environments] == [0, 1]
+    np.testing.assert_array_equal(steps.environment, steps.episode % 3 == 2)
+
+
+def _assert_as_written(log: ProgramLog, written: list[list[object]]) -> None:
+    steps = log.recording.steps
+    own = [each[1:] for each in written if each[0] == "step"]
+    told = zip(
+        steps.state,
+        steps.action,
+        steps.reward,
+        steps.next_state,
+        steps.terminated,
+        steps.truncated,
+        strict=True,
+    )
+    assert [list(each) for each in told] == own
+    tables = [np.array(each[1], float).ravel() for each in written if each[0] == "table"]
+    assert log.recording.found_at == 0
+    for step, table in enumerate(tables):
+        np.testing.assert_array_equal(log.recording.table_at(step), table, err_msg=f"before step {step}")
