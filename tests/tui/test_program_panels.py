@@ -335,6 +335,11 @@ def test_a_step_whose_update_is_not_known_tells_only_what_moved() -> None:
 
 def test_a_step_that_moved_several_cells_says_how_many() -> None:
     assert "this step moved 5 cells" in story(unknown(others=4), 110)
+    last = unknown().counters.last_step
+    assert last is not None
+    text = story(unknown(others=4, before=last.after), 110)  # the cell told of is as it was, others are not
+    assert "this step moved 5 cells" in text
+    assert "changed nothing" not in text
 
 
 def test_a_step_that_departs_says_so() -> None:
@@ -390,7 +395,7 @@ def test_the_microscope_has_the_update_that_fits_and_invents_nothing() -> None:
     assert "fits 99.93 % of steps" in text
     assert "departs at step 812" in text
     text = "\n".join(row.text for row in page(unknown("no step tells it"), 0, look(), 120, 20))
-    assert "which estimates your program looked up is not known" in text
+    assert "which estimates your program looked up is not" in text
     assert "your program moved" in text
     for invented in ("sampled", "expected", "α", "max Q", "G₀"):
         assert invented not in text
@@ -417,6 +422,21 @@ def test_a_mean_over_actions_is_taken_apart_only_with_the_epsilon_that_is_known(
     assert known.backup is not None
     assert other is not None
     assert other.backup is None
+
+
+def test_a_target_that_bootstraps_after_the_end_is_no_luck() -> None:
+    picture = watched()
+    last = picture.counters.last_step
+    assert last is not None
+    over = changed(picture, last_step=replace(last, terminated=True, bootstrap_state=last.next_state))
+    text = "\n".join(row.text for row in page(over, 0, look(), 120, 24))
+    assert "it bootstraps after the end" in text
+
+
+def test_a_product_in_a_finding_is_no_minus_in_ascii() -> None:
+    finding = replace(AFTER_END, text="with γ · 5 it would be 4.25")
+    text = drawn(FindingsPanel, watched(program(verdict=Verdict(findings=(finding,)))), 80, ascii=True)
+    assert "with gamma * 5 it would be" in text
 
 
 def status(snapshot: Snapshot, width: int = 110) -> str:

@@ -46,6 +46,19 @@ SCRIPT = """\
     """
 
 
+WALK = """\
+    import gymnasium as gym
+    env = gym.make("CliffWalking-v1", max_episode_steps=200)
+    env.action_space.seed(0)
+    for episode in range(12):
+        env.reset(seed=episode)
+        done = False
+        while not done:
+            _, _, terminated, truncated, _ = env.step(env.action_space.sample())
+            done = terminated or truncated
+    """
+
+
 @pytest.fixture
 def script(tmp_path: Path) -> Path:
     """A script that learns as the book does."""
@@ -188,6 +201,17 @@ async def test_another_table_can_be_chosen(script: Path) -> None:
         assert chosen is not None
         assert chosen.table is not None
         assert chosen.table.name == program.table.others[0]
+
+
+async def test_without_a_table_nothing_looks_like_an_estimate(tmp_path: Path) -> None:
+    path = tmp_path / "random_walk.py"
+    path.write_text(dedent(WALK), encoding="utf-8")
+    async with watching(path) as pilot:
+        await train(pilot, 20)
+        assert snapshot(pilot).program.table is None  # type: ignore[union-attr]
+        assert not snapshot(pilot).agent.visits.any()
+        assert "no table found yet" in screen_text(pilot.app)
+        assert "no table was found, so no change is seen" in screen_text(pilot.app)
 
 
 async def test_an_agent_of_ours_beside_it(script: Path) -> None:

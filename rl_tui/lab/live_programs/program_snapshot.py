@@ -110,7 +110,7 @@ class ProgramSnapshots:
         return Snapshot(
             world=world.world,
             recipe=recipe,
-            agent=self._agent(playback, counters, q, is_explained=view.told.is_explained),
+            agent=self._agent(playback, counters, q, is_explained=view.last_update.is_explained),
             counters=counters,
             results=results,
             exact_answer=asked.exact(shown, gamma),
@@ -133,11 +133,14 @@ class ProgramSnapshots:
             if self._copier is None or self._copier.world is not world:
                 self._copier = PartCopier(world)
             part = self._copier.copy(viewport, (counters,), q, shown.visits)
+        visits = part.visits if part else shown.visits.copy()
+        if shown.table is None:
+            visits = np.zeros_like(visits)  # Q is 0 for want of a table: no estimate of the program's
         return AgentView(
             found.algorithm,
             found.hyperparameters,
             part.q if part else q,
-            part.visits if part else shown.visits.copy(),
+            visits,
             part=part,
             author=None if is_explained else Author(OWN_PROGRAM.id, found.hyperparameters),
         )
@@ -200,8 +203,8 @@ def program_view(playback: ProgramPlayback) -> ProgramView:
         error=log.error,
         ended=program.is_over,
         refused=log.refused,
-        reloaded=playback.reloaded,
-        source=playback.file.source,
+        reloaded=playback.restarts.words,
+        source=playback.restarts.file.source,
         path=str(request.path),
         first_step=playback.history.first_step,
         gamma=found.hyperparameters.gamma,

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _MOST_REWARDS: Final = 256
 
 
-class ToldUpdate(NamedTuple):
+class KnownUpdate(NamedTuple):
     """What a step did to the table, as in LastStep; unexplained, its target is what stands there."""
 
     cell: int = NOTHING
@@ -130,9 +130,9 @@ class StepView:
         pair = self._world.pair(observation, action, count)
         if pair == NOTHING:
             return None  # for screens a step without a pair is a planner's
-        next_state, told = self._landing(steps, place), self.told
+        next_state, update = self._landing(steps, place), self.last_update
         own_cell = observation * self._progress.recording.actions + action
-        moved = self._pair_of(told.cell, own_cell, pair)
+        moved = self._pair_of(update.cell, own_cell, pair)
         return LastStep(
             step=self._progress.step,
             episode=self._progress.episodes + (not ended),
@@ -146,32 +146,32 @@ class StepView:
             terminated=bool(steps.terminated[place]),
             truncated=bool(steps.truncated[place]),
             updated_pair=moved,
-            others=told.others if moved != NOTHING else 0,
+            others=update.others if moved != NOTHING else 0,
             table=0,
-            before=told.before,
-            step_size=told.step_size,
+            before=update.before,
+            step_size=update.step_size,
             gamma=self._gamma,
-            gathered=told.gathered,
-            discount=told.discount,
-            bootstrap=told.bootstrap,
-            after=told.after,
+            gathered=update.gathered,
+            discount=update.discount,
+            bootstrap=update.bootstrap,
+            after=update.after,
             episode_step=count + 1,
-            bootstrap_state=NOTHING if told.bootstrap_state == NOTHING else next_state,
+            bootstrap_state=NOTHING if update.bootstrap_state == NOTHING else next_state,
         )
 
     @cached_property
-    def told(self) -> ToldUpdate:
+    def last_update(self) -> KnownUpdate:
         """What the last step did to the table, part by part as far as that is known."""
         progress = self._progress
         if self._last is None or progress.table is None or progress.step <= progress.recording.found_at:
-            return ToldUpdate()
+            return KnownUpdate()
         changes, step = progress.recording.changes, progress.step - 1
         begin, end = np.searchsorted(changes.step, (step, step + 1))
         table = progress.table.copy()
         table[changes.cell[begin:end][::-1]] = changes.before[begin:end][::-1]
         story = update_of_step(progress.recording, self._update, step, table)
         if story.step_size is not None and story.gathered is not None:
-            return ToldUpdate(
+            return KnownUpdate(
                 story.cell,
                 story.before,
                 story.after,
@@ -184,11 +184,11 @@ class StepView:
                 is_explained=True,
             )
         if not story.moved:
-            return ToldUpdate()
+            return KnownUpdate()
         own = int(self._last.state[0]) * progress.recording.actions + int(self._last.action[0])
         first = next((each for each in story.moved if each.cell == own), story.moved[0])
         others = len({each.cell for each in story.moved}) - 1
-        return ToldUpdate(first.cell, first.before, first.after, others, gathered=first.after)
+        return KnownUpdate(first.cell, first.before, first.after, others, gathered=first.after)
 
     def _pair_of(self, cell: int, own_cell: int, own_pair: int) -> int:
         """Return our pair for ``cell``: of several that share it, the one that was taken."""

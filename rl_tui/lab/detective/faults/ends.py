@@ -41,8 +41,8 @@ def proofs_at_ends(
     if not predictions.is_known or update.reward == "own" or update.place is Place.ONE_LATE:
         return ()
     evidence = predictions.evidence
-    ended = evidence.terminated & predictions.is_learning
-    cut_off = evidence.truncated & ~evidence.terminated & predictions.is_learning
+    ended = evidence.terminated & evidence.learns
+    cut_off = evidence.truncated & ~evidence.terminated & evidence.learns
     proofs = [] if may_be_own else [_lost_at_end(predictions, ended, reward, names)]
     if update.target is not Target.NOTHING and (update.gamma or 0.0) >= _LEAST_DISCOUNT:
         proofs.append(_bootstraps(predictions, ended, reward, names))

@@ -75,20 +75,12 @@ class Predictions:
         return own & (evidence.number < evidence.runs_away_at)
 
     @cached_property
-    def is_learning(self) -> BoolArray:
-        """Whether anything changed in the episode of each step, [N]: not so where a policy is only tried."""
-        evidence = self.evidence
-        episode = evidence.episode - evidence.episode.min(initial=0)
-        learning: BoolArray = (np.bincount(episode, evidence.changes_of > 0) > 0)[episode]
-        return learning
-
-    @cached_property
     def alpha(self) -> FloatArray:
         """The step size of each step, [N]; NaN where it is not known."""
         if self.update.alpha is not None:
             return np.full(len(self.evidence), self.update.alpha)
         if self.update.alpha_schedule == "1/N":
-            return 1.0 / _visits(np.where(self.is_learning, self.moved_cell, -1))
+            return self._alpha_by_visits()
         if self.update.alpha_schedule == "by-episode":
             return self._alpha_by_episode()
         return np.full(len(self.evidence), np.nan)
@@ -170,25 +162,41 @@ class Predictions:
         values[:read, 0] = evidence.history.before(cells, steps).max(1, initial=-np.inf)
         return values
 
+    def _alpha_by_visits(self) -> FloatArray:
+        """Return 1/N, where N may begin with more than 1; NaN if most steps are not so."""
+        at, solved = self._solved_alpha()
+        for visits in self.evidence.visits:
+            more = np.rint(1.0 / solved - visits[at])
+            usual = float(np.median(more)) if len(more) else 0.0
+            if len(more) and np.mean(more == usual) > 1.0 - _EXCEPTIONS:
+                size: FloatArray = 1.0 / np.maximum(visits + usual, 1.0)
+                return size
+        return np.full(len(self.evidence), np.nan)
+
     def _alpha_by_episode(self) -> FloatArray:
         """Return the median step size that the steps of an episode solve to, for each step."""
         evidence = self.evidence
-        alpha = np.full(len(evidence), np.nan)
+        at, solved = self._solved_alpha()
+        if not len(solved):
+            return np.full(len(evidence), np.nan)
+        episode = evidence.episode[at]
+        order = np.lexsort((solved, episode))
+        names, first, count = np.unique(episode[order], return_index=True, return_counts=True)
+        middle = solved[order][first + (count - 1) // 2]
+        place = np.minimum(np.searchsorted(names, evidence.episode), len(names) - 1)
+        return np.where(names[place] == evidence.episode, middle[place], np.nan)
+
+    def _solved_alpha(self) -> tuple[IntArray, FloatArray]:
+        """Return steps that are no last ones, and the step size that each solves to."""
+        evidence = self.evidence
         inner = ~(evidence.terminated | evidence.truncated) & (evidence.changes_of == 1)
         readings = self.readings(_thinned(np.flatnonzero(inner)))
         values = self.values(readings.at)[:, 0]
         error = evidence.reward[readings.at] + self.gamma * values - readings.before
         with np.errstate(divide="ignore", invalid="ignore"):
             solved = (readings.after - readings.before) / error
-        known = np.isfinite(solved)
-        episode, solved = evidence.episode[readings.at][known], solved[known]
-        if not len(solved):
-            return alpha
-        order = np.lexsort((solved, episode))
-        names, first, count = np.unique(episode[order], return_index=True, return_counts=True)
-        middle = solved[order][first + (count - 1) // 2]
-        place = np.minimum(np.searchsorted(names, evidence.episode), len(names) - 1)
-        return np.where(names[place] == evidence.episode, middle[place], np.nan)
+        known = np.isfinite(solved) & (solved != 0.0)
+        return readings.at[known], solved[known]
 
 
 def by_the_environment(evidence: Evidence, update: UpdateFound, dtype: str) -> Predictions:
@@ -214,15 +222,3 @@ def _of_next_action(rows: FloatArray, action: IntArray) -> FloatArray:
     """Return the values of ``action`` [n]; of a step without a next one all of its row, [n, A]."""
     taken = np.take_along_axis(rows, np.maximum(action, 0)[:, None], 1)
     return np.where((action == NO_ACTION)[:, None], rows, taken)
-
-
-def _visits(cell: IntArray) -> FloatArray:
-    """Return how often each ``cell`` [N] was moved up to and with that step; NaN where it is −1."""
-    order = np.argsort(cell, kind="stable")
-    ordered = cell[order]
-    begins = np.flatnonzero(np.concatenate(([True], ordered[1:] != ordered[:-1])))
-    run = np.repeat(begins, np.diff(np.append(begins, len(cell))))
-    count = np.empty(len(cell))
-    count[order] = np.arange(len(cell)) - run + 1.0
-    count[cell < 0] = np.nan
-    return count

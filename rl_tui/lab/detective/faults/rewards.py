@@ -40,7 +40,7 @@ def reward_used(predictions: Predictions, names: CodeNames) -> RewardUsed:
 
 def _proof(predictions: Predictions, before: FloatArray, names: CodeNames) -> Proof:
     evidence = predictions.evidence
-    differs = (evidence.reward != before) & predictions.is_learning & predictions.is_plain
+    differs = (evidence.reward != before) & evidence.learns & predictions.is_plain
     readings = predictions.readings(some_of(np.flatnonzero(differs), _MOST))
     at = readings.at
     values = predictions.values(at)

@@ -15,7 +15,6 @@ from rl_tui.lab.detective.verdict import Finding
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, strips_of, wrapped
-from rl_tui.tui.draw.to_ascii import separated
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.program.source import source_lines
 from rl_tui.tui.panels.program.words import (
@@ -178,4 +177,4 @@ def _nothing_found(snapshot: Snapshot, program: ProgramView, look: Look, width: 
 
 def _paragraph(text: str, look: Look, width: int, *, is_dim: bool = False) -> list[Line]:
     style = look.palette.dim if is_dim else look.palette.text
-    return list(wrapped(separated(text, look.glyphs), width, style, look, _INDENT, _INDENT))
+    return list(wrapped(text, width, style, look, _INDENT, _INDENT))
