@@ -133,14 +133,11 @@ class ProgramSnapshots:
             if self._copier is None or self._copier.world is not world:
                 self._copier = PartCopier(world)
             part = self._copier.copy(viewport, (counters,), q, shown.visits)
-        visits = part.visits if part else shown.visits.copy()
-        if shown.table is None:
-            visits = np.zeros_like(visits)  # Q is 0 for want of a table: no estimate of the program's
         return AgentView(
             found.algorithm,
             found.hyperparameters,
             part.q if part else q,
-            visits,
+            part.visits if part else shown.visits.copy(),
             part=part,
             author=None if is_explained else Author(OWN_PROGRAM.id, found.hyperparameters),
         )
