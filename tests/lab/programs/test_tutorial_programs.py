@@ -23,6 +23,7 @@ from rl_tui.agents.exact.policies import greedy_policy
 from rl_tui.cli.main import program
 from rl_tui.common.errors import UserError
 from rl_tui.lab.detective.detective import verdict_of
+from rl_tui.lab.detective.verdict import Rule
 from rl_tui.lab.experiments.training import Goal
 from rl_tui.lab.grading.agent_request import agent_request, place_of_agent
 from rl_tui.lab.grading.watch_report import environment_of, learned_figures
@@ -96,6 +97,25 @@ def test_it_is_understood_and_not_blamed(tutorial: tuple[Path, ProgramLog]) -> N
     }
     assert verdict.update.fits == 1.0
     assert [each.fault.value for each in verdict.findings] == expected.get("findings", [])
+
+
+def test_steps_that_another_table_is_for_are_said_to_be_left_out(tutorial: tuple[Path, ProgramLog]) -> None:
+    path, log = tutorial
+    said = [each for each in verdict_of(log).notes if "--table" in each]
+    assert bool(said) == (path.stem in SECOND_TABLES)
+
+
+def test_the_second_table_can_be_chosen(folder: Path) -> None:
+    log = watched(TUTORIALS / "huggingface_both.py", seed=1, table="Qtable_taxi")
+    assert log.table is not None
+    assert (log.table.name, log.table.shape) == ("Qtable_taxi", (500, 6))
+    assert log.recording.table_at(log.recording.count).tolist() == np.load("table.npy").ravel().tolist()
+    update = verdict_of(log).update
+    assert (update.rule, update.alpha, update.gamma) == (
+        Rule.Q_LEARNING,
+        pytest.approx(0.7),
+        pytest.approx(0.95),
+    )
 
 
 def test_every_step_and_episode_is_seen(tutorial: tuple[Path, ProgramLog]) -> None:
@@ -235,3 +255,11 @@ def test_what_is_not_installed_is_said_with_the_line_that_installs_it(tmp_path: 
     assert error is not None
     assert (error.type, error.line) == ("ModuleNotFoundError", 2)
     assert "pip install a_plotting_library" in error.text
+
+
+@pytest.mark.parametrize("line", ["get_ipython().system('pip install numpy')", "display(1)"])
+def test_what_only_a_notebook_has_is_said_to_be_of_one(line: str, tmp_path: Path) -> None:
+    error = watched(script_in(tmp_path, f"import gymnasium\n{line}\n")).error
+    assert error is not None
+    assert (error.type, error.line) == ("NameError", 2)
+    assert "notebook" in error.text
