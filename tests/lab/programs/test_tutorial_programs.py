@@ -263,3 +263,8 @@ def test_what_only_a_notebook_has_is_said_to_be_of_one(line: str, tmp_path: Path
     assert error is not None
     assert (error.type, error.line) == ("NameError", 2)
     assert "notebook" in error.text
+
+
+def test_a_line_of_another_file_is_told_with_that_file(folder: Path) -> None:
+    arguments = ["grade", str(TUTORIALS / "udacity" / "main.py"), "--scenario", "taxi", "--seeds", "1"]
+    assert re.search(r"\(line \d+ of agent\.py\)", CliRunner().invoke(program, arguments).stdout)
