@@ -7,9 +7,10 @@ would add an entry.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from itertools import chain, compress
 from operator import is_not
+from struct import Struct
 from typing import Any, Final
 
 import numpy as np
@@ -21,6 +22,8 @@ Doubles = npt.NDArray[np.float64]
 MOST_CELLS: Final = 1_000_000
 _SMALL: Final = 65_536  # bytes of an array that is compared as a whole at each step
 _FEW: Final = 64  # cells of a table that is so
+_CODES: Final = {"<f8": "d", "<f4": "f", "<i8": "q", "<i4": "i"}
+"""How numbers of an array are written one by one."""
 _NAN: Final = float("nan")
 
 
@@ -36,11 +39,8 @@ class StoredTable(ABC):
         self.numbering = numbering
         self.actions = numbering.actions
         self.cells = numbering.states * numbering.actions
-
-    @property
-    def is_compared_whole(self) -> bool:
-        """Whether each comparison is one of the whole table."""
-        return self.cells <= _FEW
+        self.is_compared_whole = self.cells <= _FEW
+        """Whether :meth:`differences` compares the whole table each time."""
 
     @abstractmethod
     def take(self, table: Any) -> None:
@@ -63,8 +63,8 @@ class StoredTable(ABC):
         """Return what differs now anywhere, and take it."""
 
     @abstractmethod
-    def peek(self, table: Any, state: int) -> list[float]:
-        """Return the row of ``state`` as it is now, 0 where there is none, and take nothing."""
+    def peek(self, table: Any, state: int) -> object:
+        """Return the row of ``state`` as it is now, in a form of its own, None where there is none."""
 
     def rows_are_shared(self, table: Any) -> bool:
         """Return whether rows of the table are one and the same object."""
@@ -76,17 +76,14 @@ class ArrayTable(StoredTable):
 
     name = "array"
 
-    @property
-    def is_compared_whole(self) -> bool:
-        """Whether each comparison is one of the whole table."""
-        return self._is_small
-
     def take(self, table: Any) -> None:
         """Take the content of ``table`` for what was last seen."""
         self._dtype = table.dtype
         self._kept = bytearray(table.tobytes())
         self._width = self.actions * table.dtype.itemsize
-        self._is_small = len(self._kept) <= _SMALL
+        code = _CODES.get(table.dtype.str)
+        self._numbers = self._decoded if code is None else Struct(f"={self.actions}{code}").unpack
+        self.is_compared_whole = len(self._kept) <= _SMALL
 
     def values(self) -> Doubles:
         """Return what was last seen, [S·A]."""
@@ -95,33 +92,33 @@ class ArrayTable(StoredTable):
     def row(self, state: int) -> Sequence[float]:
         """Return what was last seen in a row, [A]."""
         begin = state * self._width
-        return self._numbers(self._kept[begin : begin + self._width])
+        return list(self._numbers(self._kept[begin : begin + self._width]))
 
     def differences(self, table: Any, states: Iterable[int]) -> list[float]:
         """Return what differs now in the rows of ``states``, and what is new."""
         found: list[float] = []
         kept, width = self._kept, self._width
-        if not self._is_small:
+        if not self.is_compared_whole:
             for state in states:
                 self._compare(state, table[self.numbering.place(state)].tobytes(), found)
             return found
         now = table.tobytes()
         if now == kept:
             return found
-        for state in states:
+        for state in states:  # mostly the first of them is all that changed
             self._compare(state, now[state * width : (state + 1) * width], found)
-        if now != kept:
-            found += self._compare_all(now)
-        return found
+            if now == kept:
+                return found
+        return found + self._compare_all(now)
 
     def all_differences(self, table: Any) -> list[float]:
         """Return what differs now anywhere."""
         now = table.tobytes()
         return [] if now == self._kept else self._compare_all(now)
 
-    def peek(self, table: Any, state: int) -> list[float]:
+    def peek(self, table: Any, state: int) -> object:
         """Return the row of ``state`` as it is now."""
-        return self._numbers(table[self.numbering.place(state)].tobytes())
+        return table[self.numbering.place(state)].tobytes()
 
     def _compare(self, state: int, now: bytes, found: list[float]) -> None:
         begin = state * self._width
@@ -138,7 +135,7 @@ class ArrayTable(StoredTable):
         found: list[float] = np.column_stack((cells, before[cells], after[cells])).ravel().tolist()
         return found
 
-    def _numbers(self, row: bytes | bytearray) -> list[float]:
+    def _decoded(self, row: bytes | bytearray) -> Sequence[float]:
         numbers: list[float] = np.frombuffer(row, self._dtype).tolist()
         return numbers
 
@@ -156,7 +153,8 @@ class RowTable(StoredTable):
     def take(self, table: Any) -> None:
         """Take the content of ``table`` for what was last seen."""
         self._numbers = [_NAN] * self.cells
-        self._kept: dict[Any, Any] = {}
+        self._kept: list[Any] = []
+        self._place: dict[Any, int] = {}
         self.all_differences(table)
 
     def values(self) -> Doubles:
@@ -169,59 +167,75 @@ class RowTable(StoredTable):
 
     def differences(self, table: Any, states: Iterable[int]) -> list[float]:
         """Return what differs now in the rows of ``states``, and what is new."""
+        if type(table) is np.ndarray or len(table) != len(self._kept):
+            return self.all_differences(table)
         found: list[float] = []
-        kept = self._kept
         for state in states:
             key = self._key(state)
-            row = self._row(table, state, key)
-            if row is not None and _raw(row) != kept.get(key):
-                self._note(key, row, found)
-        if isinstance(table, (dict, list)) and len(table) != len(kept):
-            found += self._new_rows(table)
-        return found
+            place = self._place.get(key)
+            if place is not None:
+                row = dict.get(table, key) if isinstance(table, dict) else table[place]
+                if _raw(row) != self._kept[place]:
+                    self._note(key, place, row, found)
+        return found + self.all_differences(table) if self.is_compared_whole else found
 
     def all_differences(self, table: Any) -> list[float]:
         """Return what differs now anywhere."""
+        rows, kept = self._rows(table), self._kept
+        now = _raw_of_all(rows)
         found: list[float] = []
-        kept = self._kept
-        rows = self._rows(table)
-        changed = [(key, row) for key, row in rows if _raw(row) != kept.get(key)]
-        for key, row in changed:
-            self._note(key, row, found)
         if len(rows) != len(kept):
-            self._leave_out(kept.keys() - {key for key, _ in rows}, found)
+            self._find_places(table, found)
+            kept = self._kept
+        if now != kept:
+            keys = list(self._place)
+            changed = [place for place, (new, old) in enumerate(zip(now, kept, strict=True)) if new != old]
+            for place in changed:
+                self._note(keys[place], place, rows[place], found)
         return found
 
-    def peek(self, table: Any, state: int) -> list[float]:
-        """Return the row of ``state`` as it is now, 0 where there is none."""
-        row = self._row(table, state, self._key(state))
-        is_row = row is not None and _is_row(row, self.actions)
-        return [number_of(each) for each in row] if is_row else [0.0] * self.actions
+    def peek(self, table: Any, state: int) -> object:
+        """Return the row of ``state`` as it is now, None where there is none."""
+        if type(table) is np.ndarray:
+            return table[self.numbering.place(state)].tolist()
+        row = dict.get(table, self._key(state)) if isinstance(table, dict) else table[state]
+        return list(row) if type(row) is list else _raw(row)
 
     def rows_are_shared(self, table: Any) -> bool:
         """Return whether rows are one and the same object."""
-        rows = [id(row) for _, row in self._rows(table)]
+        rows = list(map(id, self._rows(table)))
         return type(table) is not np.ndarray and len(set(rows)) < len(rows)
 
-    def _rows(self, table: Any) -> Collection[tuple[Any, Any]]:
-        return dict.items(table) if isinstance(table, dict) else list(enumerate(_plain_rows(table)))
+    def _rows(self, table: Any) -> list[Any]:
+        if isinstance(table, dict):
+            return list(dict.values(table))
+        return _plain_rows(table)
 
     def _key(self, state: int) -> Any:
         return self.numbering.key(state) if self.name == "dict-of-arrays" else state
 
-    def _row(self, table: Any, state: int, key: Any) -> Any:
-        if isinstance(table, dict):
-            return dict.get(table, key)
-        if type(table) is np.ndarray:
-            return table[self.numbering.place(state)].tolist()
-        return table[state] if state < len(table) else None
+    def _state(self, key: Any) -> int | None:
+        return key if self.name != "dict-of-arrays" else _state(self.numbering, key)
 
-    def _note(self, key: Any, row: Any, found: list[float]) -> None:
-        self._kept[key] = list(row) if type(row) is list else _raw(row)
-        state = key if self.name != "dict-of-arrays" else _state(self.numbering, key)
-        if state is not None and _is_row(row, self.actions):
-            is_array = type(row) is np.ndarray
-            now = row.astype(np.float64).tolist() if is_array else [number_of(each) for each in row]
+    def _find_places(self, table: Any, found: list[float]) -> None:
+        """Find where in their order the rows stand, after some came or went."""
+        keys = list(dict.keys(table)) if isinstance(table, dict) else range(len(table))
+        if type(table) is np.ndarray:
+            keys = range(self.numbering.states)
+        before = dict(zip(self._place, self._kept, strict=True))
+        self._place = {key: place for place, key in enumerate(keys)}
+        self._kept = [before.pop(key, None) for key in keys]
+        for key in before:
+            state = self._state(key)
+            if state is not None:
+                self._set_row(state, [_NAN] * self.actions, found)
+
+    def _note(self, key: Any, place: int, row: Any, found: list[float]) -> None:
+        self._kept[place] = list(row) if type(row) is list else _raw(row)
+        state = self._state(key)
+        if state is not None and len(row) == self.actions:
+            entries = row.tolist() if type(row) is np.ndarray else row
+            now = [each if type(each) is float else number_of(each) for each in entries]
             self._set_row(state, now, found)
 
     def _set_row(self, state: int, now: list[float], found: list[float]) -> None:
@@ -229,23 +243,6 @@ class RowTable(StoredTable):
         before = self._numbers[begin : begin + self.actions]
         _add_differences(begin, zip(before, now, strict=True), found)
         self._numbers[begin : begin + self.actions] = now
-
-    def _new_rows(self, table: Any) -> list[float]:
-        """Return what is new at the end of a dict, which keeps the order in which its keys came."""
-        new = len(table) - len(self._kept)
-        if new < 0 or not isinstance(table, dict):
-            return self.all_differences(table)
-        found: list[float] = []
-        for key, _ in zip(dict.__reversed__(table), range(new), strict=False):
-            self._note(key, dict.get(table, key), found)
-        return found
-
-    def _leave_out(self, keys: Iterable[Any], found: list[float]) -> None:
-        for key in keys:
-            del self._kept[key]
-            state = key if self.name != "dict-of-arrays" else _state(self.numbering, key)
-            if state is not None and state * self.actions < self.cells:
-                self._set_row(state, [_NAN] * self.actions, found)
 
 
 class PairTable(StoredTable):
@@ -281,7 +278,8 @@ class PairTable(StoredTable):
                 each = get(table, (key, first + action))
                 if each is not None and each != numbers[begin + action]:
                     self._note(begin + action, each, found)
-        return found
+                    self._kept[self._place[begin + action]] = each
+        return found + self.all_differences(table) if self.is_compared_whole else found
 
     def all_differences(self, table: Any) -> list[float]:
         """Return what differs now anywhere."""
@@ -290,6 +288,8 @@ class PairTable(StoredTable):
             self._kept = []
         now = list(dict.values(table))
         found: list[float] = []
+        if now == self._kept:
+            return found
         if len(self._kept) == len(now):
             changed: Iterable[tuple[int, object]] = compress(
                 zip(self._cells, now, strict=True), map(is_not, now, self._kept)
@@ -303,15 +303,15 @@ class PairTable(StoredTable):
         self._kept = now
         return found
 
-    def peek(self, table: Any, state: int) -> list[float]:
-        """Return the row of ``state`` as it is now, 0 where there is none."""
+    def peek(self, table: Any, state: int) -> object:
+        """Return the row of ``state`` as it is now."""
         key, first = self.numbering.key(state), self.numbering.first_action
-        entries = (dict.get(table, (key, first + action), 0.0) for action in range(self.actions))
-        return [number_of(each) for each in entries]
+        return [dict.get(table, (key, first + action)) for action in range(self.actions)]
 
     def _read_keys(self, table: Any) -> None:
         """Find the cell of each entry in their order, −1 for one that is none."""
         self._cells = [self._cell(key) for key in dict.keys(table)]
+        self._place = {cell: place for place, cell in enumerate(self._cells)}
 
     def _cell(self, key: Any) -> int:
         if key not in self._known:
@@ -377,6 +377,12 @@ def _is_entry(value: object) -> bool:
     return type(value) is float or _is_number(value) or (type(value) is np.ndarray and value.size == 1)
 
 
+def _raw_of_all(rows: list[Any]) -> list[Any]:
+    if rows and type(rows[0]) is np.ndarray:
+        return list(map(np.ndarray.tobytes, rows))
+    return rows
+
+
 def _raw(row: Any) -> object:
     return row.tobytes() if type(row) is np.ndarray else row
 
@@ -385,7 +391,7 @@ def _plain_rows(table: Any) -> list[Any]:
     if type(table) is np.ndarray:
         rows: list[Any] = table.reshape(-1, table.shape[-1]).tolist()
         return rows
-    return list(table)
+    return table  # type: ignore[no-any-return]
 
 
 def _is_plain(key: object) -> bool:

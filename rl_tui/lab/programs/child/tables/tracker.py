@@ -29,7 +29,7 @@ class TableTracker:
         """Whether another object was the table at the last call of :meth:`differences`."""
         self._calls, self._look_at = 0, 0
         self._since_whole, self._spacing, self._ends_left, self._quiet = 0, 1.0, _PATIENCE, 0
-        self._peeked: dict[int, list[float]] = {}
+        self._peeked: dict[int, object] = {}
         self._changes_seen = 0
         self.form.take(self.table)
 
@@ -53,7 +53,7 @@ class TableTracker:
             return self._bind(table)
         form = self.form
         found = form.differences(table, states)
-        if not form.is_compared_whole or form.name != "array":
+        if not form.is_compared_whole:
             self._since_whole += 1
             if self._is_whole_due(at_reset) or frame is None:
                 outside = form.all_differences(table)
@@ -68,7 +68,7 @@ class TableTracker:
             table = self.table
         for state in states:
             row = self.form.peek(table, state)
-            if self._peeked.setdefault(state, row) != row:
+            if row is not None and self._peeked.setdefault(state, row) != row:
                 self._peeked[state] = row
                 self._changes_seen += 1
         return self._changes_seen
@@ -78,7 +78,7 @@ class TableTracker:
         return self.form.rows_are_shared(self.table)
 
     def _is_whole_due(self, at_reset: bool) -> bool:
-        if self.form.is_compared_whole or self._calls <= _CLOSELY or self._since_whole >= self._spacing:
+        if self._calls <= _CLOSELY or self._since_whole >= self._spacing:
             return True
         return at_reset and self._ends_left > 0
 
