@@ -66,10 +66,10 @@ class TableTracker:
         table = self.way.read()
         if type(table) is not type(self.table):
             table = self.table
+        before, self._peeked = self._peeked, {}
         for state in states:
-            row = self.form.peek(table, state)
-            if row is not None and self._peeked.setdefault(state, row) != row:
-                self._peeked[state] = row
+            row = self._peeked[state] = self.form.peek(table, state)
+            if row is not None and before.get(state, row) != row:
                 self._changes_seen += 1
         return self._changes_seen
 
