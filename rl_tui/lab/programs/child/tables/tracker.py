@@ -62,14 +62,14 @@ class TableTracker:
         return found
 
     def changes_seen(self, states: Iterable[int]) -> int:
-        """Return how often one of the rows of ``states`` was seen to change by this function."""
+        """Return how often this function has seen one of the rows of ``states`` change from call to call."""
         table = self.way.read()
         if type(table) is not type(self.table):
             table = self.table
-        for state in states:
-            row = self.form.peek(table, state)
-            if row is not None and self._peeked.setdefault(state, row) != row:
-                self._peeked[state] = row
+        peek, before = self.form.peek, self._peeked
+        now = self._peeked = {state: peek(table, state) for state in states}
+        for state, row in now.items():  # what was not looked at last time may have changed anywhere since
+            if before.get(state, row) != row and before[state] is not None:
                 self._changes_seen += 1
         return self._changes_seen
 
