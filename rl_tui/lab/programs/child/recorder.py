@@ -197,9 +197,11 @@ class Recorder:
             self._traces_left -= 1
             self._trace.begin(TRACED_AT_FIRST)
         step = max(self.count - 1, 0)
-        for place in range(0, len(found), _NUMBERS):
-            self.channel.changes += (step, *found[place : place + _NUMBERS])
-        if len(found) > _NUMBERS:  # one cell is what a rebinding of each step changes
+        if len(found) == _NUMBERS:  # one cell, as most steps change, also where each binds the table anew
+            self.channel.changes += (step, *found)
+        else:
+            for place in range(0, len(found), _NUMBERS):
+                self.channel.changes += (step, *found[place : place + _NUMBERS])
             if tracker.is_another and self._rebound < _MOST_REBOUND:
                 self._rebound += 1
                 self.channel.message(MessageKind.REBOUND, step=step)

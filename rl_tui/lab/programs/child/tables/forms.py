@@ -1,7 +1,7 @@
 """The forms in which programs keep their table: how each is recognised, read, and compared with before.
 
 Reading calls nothing of the user's: no property, no method of a class of theirs, no ``__getitem__`` that
-would add an entry.
+would add an entry. (``isinstance`` may ask an object for its ``__class__``; so types are asked.)
 """
 
 from __future__ import annotations
@@ -106,9 +106,11 @@ class ArrayTable(StoredTable):
         if now == kept:
             return found
         for state in states:  # mostly the first of them is all that changed
-            self._compare(state, now[state * width : (state + 1) * width], found)
-            if now == kept:
-                return found
+            begin = state * width
+            if now[begin : begin + width] != kept[begin : begin + width]:
+                self._compare(state, now[begin : begin + width], found)
+                if now == kept:
+                    return found
         return found + self._compare_all(now)
 
     def all_differences(self, table: Any) -> list[float]:
@@ -174,7 +176,7 @@ class RowTable(StoredTable):
             key = self._key(state)
             place = self._place.get(key)
             if place is not None:
-                row = dict.get(table, key) if isinstance(table, dict) else table[place]
+                row = dict.get(table, key) if issubclass(type(table), dict) else table[place]
                 if _raw(row) != self._kept[place]:
                     self._note(key, place, row, found)
         return found + self.all_differences(table) if self.is_compared_whole else found
@@ -198,7 +200,7 @@ class RowTable(StoredTable):
         """Return the row of ``state`` as it is now, None where there is none."""
         if type(table) is np.ndarray:
             return table[self.numbering.place(state)].tolist()
-        row = dict.get(table, self._key(state)) if isinstance(table, dict) else table[state]
+        row = dict.get(table, self._key(state)) if issubclass(type(table), dict) else table[state]
         return list(row) if type(row) is list else _raw(row)
 
     def rows_are_shared(self, table: Any) -> bool:
@@ -207,7 +209,7 @@ class RowTable(StoredTable):
         return type(table) is not np.ndarray and len(set(rows)) < len(rows)
 
     def _rows(self, table: Any) -> list[Any]:
-        if isinstance(table, dict):
+        if issubclass(type(table), dict):
             return list(dict.values(table))
         return _plain_rows(table)
 
@@ -219,7 +221,7 @@ class RowTable(StoredTable):
 
     def _find_places(self, table: Any, found: list[float]) -> None:
         """Find where in their order the rows stand, after some came or went."""
-        keys = list(dict.keys(table)) if isinstance(table, dict) else range(len(table))
+        keys = list(dict.keys(table)) if issubclass(type(table), dict) else range(len(table))
         if type(table) is np.ndarray:
             keys = range(self.numbering.states)
         before = dict(zip(self._place, self._kept, strict=True))
@@ -335,7 +337,7 @@ def form_of(value: object, numbering: Numbering) -> StoredTable | None:
         if value.dtype.kind == "O":
             return RowTable(numbering, "array") if _is_row(_plain_rows(value)[0], numbering.actions) else None
         return ArrayTable(numbering) if value.shape == (*numbering.parts, numbering.actions) else None
-    if isinstance(value, dict):
+    if issubclass(type(value), dict):
         return _form_of_dict(value, numbering)
     is_list = type(value) is list and len(value) == numbering.states
     if is_list and all(_is_row(row, numbering.actions) for row in value):  # type: ignore[attr-defined]
@@ -364,7 +366,7 @@ def number_of(value: object) -> float:
 
 
 def _is_number(value: object) -> bool:
-    return type(value) in (float, int) or (isinstance(value, np.number) and value.dtype.kind in "fiu")
+    return type(value) in (float, int) or (issubclass(type(value), np.number) and value.dtype.kind in "fiu")
 
 
 def _is_row(row: Any, actions: int) -> bool:
@@ -395,7 +397,7 @@ def _plain_rows(table: Any) -> list[Any]:
 
 
 def _is_plain(key: object) -> bool:
-    return type(key) is int or isinstance(key, (bool, np.integer, np.bool_))
+    return type(key) is int or issubclass(type(key), (bool, np.integer, np.bool_))
 
 
 def _state(numbering: Numbering, key: Any) -> int | None:

@@ -85,7 +85,7 @@ class TableCandidate:
 
 def attributes(value: object) -> dict[str, Any]:
     """Return what an object keeps in its ``__dict__``, without calling anything of its class."""
-    if value is MISSING or isinstance(value, _NO_HOLDERS):
+    if value is MISSING or issubclass(type(value), _NO_HOLDERS):
         return {}
     for each in type(value).__mro__:
         found = each.__dict__.get("__dict__")
