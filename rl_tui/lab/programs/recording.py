@@ -13,7 +13,7 @@ from rl_tui.lab.programs.messages import CHANGE_WIDTH, STEP_WIDTH, StepFlag
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 MOST_STEPS: Final = 4_000_000
-"""Steps that are kept; when there are more the older half is forgotten."""
+"""StepColumns that are kept; when there are more the older half is forgotten."""
 
 _CHANGES_OF_A_STEP: Final = 8  # that are kept for each step, on an average
 _BETWEEN_KEYFRAMES: Final = 100_000  # changes
