@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from rl_tui.lab.programs.child.channel import Channel
-from rl_tui.lab.programs.messages import Kind
+from rl_tui.lab.programs.messages import MessageKind
 
 _AT_ONCE: Final = 65_536  # bytes
 
@@ -34,7 +34,7 @@ class Gate:
 
         The process ends where nobody asks any more.
         """
-        self._channel.message(Kind.WAITING, step=count, stopped=met)
+        self._channel.message(MessageKind.WAITING, step=count, stopped=met)
         self._is_held = met is not None
         while self._is_held or count >= self.allowed[0]:
             self._hear()
