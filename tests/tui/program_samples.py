@@ -9,7 +9,14 @@ from samples import lake
 from snapshots import changed
 
 from rl_tui.agents.catalogue import OWN_PROGRAM
-from rl_tui.lab.detective.verdict import Fault, Finding, Rule, Target, UpdateFound, Verdict
+from rl_tui.lab.detective.verdict import (
+    CodeFault,
+    CodeFinding,
+    ProgramVerdict,
+    Rule,
+    UpdateFound,
+    UpdateTarget,
+)
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.programs.program_log import FoundTable, OutputLine, ProgramError
@@ -42,10 +49,10 @@ KNOWN = UpdateFound(
     fits=0.9993,
     informative=1_204,
     departs_at=811,
-    target=Target.BEST,
+    target=UpdateTarget.BEST,
 )
-AFTER_END = Finding(
-    fault=Fault.BOOTSTRAPS_AFTER_END,
+AFTER_END = CodeFinding(
+    fault=CodeFault.BOOTSTRAPS_AFTER_END,
     certainty="proven",
     step=811,
     steps_for=34,
@@ -54,8 +61,8 @@ AFTER_END = Finding(
     correction="after a terminal step the target is r alone: multiply the next value by (not terminated)",
     line=15,
 )
-TIES = Finding(
-    fault=Fault.FIRST_OF_TIES,
+TIES = CodeFinding(
+    fault=CodeFault.FIRST_OF_TIES,
     certainty="proven",
     step=0,
     steps_for=1_980,
@@ -72,7 +79,7 @@ def program(**changes: Any) -> ProgramView:
         title="frozen_lake.py",
         environment="FrozenLake-v1",
         table=TABLE,
-        verdict=Verdict(update=KNOWN),
+        verdict=ProgramVerdict(update=KNOWN),
         source=tuple(SOURCE),
         path="/home/someone/frozen_lake.py",
         output=(
@@ -91,7 +98,7 @@ def watched(view: ProgramView | None = None, step: int = 12_400, **changes: Any)
 
 def unknown(reason: str = "several cells moved in most steps", **changes: Any) -> Snapshot:
     """A program whose update is not known: only the change of the cell is."""
-    picture = watched(program(verdict=Verdict(update=UpdateFound(reason=reason))))
+    picture = watched(program(verdict=ProgramVerdict(update=UpdateFound(reason=reason))))
     last = picture.counters.last_step
     assert last is not None
     moved = last.after - last.before

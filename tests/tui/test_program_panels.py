@@ -11,7 +11,16 @@ from samples import lake, look
 from seams import sized
 from snapshots import changed
 
-from rl_tui.lab.detective.verdict import Fault, Place, Rule, Target, UpdateFound, Verdict
+from rl_tui.agents.catalogue import OWN_PROGRAM
+from rl_tui.agents.last_step import Author
+from rl_tui.lab.detective.verdict import (
+    CodeFault,
+    MovedCell,
+    ProgramVerdict,
+    Rule,
+    UpdateFound,
+    UpdateTarget,
+)
 from rl_tui.lab.last_step.story import story_of
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import Phase, Snapshot
@@ -23,10 +32,10 @@ from rl_tui.tui.panels.program.findings import NOTHING, FindingsPanel
 from rl_tui.tui.panels.program.output import MOST_LINES, NOTHING_WRITTEN, OutputPanel
 from rl_tui.tui.panels.program.program import UNKNOWN, ProgramPanel
 from rl_tui.tui.panels.program.source import safe_line, source_lines
-from rl_tui.tui.panels.program.words import IN_SHORT, ranked, share_text, update_texts
+from rl_tui.tui.panels.program.words import IN_SHORT, is_own, ranked, share_text, update_texts
 from rl_tui.tui.panels.status_line import PROGRAM_ENDED, status_line
 
-BOTH = Verdict(update=KNOWN, findings=(TIES, AFTER_END))
+BOTH = ProgramVerdict(update=KNOWN, findings=(TIES, AFTER_END))
 
 
 def drawn(
@@ -79,7 +88,7 @@ def test_an_update_that_is_not_known_says_why_and_nothing_else() -> None:
 def test_an_update_of_which_the_numbers_fit_but_no_step_decides_the_rule() -> None:
     reason = "No step yet tells Q-learning from SARSA: the next actions were greedy ones."
     open_rule = UpdateFound(alpha=0.1, alpha_schedule="constant", gamma=0.99, reason=reason)
-    view = program(verdict=Verdict(update=open_rule, notes=(reason,)))
+    view = program(verdict=ProgramVerdict(update=open_rule, notes=(reason,)))
     text = " ".join(drawn(ProgramPanel, watched(view), 110, 6).split())
     assert "known in part, α .1, γ .99: no step yet tells Q-learning from SARSA: the next actions" in text
     assert "max Q" not in text
@@ -87,7 +96,7 @@ def test_an_update_of_which_the_numbers_fit_but_no_step_decides_the_rule() -> No
 
 
 def test_without_a_table_it_says_what_was_looked_for() -> None:
-    view = program(table=None, verdict=Verdict(), looked_for=("an array of 16×4", "a dict"))
+    view = program(table=None, verdict=ProgramVerdict(), looked_for=("an array of 16×4", "a dict"))
     text = " ".join(drawn(ProgramPanel, watched(view), 80, 4).split())
     assert "an array of 16×4; a dict" in text
 
@@ -99,7 +108,7 @@ def test_other_tables_are_named_with_the_key_that_chooses() -> None:
 
 def test_what_is_cut_off_ends_with_a_sign() -> None:
     view = program(
-        verdict=Verdict(update=KNOWN, notes=("a note that is longer than one row of it has room for",))
+        verdict=ProgramVerdict(update=KNOWN, notes=("a note that is longer than one row of it has room for",))
     )
     lines = drawn(ProgramPanel, watched(view), 40, 5).splitlines()
     assert lines[-1].endswith("…")
@@ -140,16 +149,18 @@ def test_without_a_program_they_are_blank(kind: type[ProgramPanel | FindingsPane
         (KNOWN, "Q(s,a) ← Q(s,a) + .1·(r + .99·max Q(s′,·) − Q(s,a))"),
         (replace(KNOWN, gamma=None), "Q(s,a) ← Q(s,a) + .1·(r + γ·max Q(s′,·) − Q(s,a))"),
         (
-            replace(KNOWN, rule=Rule.SARSA, target=Target.NEXT_ACTION, alpha=None, alpha_schedule="1/N"),
+            replace(
+                KNOWN, rule=Rule.SARSA, target=UpdateTarget.NEXT_ACTION, alpha=None, alpha_schedule="1/N"
+            ),
             "Q(s,a) ← Q(s,a) + 1/N·(r + .99·Q(s′,a′) − Q(s,a))",
         ),
         (
             replace(KNOWN, alpha=None, alpha_schedule="by-episode"),
             "Q(s,a) ← Q(s,a) + α·(r + .99·max Q(s′,·) − Q(s,a))",
         ),
-        (replace(KNOWN, target=Target.NOTHING), "Q(s,a) ← Q(s,a) + .1·(r − Q(s,a))"),
+        (replace(KNOWN, target=UpdateTarget.NOTHING), "Q(s,a) ← Q(s,a) + .1·(r − Q(s,a))"),
         (
-            replace(KNOWN, place=Place.MOVED, reward="own"),
+            replace(KNOWN, place=MovedCell.MOVED, reward="own"),
             "Q(s′,a) ← Q(s′,a) + .1·(own r + .99·max Q(s′,·) − Q(s′,a))",
         ),
         (
@@ -175,8 +186,8 @@ def test_not_all_steps_are_never_all(share: float, text: str) -> None:
 
 
 def test_every_fault_has_a_name_of_its_own() -> None:
-    assert set(IN_SHORT) == set(Fault)
-    assert len(set(IN_SHORT.values())) == len(Fault)
+    assert set(IN_SHORT) == set(CodeFault)
+    assert len(set(IN_SHORT.values())) == len(CodeFault)
 
 
 def test_the_worst_comes_first() -> None:
@@ -224,9 +235,24 @@ def test_the_finding_chosen_is_in_view_where_there_is_little_room() -> None:
 
 def test_a_finding_in_another_file_shows_no_source_of_this_one() -> None:
     elsewhere = replace(AFTER_END, file="/home/someone/agent.py")
-    text = drawn(FindingsPanel, watched(program(verdict=Verdict(findings=(elsewhere,)))), 80)
+    text = drawn(FindingsPanel, watched(program(verdict=ProgramVerdict(findings=(elsewhere,)))), 80)
     assert "agent.py, line 15" in text
     assert SOURCE[14].strip() not in text
+
+
+@pytest.mark.parametrize(
+    ("path", "file", "is_own_one"),
+    [
+        ("agent.py", "/home/someone/agent.py", True),
+        ("../work/agent.py", "/home/work/agent.py", True),
+        ("/home/someone/agent.py", "/home/someone/agent.py", True),
+        ("/home/someone/agent.py", "/home/other/agent.py", False),
+        ("agent.py", "/home/someone/helper.py", False),
+        ("agent.py", "", True),
+    ],
+)
+def test_the_file_of_a_program_may_be_given_as_people_do(path: str, file: str, is_own_one: bool) -> None:
+    assert is_own(file, program(path=path)) is is_own_one
 
 
 def test_nothing_found_says_what_that_rests_on() -> None:
@@ -236,8 +262,8 @@ def test_nothing_found_says_what_that_rests_on() -> None:
 
 
 def test_declared_is_said() -> None:
-    declared = replace(AFTER_END, certainty="declared", fault=Fault.GAMMA_TWICE)
-    text = drawn(FindingsPanel, watched(program(verdict=Verdict(findings=(declared,)))), 80)
+    declared = replace(AFTER_END, certainty="declared", fault=CodeFault.GAMMA_TWICE)
+    text = drawn(FindingsPanel, watched(program(verdict=ProgramVerdict(findings=(declared,)))), 80)
     assert "rests on a number read from your code" in text
     assert "proven" not in text
 
@@ -318,13 +344,39 @@ def test_a_step_whose_update_is_not_known_tells_only_what_moved() -> None:
 
 def test_a_step_that_moved_several_cells_says_how_many() -> None:
     assert "this step moved 5 cells" in story(unknown(others=4), 110)
+    last = unknown().counters.last_step
+    assert last is not None
+    text = story(unknown(others=4, before=last.after), 110)  # the cell told of is as it was, others are not
+    assert "this step moved 5 cells" in text
+    assert "changed nothing" not in text
 
 
 def test_a_step_that_departs_says_so() -> None:
     picture = unknown()
     assert picture.program is not None
-    picture = replace(picture, program=replace(picture.program, verdict=Verdict(update=KNOWN)))
+    picture = replace(picture, program=replace(picture.program, verdict=ProgramVerdict(update=KNOWN)))
+    picture = changed(picture, author=Author(OWN_PROGRAM.id, picture.agent.hyperparameters))
     assert "this step departs from the update that fits the others" in story(picture, 110)
+
+
+def test_a_step_size_that_varies_is_that_of_the_step() -> None:
+    by_visits = ProgramVerdict(update=replace(KNOWN, alpha=None, alpha_schedule="1/N"))
+    picture = changed(watched(program(verdict=by_visits)), algorithm=OWN_PROGRAM.id)
+    last = picture.counters.last_step
+    assert last is not None
+    seventh = replace(last, step_size=1 / 7, after=last.before + last.td_error / 7)
+    assert " + 1/7 · (" in story(changed(picture, last_step=seventh), 80)
+
+
+def test_monte_carlo_departs_from_nothing() -> None:
+    picture = unknown()
+    assert picture.program is not None
+    verdict = ProgramVerdict(update=UpdateFound(rule=Rule.MONTE_CARLO, alpha_schedule="1/N"))
+    picture = replace(picture, program=replace(picture.program, verdict=verdict))
+    picture = changed(picture, author=Author(OWN_PROGRAM.id, picture.agent.hyperparameters))
+    text = story(picture, 110)
+    assert "from the return of its steps" in text
+    assert "departs" not in text
 
 
 def test_a_step_that_changed_nothing() -> None:
@@ -338,7 +390,7 @@ def test_a_step_that_changed_nothing() -> None:
 
 
 def test_without_a_table_nothing_is_said_of_what_was_learned() -> None:
-    picture = watched(program(table=None, verdict=Verdict()))
+    picture = watched(program(table=None, verdict=ProgramVerdict()))
     last = picture.counters.last_step
     assert last is not None
     text = story(changed(picture, last_step=replace(last, updated_pair=-1)), 80)
@@ -352,14 +404,14 @@ def test_the_microscope_has_the_update_that_fits_and_invents_nothing() -> None:
     assert "fits 99.93 % of steps" in text
     assert "departs at step 812" in text
     text = "\n".join(row.text for row in page(unknown("no step tells it"), 0, look(), 120, 20))
-    assert "which estimates your program looked up is not known" in text
+    assert "which estimates your program looked up is not" in text
     assert "your program moved" in text
     for invented in ("sampled", "expected", "α", "max Q", "G₀"):
         assert invented not in text
 
 
 def test_what_a_fault_puts_into_the_target_is_written_as_it_is() -> None:
-    column = Verdict(update=replace(KNOWN, target=Target.COLUMN, uses_reward_before=True))
+    column = ProgramVerdict(update=replace(KNOWN, target=UpdateTarget.COLUMN, uses_reward_before=True))
     picture = watched(program(verdict=column))
     text = story(picture, 80)
     assert "target = r before + γ · max Q(·,a)" in text
@@ -370,7 +422,9 @@ def test_what_a_fault_puts_into_the_target_is_written_as_it_is() -> None:
 
 
 def test_a_mean_over_actions_is_taken_apart_only_with_the_epsilon_that_is_known() -> None:
-    mean = Verdict(update=replace(KNOWN, rule=Rule.EXPECTED_SARSA, target=Target.EXPECTED, epsilon=0.1))
+    mean = ProgramVerdict(
+        update=replace(KNOWN, rule=Rule.EXPECTED_SARSA, target=UpdateTarget.EXPECTED, epsilon=0.1)
+    )
     picture = changed(watched(program(verdict=mean)), algorithm="expected-sarsa")
     last = picture.counters.last_step
     assert last is not None
@@ -379,6 +433,21 @@ def test_a_mean_over_actions_is_taken_apart_only_with_the_epsilon_that_is_known(
     assert known.backup is not None
     assert other is not None
     assert other.backup is None
+
+
+def test_a_target_that_bootstraps_after_the_end_is_no_luck() -> None:
+    picture = watched()
+    last = picture.counters.last_step
+    assert last is not None
+    over = changed(picture, last_step=replace(last, terminated=True, bootstrap_state=last.next_state))
+    text = "\n".join(row.text for row in page(over, 0, look(), 120, 24))
+    assert "it bootstraps after the end" in text
+
+
+def test_a_product_in_a_finding_is_no_minus_in_ascii() -> None:
+    finding = replace(AFTER_END, text="with γ · 5 it would be 4.25")
+    text = drawn(FindingsPanel, watched(program(verdict=ProgramVerdict(findings=(finding,)))), 80, ascii=True)
+    assert "with gamma * 5 it would be" in text
 
 
 def status(snapshot: Snapshot, width: int = 110) -> str:

@@ -12,14 +12,14 @@ from seams import playground, show
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.detective.verdict import Verdict
+from rl_tui.lab.detective.verdict import ProgramVerdict
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.app.screenshot import settle
 
 
 def endless() -> Snapshot:
     """A program with a fault and a risk, whose last step its update explains."""
-    verdict = Verdict(KNOWN, (TIES, AFTER_END), ("Each update comes one step late.",))
+    verdict = ProgramVerdict(KNOWN, (TIES, AFTER_END), ("Each update comes one step late.",))
     return watched(program(verdict=verdict), lake().counters.step)
 
 

@@ -41,8 +41,21 @@ SCRIPT = """\
             s2, r, terminated, truncated, _ = env.step(a)
             target = r + gamma * q[s2].max() {end}
             q[s, a] += alpha * (target - q[s, a])
-            other[s, a] -= 0.25 * other[s, a]
+            other[s, a] += 0.25 * (r - other[s, a])
             s, done = s2, terminated or truncated
+    """
+
+
+WALK = """\
+    import gymnasium as gym
+    env = gym.make("CliffWalking-v1", max_episode_steps=200)
+    env.action_space.seed(0)
+    for episode in range(12):
+        env.reset(seed=episode)
+        done = False
+        while not done:
+            _, _, terminated, truncated, _ = env.step(env.action_space.sample())
+            done = terminated or truncated
     """
 
 
@@ -182,11 +195,24 @@ async def test_another_table_can_be_chosen(script: Path) -> None:
         assert program.table.others
         await press(pilot, "T")
         await choose(pilot, "1")
+        assert snapshot(pilot).counters.step == 0
+        await train(pilot, 50)
         chosen = snapshot(pilot).program
         assert chosen is not None
         assert chosen.table is not None
         assert chosen.table.name == program.table.others[0]
-        assert snapshot(pilot).counters.step == 0
+
+
+async def test_without_a_table_nothing_looks_like_an_estimate(tmp_path: Path) -> None:
+    path = tmp_path / "random_walk.py"
+    path.write_text(dedent(WALK), encoding="utf-8")
+    async with watching(path) as pilot:
+        await train(pilot, 20)
+        assert snapshot(pilot).program.table is None  # type: ignore[union-attr]
+        assert snapshot(pilot).agent.visits.any()
+        assert "0.00" not in "".join(playground(pilot).board.table.render_line(y).text for y in range(1, 12))
+        assert "no table found yet" in screen_text(pilot.app)
+        assert "no table was found, so no change is seen" in screen_text(pilot.app)
 
 
 async def test_an_agent_of_ours_beside_it(script: Path) -> None:

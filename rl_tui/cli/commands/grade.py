@@ -71,7 +71,7 @@ def command(
     from rl_tui.lab.grading.submissions import submissions_in
     from rl_tui.lab.run.library import episodes_of, recipe_named
 
-    found, recipe = submissions_in(target), recipe_named(scenario, {}, seed)
+    recipe, found = recipe_named(scenario, {}, seed), submissions_in(target)
     if found.left_out:
         complain(f"left out: {', '.join(found.left_out)}")
     limits = GradingLimits(float(seconds), memory * 2**20)

@@ -23,7 +23,7 @@ from rl_tui.cli.options.run import (
     seed_option,
     warn_of_no_effect,
 )
-from rl_tui.cli.output import print_json
+from rl_tui.cli.output import complain, print_json
 from rl_tui.cli.progress import finish_compiling, progress, with_compiling
 from rl_tui.common.words import counted
 
@@ -150,6 +150,8 @@ def _train_agent(
             mean = figures["curve"]
         if points is not None:
             write_curve(points, mean)
+    for note in [] if runs is not None else run.log.notes:
+        complain(note)
     if as_json:
         print_json(figures)
         return

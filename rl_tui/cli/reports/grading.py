@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Final
 
 from rl_tui.cli.output import columns, number
 from rl_tui.common.findings import printable
 from rl_tui.common.words import counted
 from rl_tui.lab.grading.grade import GradedSubmission, Grading
+from rl_tui.lab.own_agents.loading import AgentName
 
 _MOST_ERRORS: Final = 3
 _HEAD: Final = ("submission", "", "share of best", "least", "return", "of best", "failed")
@@ -21,9 +23,9 @@ def grades(grading: Grading, graded: Sequence[GradedSubmission]) -> str:
     rows = [_HEAD, *(_row(each, grading.yardstick.best) for each in graded)]
     parts = [head, "", columns(rows, right=(2, 3, 4, 5, 6))]
     for each in graded:
-        told = _told(each)
-        if told:
-            parts += ["", printable(each.name), *(f"  {line}" for line in told)]
+        remarks = _remarks(each)
+        if remarks:
+            parts += ["", printable(each.name), *(f"  {line}" for line in remarks)]
     return "\n".join(parts)
 
 
@@ -41,12 +43,14 @@ def _row(each: GradedSubmission, best: float) -> tuple[str, ...]:
     )
 
 
-def _told(each: GradedSubmission) -> list[str]:
+def _remarks(each: GradedSubmission) -> list[str]:
     """Return the findings and the errors of a submission, a line each, with how many seeds show them."""
     of = f"of {len(each.runs):,}"
     lines = []
     for finding, seeds in each.findings:
-        place = "" if finding.line is None else f" (line {finding.line})"
+        place = (
+            "" if finding.line is None else f" (line {finding.line}{_of_another(finding.file, each.name)})"
+        )
         text = f"{finding.text}{place}. {finding.correction}".strip()
         lines.append(f"{finding.kind} in {seeds:,} {of} seeds, {finding.fault}: {text}")
     errors = dict[str, int]()
@@ -60,3 +64,9 @@ def _told(each: GradedSubmission) -> list[str]:
     if endless:
         lines.append(f"in {endless:,} {of} seeds the greedy policy may never end, and so has no return")
     return [printable(line) for line in lines]
+
+
+def _of_another(file: str, submission: str) -> str:
+    """Return which file a line stands in, where that is another one than the submission's own."""
+    name = Path(file).name
+    return "" if not name or name == AgentName.read(submission).path.name else f" of {name}"

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from rl_tui.cli.output import number
 from rl_tui.common.findings import printable
-from rl_tui.lab.detective.verdict import Rule, Verdict
+from rl_tui.lab.detective.verdict import ProgramVerdict, Rule
 
 
-def update_in_words(verdict: Verdict) -> str:
+def update_in_words(verdict: ProgramVerdict) -> str:
     """Return which update was found, and what is wrong with it, a line each."""
     update = verdict.update
     known = [

@@ -7,13 +7,14 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.lab.programs.recording import Changes, Recording
+from rl_tui.lab.programs.recording import ChangeColumns, Recording
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 NO_ACTION: Final = -1
+_TOO_LARGE: Final = 1e100
 _FEW: Final = 1 << 16
 _JUDGED: Final = 20_000
-"""Changes from which the precision of a table is read."""
+"""ChangeColumns from which the precision of a table is read."""
 
 
 def order_by(keys: IntArray) -> IntArray:
@@ -29,7 +30,7 @@ class TableHistory:
     ``initial``, [S·A], is without NaN; ``span`` is more than any step.
     """
 
-    def __init__(self, initial: FloatArray, changes: Changes, span: int) -> None:
+    def __init__(self, initial: FloatArray, changes: ChangeColumns, span: int) -> None:
         self._initial = initial
         order = order_by(changes.cell)
         self._span = span
@@ -107,6 +108,13 @@ class Evidence:
         return at
 
     @cached_property
+    def runs_away_at(self) -> float:
+        """The first step after which a number is so large that sums with it say nothing; ∞ if none is."""
+        changes = self.recording.changes
+        large = np.abs(changes.after) >= _TOO_LARGE
+        return float(changes.step[large].min()) if large.any() else np.inf
+
+    @cached_property
     def changes_of(self) -> IntArray:
         """How many cells each step changed, [N]."""
         counted: IntArray = np.bincount(self._at[self._at >= 0], minlength=len(self))
@@ -179,7 +187,7 @@ class Evidence:
         return self.history.before(cells, steps)
 
 
-def _settled(recording: Recording, taken: IntArray, first: int) -> tuple[FloatArray, Changes]:
+def _settled(recording: Recording, taken: IntArray, first: int) -> tuple[FloatArray, ChangeColumns]:
     """Return the table of ``recording`` at first, and its changes, with numbers where there was no entry.
 
     A dict makes rows as they are looked up. What most entries of such rows began with is what all began with.
@@ -189,7 +197,7 @@ def _settled(recording: Recording, taken: IntArray, first: int) -> tuple[FloatAr
     assert recording.initial is not None
     initial, changes = recording.initial, recording.changes
     kept = (changes.step >= first) if len(taken) else np.zeros(len(changes.step), np.bool_)
-    changes = Changes._make(column[kept] for column in changes) if not kept.all() else changes
+    changes = ChangeColumns._make(column[kept] for column in changes) if not kept.all() else changes
     before, now = changes.before, np.nan_to_num(changes.after)  # an entry that went away counts as 0
     missing = np.isnan(before)
     if missing.any():
@@ -209,7 +217,7 @@ def _settled(recording: Recording, taken: IntArray, first: int) -> tuple[FloatAr
             initial[changes.cell[made[::-1]]] = began[::-1]  # of several the first one stays
             before[made] = began
     moved = before != now
-    settled = Changes(changes.step, changes.cell, before, now)
+    settled = ChangeColumns(changes.step, changes.cell, before, now)
     if not moved.all():
-        settled = Changes._make(column[moved] for column in settled)
+        settled = ChangeColumns._make(column[moved] for column in settled)
     return np.nan_to_num(initial), settled

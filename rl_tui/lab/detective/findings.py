@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
+import numpy as np
+
 from rl_tui.common.findings import one_line
 from rl_tui.lab.detective.evidence import Evidence
 from rl_tui.lab.detective.faults.axes import proof_of_axis
@@ -19,39 +21,48 @@ from rl_tui.lab.detective.faults.rewards import reward_used
 from rl_tui.lab.detective.notes import notes_on
 from rl_tui.lab.detective.source.code_names import CodeNames, names_of
 from rl_tui.lab.detective.source.code_places import ProgramCode
-from rl_tui.lab.detective.verdict import Fault, Finding, UpdateFound
+from rl_tui.lab.detective.verdict import CodeFault, CodeFinding, UpdateFound
 from rl_tui.lab.programs.program_log import FoundTable, ProgramLog
 
 _LONGEST: Final = 600
 """Characters of a sentence; names of the program stand in it."""
 _HIDDEN_BY: Final = {
-    Fault.ROUNDING_TABLE: frozenset({Fault.LOSES_UPDATE, Fault.FIRST_OF_TIES, Fault.NEVER_EXPLORES}),
-    Fault.SHARED_TABLE: frozenset({Fault.WRONG_CELL, Fault.UPDATES_AFTER_MOVING}),
-    Fault.UPDATES_AFTER_MOVING: frozenset({Fault.BOOTSTRAPS_AFTER_END}),
+    CodeFault.ROUNDING_TABLE: frozenset(
+        {CodeFault.LOSES_UPDATE, CodeFault.FIRST_OF_TIES, CodeFault.NEVER_EXPLORES}
+    ),
+    CodeFault.SHARED_TABLE: frozenset({CodeFault.WRONG_CELL, CodeFault.UPDATES_AFTER_MOVING}),
+    CodeFault.UPDATES_AFTER_MOVING: frozenset({CodeFault.BOOTSTRAPS_AFTER_END}),
 }
 """Faults that follow from another, which alone is told."""
 
 
 def findings_of(
     evidence: Evidence, update: UpdateFound, log: ProgramLog, *, done_is_either: bool = False
-) -> tuple[tuple[Finding, ...], tuple[str, ...]]:
+) -> tuple[tuple[CodeFinding, ...], tuple[str, ...]]:
     """Return the findings about the program of ``log`` and the notes on what cannot be told.
 
     ``done_is_either`` says that an agent is handed one flag for the end of an episode and its being cut off.
     """
     if log.table is None or not len(evidence):
         return (), ()
+    with np.errstate(over="ignore", invalid="ignore"):  # of a table whose numbers run away
+        return _found(evidence, update, log, log.table, done_is_either=done_is_either)
+
+
+def _found(
+    evidence: Evidence, update: UpdateFound, log: ProgramLog, table: FoundTable, *, done_is_either: bool
+) -> tuple[tuple[CodeFinding, ...], tuple[str, ...]]:
     code = ProgramCode(log)
-    names = names_of(code, log.table, update, log.numbers)
-    predictions = by_the_environment(evidence, update, log.table.dtype)
+    names = names_of(code, table, update, log.numbers)
+    predictions = by_the_environment(evidence, update, table.dtype)
     proofs = [
-        *_without_a_rule(evidence, log, log.table, code, names),
+        *_without_a_rule(evidence, log, table, code, names),
         *_by_the_rule(predictions, update, log, code, names, done_is_either=done_is_either),
     ]
     enough = [proof for proof in proofs if proof is not None and proof.is_enough]
     hidden = frozenset().union(*(_HIDDEN_BY.get(proof.fault, frozenset()) for proof in enough))
     findings = tuple(_finding(proof, code) for proof in enough if proof.fault not in hidden)
-    return findings, notes_on(evidence, predictions.update, log.table.dtype)
+    return findings, notes_on(evidence, predictions.update, table.dtype)
 
 
 def _without_a_rule(
@@ -92,7 +103,7 @@ def _by_the_rule(
     yield proof_of_step_size(predictions, reward, names)
 
 
-def _finding(proof: Proof, code: ProgramCode) -> Finding:
+def _finding(proof: Proof, code: ProgramCode) -> CodeFinding:
     match proof.place:
         case CodePlace.UPDATE:
             line = code.update_line()
@@ -102,7 +113,7 @@ def _finding(proof: Proof, code: ProgramCode) -> Finding:
             line = code.choice_line()
         case CodePlace.CALL:
             line = code.call_line()
-    return Finding(
+    return CodeFinding(
         proof.fault,
         proof.certainty,
         int(proof.steps[0]),

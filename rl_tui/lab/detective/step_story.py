@@ -7,8 +7,8 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.lab.detective.verdict import Place, Rule, Target, UpdateFound
-from rl_tui.lab.programs.recording import Recording, Steps
+from rl_tui.lab.detective.verdict import MovedCell, Rule, UpdateFound, UpdateTarget
+from rl_tui.lab.programs.recording import Recording, StepColumns
 from rl_tui.worlds.mdp.space import FloatArray
 
 NOTHING: Final = -1
@@ -98,20 +98,20 @@ def update_of_step(
     return _with_parts(bare, update, moment) if moment else bare
 
 
-def _cell(steps: Steps, place: int, actions: int, where: Place) -> int:
+def _cell(steps: StepColumns, place: int, actions: int, where: MovedCell) -> int:
     """Return the cell that an update at ``where`` moves in the step at ``place``, −1 if there is none."""
-    if where is Place.ONE_LATE:
+    if where is MovedCell.ONE_LATE:
         if place == 0 or steps.episode[place - 1] != steps.episode[place]:
             return NOTHING
         place -= 1
-    state = steps.next_state[place] if where is Place.MOVED else steps.state[place]
+    state = steps.next_state[place] if where is MovedCell.MOVED else steps.state[place]
     return int(state) * actions + int(steps.action[place])
 
 
 def _moment(recording: Recording, place: int, update: UpdateFound, table: FloatArray) -> _Moment | None:
     """Return all that the target of the step at ``place`` is made of; None if part of it is not kept."""
     steps = recording.steps
-    of = place - 1 if update.place is Place.ONE_LATE else place  # whose cell moves
+    of = place - 1 if update.place is MovedCell.ONE_LATE else place  # whose cell moves
     reward_of = of - 1 if update.uses_reward_before else of
     if of < 0 or (reward_of < 0 and recording.first > 0):
         return None
@@ -170,22 +170,22 @@ def _values(update: UpdateFound, moment: _Moment) -> list[float]:
     row = moment.table[moment.state]
     best = float(row.max())
     match update.target:
-        case Target.NEXT_ACTION:
+        case UpdateTarget.NEXT_ACTION:
             if moment.next_action == NOTHING:
                 return [float(each) for each in row]
             return [float(row[moment.next_action])]
-        case Target.EXPECTED if update.epsilon is not None:
+        case UpdateTarget.EXPECTED if update.epsilon is not None:
             return [best + update.epsilon * (float(row.mean()) - best)]
-        case Target.EXPECTED:
+        case UpdateTarget.EXPECTED:
             return []
-        case Target.COLUMN:
+        case UpdateTarget.COLUMN:
             return [float(moment.table[:, moment.action].max())]
-        case Target.SAME_ACTION:
+        case UpdateTarget.SAME_ACTION:
             return [float(row[moment.action])]
-        case Target.OWN_STATE:
+        case UpdateTarget.OWN_STATE:
             return [float(moment.table[moment.own_state].max())]
-        case Target.INDEX:
+        case UpdateTarget.INDEX:
             return [float(row.argmax())]
-        case Target.NOTHING:
+        case UpdateTarget.NOTHING:
             return [0.0]
     return [best]

@@ -9,25 +9,25 @@ import numpy as np
 
 from rl_tui.lab.detective.evidence import Evidence
 from rl_tui.lab.detective.updates.expected_sarsa import expected_trial
-from rl_tui.lab.detective.updates.monte_carlo import monte_carlo_update
+from rl_tui.lab.detective.updates.monte_carlo import AT_ENDS, monte_carlo_update
 from rl_tui.lab.detective.updates.own_reward import own_reward_trial
 from rl_tui.lab.detective.updates.sample import Sample, place_of, sample_of
 from rl_tui.lab.detective.updates.step_sizes import by_episode, by_visits
 from rl_tui.lab.detective.updates.trial import FEWEST, FEWEST_INFORMATIVE, SHARE, Trial, constant_trial
-from rl_tui.lab.detective.verdict import Place, Rule, Target, UpdateFound
+from rl_tui.lab.detective.verdict import MovedCell, Rule, UpdateFound, UpdateTarget
 
 RULE_OF: Final = {
-    Target.BEST: Rule.Q_LEARNING,
-    Target.NEXT_ACTION: Rule.SARSA,
-    Target.EXPECTED: Rule.EXPECTED_SARSA,
-    Target.COLUMN: Rule.Q_LEARNING,
-    Target.SAME_ACTION: Rule.SARSA,
-    Target.OWN_STATE: Rule.Q_LEARNING,
-    Target.INDEX: Rule.Q_LEARNING,
+    UpdateTarget.BEST: Rule.Q_LEARNING,
+    UpdateTarget.NEXT_ACTION: Rule.SARSA,
+    UpdateTarget.EXPECTED: Rule.EXPECTED_SARSA,
+    UpdateTarget.COLUMN: Rule.Q_LEARNING,
+    UpdateTarget.SAME_ACTION: Rule.SARSA,
+    UpdateTarget.OWN_STATE: Rule.Q_LEARNING,
+    UpdateTarget.INDEX: Rule.Q_LEARNING,
 }
 """Which rule a target is meant to be."""
-_RIGHT: Final = (Target.BEST, Target.NEXT_ACTION)
-_WRONG: Final = (Target.COLUMN, Target.OWN_STATE, Target.INDEX, Target.SAME_ACTION)
+_RIGHT: Final = (UpdateTarget.BEST, UpdateTarget.NEXT_ACTION)
+_WRONG: Final = (UpdateTarget.COLUMN, UpdateTarget.OWN_STATE, UpdateTarget.INDEX, UpdateTarget.SAME_ACTION)
 
 
 @np.errstate(all="ignore")  # what cannot be divided is NaN, and counts for nothing
@@ -42,7 +42,7 @@ def update_of(evidence: Evidence, numbers: Mapping[str, float]) -> UpdateFound:
     ends = evidence.terminated | evidence.truncated
     several = evidence.changes_of > 1
     inner = moved & ~ends
-    if np.any(inner) and np.mean(several[inner]) > 1 - SHARE:
+    if np.mean(ends[moved]) < AT_ENDS and np.mean(several[inner]) > 1 - SHARE:
         most = int(evidence.changes_of[inner].max())
         return UpdateFound(reason=f"A step moves several numbers, up to {most}: no one-step update fits.")
     if np.mean(several[moved]) > 1 - SHARE:
@@ -50,7 +50,7 @@ def update_of(evidence: Evidence, numbers: Mapping[str, float]) -> UpdateFound:
         if by_returns:
             return by_returns
     place = _place(evidence)
-    if np.mean(several[moved]) > 1 - SHARE and place is not Place.ONE_LATE:
+    if np.mean(several[moved]) > 1 - SHARE and place is not MovedCell.ONE_LATE:
         most = int(evidence.changes_of.max())
         return UpdateFound(
             reason=f"The end of an episode moves several numbers, up to {most}: no one-step update fits."
@@ -64,14 +64,14 @@ def update_of(evidence: Evidence, numbers: Mapping[str, float]) -> UpdateFound:
     return monte_carlo_update(evidence, numbers) or UpdateFound(place=place, reason=_why_none(sample))
 
 
-def _place(evidence: Evidence) -> Place | None:
+def _place(evidence: Evidence) -> MovedCell | None:
     """Return which cell moves with a step, None if it is none of those known."""
     moved = evidence.only_change[0]
     single = moved >= 0
     if not single.any():
         return None
-    shares = {place: float(np.mean((moved == place_of(evidence, place))[single])) for place in Place}
-    place = max(Place, key=lambda each: shares[each])  # the first of equals
+    shares = {place: float(np.mean((moved == place_of(evidence, place))[single])) for place in MovedCell}
+    place = max(MovedCell, key=lambda each: shares[each])  # the first of equals
     return place if shares[place] > SHARE else None
 
 
@@ -100,7 +100,7 @@ def _constant(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
         trial = constant_trial(sample, target, sample.reward, numbers)
         if trial:
             yield trial
-    if sample.place is not Place.ONE_LATE:
+    if sample.place is not MovedCell.ONE_LATE:
         for target in _RIGHT:
             trial = constant_trial(sample, target, sample.reward_before, numbers, uses_reward_before=True)
             if trial:
@@ -113,7 +113,7 @@ def _faulty(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
         trial = own_reward_trial(sample, target, numbers)
         if trial:
             yield trial
-    if sample.place is not Place.ONE_LATE:
+    if sample.place is not MovedCell.ONE_LATE:
         for target in _WRONG:
             trial = constant_trial(sample, target, sample.reward, numbers)
             if trial and trial.tells_gamma and trial.gamma:

@@ -19,7 +19,7 @@ class Rule(StrEnum):
     UNKNOWN = "unknown"
 
 
-class Fault(StrEnum):
+class CodeFault(StrEnum):
     """What may be wrong with a program; the last two are risks."""
 
     BOOTSTRAPS_AFTER_END = "bootstraps-after-end"
@@ -37,10 +37,10 @@ class Fault(StrEnum):
     NEVER_EXPLORES = "never-explores"
 
 
-RISKS = frozenset({Fault.FIRST_OF_TIES, Fault.NEVER_EXPLORES})
+RISKS = frozenset({CodeFault.FIRST_OF_TIES, CodeFault.NEVER_EXPLORES})
 
 
-class Target(StrEnum):
+class UpdateTarget(StrEnum):
     """Where the value of the next state is read from, right or wrong."""
 
     BEST = "max Q(s′)"
@@ -53,7 +53,7 @@ class Target(StrEnum):
     NOTHING = "nothing"
 
 
-class Place(StrEnum):
+class MovedCell(StrEnum):
     """Which cell moves with a step."""
 
     TAKEN = "(s, a)"
@@ -84,15 +84,15 @@ class UpdateFound:
     fits: float | None = None
     informative: int = 0
     departs_at: int | None = None
-    target: Target = Target.NOTHING
-    place: Place = Place.TAKEN
+    target: UpdateTarget = UpdateTarget.NOTHING
+    place: MovedCell = MovedCell.TAKEN
     uses_reward_before: bool = False
     reason: str = ""
     """Why nothing can be said, as a sentence, for an unknown rule."""
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class CodeFinding:
     """A fault or a risk.
 
     ``certainty`` "declared" rests on a number read from the code. ``step`` is the first step that shows it;
@@ -100,7 +100,7 @@ class Finding:
     0 for a fault. ``text`` says what was seen, ``correction`` what to do in the terms of the book.
     """
 
-    fault: Fault
+    fault: CodeFault
     certainty: Literal["proven", "declared"]
     step: int
     steps_for: int
@@ -117,10 +117,10 @@ class Finding:
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class ProgramVerdict:
     """All that is said of a program so far."""
 
     update: UpdateFound = field(default_factory=UpdateFound)
-    findings: tuple[Finding, ...] = ()
+    findings: tuple[CodeFinding, ...] = ()
     notes: tuple[str, ...] = ()
     """What cannot be told, and why; how the program departs from the book without a fault."""

@@ -16,7 +16,7 @@ from rl_tui.agents.exact.solution import Solution
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.lab.detective.detective import verdict_of
-from rl_tui.lab.detective.verdict import Rule, Verdict
+from rl_tui.lab.detective.verdict import ProgramVerdict, Rule
 from rl_tui.lab.experiments.learning_curve import RunCurve, each_of, mean_curve, no_curve
 from rl_tui.lab.experiments.many_runs import figures_of_runs
 from rl_tui.lab.experiments.seeded_runs import FIGURES
@@ -56,7 +56,7 @@ class AgentRun:
     log: ProgramLog
     recording: EpisodeRecording
     seconds: float = 0.0
-    verdict: Verdict = field(default_factory=Verdict)
+    verdict: ProgramVerdict = field(default_factory=ProgramVerdict)
 
     @property
     def q(self) -> FloatArray | None:
@@ -150,9 +150,9 @@ class AgentRuns:
             "first_reward_episode": recording.first_reward_episode or None,
         }
 
-    def head(self, verdict: Verdict | None) -> dict[str, Any]:
+    def head(self, verdict: ProgramVerdict | None) -> dict[str, Any]:
         """Return who learned, as JSON; hyper-parameters that ``verdict`` does not prove are null."""
-        of_recipe, update = head(self.recipe), (verdict or Verdict()).update
+        of_recipe, update = head(self.recipe), (verdict or ProgramVerdict()).update
         proven: dict[str, float | str | None] = {
             "alpha": update.alpha,
             "gamma": update.gamma,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from rl_tui.lab.detective.verdict import Finding, UpdateFound, Verdict
+from rl_tui.lab.detective.verdict import CodeFinding, ProgramVerdict, UpdateFound
 from rl_tui.lab.programs.program_log import FoundTable, ProgramEnvironment, ProgramError, ProgramLog
 from rl_tui.lab.run.figures import MOST_STATES, finite
 
@@ -23,7 +23,7 @@ class LearnedFigures:
     value_at_start: float | None = None
 
 
-def watch_report(script: str, log: ProgramLog, verdict: Verdict) -> dict[str, Any]:
+def watch_report(script: str, log: ProgramLog, verdict: ProgramVerdict) -> dict[str, Any]:
     """Return all that is said of the program that told ``log``, as JSON; ``script`` is what it is called."""
     environment, learned = environment_of(log), learned_figures(log, verdict.update.gamma)
     document: dict[str, Any] = finite(
@@ -131,7 +131,7 @@ def _update(update: UpdateFound) -> dict[str, Any]:
     }
 
 
-def finding_as_json(finding: Finding) -> dict[str, Any]:
+def finding_as_json(finding: CodeFinding) -> dict[str, Any]:
     """Return ``finding`` as JSON."""
     return {
         "fault": finding.fault.value,

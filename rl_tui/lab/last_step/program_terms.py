@@ -7,21 +7,21 @@ from typing import Final
 
 from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.update_terms import Lookup, UpdateTerms
-from rl_tui.lab.detective.verdict import Target, UpdateFound
+from rl_tui.lab.detective.verdict import UpdateFound, UpdateTarget
 from rl_tui.lab.live.program_view import ProgramView
 
 NO_CHANGE: Final = "the program changed nothing"
 NO_TABLE: Final = "no table was found, so no change is seen"
 _OF_THE_BOOK: Final = {
-    Lookup.BEST: Target.BEST,
-    Lookup.NEXT: Target.NEXT_ACTION,
-    Lookup.MEAN: Target.EXPECTED,
+    Lookup.BEST: UpdateTarget.BEST,
+    Lookup.NEXT: UpdateTarget.NEXT_ACTION,
+    Lookup.MEAN: UpdateTarget.EXPECTED,
 }
 _OTHERWISE: Final = {
-    Target.COLUMN: "max Q(·,a)",
-    Target.SAME_ACTION: "Q({next},a)",
-    Target.OWN_STATE: "max Q(s,·)",
-    Target.INDEX: "argmax Q({next},·)",
+    UpdateTarget.COLUMN: "max Q(·,a)",
+    UpdateTarget.SAME_ACTION: "Q({next},a)",
+    UpdateTarget.OWN_STATE: "max Q(s,·)",
+    UpdateTarget.INDEX: "argmax Q({next},·)",
 }
 
 

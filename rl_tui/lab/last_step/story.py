@@ -13,6 +13,7 @@ from rl_tui.agents.catalogue import OWN_PROGRAM, POLICY_BY_ID, Algorithm, Policy
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.agents.last_step import NOTHING, LastStep
 from rl_tui.agents.update_terms import Lookup, UpdateTerms
+from rl_tui.lab.detective.verdict import Rule
 from rl_tui.lab.last_step.backup import Backup, backup_of, sources
 from rl_tui.lab.last_step.estimates import EstimatesBefore
 from rl_tui.lab.last_step.gust import gust_of
@@ -185,7 +186,7 @@ def story_of(snapshot: Snapshot) -> StepStory | None:
     if last is None:
         return None
     taken_by, hyperparameters = agent.learned_by
-    algorithm = algorithm_row(taken_by)
+    algorithm = _algorithm_of(snapshot)
     before = EstimatesBefore(world, agent, last, algorithm.update)
     solution = snapshot.exact_answer.solution
     drifts = world.mdp is not None and world.mdp.drift_std and not last.planned
@@ -226,6 +227,19 @@ def _drawn(world: World, last: LastStep) -> tuple[float | None, int | None, int 
     outcomes = mdp.outcomes_of(last.pair)
     slips = bool((mdp.outcome_action[outcomes.start : outcomes.stop] != meant).any())
     return (chance, meant, went) if slips and went != UNKNOWN_ACTION else (chance, None, None)
+
+
+def _algorithm_of(snapshot: Snapshot) -> Algorithm:
+    """Return the algorithm that took the last step.
+
+    Of a program whose step size is not constant it is still the one whose update explains the step.
+    """
+    agent, program = snapshot.agent, snapshot.program
+    row = algorithm_row(agent.learned_by[0])
+    if program is None or row is not OWN_PROGRAM or agent.author is not None:
+        return row
+    rule = program.verdict.update.rule
+    return row if rule is Rule.UNKNOWN else algorithm_row(rule)
 
 
 def _knows_others(snapshot: Snapshot, algorithm: Algorithm) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from rl_tui.lab.detective.verdict import Verdict
+from rl_tui.lab.detective.verdict import ProgramVerdict
 from rl_tui.lab.programs.program_log import FoundTable, OutputLine, ProgramError
 
 
@@ -20,7 +20,7 @@ class ProgramView:
     """The table that was found."""
     looked_for: tuple[str, ...] = ()
     """Where no table was found: what was looked for, a line each."""
-    verdict: Verdict = field(default_factory=Verdict)
+    verdict: ProgramVerdict = field(default_factory=ProgramVerdict)
     """The update that it makes, and what is wrong with it, as far as it is known now."""
     output: tuple[OutputLine, ...] = ()
     """The last lines that it wrote, oldest first."""

@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.lab.live_programs.progress import Progress, ProgressState
+from rl_tui.lab.live_programs.progress import ProgramState, ProgressState
 from rl_tui.lab.programs.program_world import ProgramWorld
 from rl_tui.lab.programs.recording import Recording
 from rl_tui.lab.timeline.table_samples import CellHistory
@@ -25,7 +25,7 @@ class ProgramHistory:
 
     def __init__(self, recording: Recording, world: ProgramWorld) -> None:
         self.recording = recording
-        self.newest = Progress(recording, world)
+        self.newest = ProgramState(recording, world)
         self.shown = self.newest
         self._spacing = _FIRST_SPACING
         self._kept: list[ProgressState] = [self.newest.checkpoint()]

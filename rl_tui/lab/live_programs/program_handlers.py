@@ -86,7 +86,7 @@ def _restart(playback: ProgramPlayback, _: commands.Restart) -> None:
 
 
 def _choose_table(playback: ProgramPlayback, command: commands.ChooseTable) -> None:
-    playback.restart(playback.with_table(command.name))
+    playback.restart(replace(playback.program.request, table=command.name))
 
 
 def _look_at(playback: ProgramPlayback, command: commands.LookAt) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Final
 
 from rl_tui.agents.hyperparameters import Hyperparameters
@@ -24,7 +23,7 @@ from rl_tui.lab.live_programs.program_handlers import HANDLERS, refusal_of
 from rl_tui.lab.live_programs.program_questions import ProgramQuestions
 from rl_tui.lab.live_programs.program_snapshot import Found, ProgramSnapshots, found_of, usual_recipe
 from rl_tui.lab.live_programs.program_stop import ProgramStop, asked_for, met_breakpoint
-from rl_tui.lab.live_programs.reload import Reload
+from rl_tui.lab.live_programs.restarts import Restarts
 from rl_tui.lab.live_programs.verdicts import Verdicts
 from rl_tui.lab.live_programs.watched_program import WatchedProgram, error_in_words
 from rl_tui.lab.programs.messages import NO_LIMIT
@@ -72,8 +71,6 @@ class ProgramPlayback:
         """Where it pauses."""
         self.stop: ProgramStop | None = None
         """What it runs until, if it does."""
-        self.reloaded = ""
-        """What became better or worse since its file was saved; mostly empty."""
         self.automatic = automatic
         self._clock = clock
         self._on_exact = on_exact
@@ -82,9 +79,8 @@ class ProgramPlayback:
         self._until: Until | None = None  # waits for the program to come to rest
         self._owed = 0  # steps that were asked for while it had not come to rest
         self._snapshots = ProgramSnapshots()
-        self._reload: Reload | None = None
-        self.file = ProgramFile(program.request.path, clock)
-        """The file of the program."""
+        self.restarts = Restarts(ProgramFile(program.request.path, clock), self._go_over_to)
+        """Starts it again."""
         self.verdicts = Verdicts(on_exact, automatic=automatic)
         """What the detective says of it."""
         self._is_closed = False
@@ -110,10 +106,8 @@ class ProgramPlayback:
     @property
     def on_the_way(self) -> bool:
         """Whether something that was asked for and has an end is not done yet."""
-        waits = self._reload is not None and not (self._reload.is_watched or self._reload.is_saved)
-        return (
-            self.state in UNFINISHED or self._goal is not None or self._owed > 0 or self._is_behind or waits
-        )
+        waits = self._is_behind or self.restarts.is_awaited
+        return self.state in UNFINISHED or self._goal is not None or self._owed > 0 or waits
 
     @property
     def is_still(self) -> bool:
@@ -166,7 +160,7 @@ class ProgramPlayback:
         handler = HANDLERS.get(kind)
         try:
             if handler is None:
-                raise UserError(refusal_of(command, self.file.path.name))
+                raise UserError(refusal_of(command, self.program.request.path.name))
             handler(self, command)
         except UserError as fault:
             if self.state in (State.RUNNING, State.UNTIL):
@@ -207,8 +201,7 @@ class ProgramPlayback:
         """End the program, and what is worked out beside it."""
         self._is_closed = True
         self.program.end()
-        if self._reload is not None:
-            self._reload.close()
+        self.restarts.close()
         self.questions.beside.close()
 
     # What commands ask for
@@ -300,12 +293,9 @@ class ProgramPlayback:
     def restart(self, request: ProgramRequest | None = None) -> None:
         """Start the program again from its seed; the one until now is shown until that has begun."""
         self.rest()
-        if self._reload is not None:
-            self._reload.close()
-        self._reload = Reload(request or self.program.request, self.history, is_saved=False)
+        self.restarts.begin(request or self.program.request, self.history)
         if not self.automatic:
-            self._reload.wait()
-            self._take_reload()
+            self.restarts.wait()
 
     # What is done in each state
 
@@ -441,50 +431,15 @@ class ProgramPlayback:
         if self.beside.runs and self.beside.follow(self.history.shown.step, CHUNK):
             self.changed = True
 
-    # The file
-
     def _look_at_file(self) -> None:
-        """Start again where the file was saved; go over to what was started then once that has begun."""
-        if self.file.was_saved():
-            fault = self.file.fault()
-            self.changed = True
-            if fault:
-                self.reloaded = f"not started again: {fault}"
-            else:
-                if self._reload is not None:
-                    self._reload.close()
-                try:
-                    self._reload = Reload(self.program.request, self.history, is_saved=True)
-                except UserError as error:
-                    self.reloaded = str(error)
-        self._take_reload()
-        if self._reload is not None and self._reload.is_watched:
-            text = self._reload.compared(self.history)
-            if text:
-                self.reloaded, self._reload, self.changed = text, None, True
-
-    def _take_reload(self) -> None:
-        """Go over to the program that was started again, once it stands before its first step."""
-        reload = self._reload
-        if reload is None or reload.is_watched:
-            return
-        try:
-            if not reload.is_ready():
-                return
-            self._go_over_to(reload.taken())
-        except UserError as fault:
-            reload.close()
-            self._reload, self.reloaded, self.changed = None, str(fault), True
-            return
-        self.reloaded = "started again from its seed" if reload.is_saved else ""
-        if not reload.is_saved:
-            self._reload = None
+        """Start again where the file was saved; say then what became better."""
+        restarts = self.restarts
+        has_news = restarts.look_at_file(self.program.request, self.history)
+        has_news |= restarts.look()
+        self.changed |= restarts.compare(self.history) or has_news
 
     def _go_over_to(self, program: WatchedProgram) -> None:
-        """Watch ``program`` in place of the one until now; it runs on where that ran.
-
-        Raises UserError where it is too large to be shown.
-        """
+        """Watch ``program`` in place of the one until now; it runs on where that ran."""
         before, world = self.program.world, program.world
         if before.is_same(world):
             program.world = world = before
@@ -495,7 +450,6 @@ class ProgramPlayback:
         was_running, old = self.state is State.RUNNING, self.program
         self.program, self.history = program, ProgramHistory(program.log.recording, world)
         old.end()
-        self.file.read_again()
         self.verdicts.forget()
         self.message, self.paused_by, self.stop, self.changed = "", "", None, True
         self._goal, self._owed, self._until = None, 0, None
@@ -504,7 +458,3 @@ class ProgramPlayback:
         self.arm()
         if not self._note_end() and was_running:
             self.run()
-
-    def with_table(self, name: str) -> ProgramRequest:
-        """Return the request for the same program with another table."""
-        return replace(self.program.request, table=name)

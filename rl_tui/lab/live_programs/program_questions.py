@@ -15,7 +15,7 @@ from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.exact_answers import LIVE_STATES, NO_TABLE, Answer, is_quick
 
 if TYPE_CHECKING:
-    from rl_tui.lab.live_programs.progress import Progress
+    from rl_tui.lab.live_programs.progress import ProgramState
     from rl_tui.worlds.files.scenario import Scenario
     from rl_tui.worlds.mdp.space import FloatArray
     from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
@@ -31,11 +31,13 @@ class ProgramQuestions:
         self._automatic = automatic
         self._known: dict[PolicyKind, tuple[TabularMDP, float, FloatArray, PolicyAnswer]] = {}
 
-    def exact(self, progress: Progress, gamma: float) -> Answer:
+    def exact(self, progress: ProgramState, gamma: float) -> Answer:
         """Return the exact answer for ``gamma``, as far as it is known."""
         return self.beside.exact.at(progress.world.world.mdp, gamma)
 
-    def answers(self, progress: Progress, scenario: Scenario, gamma: float, *, is_still: bool) -> AnswersView:
+    def answers(
+        self, progress: ProgramState, scenario: Scenario, gamma: float, *, is_still: bool
+    ) -> AnswersView:
         """Return what is known by now of the moment ``progress``."""
         asked, mdp = self.beside, progress.world.world.mdp
         policies: Mapping[PolicyKind, PolicyAnswer] = {}
@@ -49,7 +51,9 @@ class ProgramQuestions:
             flips=asked.flips.of(mdp),
         )
 
-    def _worth(self, kind: PolicyKind, progress: Progress, gamma: float, *, is_still: bool) -> PolicyAnswer:
+    def _worth(
+        self, kind: PolicyKind, progress: ProgramState, gamma: float, *, is_still: bool
+    ) -> PolicyAnswer:
         mdp = progress.world.world.mdp
         if mdp is None:
             return PolicyAnswer(refused=NO_TABLE)
@@ -66,7 +70,7 @@ class ProgramQuestions:
             self._known[kind] = known
         return known[3]
 
-    def _policy(self, kind: PolicyKind, progress: Progress, gamma: float) -> FloatArray | PolicyAnswer:
+    def _policy(self, kind: PolicyKind, progress: ProgramState, gamma: float) -> FloatArray | PolicyAnswer:
         from rl_tui.agents.exact.policies import greedy_policy, uniform_over, uniform_policy
 
         space = progress.world.world.space

@@ -12,7 +12,7 @@ from rl_tui.agents.catalogue import OWN_PROGRAM
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import Author
 from rl_tui.common.errors import UserError
-from rl_tui.lab.detective.verdict import Place, Rule, UpdateFound
+from rl_tui.lab.detective.verdict import MovedCell, Rule, UpdateFound
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import AgentView, PlaybackView, Snapshot
 from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
@@ -72,7 +72,7 @@ def found_of(update: UpdateFound, numbers: Mapping[str, float], usual: Hyperpara
         if value is not None and math.isfinite(value):
             with suppress(UserError):  # what a program does need not be within our ranges
                 values = changed_parameter(values, name, value)
-    is_plain = update.place is Place.TAKEN and update.alpha is not None
+    is_plain = update.place is MovedCell.TAKEN and update.alpha is not None
     algorithm = _OURS.get(update.rule, OWN_PROGRAM.id) if is_plain else OWN_PROGRAM.id
     return Found(algorithm, values, source)
 
@@ -110,7 +110,7 @@ class ProgramSnapshots:
         return Snapshot(
             world=world.world,
             recipe=recipe,
-            agent=self._agent(playback, counters, q, is_explained=view.told.is_explained),
+            agent=self._agent(playback, counters, q, is_explained=view.last_update.is_explained),
             counters=counters,
             results=results,
             exact_answer=asked.exact(shown, gamma),
@@ -200,8 +200,8 @@ def program_view(playback: ProgramPlayback) -> ProgramView:
         error=log.error,
         ended=program.is_over,
         refused=log.refused,
-        reloaded=playback.reloaded,
-        source=playback.file.source,
+        reloaded=playback.restarts.words,
+        source=playback.restarts.file.source,
         path=str(request.path),
         first_step=playback.history.first_step,
         gamma=found.hyperparameters.gamma,

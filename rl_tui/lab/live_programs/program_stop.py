@@ -9,7 +9,7 @@ import numpy as np
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.stop_condition import is_optimal
 from rl_tui.lab.live.until import Breakpoints, Event, Until
-from rl_tui.lab.live_programs.progress import Progress, steps_between
+from rl_tui.lab.live_programs.progress import ProgramState, steps_between
 from rl_tui.lab.programs.messages import NO_LIMIT
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ class ProgramStop:
     Raises UserError where it cannot happen: it lies behind, the pair or the exact answer is not there.
     """
 
-    def __init__(self, until: Until, progress: Progress, answer: Answer) -> None:
+    def __init__(self, until: Until, progress: ProgramState, answer: Answer) -> None:
         self.until = until
         self.steps = NO_LIMIT
         """After how many steps of the program it is over in any case."""
@@ -87,7 +87,7 @@ def asked_for(breakpoints: Breakpoints, world: ProgramWorld) -> dict[str, Any]:
     return asked
 
 
-def met_breakpoint(breakpoints: Breakpoints, progress: Progress) -> str:
+def met_breakpoint(breakpoints: Breakpoints, progress: ProgramState) -> str:
     """Return the breakpoint that the last step of ``progress`` met, in words; empty if none."""
     if not breakpoints or not progress.step:
         return ""

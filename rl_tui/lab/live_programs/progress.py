@@ -10,7 +10,7 @@ from typing import Final, NamedTuple, Self
 import numpy as np
 
 from rl_tui.lab.programs.program_world import ProgramWorld
-from rl_tui.lab.programs.recording import Recording, Steps
+from rl_tui.lab.programs.recording import Recording, StepColumns
 from rl_tui.lab.run.evaluation import MOST_STATES, Evaluation, GreedyReturn, MarksState
 from rl_tui.lab.run.exact_answers import DEAREST_LIVE, visits_of
 from rl_tui.lab.run.history import History
@@ -45,7 +45,7 @@ class ProgressState:
     marks: MarksState
 
 
-class Progress:
+class ProgramState:
     """Where a program stood after ``step`` steps of ``recording``; it is brought further by :meth:`go_on`.
 
     The same steps come to the same bits however they are cut. ``table`` is the program's, [cells], NaN where
@@ -161,7 +161,7 @@ class Progress:
         self._history.add(returns, lengths)
         self.step = stop
 
-    def _finished(self, steps: Steps) -> tuple[FloatArray, IntArray]:
+    def _finished(self, steps: StepColumns) -> tuple[FloatArray, IntArray]:
         """Return the returns and lengths of the episodes that end in ``steps``, the first to end first."""
         found: list[tuple[int, float, int]] = []
         for environment in np.unique(steps.environment):
@@ -170,7 +170,9 @@ class Progress:
         found.sort()
         return np.array([each[1] for each in found]), np.array([each[2] for each in found], np.int64)
 
-    def _finished_in(self, environment: int, places: IntArray, steps: Steps) -> list[tuple[int, float, int]]:
+    def _finished_in(
+        self, environment: int, places: IntArray, steps: StepColumns
+    ) -> list[tuple[int, float, int]]:
         """Return (place, return, length) of the episodes of one environment that end at its ``places``."""
         episode, ended = steps.episode[places], (steps.terminated | steps.truncated)[places]
         begins = np.flatnonzero(np.diff(episode, prepend=episode[0]) != 0).tolist()
@@ -195,7 +197,7 @@ class Progress:
         return found
 
 
-def steps_between(recording: Recording, first: int, last: int) -> Steps:
+def steps_between(recording: Recording, first: int, last: int) -> StepColumns:
     """Return the steps from ``first`` to before ``last``, as far as they are kept."""
     begin, end = max(first - recording.first, 0), max(last - recording.first, 0)
-    return Steps._make(column[begin:end] for column in recording.steps)
+    return StepColumns._make(column[begin:end] for column in recording.steps)

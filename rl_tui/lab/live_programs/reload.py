@@ -31,7 +31,8 @@ class Reload:
         """Return whether it stands before its first step. Raises UserError where it came to nothing."""
         self._program.listen()
         self._program.check()
-        return bool(self._program.log.environments) and self._program.is_settled
+        is_there = bool(self._program.log.environments) and self._program.is_settled
+        return is_there and self._program.world is not None  # a world that is too large is refused here
 
     def wait(self) -> None:
         """Wait until it stands there. Raises UserError where it came to nothing."""

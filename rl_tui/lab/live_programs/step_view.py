@@ -10,19 +10,19 @@ import numpy as np
 from rl_tui.agents.counters import Counters
 from rl_tui.agents.last_step import NOTHING, LastStep
 from rl_tui.lab.detective.step_story import update_of_step
-from rl_tui.lab.live_programs.progress import Progress, steps_between
+from rl_tui.lab.live_programs.progress import ProgramState, steps_between
 from rl_tui.lab.timeline.trail import MOST_STEPS, Trail, TrailStep
 from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION
 
 if TYPE_CHECKING:
     from rl_tui.lab.detective.verdict import UpdateFound
-    from rl_tui.lab.programs.recording import Steps
+    from rl_tui.lab.programs.recording import StepColumns
     from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 _MOST_REWARDS: Final = 256
 
 
-class ToldUpdate(NamedTuple):
+class KnownUpdate(NamedTuple):
     """What a step did to the table, as in LastStep; unexplained, its target is what stands there."""
 
     cell: int = NOTHING
@@ -43,7 +43,7 @@ class StepView:
     ``update`` is what is known of how it learns; ``gamma`` discounts the rewards of its episode.
     """
 
-    def __init__(self, progress: Progress, update: UpdateFound, gamma: float) -> None:
+    def __init__(self, progress: ProgramState, update: UpdateFound, gamma: float) -> None:
         self._progress = progress
         self._update = update
         self._gamma = gamma
@@ -101,7 +101,7 @@ class StepView:
             )
         return tuple(found)
 
-    def _steps_of_episode(self, last: Steps) -> Steps:
+    def _steps_of_episode(self, last: StepColumns) -> StepColumns:
         """Return the steps of the episode of the last one, that one included, as far as they are kept."""
         here, length = self._progress.step, int(last.episode_step[0]) + 1
         steps = steps_between(self._progress.recording, here - length, here)
@@ -112,7 +112,7 @@ class StepView:
             same = steps.episode == last.episode[0]
         return type(steps)._make(column[same] for column in steps)
 
-    def _landing(self, steps: Steps, place: int) -> int:
+    def _landing(self, steps: StepColumns, place: int) -> int:
         return self._world.landing(
             int(steps.next_state[place]),
             float(steps.reward[place]),
@@ -124,15 +124,15 @@ class StepView:
         mdp = self._world.world.mdp
         return 0 if mdp is None else int(mdp.start_state[0])
 
-    def _last_step(self, steps: Steps, place: int, *, ended: bool) -> LastStep | None:
+    def _last_step(self, steps: StepColumns, place: int, *, ended: bool) -> LastStep | None:
         observation, action = int(steps.state[place]), int(steps.action[place])
         count = int(steps.episode_step[place])
         pair = self._world.pair(observation, action, count)
         if pair == NOTHING:
             return None  # for screens a step without a pair is a planner's
-        next_state, told = self._landing(steps, place), self.told
+        next_state, update = self._landing(steps, place), self.last_update
         own_cell = observation * self._progress.recording.actions + action
-        moved = self._pair_of(told.cell, own_cell, pair)
+        moved = self._pair_of(update.cell, own_cell, pair)
         return LastStep(
             step=self._progress.step,
             episode=self._progress.episodes + (not ended),
@@ -146,32 +146,32 @@ class StepView:
             terminated=bool(steps.terminated[place]),
             truncated=bool(steps.truncated[place]),
             updated_pair=moved,
-            others=told.others if moved != NOTHING else 0,
+            others=update.others if moved != NOTHING else 0,
             table=0,
-            before=told.before,
-            step_size=told.step_size,
+            before=update.before,
+            step_size=update.step_size,
             gamma=self._gamma,
-            gathered=told.gathered,
-            discount=told.discount,
-            bootstrap=told.bootstrap,
-            after=told.after,
+            gathered=update.gathered,
+            discount=update.discount,
+            bootstrap=update.bootstrap,
+            after=update.after,
             episode_step=count + 1,
-            bootstrap_state=NOTHING if told.bootstrap_state == NOTHING else next_state,
+            bootstrap_state=NOTHING if update.bootstrap_state == NOTHING else next_state,
         )
 
     @cached_property
-    def told(self) -> ToldUpdate:
+    def last_update(self) -> KnownUpdate:
         """What the last step did to the table, part by part as far as that is known."""
         progress = self._progress
         if self._last is None or progress.table is None or progress.step <= progress.recording.found_at:
-            return ToldUpdate()
+            return KnownUpdate()
         changes, step = progress.recording.changes, progress.step - 1
         begin, end = np.searchsorted(changes.step, (step, step + 1))
         table = progress.table.copy()
         table[changes.cell[begin:end][::-1]] = changes.before[begin:end][::-1]
         story = update_of_step(progress.recording, self._update, step, table)
         if story.step_size is not None and story.gathered is not None:
-            return ToldUpdate(
+            return KnownUpdate(
                 story.cell,
                 story.before,
                 story.after,
@@ -184,11 +184,11 @@ class StepView:
                 is_explained=True,
             )
         if not story.moved:
-            return ToldUpdate()
+            return KnownUpdate()
         own = int(self._last.state[0]) * progress.recording.actions + int(self._last.action[0])
         first = next((each for each in story.moved if each.cell == own), story.moved[0])
         others = len({each.cell for each in story.moved}) - 1
-        return ToldUpdate(first.cell, first.before, first.after, others, gathered=first.after)
+        return KnownUpdate(first.cell, first.before, first.after, others, gathered=first.after)
 
     def _pair_of(self, cell: int, own_cell: int, own_pair: int) -> int:
         """Return our pair for ``cell``: of several that share it, the one that was taken."""

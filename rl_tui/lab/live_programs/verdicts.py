@@ -9,7 +9,7 @@ from copy import copy
 from typing import Final
 
 from rl_tui.lab.detective.detective import verdict_of
-from rl_tui.lab.detective.verdict import Verdict
+from rl_tui.lab.detective.verdict import ProgramVerdict
 from rl_tui.lab.programs.program_log import ProgramLog
 
 EVERY: Final = 1.0
@@ -25,7 +25,7 @@ class Verdicts:
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
-        self.newest = Verdict()
+        self.newest = ProgramVerdict()
         """The newest verdict."""
         self._on_news = on_news
         self._automatic = automatic
@@ -36,7 +36,7 @@ class Verdicts:
 
     def forget(self) -> None:
         """Begin anew: it is another run of the program."""
-        self.newest, self._judged, self._next = Verdict(), -1, 0.0
+        self.newest, self._judged, self._next = ProgramVerdict(), -1, 0.0
         self._generation += 1
 
     def look(self, log: ProgramLog, *, is_still: bool) -> None:

@@ -152,7 +152,7 @@ def constructor_arguments(
 def _arguments_of_any_name(
     numbers: Mapping[str, float], surroundings: Mapping[str, Any], named: Iterable[str]
 ) -> dict[str, Any]:
-    """Return what Berkeley's ``**args`` hands on to its base class, less what parameters are ``named`` for."""
+    """Return what Berkeley's ``**args`` hands on to its base class, but for what is ``named`` itself."""
     usual = {
         "actionFn": surroundings["legal_actions"],
         "alpha": numbers["alpha"],

@@ -1,4 +1,4 @@
-"""How an agent of each shape is asked for actions and told what happened."""
+"""How an agent of each shape is asked for actions and given what happened."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rl_tui.lab.own_agents.binding import bind, bound_roles
-from rl_tui.lab.own_agents.shapes import FUNCTION, SHAPE_OF, Shape, Style
+from rl_tui.lab.own_agents.shapes import FUNCTION, SHAPE_OF, AgentShape, Style
 
 Mask = npt.NDArray[np.int8] | None
 """1 for each action that is legal, [A]; None: all are."""
@@ -47,7 +47,7 @@ class AgentPlayer(Protocol):
 class MethodsPlayer:
     """An agent that is an object with one method to choose an action and one to learn."""
 
-    def __init__(self, agent: Any, shape: Shape, env: Any) -> None:
+    def __init__(self, agent: Any, shape: AgentShape, env: Any) -> None:
         self._env, self._either = env, shape.done_is_either
         self._choose = bind(getattr(agent, shape.choose), shape.choose, shape.roles[shape.choose])
         update = getattr(agent, shape.update)
@@ -66,12 +66,12 @@ class MethodsPlayer:
     def after(self, step: Happened) -> Any:
         """Let it learn, and return the next action."""
         over = step.terminated or step.truncated
-        told = step._asdict() | {"env": self._env, "done": over if self._either else step.terminated}
+        given = step._asdict() | {"env": self._env, "done": over if self._either else step.terminated}
         if self._looks_ahead:
-            told["next_action"] = self.begin(step.next_state, step.mask)
-            self._update(told)
-            return told["next_action"]
-        self._update(told)
+            given["next_action"] = self.begin(step.next_state, step.mask)
+            self._update(given)
+            return given["next_action"]
+        self._update(given)
         return None if over else self.begin(step.next_state, step.mask)
 
     def end(self, episode: int) -> None:
@@ -184,8 +184,8 @@ class FunctionPlayer:
     def after(self, step: Happened) -> Any:
         """Let it learn, and return the next action."""
         ahead = self.begin(step.next_state, step.mask) if self._looks_ahead else None
-        told = {"q": self.q, "done": step.terminated, "next_action": ahead}
-        values = {**step._asdict(), **self._numbers, **told}
+        given = {"q": self.q, "done": step.terminated, "next_action": ahead}
+        values = {**step._asdict(), **self._numbers, **given}
         returned = self._update(**{parameter: values[role] for parameter, role in self._roles})
         if np.shape(returned) == self._shape:
             self.q = returned

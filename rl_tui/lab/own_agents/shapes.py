@@ -22,7 +22,7 @@ class Style(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Shape:
+class AgentShape:
     """One shape.
 
     ``methods`` are those that tell it: each is there. ``update`` is the one that learns, ``choose`` the one
@@ -45,7 +45,7 @@ class Shape:
 _EXPERIENCE: Final = ("state", "action", "reward", "next_state", "terminated", "truncated", "done")
 
 SHAPES: Final = (
-    Shape(
+    AgentShape(
         Style.GYMNASIUM,
         "the shape of Gymnasium's tutorials",
         ("get_action", "update"),
@@ -58,7 +58,7 @@ SHAPES: Final = (
         },
         "get_action(obs), update(obs, action, reward, terminated, next_obs), decay_epsilon()",
     ),
-    Shape(
+    AgentShape(
         Style.UDACITY,
         "the shape of Udacity's course",
         ("select_action", "step"),
@@ -68,7 +68,7 @@ SHAPES: Final = (
         "select_action(state), step(state, action, reward, next_state, done)",
         done_is_either=True,
     ),
-    Shape(
+    AgentShape(
         Style.BERKELEY,
         "the shape of Berkeley's course",
         ("getAction", "update"),
@@ -77,7 +77,7 @@ SHAPES: Final = (
         {"getAction": ("state",), "update": ("state", "action", "next_state", "reward")},
         "getAction(state), update(state, action, nextState, reward)",
     ),
-    Shape(
+    AgentShape(
         Style.RL_GLUE,
         "the shape of RL-Glue",
         ("agent_start", "agent_step", "agent_end"),
@@ -91,7 +91,7 @@ SHAPES: Final = (
         },
         "agent_init(agent_info), agent_start(obs), agent_step(reward, obs), agent_end(reward)",
     ),
-    Shape(
+    AgentShape(
         Style.FUNCTION,
         "a bare function",
         (),
@@ -101,7 +101,7 @@ SHAPES: Final = (
         "update(q, s, a, r, s_next, alpha, gamma)",
     ),
 )
-SHAPE_OF: Final[Mapping[Style, Shape]] = {shape.style: shape for shape in SHAPES}
+SHAPE_OF: Final[Mapping[Style, AgentShape]] = {shape.style: shape for shape in SHAPES}
 FUNCTION: Final = SHAPE_OF[Style.FUNCTION]
 OF_FUNCTION: Final = ("q", "state", "action", "reward", "next_state")
 """The roles that each parameter list of a bare function has; by them it is told from other functions."""

@@ -63,7 +63,7 @@ class StepFlag(IntFlag):
     TRUNCATED = 2
 
 
-class Kind:
+class MessageKind:
     """The kinds of JSON messages, with what else they hold."""
 
     ENVIRONMENT: Final = "environment"

@@ -20,7 +20,7 @@ from rl_tui.lab.programs.messages import (
     STEP_WIDTH,
     STEPS,
     TABLE,
-    Kind,
+    MessageKind,
 )
 from rl_tui.lab.programs.recording import Recording
 
@@ -181,7 +181,7 @@ class ProgramLog:
 
     def _take_message(self, said: Mapping[str, Any]) -> None:
         match said["kind"]:
-            case Kind.ENVIRONMENT:
+            case MessageKind.ENVIRONMENT:
                 self.environments.append(
                     ProgramEnvironment(
                         said["number"],
@@ -195,7 +195,7 @@ class ProgramLog:
                         tuple(said["wrappers"]),
                     )
                 )
-            case Kind.TABLE:
+            case MessageKind.TABLE:
                 self.table = FoundTable(
                     said["name"],
                     said["form"],
@@ -208,39 +208,39 @@ class ProgramLog:
                 self._found_at, self._found_actions = said["step"], said["actions"]
                 if said["shared"]:
                     self.shared_at = said["step"]
-            case Kind.REBOUND:
+            case MessageKind.REBOUND:
                 self.recording.rebound.append(said["step"])
-            case Kind.SHARED:
+            case MessageKind.SHARED:
                 self.shared_at = said["step"] if self.shared_at is None else self.shared_at
-            case Kind.NUMBERS:
+            case MessageKind.NUMBERS:
                 self.numbers.update(said["numbers"])
-            case Kind.CALLED:
+            case MessageKind.CALLED:
                 self.called[said["method"]] = (said["file"], said["line"])
-            case Kind.TRANSITIONS:
+            case MessageKind.TRANSITIONS:
                 self.environments[said["number"]] = replace(
                     self.environments[said["number"]], transitions=said["P"], start=said["start"]
                 )
-            case Kind.LINES:
+            case MessageKind.LINES:
                 for file, line, count in said["lines"]:
                     self.lines[file, line] = self.lines.get((file, line), 0) + count
-            case Kind.AGENT:
+            case MessageKind.AGENT:
                 self.agent = ProgramAgent(said["name"], said["style"], said["done_is_either"])
                 self.called.setdefault("step", (said["file"], said["line"]))
-            case Kind.OUTPUT:
+            case MessageKind.OUTPUT:
                 self._take_output(said)
-            case Kind.NOTE:
+            case MessageKind.NOTE:
                 self.notes.append(said["text"])
-            case Kind.WAITING:
+            case MessageKind.WAITING:
                 self.waiting_at, self.stopped_by = said["step"], said["stopped"]
-            case Kind.REFUSED:
+            case MessageKind.REFUSED:
                 self.refused = said["text"]
-            case Kind.ERROR:
+            case MessageKind.ERROR:
                 self.error = ProgramError(
                     said["type"], said["text"], said["file"], said["line"], said["traceback"]
                 )
-            case Kind.END:
+            case MessageKind.END:
                 self.ended = True
-            case Kind.GONE:
+            case MessageKind.GONE:
                 self._take_end(said["status"], said["text"])
 
     def _take_output(self, said: Mapping[str, Any]) -> None:

@@ -37,7 +37,7 @@ class WrittenLines:
 
     def __init__(self) -> None:
         self._rest = b""
-        self._is_told = False  # the beginning of the line that has no end yet
+        self._is_begun = False  # the beginning of the line that has no end yet
         self._second = -1
         self._room = MOST_A_SECOND
         self._left_out = 0
@@ -50,19 +50,19 @@ class WrittenLines:
             self._second, self._room = int(now), MOST_A_SECOND
         *lines, rest = (self._rest + piece).split(b"\n", self._room)
         for line in lines:
-            yield self._told(line)
+            yield self._written(line)
         self._room -= len(lines)
         self._rest = _shortened(self._without_flood(rest))
         if self._room and self._rest.strip():
-            text, replaces = self._told(self._rest)
-            self._is_told = True
+            text, replaces = self._written(self._rest)
+            self._is_begun = True
             yield WrittenLine(text, replaces)
 
     def end(self) -> Iterator[WrittenLine]:
         """Yield what is left when nothing more will come."""
         yield from self._catch_up()
-        if self._rest.strip() and not self._is_told:
-            yield self._told(self._rest)
+        if self._rest.strip() and not self._is_begun:
+            yield self._written(self._rest)
 
     def _without_flood(self, text: bytes) -> bytes:
         """Count the whole lines of ``text``, keep the last ones, and return the one without an end."""
@@ -70,7 +70,7 @@ class WrittenLines:
         if flood:
             self._left_out += text.count(b"\n")
             self._last.extend(flood[-LAST_KEPT:])
-            self._is_told = False
+            self._is_begun = False
         return rest
 
     def _catch_up(self) -> Iterator[WrittenLine]:
@@ -83,8 +83,8 @@ class WrittenLines:
         self._last.clear()
         self._left_out = 0
 
-    def _told(self, line: bytes) -> WrittenLine:
-        replaces, self._is_told = self._is_told, False
+    def _written(self, line: bytes) -> WrittenLine:
+        replaces, self._is_begun = self._is_begun, False
         return WrittenLine(_text_of(line), replaces)
 
 

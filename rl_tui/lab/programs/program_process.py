@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import mmap
 import os
@@ -18,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from rl_tui.lab.programs.messages import HEADER, LARGEST_FRAME, NO_LIMIT, OWN_MESSAGE, Kind
+from rl_tui.lab.programs.messages import HEADER, LARGEST_FRAME, NO_LIMIT, OWN_MESSAGE, MessageKind
 from rl_tui.lab.programs.program_log import GARBLED
 from rl_tui.lab.programs.program_output import WrittenLine, WrittenLines
 
@@ -70,18 +69,20 @@ class ProgramProcess:
     """
 
     def __init__(self, request: ProgramRequest, allowed: int = NO_LIMIT) -> None:
+        if not hasattr(select, "poll"):
+            raise OSError("programs can be watched on Linux and macOS only")
         if not sys.executable:
             raise FileNotFoundError("which Python this is is not known")
         with ExitStack() as to_close, ExitStack() as of_the_child:
             pipes = [_pipe(to_close, of_the_child) for _ in range(3)]
-            (self._reading, told), *_ = pipes
+            (self._reading, reports), *_ = pipes
             asked, self._asking = _pipe(of_the_child, to_close)
             life, _ = _pipe(of_the_child, to_close)
             shared = _memory_file(of_the_child)
             memory = to_close.enter_context(mmap.mmap(shared, mmap.PAGESIZE))
             self._allowed = to_close.enter_context(memoryview(memory).cast("q"))
             self._allowed[0] = allowed
-            descriptors = {"told": told, "asked": asked, "life": life, "shared": shared}
+            descriptors = {"reports": reports, "asked": asked, "life": life, "shared": shared}
             self._process = subprocess.Popen(
                 [sys.executable, "-P", "-c", _script(request, descriptors)],
                 stdin=subprocess.DEVNULL,
@@ -92,17 +93,7 @@ class ProgramProcess:
                 start_new_session=True,
             )
             self._to_close = to_close.pop_all()
-        os.set_blocking(self._asking, False)
-        self._unsent = b""
-        self._bytes = bytearray()
-        self._streams = {pipes[1][0]: ("out", WrittenLines()), pipes[2][0]: ("err", WrittenLines())}
-        self._poll, self._poll_steps = select.poll(), select.poll()
-        self._poll_steps.register(self._reading, select.POLLIN)
-        for descriptor in (self._reading, *self._streams):
-            os.set_blocking(descriptor, False)
-            self._poll.register(descriptor, select.POLLIN)
-        self.closed = False
-        """Whether it is over: nothing more will come."""
+        self._listen(pipes[1][0], pipes[2][0])
 
     def allow(self, steps: int) -> None:
         """Let it take steps until it has taken ``steps`` in all; 0 holds it at its next step."""
@@ -139,6 +130,20 @@ class ProgramProcess:
         self._process.wait()
         self._to_close.close()
         self.closed = True
+
+    def _listen(self, stdout: int, stderr: int) -> None:
+        """Prepare to read its pipes, and to write into its own, without ever waiting for it."""
+        os.set_blocking(self._asking, False)
+        self._unsent = b""
+        self._bytes = bytearray()
+        self._streams = {stdout: ("out", WrittenLines()), stderr: ("err", WrittenLines())}
+        self._poll, self._poll_steps = select.poll(), select.poll()
+        self._poll_steps.register(self._reading, select.POLLIN)
+        for descriptor in (self._reading, *self._streams):
+            os.set_blocking(descriptor, False)
+            self._poll.register(descriptor, select.POLLIN)
+        self.closed = False
+        """Whether it is over: nothing more will come."""
 
     @property
     def exit_status(self) -> int | None:
@@ -220,7 +225,7 @@ class ProgramProcess:
         for stream, lines in self._streams.values():
             found += _messages(stream, lines.end())
         text = GARBLED if garbled else _CLOSED_ITS_PIPE if status is None else ""
-        found.append(_message(Kind.GONE, status=status, text=text))
+        found.append(_message(MessageKind.GONE, status=status, text=text))
         self.closed = True
         return found
 
@@ -255,7 +260,10 @@ def _pipe(reading: ExitStack, writing: ExitStack) -> tuple[int, int]:
     ends = os.pipe()
     for end, closing in zip(ends, (reading, writing), strict=True):
         closing.callback(os.close, end)
-    with suppress(AttributeError, OSError):  # Linux only; a small one holds a program up between two frames
+    with suppress(ImportError, AttributeError, OSError):
+        import fcntl  # not on Windows
+
+        # on Linux; a small one holds a program up between two frames
         fcntl.fcntl(ends[1], fcntl.F_SETPIPE_SZ, _CHUNK)
     return ends
 
@@ -273,7 +281,7 @@ def _memory_file(closing: ExitStack) -> int:
 
 def _messages(stream: str, lines: Iterable[WrittenLine]) -> list[tuple[bytes, bytes]]:
     return [
-        _message(Kind.OUTPUT, step=None, stream=stream, text=line.text, replaces=line.replaces)
+        _message(MessageKind.OUTPUT, step=None, stream=stream, text=line.text, replaces=line.replaces)
         for line in lines
     ]
 

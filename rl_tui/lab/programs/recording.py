@@ -13,7 +13,7 @@ from rl_tui.lab.programs.messages import CHANGE_WIDTH, STEP_WIDTH, StepFlag
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 MOST_STEPS: Final = 4_000_000
-"""Steps that are kept; when there are more the older half is forgotten."""
+"""StepColumns that are kept; when there are more the older half is forgotten."""
 
 _CHANGES_OF_A_STEP: Final = 8  # that are kept for each step, on an average
 _BETWEEN_KEYFRAMES: Final = 100_000  # changes
@@ -23,7 +23,7 @@ _CHANGE_TYPES: Final = (np.int64, np.int64, np.float64, np.float64)
 Doubles = npt.NDArray[np.float64]
 
 
-class Steps(NamedTuple):
+class StepColumns(NamedTuple):
     """N steps as columns, [N] each, oldest first."""
 
     environment: IntArray
@@ -39,7 +39,7 @@ class Steps(NamedTuple):
     """From 0 within its episode."""
 
 
-class Changes(NamedTuple):
+class ChangeColumns(NamedTuple):
     """M changes of the table as columns, [M] each, oldest first."""
 
     step: IntArray
@@ -93,14 +93,14 @@ class Recording:
             self._forget()
 
     @property
-    def steps(self) -> Steps:
+    def steps(self) -> StepColumns:
         """All steps that are kept."""
-        return Steps(*self._steps.views())
+        return StepColumns(*self._steps.views())
 
     @property
-    def changes(self) -> Changes:
+    def changes(self) -> ChangeColumns:
         """All changes of the steps that are kept."""
-        return Changes(*self._changes.views())
+        return ChangeColumns(*self._changes.views())
 
     def table_at(self, step: int) -> FloatArray:
         """Return the table after ``step`` steps, [S·A]; NaN where it has no entry.

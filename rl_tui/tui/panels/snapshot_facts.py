@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
+
+import numpy as np
 
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.many_seeds.figures import SeedStudy
@@ -32,6 +35,14 @@ def is_new_run(before: Snapshot | None, now: Snapshot) -> bool:
 def is_secret(snapshot: Snapshot) -> bool:
     """Return whether all that gives the exact answer away must be hidden; a spent budget hides nothing."""
     return snapshot.answers.is_hidden and snapshot.playback.phase is not Phase.SPENT
+
+
+def as_learned(snapshot: Snapshot) -> Snapshot:
+    """Return ``snapshot`` as world and table show it: a program without a table has estimated nothing."""
+    if snapshot.program is None or snapshot.program.table is not None:
+        return snapshot
+    unvisited = np.zeros_like(snapshot.agent.visits)
+    return replace(snapshot, agent=replace(snapshot.agent, visits=unvisited))
 
 
 def hides_means(snapshot: Snapshot) -> bool:

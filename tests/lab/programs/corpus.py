@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from rl_tui.lab.detective.detective import verdict_of
-from rl_tui.lab.detective.verdict import Finding, Verdict
+from rl_tui.lab.detective.verdict import CodeFinding, ProgramVerdict
 from rl_tui.lab.programs.program_log import ProgramLog
 from rl_tui.lab.programs.program_process import ProgramRequest
 from rl_tui.lab.programs.to_the_end import watched_to_the_end
@@ -28,13 +28,13 @@ def expected(script: Path, what: str = "expect") -> Any:
     return None
 
 
-def watched(script: Path, seed: int) -> tuple[ProgramLog, Verdict]:
+def watched(script: Path, seed: int) -> tuple[ProgramLog, ProgramVerdict]:
     """Return what ``script`` told, and what is said of it."""
     log = watched_to_the_end(ProgramRequest(script, seed=seed))
     return log, verdict_of(log)
 
 
-def line_of(finding: Finding) -> str:
+def line_of(finding: CodeFinding) -> str:
     """Return the line of the source that a finding names; empty if it names none."""
     if finding.line is None:
         return ""

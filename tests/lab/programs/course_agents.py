@@ -134,7 +134,8 @@ class QLearningAgent(BaseAgent):
         return self.prev_action
 
     def agent_step(self, reward, observation):
-        error = reward + self.discount * np.max(self.q[observation]) - self.q[self.prev_state, self.prev_action]
+        error = reward + self.discount * np.max(self.q[observation])
+        error -= self.q[self.prev_state, self.prev_action]
         self.q[self.prev_state, self.prev_action] += self.step_size * error
         self.prev_state, self.prev_action = observation, self.policy(observation)
         return self.prev_action
@@ -156,7 +157,8 @@ import numpy as np
 
 def q_update(next_state, reward, action, state, Q, done, learning_rate, discount):
     Q = Q.copy()
-    Q[state, action] += learning_rate * (reward + (not done) * discount * Q[next_state].max() - Q[state, action])
+    goal = reward + (not done) * discount * Q[next_state].max()
+    Q[state, action] += learning_rate * (goal - Q[state, action])
     return Q
 """
 

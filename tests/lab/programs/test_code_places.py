@@ -8,7 +8,7 @@ import pytest
 
 from rl_tui.lab.detective.source.code_names import CodeNames, names_of
 from rl_tui.lab.detective.source.code_places import CodeLine, ProgramCode
-from rl_tui.lab.detective.verdict import Rule, Target, UpdateFound
+from rl_tui.lab.detective.verdict import Rule, UpdateFound, UpdateTarget
 from rl_tui.lab.programs.program_log import FoundTable, ProgramLog
 
 LOOP = """
@@ -150,7 +150,7 @@ def test_lines_of_notebooks_do_no_harm(tmp_path: Path) -> None:
 def test_a_correction_speaks_in_the_names_of_the_program(tmp_path: Path) -> None:
     code, log, _ = code_of(tmp_path, loop())
     assert log.table is not None
-    update = UpdateFound(Rule.Q_LEARNING, 0.1, "constant", 0.9, target=Target.BEST)
+    update = UpdateFound(Rule.Q_LEARNING, 0.1, "constant", 0.9, target=UpdateTarget.BEST)
     names = names_of(code, log.table, update, {"gamma": 0.9, "0.1": 0.1})
     assert names.target() == "target = reward if ended else reward + gamma * max(Q[new_s])"
 

@@ -10,6 +10,8 @@ from watched_scripts import watched
 
 from rl_tui.lab.detective.detective import verdict_of
 
+pytestmark = pytest.mark.process
+
 SCRIPTS = sorted((Path(__file__).parent / "scripts" / "correct").glob("*.py"))
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from corpus import FAULTY, expected, line_of, watched
 
-from rl_tui.lab.detective.verdict import Fault
+from rl_tui.lab.detective.verdict import CodeFault
 
 pytestmark = pytest.mark.process
 
@@ -23,4 +23,4 @@ def test_the_fault_of_a_program_is_found(script: Path) -> None:
 
 
 def test_every_fault_has_programs() -> None:
-    assert {name for script in FAULTY for name in expected(script)} == {each.value for each in Fault}
+    assert {name for script in FAULTY for name in expected(script)} == {each.value for each in CodeFault}

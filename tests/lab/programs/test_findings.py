@@ -19,18 +19,26 @@ from correct_learners import (
 )
 from made_recordings import Learner, Step, recorded
 
+from rl_tui.lab.detective.detective import verdict_of
 from rl_tui.lab.detective.evidence import Evidence
 from rl_tui.lab.detective.findings import findings_of
-from rl_tui.lab.detective.verdict import Fault, Finding, Place, Rule, Target, UpdateFound
+from rl_tui.lab.detective.verdict import (
+    CodeFault,
+    CodeFinding,
+    MovedCell,
+    Rule,
+    UpdateFound,
+    UpdateTarget,
+)
 from rl_tui.lab.programs.messages import StepFlag
 from rl_tui.lab.programs.program_log import FoundTable, ProgramEnvironment, ProgramLog
 from rl_tui.worlds.mdp.space import FloatArray
 
 SEEDS = range(3)
 Q_LEARNING = UpdateFound(
-    Rule.Q_LEARNING, ALPHA, "constant", GAMMA, fits=1.0, informative=1000, target=Target.BEST
+    Rule.Q_LEARNING, ALPHA, "constant", GAMMA, fits=1.0, informative=1000, target=UpdateTarget.BEST
 )
-SARSA = replace(Q_LEARNING, rule=Rule.SARSA, target=Target.NEXT_ACTION)
+SARSA = replace(Q_LEARNING, rule=Rule.SARSA, target=UpdateTarget.NEXT_ACTION)
 UNKNOWN = UpdateFound()
 
 
@@ -99,7 +107,7 @@ class Faulty:
     """A learner with a fault, with the update that is found of it."""
 
     learner: Learner
-    fault: Fault
+    fault: CodeFault
     update: UpdateFound = Q_LEARNING
     initial: str = "random"
     dtype: str = "float64"
@@ -122,30 +130,33 @@ def holds_numbers(log: ProgramLog) -> None:
 
 
 FAULTY = {
-    "terminal row": Faulty(bootstraps, Fault.BOOTSTRAPS_AFTER_END),
-    "terminal row, optimistic": Faulty(bootstraps, Fault.BOOTSTRAPS_AFTER_END, initial="high"),
-    "terminal row, float32": Faulty(bootstraps, Fault.BOOTSTRAPS_AFTER_END, dtype="float32"),
-    "terminal row of SARSA": Faulty(sarsa_bootstraps, Fault.BOOTSTRAPS_AFTER_END, SARSA),
-    "cut off": Faulty(done_is_done, Fault.NO_BOOTSTRAP_AFTER_TRUNCATION),
-    "reward before": Faulty(previous_reward, Fault.SHIFTED_REWARD, replace(Q_LEARNING, fits=0.6)),
-    "reward before, 0 at first": Faulty(previous_reward_within, Fault.SHIFTED_REWARD),
+    "terminal row": Faulty(bootstraps, CodeFault.BOOTSTRAPS_AFTER_END),
+    "terminal row, optimistic": Faulty(bootstraps, CodeFault.BOOTSTRAPS_AFTER_END, initial="high"),
+    "terminal row, float32": Faulty(bootstraps, CodeFault.BOOTSTRAPS_AFTER_END, dtype="float32"),
+    "terminal row of SARSA": Faulty(sarsa_bootstraps, CodeFault.BOOTSTRAPS_AFTER_END, SARSA),
+    "cut off": Faulty(done_is_done, CodeFault.NO_BOOTSTRAP_AFTER_TRUNCATION),
+    "reward before": Faulty(previous_reward, CodeFault.SHIFTED_REWARD, replace(Q_LEARNING, fits=0.6)),
+    "reward before, 0 at first": Faulty(previous_reward_within, CodeFault.SHIFTED_REWARD),
     "moved": Faulty(
-        after_moving, Fault.UPDATES_AFTER_MOVING, replace(Q_LEARNING, place=Place.MOVED), initial="zeros"
+        after_moving,
+        CodeFault.UPDATES_AFTER_MOVING,
+        replace(Q_LEARNING, place=MovedCell.MOVED),
+        initial="zeros",
     ),
-    "moved, no rule": Faulty(after_moving, Fault.UPDATES_AFTER_MOVING, UNKNOWN),
-    "column": Faulty(column, Fault.WRONG_AXIS, replace(Q_LEARNING, target=Target.COLUMN)),
-    "next action": Faulty(next_cell, Fault.WRONG_CELL, UNKNOWN),
-    "shared": Faulty(shares, Fault.SHARED_TABLE, UNKNOWN, initial="zeros", arrange=shared),
-    "ends lost": Faulty(skips_ends, Fault.LOSES_UPDATE),
-    "step size": Faulty(takes_too_much, Fault.STEP_SIZE_OUT_OF_RANGE, replace(Q_LEARNING, alpha=1.2)),
-    "gamma twice": Faulty(q_learning, Fault.GAMMA_TWICE, arrange=holds_gamma),
+    "moved, no rule": Faulty(after_moving, CodeFault.UPDATES_AFTER_MOVING, UNKNOWN),
+    "column": Faulty(column, CodeFault.WRONG_AXIS, replace(Q_LEARNING, target=UpdateTarget.COLUMN)),
+    "next action": Faulty(next_cell, CodeFault.WRONG_CELL, UNKNOWN),
+    "shared": Faulty(shares, CodeFault.SHARED_TABLE, UNKNOWN, initial="zeros", arrange=shared),
+    "ends lost": Faulty(skips_ends, CodeFault.LOSES_UPDATE),
+    "step size": Faulty(takes_too_much, CodeFault.STEP_SIZE_OUT_OF_RANGE, replace(Q_LEARNING, alpha=1.2)),
+    "gamma twice": Faulty(q_learning, CodeFault.GAMMA_TWICE, arrange=holds_gamma),
     "integers": Faulty(
-        q_learning, Fault.ROUNDING_TABLE, UNKNOWN, initial="high", dtype="int64", arrange=holds_numbers
+        q_learning, CodeFault.ROUNDING_TABLE, UNKNOWN, initial="high", dtype="int64", arrange=holds_numbers
     ),
 }
 
 
-def found(log: ProgramLog, update: UpdateFound, *, done_is_either: bool = False) -> tuple[Finding, ...]:
+def found(log: ProgramLog, update: UpdateFound, *, done_is_either: bool = False) -> tuple[CodeFinding, ...]:
     """Return the findings of a log."""
     return findings_of(Evidence(log.recording), update, log, done_is_either=done_is_either)[0]
 
@@ -184,7 +195,7 @@ CORRECT: dict[str, tuple[Callable[[], Learner], UpdateFound]] = {
     "what was cut off is thrown away": (CORRECT_LEARNERS["throws away what was cut off"], Q_LEARNING),
     "alpha 1": (CORRECT_LEARNERS["alpha 1"], replace(Q_LEARNING, alpha=1.0)),
     "gamma 1": (lambda: undiscounted, replace(Q_LEARNING, gamma=1.0)),
-    "gamma 0": (lambda: short_sighted, replace(Q_LEARNING, gamma=0.0, target=Target.NOTHING)),
+    "gamma 0": (lambda: short_sighted, replace(Q_LEARNING, gamma=0.0, target=UpdateTarget.NOTHING)),
     "gamma not known": (lambda: q_learning, replace(Q_LEARNING, gamma=None)),
     "clipped": (CORRECT_LEARNERS["clipped values"], Q_LEARNING),
     "1/N": (averaging, replace(Q_LEARNING, alpha=None, alpha_schedule="1/N")),
@@ -219,7 +230,7 @@ def test_a_fault_is_told_also_where_the_step_size_falls(schedule: str) -> None:
 
     update = replace(Q_LEARNING, alpha=None, alpha_schedule=schedule)  # type: ignore[arg-type]
     faults = [each.fault for each in found(recorded(learn), update)]
-    assert faults == [Fault.BOOTSTRAPS_AFTER_END]
+    assert faults == [CodeFault.BOOTSTRAPS_AFTER_END]
 
 
 def test_one_flag_for_both_ends_is_no_fault_of_the_agent() -> None:
@@ -289,13 +300,13 @@ def standing(episodes: int, action_of: Callable[[int], int]) -> ProgramLog:
 @pytest.mark.parametrize(
     ("action_of", "fault"),
     [
-        (lambda number: 0, Fault.NEVER_EXPLORES),
-        (lambda number: number % 4 if number % 10 == 0 else 0, Fault.FIRST_OF_TIES),
+        (lambda number: 0, CodeFault.NEVER_EXPLORES),
+        (lambda number: number % 4 if number % 10 == 0 else 0, CodeFault.FIRST_OF_TIES),
     ],
     ids=["never", "first"],
 )
 def test_a_risk_is_told_where_random_ties_would_have_seen_a_reward(
-    action_of: Callable[[int], int], fault: Fault
+    action_of: Callable[[int], int], fault: CodeFault
 ) -> None:
     (finding,) = found(standing(700, action_of), UNKNOWN)
     assert finding.fault is fault
@@ -324,3 +335,14 @@ def test_a_finding_that_rests_on_a_name_says_so() -> None:
     holds_gamma(log)
     (finding,) = found(log, Q_LEARNING)
     assert finding.certainty == "declared"
+
+
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_a_step_size_is_told_also_of_a_table_that_runs_away(dtype: str) -> None:
+    def diverges(table: FloatArray, step: Step) -> None:
+        with np.errstate(all="ignore"):
+            moved(table, step, step.reward + GAMMA * best(table, step), alpha=10.0)
+
+    log = recorded(diverges, dtype=dtype, steps=3000)
+    assert not np.isfinite(log.recording.changes.after).all()
+    assert [each.fault for each in verdict_of(log).findings] == [CodeFault.STEP_SIZE_OUT_OF_RANGE]

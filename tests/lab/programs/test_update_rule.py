@@ -10,7 +10,7 @@ from made_agents import Made
 
 from rl_tui.lab.detective.evidence import Evidence
 from rl_tui.lab.detective.update_rule import update_of
-from rl_tui.lab.detective.verdict import Place, Rule, Target, UpdateFound
+from rl_tui.lab.detective.verdict import MovedCell, Rule, UpdateFound, UpdateTarget
 from rl_tui.lab.programs.recording import Recording
 
 NAMES = {"q": Rule.Q_LEARNING, "sarsa": Rule.SARSA, "expected": Rule.EXPECTED_SARSA}
@@ -41,7 +41,11 @@ def test_rule_step_size_and_discount_of_random_worlds_are_exact(seed: int) -> No
     assert update.gamma == pytest.approx(gamma, rel=1e-6)
     assert update.epsilon == (pytest.approx(epsilon, rel=1e-6) if rule == "expected" else None)
     assert (update.fits, update.departs_at, update.reason) == (1.0, None, "")
-    assert (update.alpha_schedule, update.reward, update.place) == ("constant", "environment", Place.TAKEN)
+    assert (update.alpha_schedule, update.reward, update.place) == (
+        "constant",
+        "environment",
+        MovedCell.TAKEN,
+    )
 
 
 @pytest.mark.parametrize("rule", ["q", "sarsa"])
@@ -117,7 +121,7 @@ def test_the_reward_of_the_step_before_is_told_from_that_of_the_step(rule: str, 
 @pytest.mark.parametrize("rule", ["q", "sarsa"])
 def test_an_update_one_step_late_is_no_other_rule(rule: str) -> None:
     update = found(3000, rule=rule, late_update=True)
-    assert (update.rule, update.place, update.gamma) == (NAMES[rule], Place.ONE_LATE, 0.9)
+    assert (update.rule, update.place, update.gamma) == (NAMES[rule], MovedCell.ONE_LATE, 0.9)
     assert not update.uses_reward_before
 
 
@@ -180,7 +184,12 @@ def test_numbers_of_a_long_run_are_the_same_at_every_look() -> None:
     evidence = Evidence(Made(sparse=True, epsilon=0.3).recording(25_000))
     first, second = update_of(evidence, {}), update_of(evidence, {})
     assert first == second
-    assert (first.rule, first.alpha, first.gamma, first.target) == (Rule.Q_LEARNING, 0.1, 0.9, Target.BEST)
+    assert (first.rule, first.alpha, first.gamma, first.target) == (
+        Rule.Q_LEARNING,
+        0.1,
+        0.9,
+        UpdateTarget.BEST,
+    )
 
 
 def test_rows_that_a_dict_makes_as_it_goes_are_no_changes() -> None:

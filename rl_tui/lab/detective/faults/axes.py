@@ -9,7 +9,7 @@ import numpy as np
 from rl_tui.lab.detective.faults.predictions import Predictions
 from rl_tui.lab.detective.faults.proof import Proof, some_of, written
 from rl_tui.lab.detective.source.code_names import CodeNames
-from rl_tui.lab.detective.verdict import Fault, Place, Target
+from rl_tui.lab.detective.verdict import CodeFault, MovedCell, UpdateTarget
 from rl_tui.worlds.mdp.space import FloatArray
 
 _FEW: Final = 2_000
@@ -19,30 +19,34 @@ _FEW: Final = 2_000
 def proof_of_axis(predictions: Predictions, reward: FloatArray, names: CodeNames) -> Proof | None:
     """Return the proof that the largest value of a column stands in the target."""
     update = predictions.update
-    if update.target is not Target.COLUMN or not predictions.is_known or update.place is Place.ONE_LATE:
+    if (
+        update.target is not UpdateTarget.COLUMN
+        or not predictions.is_known
+        or update.place is MovedCell.ONE_LATE
+    ):
         return None
     evidence = predictions.evidence
     inner = ~(evidence.terminated | evidence.truncated) & (evidence.changes_of == 1)
     readings = predictions.readings(some_of(np.flatnonzero(inner), _FEW))
     at = readings.at
-    column, best = predictions.values(at), predictions.values(at, Target.BEST)
+    column, best = predictions.values(at), predictions.values(at, UpdateTarget.BEST)
     over_states = predictions.after(readings, reward[at], column)
     over_actions = predictions.after(readings, reward[at], best)
-    told = predictions.told_apart(readings, over_states, over_actions)
-    speaking = at[told.one]
+    seen = predictions.witnesses(readings, over_states, over_actions)
+    speaking = at[seen.one]
     text = ""
     if len(speaking):
-        first = int(np.argmax(told.one))
+        first = int(np.argmax(seen.one))
         text = (
             f"at step {evidence.number[speaking[0]]:,} the target held {written(column[first, 0])}, the "
             f"largest value of any state for action {evidence.action[speaking[0]]}; the largest of the next "
             f"state is {written(best[first, 0])}; so at all {len(speaking):,} steps that tell the two apart"
         )
     return Proof(
-        Fault.WRONG_AXIS,
+        CodeFault.WRONG_AXIS,
         evidence.number[speaking],
-        int(told.other.sum()),
+        int(seen.other.sum()),
         text,
         f"take the maximum over the actions of the next state, {names.best()}: {names.target()}",
-        neither=int(told.neither.sum()),
+        neither=int(seen.neither.sum()),
     )

@@ -9,7 +9,7 @@ import numpy as np
 from rl_tui.lab.detective.evidence import NO_ACTION, Evidence
 from rl_tui.lab.detective.faults.proof import CodePlace, Proof, some_of
 from rl_tui.lab.detective.source.code_names import CodeNames
-from rl_tui.lab.detective.verdict import Fault
+from rl_tui.lab.detective.verdict import CodeFault
 from rl_tui.worlds.mdp.space import IntArray
 
 _ONE_CELL: Final = 0.95
@@ -71,7 +71,7 @@ def _proof(evidence: Evidence, at: IntArray, wrong: IntArray, place: str, names:
     is_next = place == "(s′, a)"
     cell = names.cell()
     return Proof(
-        Fault.UPDATES_AFTER_MOVING if is_next else Fault.WRONG_CELL,
+        CodeFault.UPDATES_AFTER_MOVING if is_next else CodeFault.WRONG_CELL,
         evidence.number[speaking],
         int((differ & (moved == own)).sum()),
         text,
@@ -98,7 +98,7 @@ def proof_of_sharing(evidence: Evidence, shared_at: int | None, names: CodeNames
     first = int(np.argmax(alike))
     one, other = (int(changes.cell[order][place]) // actions for place in (first, first + 1))
     return Proof(
-        Fault.SHARED_TABLE,
+        CodeFault.SHARED_TABLE,
         steps,
         0,
         f"rows of the table are one and the same: at step {step[first]:,} the rows of states {one} "

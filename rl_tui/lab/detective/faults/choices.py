@@ -14,7 +14,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.detective.evidence import Evidence
 from rl_tui.lab.detective.faults.proof import CodePlace, Proof
 from rl_tui.lab.detective.source.code_names import CodeNames
-from rl_tui.lab.detective.verdict import Fault
+from rl_tui.lab.detective.verdict import CodeFault
 from rl_tui.lab.programs.program_log import ProgramLog
 from rl_tui.lab.programs.program_world import world_of_program
 
@@ -71,7 +71,7 @@ def _risk(evidence: Evidence, favourite: int, episodes: int, names: CodeNames) -
     )
     if not others:
         return Proof(
-            Fault.NEVER_EXPLORES,
+            CodeFault.NEVER_EXPLORES,
             evidence.number[chosen],
             0,
             f"all {len(chosen):,} actions were action {favourite}: {without}",
@@ -80,7 +80,7 @@ def _risk(evidence: Evidence, favourite: int, episodes: int, names: CodeNames) -
             CodePlace.CHOICE,
         )
     return Proof(
-        Fault.FIRST_OF_TIES,
+        CodeFault.FIRST_OF_TIES,
         evidence.number[chosen],
         others,
         f"{len(chosen):,} of {len(evidence):,} choices between equal values were action "

@@ -12,7 +12,7 @@ import numpy as np
 from rl_tui.lab.detective.faults.predictions import Predictions
 from rl_tui.lab.detective.faults.proof import Proof, some_of, written
 from rl_tui.lab.detective.source.code_names import CodeNames
-from rl_tui.lab.detective.verdict import Fault, Place
+from rl_tui.lab.detective.verdict import CodeFault, MovedCell
 from rl_tui.worlds.mdp.space import FloatArray
 
 _NEAR: Final = 1e-6
@@ -35,16 +35,16 @@ def proof_of_gamma_twice(
     values, own = predictions.values(readings.at), reward[readings.at]
     twice = predictions.after(readings, own, values)
     once = predictions.after(readings, own, values / numbers[name])
-    told = predictions.told_apart(readings, twice, once)
+    seen = predictions.witnesses(readings, twice, once)
     root = written(numbers[name])
     return Proof(
-        Fault.GAMMA_TWICE,
-        evidence.number[readings.at[told.one]],
-        int(told.other.sum()),
+        CodeFault.GAMMA_TWICE,
+        evidence.number[readings.at[seen.one]],
+        int(seen.other.sum()),
         f"the table moves with γ {written(gamma)}; your `{name}` is {root}, and {root}² = {written(gamma)}",
         f"discount once: {names.target()}",
         certainty="declared",
-        neither=int(told.neither.sum()),
+        neither=int(seen.neither.sum()),
     )
 
 
@@ -66,7 +66,7 @@ def proof_of_step_size(predictions: Predictions, reward: FloatArray, names: Code
     alpha = update.alpha
     if not predictions.is_known or update.alpha_schedule != "constant" or alpha is None:
         return None
-    if 0.0 < alpha <= 1.0 + _NEAR or update.place is Place.ONE_LATE or update.reward == "own":
+    if 0.0 < alpha <= 1.0 + _NEAR or update.place is MovedCell.ONE_LATE or update.reward == "own":
         return None
     evidence = predictions.evidence
     changed = evidence.changes_of == 1
@@ -76,17 +76,17 @@ def proof_of_step_size(predictions: Predictions, reward: FloatArray, names: Code
     moved = predictions.after(readings, own, values)
     nearest = 1.0 if alpha > 1.0 else 0.0
     allowed = readings.before[:, None] + nearest / alpha * (moved - readings.before[:, None])
-    told = predictions.told_apart(readings, moved, allowed)
+    seen = predictions.witnesses(readings, moved, allowed)
     return Proof(
-        Fault.STEP_SIZE_OUT_OF_RANGE,
-        evidence.number[readings.at[told.one]],
-        int(told.other.sum()),
-        f"{names.alpha} is {written(alpha)} at all {int(told.one.sum()):,} steps that tell it"
+        CodeFault.STEP_SIZE_OUT_OF_RANGE,
+        evidence.number[readings.at[seen.one]],
+        int(seen.other.sum()),
+        f"{names.alpha} is {written(alpha)} at all {int(seen.one.sum()):,} steps that tell it"
         + (
             ": the estimate goes beyond its target"
             if alpha > 1.0
             else ": the estimate goes away from its target"
         ),
         f"take 0 < {names.alpha} ≤ 1: {names.cell()} += {names.alpha} * (target - {names.cell()})",
-        neither=int(told.neither.sum()),
+        neither=int(seen.neither.sum()),
     )

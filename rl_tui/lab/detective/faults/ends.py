@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -9,11 +10,13 @@ import numpy as np
 from rl_tui.lab.detective.faults.predictions import Predictions, Readings
 from rl_tui.lab.detective.faults.proof import CodePlace, Proof, some_of, written
 from rl_tui.lab.detective.source.code_names import CodeNames
-from rl_tui.lab.detective.verdict import Fault, Place, Target
+from rl_tui.lab.detective.verdict import CodeFault, MovedCell, UpdateTarget
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
 _LEAST_DISCOUNT: Final = 1e-3
 """A smaller one may be nothing but rounding."""
+_EITHER_END: Final = "done"
+"""What a flag is called that is true at a truncation too, where that is what it is found to do."""
 
 
 class _Ends(NamedTuple):
@@ -35,13 +38,13 @@ def proofs_at_ends(
     be others: an own one may leave an estimate where it is.
     """
     update = predictions.update
-    if not predictions.is_known or update.reward == "own" or update.place is Place.ONE_LATE:
+    if not predictions.is_known or update.reward == "own" or update.place is MovedCell.ONE_LATE:
         return ()
     evidence = predictions.evidence
-    ended = evidence.terminated & predictions.is_learning
-    cut_off = evidence.truncated & ~evidence.terminated & predictions.is_learning
+    ended = evidence.terminated & evidence.learns
+    cut_off = evidence.truncated & ~evidence.terminated & evidence.learns
     proofs = [] if may_be_own else [_lost_at_end(predictions, ended, reward, names)]
-    if update.target is not Target.NOTHING and (update.gamma or 0.0) >= _LEAST_DISCOUNT:
+    if update.target is not UpdateTarget.NOTHING and (update.gamma or 0.0) >= _LEAST_DISCOUNT:
         proofs.append(_bootstraps(predictions, ended, reward, names))
         if not done_is_either:
             proofs.append(_left_out(predictions, cut_off, reward, names))
@@ -61,34 +64,36 @@ def _ends(predictions: Predictions, which: BoolArray, reward: FloatArray) -> _En
 
 def _bootstraps(predictions: Predictions, ended: BoolArray, reward: FloatArray, names: CodeNames) -> Proof:
     ends = _ends(predictions, ended, reward)
-    told = predictions.told_apart(ends.readings, ends.with_next, ends.without)
+    seen = predictions.witnesses(ends.readings, ends.with_next, ends.without)
     return Proof(
-        Fault.BOOTSTRAPS_AFTER_END,
-        predictions.evidence.number[ends.readings.at[told.one]],
-        int(told.other.sum()),
+        CodeFault.BOOTSTRAPS_AFTER_END,
+        predictions.evidence.number[ends.readings.at[seen.one]],
+        int(seen.other.sum()),
         _seen(
-            predictions, ends, told.one, "the episode was over, yet the target held the next state's value:"
+            predictions, ends, seen.one, "the episode was over, yet the target held the next state's value:"
         ),
         f"after a terminal state there is nothing more to come: {names.target()}",
-        neither=int(told.neither.sum()),
+        neither=int(seen.neither.sum()),
     )
 
 
 def _left_out(predictions: Predictions, cut_off: BoolArray, reward: FloatArray, names: CodeNames) -> Proof:
     ends = _ends(predictions, cut_off, reward)
-    told = predictions.told_apart(ends.readings, ends.without, ends.with_next)
+    if names.terminated == _EITHER_END:
+        names = replace(names, terminated="terminated")
+    seen = predictions.witnesses(ends.readings, ends.without, ends.with_next)
     return Proof(
-        Fault.NO_BOOTSTRAP_AFTER_TRUNCATION,
-        predictions.evidence.number[ends.readings.at[told.one]],
-        int(told.other.sum()),
+        CodeFault.NO_BOOTSTRAP_AFTER_TRUNCATION,
+        predictions.evidence.number[ends.readings.at[seen.one]],
+        int(seen.other.sum()),
         _seen(
             predictions,
             ends,
-            told.one,
+            seen.one,
             "the time limit cut the episode off, and the next state's value was left out:",
         ),
         f"cut off is not ended; ask for {names.terminated} alone: {names.target()}",
-        neither=int(told.neither.sum()),
+        neither=int(seen.neither.sum()),
     )
 
 
@@ -97,24 +102,24 @@ def _lost_at_end(predictions: Predictions, ended: BoolArray, reward: FloatArray,
     ends = _ends(predictions, ended & _follows_a_change(predictions), reward)
     readings = ends.readings
     expected = np.concatenate((ends.with_next, ends.without), axis=1)
-    told = predictions.told_apart(readings, readings.before[:, None], expected)
-    steps = predictions.evidence.number[readings.at[told.one]]
+    seen = predictions.witnesses(readings, readings.before[:, None], expected)
+    steps = predictions.evidence.number[readings.at[seen.one]]
     text = ""
     if len(steps):
-        first = int(np.argmax(told.one))
+        first = int(np.argmax(seen.one))
         text = (
             f"{len(steps):,} last steps of episodes left the table as it was, and none changed it; at step "
             f"{steps[0]:,} the reward {written(reward[readings.at[first]])} should have moved "
             f"{written(readings.before[first])} to {written(ends.without[first, 0])}"
         )
     return Proof(
-        Fault.LOSES_UPDATE,
+        CodeFault.LOSES_UPDATE,
         steps,
-        int(told.other.sum()),
+        int(seen.other.sum()),
         text,
         f"update also after the last step of an episode, before the loop is left: {names.target()}",
         CodePlace.CALL,
-        neither=int(told.neither.sum()),
+        neither=int(seen.neither.sum()),
     )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from rl_tui.lab.detective.evidence import Evidence
 from rl_tui.lab.detective.faults.proof import FEWEST_STEPS, CodePlace, Proof, some_of, written
 from rl_tui.lab.detective.source.code_names import CodeNames
-from rl_tui.lab.detective.verdict import Fault
+from rl_tui.lab.detective.verdict import CodeFault
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
 _MOST: Final = 2_000
@@ -40,7 +40,7 @@ def proof_of_rounding(
         return None
     at, text = cut
     return Proof(
-        Fault.ROUNDING_TABLE,
+        CodeFault.ROUNDING_TABLE,
         evidence.number[at],
         0,
         f"the table holds {dtype}: {text}; so at {len(at):,} steps",
@@ -101,7 +101,7 @@ def proof_of_no_update(evidence: Evidence, names: CodeNames, *, writes: bool, is
         return None
     first = at[0]
     return Proof(
-        Fault.LOSES_UPDATE,
+        CodeFault.LOSES_UPDATE,
         evidence.number[at],
         0,
         f"{len(at):,} steps brought a reward, the first at step {evidence.number[first]:,} "

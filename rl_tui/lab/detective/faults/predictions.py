@@ -10,7 +10,7 @@ import numpy as np
 
 from rl_tui.lab.detective.evidence import NO_ACTION, Evidence
 from rl_tui.lab.detective.faults.proof import some_of
-from rl_tui.lab.detective.verdict import Place, Rule, Target, UpdateFound
+from rl_tui.lab.detective.verdict import MovedCell, Rule, UpdateFound, UpdateTarget
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 _PRECISION: Final = {"float32": 3e-6, "float16": 4e-3}
@@ -36,7 +36,7 @@ class Readings(NamedTuple):
     after: FloatArray
 
 
-class Told(NamedTuple):
+class Witnesses(NamedTuple):
     """Of n steps that tell two hypotheses apart: which speak for the one, which for the other; [n] each."""
 
     one: BoolArray
@@ -63,23 +63,16 @@ class Predictions:
     def moved_cell(self) -> IntArray:
         """The cell that each step moves, [N]."""
         evidence = self.evidence
-        if self.update.place is Place.MOVED:
+        if self.update.place is MovedCell.MOVED:
             return evidence.next_state * evidence.actions + evidence.action
         return evidence.cell
 
     @cached_property
     def is_plain(self) -> BoolArray:
-        """Whether a step moved its own cell alone, or nothing, [N]."""
-        plain: BoolArray = (self.evidence.changes_of == 0) | (self.evidence.only_change[0] == self.moved_cell)
-        return plain
-
-    @cached_property
-    def is_learning(self) -> BoolArray:
-        """Whether anything changed in the episode of each step, [N]: not so where a policy is only tried."""
+        """Whether a step moved its own cell alone, or nothing, [N], before any number runs away."""
         evidence = self.evidence
-        episode = evidence.episode - evidence.episode.min(initial=0)
-        learning: BoolArray = (np.bincount(episode, evidence.changes_of > 0) > 0)[episode]
-        return learning
+        own: BoolArray = (evidence.changes_of == 0) | (evidence.only_change[0] == self.moved_cell)
+        return own & (evidence.number < evidence.runs_away_at)
 
     @cached_property
     def alpha(self) -> FloatArray:
@@ -87,7 +80,7 @@ class Predictions:
         if self.update.alpha is not None:
             return np.full(len(self.evidence), self.update.alpha)
         if self.update.alpha_schedule == "1/N":
-            return 1.0 / _visits(np.where(self.is_learning, self.moved_cell, -1))
+            return self._alpha_by_visits()
         if self.update.alpha_schedule == "by-episode":
             return self._alpha_by_episode()
         return np.full(len(self.evidence), np.nan)
@@ -106,28 +99,28 @@ class Predictions:
             at, before, np.where(evidence.changes_of[at] > 0, evidence.only_change[2][at], before)
         )
 
-    def values(self, at: IntArray, target: Target | None = None) -> FloatArray:
+    def values(self, at: IntArray, target: UpdateTarget | None = None) -> FloatArray:
         """Return what each step may have taken for the value of its next state, [n, K].
 
         There is more than one where the program chose an action that it never took.
         """
         evidence, update = self.evidence, self.update
         target = target or update.target
-        if target is Target.NOTHING:
+        if target is UpdateTarget.NOTHING:
             return np.zeros((len(at), 1))
-        if target is Target.COLUMN:
+        if target is UpdateTarget.COLUMN:
             return self._column_values(at)
-        source = evidence.state if target is Target.OWN_STATE else evidence.next_state
+        source = evidence.state if target is UpdateTarget.OWN_STATE else evidence.next_state
         rows = evidence.rows(source[at], at)
-        if target is Target.NEXT_ACTION:
+        if target is UpdateTarget.NEXT_ACTION:
             return _of_next_action(rows, evidence.next_action[at])
-        if target is Target.SAME_ACTION:
+        if target is UpdateTarget.SAME_ACTION:
             same: FloatArray = np.take_along_axis(rows, evidence.action[at][:, None], 1)
             return same
         best: FloatArray = rows.max(1)
-        if target is Target.INDEX:
+        if target is UpdateTarget.INDEX:
             best = rows.argmax(1).astype(np.float64)
-        if target is Target.EXPECTED:
+        if target is UpdateTarget.EXPECTED:
             epsilon = np.nan if update.epsilon is None else update.epsilon  # of each episode another one
             best = (1.0 - epsilon) * best + epsilon * rows.mean(1)
         column: FloatArray = best[:, None]
@@ -140,7 +133,7 @@ class Predictions:
         predicted: FloatArray = before + alpha * (reward[:, None] + discounted - before)
         return predicted
 
-    def told_apart(self, readings: Readings, one: FloatArray, other: FloatArray) -> Told:
+    def witnesses(self, readings: Readings, one: FloatArray, other: FloatArray) -> Witnesses:
         """Return which steps came out as ``one`` [n, K] predicts and which as ``other`` [n, L] does.
 
         Only steps are counted on which any of the one differs clearly from any of the other.
@@ -155,7 +148,7 @@ class Predictions:
         fits_one = (np.abs(one - after) <= near[:, None]).any(1)
         fits_other = (np.abs(other - after) <= near[:, None]).any(1)
         moved = readings.before != readings.after
-        return Told(clear & fits_one, clear & fits_other, clear & moved & ~fits_one & ~fits_other)
+        return Witnesses(clear & fits_one, clear & fits_other, clear & moved & ~fits_one & ~fits_other)
 
     def _column_values(self, at: IntArray) -> FloatArray:
         """Return the largest value of any state for the action taken, [n, 1]; NaN where it costs too much."""
@@ -169,38 +162,54 @@ class Predictions:
         values[:read, 0] = evidence.history.before(cells, steps).max(1, initial=-np.inf)
         return values
 
+    def _alpha_by_visits(self) -> FloatArray:
+        """Return 1/N, where N may begin with more than 1; NaN if most steps are not so."""
+        at, solved = self._solved_alpha()
+        for visits in self.evidence.visits:
+            more = np.rint(1.0 / solved - visits[at])
+            usual = float(np.median(more)) if len(more) else 0.0
+            if len(more) and np.mean(more == usual) > 1.0 - _EXCEPTIONS:
+                size: FloatArray = 1.0 / np.maximum(visits + usual, 1.0)
+                return size
+        return np.full(len(self.evidence), np.nan)
+
     def _alpha_by_episode(self) -> FloatArray:
         """Return the median step size that the steps of an episode solve to, for each step."""
         evidence = self.evidence
-        alpha = np.full(len(evidence), np.nan)
-        inner = ~(evidence.terminated | evidence.truncated) & (evidence.changes_of == 1)
-        readings = self.readings(_thinned(np.flatnonzero(inner)))
-        values = self.values(readings.at)[:, 0]
-        error = evidence.reward[readings.at] + self.gamma * values - readings.before
-        with np.errstate(divide="ignore", invalid="ignore"):
-            solved = (readings.after - readings.before) / error
-        known = np.isfinite(solved)
-        episode, solved = evidence.episode[readings.at][known], solved[known]
+        at, solved = self._solved_alpha()
         if not len(solved):
-            return alpha
+            return np.full(len(evidence), np.nan)
+        episode = evidence.episode[at]
         order = np.lexsort((solved, episode))
         names, first, count = np.unique(episode[order], return_index=True, return_counts=True)
         middle = solved[order][first + (count - 1) // 2]
         place = np.minimum(np.searchsorted(names, evidence.episode), len(names) - 1)
         return np.where(names[place] == evidence.episode, middle[place], np.nan)
 
+    def _solved_alpha(self) -> tuple[IntArray, FloatArray]:
+        """Return steps that are no last ones, and the step size that each solves to."""
+        evidence = self.evidence
+        inner = ~(evidence.terminated | evidence.truncated) & (evidence.changes_of == 1)
+        readings = self.readings(_thinned(np.flatnonzero(inner)))
+        values = self.values(readings.at)[:, 0]
+        error = evidence.reward[readings.at] + self.gamma * values - readings.before
+        with np.errstate(divide="ignore", invalid="ignore"):
+            solved = (readings.after - readings.before) / error
+        known = np.isfinite(solved) & (solved != 0.0)
+        return readings.at[known], solved[known]
+
 
 def by_the_environment(evidence: Evidence, update: UpdateFound, dtype: str) -> Predictions:
     """Return the predictions with the environment's reward, if an own one is needed at last steps at most."""
     predictions = Predictions(evidence, update, dtype)
-    if update.reward != "own" or update.place is Place.ONE_LATE:
+    if update.reward != "own" or update.place is MovedCell.ONE_LATE:
         return predictions
     plainer = Predictions(evidence, replace(update, reward="environment"), dtype)
     inner = ~(evidence.terminated | evidence.truncated) & (evidence.changes_of == 1)
     readings = plainer.readings(some_of(np.flatnonzero(inner), _FEW))
     expected = plainer.after(readings, evidence.reward[readings.at], plainer.values(readings.at))
-    told = plainer.told_apart(readings, expected, readings.before[:, None])
-    explained, others = int(told.one.sum()), int(told.neither.sum())
+    seen = plainer.witnesses(readings, expected, readings.before[:, None])
+    explained, others = int(seen.one.sum()), int(seen.neither.sum())
     return plainer if explained >= _FEWEST and others <= _EXCEPTIONS * explained else predictions
 
 
@@ -213,15 +222,3 @@ def _of_next_action(rows: FloatArray, action: IntArray) -> FloatArray:
     """Return the values of ``action`` [n]; of a step without a next one all of its row, [n, A]."""
     taken = np.take_along_axis(rows, np.maximum(action, 0)[:, None], 1)
     return np.where((action == NO_ACTION)[:, None], rows, taken)
-
-
-def _visits(cell: IntArray) -> FloatArray:
-    """Return how often each ``cell`` [N] was moved up to and with that step; NaN where it is −1."""
-    order = np.argsort(cell, kind="stable")
-    ordered = cell[order]
-    begins = np.flatnonzero(np.concatenate(([True], ordered[1:] != ordered[:-1])))
-    run = np.repeat(begins, np.diff(np.append(begins, len(cell))))
-    count = np.empty(len(cell))
-    count[order] = np.arange(len(cell)) - run + 1.0
-    count[cell < 0] = np.nan
-    return count

@@ -8,7 +8,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from rl_tui.lab.detective.verdict import RISKS, Fault
+from rl_tui.lab.detective.verdict import RISKS, CodeFault
 from rl_tui.worlds.mdp.space import IntArray
 
 FEWEST_STEPS: Final = 3
@@ -39,7 +39,7 @@ class Proof:
     something else happened.
     """
 
-    fault: Fault
+    fault: CodeFault
     steps: IntArray
     against: int
     text: str

@@ -9,7 +9,7 @@ import numpy as np
 from rl_tui.lab.detective.faults.predictions import Predictions
 from rl_tui.lab.detective.faults.proof import Proof, some_of, written
 from rl_tui.lab.detective.source.code_names import CodeNames
-from rl_tui.lab.detective.verdict import Fault, Place
+from rl_tui.lab.detective.verdict import CodeFault, MovedCell
 from rl_tui.worlds.mdp.space import FloatArray
 
 _MOST: Final = 20_000
@@ -28,7 +28,7 @@ def reward_used(predictions: Predictions, names: CodeNames) -> RewardUsed:
     evidence = predictions.evidence
     if not predictions.is_known or predictions.update.reward == "own":
         return RewardUsed(evidence.reward, None)
-    if predictions.update.place is Place.ONE_LATE:
+    if predictions.update.place is MovedCell.ONE_LATE:
         return RewardUsed(evidence.reward, None)
     within = np.where(evidence.episode_step == 0, 0.0, evidence.reward_before)
     for before in (evidence.reward_before, within):
@@ -40,7 +40,7 @@ def reward_used(predictions: Predictions, names: CodeNames) -> RewardUsed:
 
 def _proof(predictions: Predictions, before: FloatArray, names: CodeNames) -> Proof:
     evidence = predictions.evidence
-    differs = (evidence.reward != before) & predictions.is_learning & predictions.is_plain
+    differs = (evidence.reward != before) & evidence.learns & predictions.is_plain
     readings = predictions.readings(some_of(np.flatnonzero(differs), _MOST))
     at = readings.at
     values = predictions.values(at)
@@ -49,8 +49,8 @@ def _proof(predictions: Predictions, before: FloatArray, names: CodeNames) -> Pr
     values = np.concatenate((values, without), axis=1)
     late = predictions.after(readings, before[at], values)
     now = predictions.after(readings, evidence.reward[at], values)
-    told = predictions.told_apart(readings, late, now)
-    speaking = at[told.one]
+    seen = predictions.witnesses(readings, late, now)
+    speaking = at[seen.one]
     text = ""
     if len(speaking):
         first = speaking[0]
@@ -60,11 +60,11 @@ def _proof(predictions: Predictions, before: FloatArray, names: CodeNames) -> Pr
             f"steps that tell the two apart"
         )
     return Proof(
-        Fault.SHIFTED_REWARD,
+        CodeFault.SHIFTED_REWARD,
         evidence.number[speaking],
-        int(told.other.sum()),
+        int(seen.other.sum()),
         text,
         f"take the {names.reward} that {names.environment}.step({names.action}) returned for this "
         f"{names.state} and {names.action}: {names.target()}",
-        neither=int(told.neither.sum()),
+        neither=int(seen.neither.sum()),
     )

@@ -10,7 +10,7 @@ from typing import Final
 
 from rl_tui.common.findings import one_line
 from rl_tui.lab.detective.source.code_places import CodeLine, ProgramCode
-from rl_tui.lab.detective.verdict import Target, UpdateFound
+from rl_tui.lab.detective.verdict import UpdateFound, UpdateTarget
 from rl_tui.lab.programs.program_log import FoundTable
 
 _USUAL: Final = {
@@ -54,7 +54,7 @@ class CodeNames:
     environment: str = "env"
     form: str = "array"
     """That of the table, as :class:`FoundTable` has it."""
-    value: Target = Target.BEST
+    value: UpdateTarget = UpdateTarget.BEST
     """What the update takes for the value of the next state, or should."""
 
     def cell(self) -> str:
@@ -79,10 +79,10 @@ class CodeNames:
     def target(self) -> str:
         """Return the target as it should stand there."""
         value = self.best()
-        if self.value is Target.NEXT_ACTION:
+        if self.value is UpdateTarget.NEXT_ACTION:
             between = "][" if self.form in ("lists", "dict-of-arrays") else ", "
             value = f"{self.table}[{self.next_state}{between}next_action]"
-        elif self.value is Target.EXPECTED:
+        elif self.value is UpdateTarget.EXPECTED:
             value = f"((1 - epsilon) * {value} + epsilon * mean({self.table}[{self.next_state}]))"
         reward = self.reward
         return f"target = {reward} if {self.terminated} else {reward} + {self.gamma} * {value}"
@@ -92,7 +92,11 @@ def names_of(
     code: ProgramCode, table: FoundTable, update: UpdateFound, numbers: Mapping[str, float]
 ) -> CodeNames:
     """Return the names used where the table is updated; the book's for those that are not known."""
-    value = update.target if update.target in (Target.NEXT_ACTION, Target.EXPECTED) else Target.BEST
+    value = (
+        update.target
+        if update.target in (UpdateTarget.NEXT_ACTION, UpdateTarget.EXPECTED)
+        else UpdateTarget.BEST
+    )
     found: dict[str, str] = {}
     line = code.update_line()
     used = _used_at(code, line)

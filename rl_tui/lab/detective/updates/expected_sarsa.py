@@ -11,7 +11,7 @@ import numpy as np
 from rl_tui.lab.detective.updates.pair_solving import drawn, most_frequent, plainest
 from rl_tui.lab.detective.updates.sample import EXACT, Sample
 from rl_tui.lab.detective.updates.trial import FEWEST, Trial
-from rl_tui.lab.detective.verdict import Target
+from rl_tui.lab.detective.verdict import UpdateTarget
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 _SINGULAR: Final = 1e-5
@@ -20,7 +20,7 @@ _SINGULAR: Final = 1e-5
 def expected_trial(sample: Sample, numbers: Mapping[str, float]) -> Trial | None:
     """Return Expected SARSA with the α, γ and ε that explain most steps, or None where nothing tells them."""
     inner = np.flatnonzero((sample.change != 0.0) & ~sample.ended)
-    mean = sample.value(Target.EXPECTED)
+    mean = sample.value(UpdateTarget.EXPECTED)
     telling = inner[np.abs(sample.best - mean)[inner] > 100 * sample.slack[inner]]
     if len(telling) < FEWEST:
         return None
@@ -59,7 +59,7 @@ def _with(
 
     def trial(alpha: float, gamma: float, epsilon: float) -> Trial:
         value = np.where(sample.ended, 0.0, sample.best + epsilon * (mean - sample.best))
-        return Trial(sample, Target.EXPECTED, sample.reward, value, alpha, gamma, epsilon=epsilon)
+        return Trial(sample, UpdateTarget.EXPECTED, sample.reward, value, alpha, gamma, epsilon=epsilon)
 
     precision = sample.evidence.precision
     as_found = trial(*found)
@@ -84,6 +84,6 @@ def _with_own_epsilons(
     own = np.empty(len(sample))
     own[order] = of_episode
     value = np.where(sample.ended, 0.0, sample.best + own * (mean - sample.best))
-    trial = Trial(sample, Target.EXPECTED, sample.reward, value, alpha, gamma)
+    trial = Trial(sample, UpdateTarget.EXPECTED, sample.reward, value, alpha, gamma)
     varied = len(np.unique(np.round(own[np.isfinite(own)], 6))) > 1
     return trial if varied else replace(trial, epsilon=float(own[0]))

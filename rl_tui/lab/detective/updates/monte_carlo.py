@@ -18,6 +18,8 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 _MOST_STEPS: Final = 40_000
 _LONGEST: Final = 400
 """Longer episodes are left out."""
+AT_ENDS: Final = 0.9
+"""The share of changes that come at ends of episodes, of cells taken in them; others were seen late."""
 _USUAL: Final = (1.0, 0.9, 0.95, 0.98, 0.99, 0.999)
 
 
@@ -25,11 +27,11 @@ def monte_carlo_update(evidence: Evidence, numbers: Mapping[str, float]) -> Upda
     """Return Monte Carlo's update if the returns of the episodes prove it, else None."""
     moved = evidence.changes_of > 0
     ends = evidence.terminated | evidence.truncated
-    if not np.any(moved) or np.mean(ends[moved]) <= SHARE:
+    if not np.any(moved) or np.mean(ends[moved]) < AT_ENDS:
         return None
     used = evidence.learns & (np.arange(len(evidence)) < _MOST_STEPS)
     visits = _Visits(evidence, np.flatnonzero(used))
-    if len(visits.old) < FEWEST or visits.inside <= SHARE:
+    if len(visits.old) < FEWEST or visits.inside < AT_ENDS:
         return None
     named = [each for each in numbers.values() if 0.0 < each <= 1.0]
     found = [(gamma, visits.step_size(gamma)) for gamma in dict.fromkeys((*named, *_USUAL))]

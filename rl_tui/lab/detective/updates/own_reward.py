@@ -10,11 +10,11 @@ import numpy as np
 from rl_tui.lab.detective.updates.pair_solving import plainest, solved_pairs
 from rl_tui.lab.detective.updates.sample import EXACT, Sample
 from rl_tui.lab.detective.updates.trial import FEWEST_INFORMATIVE, Trial
-from rl_tui.lab.detective.verdict import Target
+from rl_tui.lab.detective.verdict import UpdateTarget
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 
-def own_reward_trial(sample: Sample, target: Target, numbers: Mapping[str, float]) -> Trial | None:
+def own_reward_trial(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float]) -> Trial | None:
     """Return the trial whose reward is a function of (s, a, s′, r), not r itself; None if there is none."""
     value = np.where(sample.ended, 0.0, sample.value(target))
     group = _transitions(sample)

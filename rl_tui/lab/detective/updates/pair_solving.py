@@ -10,6 +10,7 @@ import numpy as np
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 _PAIRS: Final = 3_000
+_VOTES: Final = 4_000
 _SINGULAR: Final = 1e-6
 _NOTHING: Final = 1e-9
 _SEED: Final = 17
@@ -25,11 +26,13 @@ def rounded(numbers: FloatArray, digits: int) -> FloatArray:
 def most_frequent(rows: FloatArray, digits: int, most: int) -> list[tuple[float, ...]]:
     """Return the rows of ``rows`` [n, k] that come most often, ``most`` of them at most, the first first.
 
-    Equal are those with the same ``digits`` significant digits; what is returned is their median.
+    Equal are those with the same ``digits`` significant digits; what is returned is their median. Of very
+    many rows some are looked at, evenly spread.
     """
     rows = rows[np.isfinite(rows).all(1)]
     if not len(rows):
         return []
+    rows = rows[:: -(-len(rows) // _VOTES)]
     _, group, counts = np.unique(rounded(rows, digits), axis=0, return_inverse=True, return_counts=True)
     group = group.ravel()
     first = np.argsort(-counts, kind="stable")[:most]

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from rl_tui.lab.detective.evidence import NO_ACTION, Evidence
-from rl_tui.lab.detective.verdict import Place, Target
+from rl_tui.lab.detective.verdict import MovedCell, UpdateTarget
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 EXACT: Final = 1e-8
@@ -35,7 +35,7 @@ class Sample:
     """
 
     evidence: Evidence
-    place: Place
+    place: MovedCell
     at: IntArray
     cell: IntArray
     old: FloatArray
@@ -71,24 +71,24 @@ class Sample:
         result: FloatArray = self.rows.max(1)
         return result
 
-    def value(self, target: Target) -> FloatArray:
+    def value(self, target: UpdateTarget) -> FloatArray:
         """Return the value of the next state that ``target`` reads, [n]; NaN where it was not looked up."""
-        if target is Target.BEST:
+        if target is UpdateTarget.BEST:
             return self.best
-        if target is Target.NEXT_ACTION:
+        if target is UpdateTarget.NEXT_ACTION:
             return self._of_actions(np.maximum(self.next_action, 0))
-        if target is Target.EXPECTED:
+        if target is UpdateTarget.EXPECTED:
             mean: FloatArray = self.rows.mean(1)
             return mean
-        if target is Target.SAME_ACTION:
+        if target is UpdateTarget.SAME_ACTION:
             return self._of_actions(self.cell % self.evidence.actions)
-        if target is Target.OWN_STATE:
+        if target is UpdateTarget.OWN_STATE:
             own: FloatArray = self.evidence.rows(self.cell // self.evidence.actions, self.at).max(1)
             return own
-        if target is Target.INDEX:
+        if target is UpdateTarget.INDEX:
             index: FloatArray = self.rows.argmax(1).astype(np.float64)
             return index
-        if target is Target.COLUMN:
+        if target is UpdateTarget.COLUMN:
             return self._column_maxima()
         return np.zeros(len(self))
 
@@ -108,7 +108,7 @@ class Sample:
         return result
 
 
-def sample_of(evidence: Evidence, place: Place) -> Sample:
+def sample_of(evidence: Evidence, place: MovedCell) -> Sample:
     """Return the steps of ``evidence`` on which an update of the cell at ``place`` is tried.
 
     Left out are steps of episodes in which nothing moved (an evaluation, or nothing to learn from yet), those
@@ -117,10 +117,11 @@ def sample_of(evidence: Evidence, place: Place) -> Sample:
     """
     moved, before, after = evidence.only_change
     cell = place_of(evidence, place)
-    late = place is Place.ONE_LATE
+    late = place is MovedCell.ONE_LATE
     fit = evidence.learns & (evidence.changes_of <= 1) & ((moved == cell) | (moved < 0)) & (cell >= 0)
     fit &= evidence.next_state * evidence.actions < len(evidence.initial)
     fit &= (evidence.terminated | (evidence.next_action != NO_ACTION)) & ~evidence.truncated
+    fit &= evidence.number < evidence.runs_away_at
     fit[-1:] = False  # what it moved may still be on its way
     at = _chosen(evidence, np.flatnonzero(fit), moved >= 0)
     still = moved[at] < 0
@@ -142,11 +143,11 @@ def sample_of(evidence: Evidence, place: Place) -> Sample:
     )
 
 
-def place_of(evidence: Evidence, place: Place) -> IntArray:
+def place_of(evidence: Evidence, place: MovedCell) -> IntArray:
     """Return the cell that is at ``place`` of each step, [N]; −1 where there is none."""
-    if place is Place.TAKEN:
+    if place is MovedCell.TAKEN:
         return evidence.cell
-    if place is Place.MOVED:
+    if place is MovedCell.MOVED:
         return evidence.next_state * evidence.actions + evidence.action
     return evidence.previous_cell
 

@@ -11,13 +11,13 @@ from rl_tui.lab.detective.evidence import order_by
 from rl_tui.lab.detective.updates.pair_solving import most_frequent, plainest
 from rl_tui.lab.detective.updates.sample import EXACT, Sample
 from rl_tui.lab.detective.updates.trial import FEWEST, FEWEST_INFORMATIVE, SHARE, Trial
-from rl_tui.lab.detective.verdict import Target
+from rl_tui.lab.detective.verdict import UpdateTarget
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 _FEWEST_PAIRS: Final = 20
 
 
-def by_episode(sample: Sample, target: Target, numbers: Mapping[str, float]) -> Trial | None:
+def by_episode(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float]) -> Trial | None:
     """Return the trial whose step size is constant within an episode, or None where it is not so.
 
     γ comes from neighbours in an episode, which share their step size.
@@ -48,7 +48,7 @@ def by_episode(sample: Sample, target: Target, numbers: Mapping[str, float]) -> 
     return None
 
 
-def by_visits(sample: Sample, target: Target, numbers: Mapping[str, float]) -> Trial | None:
+def by_visits(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float]) -> Trial | None:
     """Return the trial whose step size is 1/N of the visits of the cell, or None where it is not so.
 
     From one visit to the next 1/α grows by 1: so it does not matter how many visits came before the table was

@@ -11,7 +11,7 @@ import numpy as np
 
 from rl_tui.lab.detective.updates.pair_solving import plainest, refined, solved_pairs
 from rl_tui.lab.detective.updates.sample import EXACT, Sample
-from rl_tui.lab.detective.verdict import AlphaSchedule, Target
+from rl_tui.lab.detective.verdict import AlphaSchedule, UpdateTarget
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
 FEWEST: Final = 10
@@ -33,7 +33,7 @@ class Trial:
     """
 
     sample: Sample
-    target: Target
+    target: UpdateTarget
     reward: FloatArray
     value: FloatArray
     alpha: float | FloatArray
@@ -106,7 +106,7 @@ class Trial:
 
 def constant_trial(
     sample: Sample,
-    target: Target,
+    target: UpdateTarget,
     reward: FloatArray,
     numbers: Mapping[str, float],
     uses_reward_before: bool = False,

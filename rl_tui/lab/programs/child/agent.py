@@ -7,12 +7,13 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from rl_tui.lab.own_agents.agent_loop import AgentSettings, learn, make_scenario
+from rl_tui.lab.own_agents.agent_loop import learn, make_scenario
 from rl_tui.lab.own_agents.loading import load_module, the_agent
+from rl_tui.lab.own_agents.ready_agent import GivenSettings
 from rl_tui.lab.own_agents.shapes import SHAPE_OF
 from rl_tui.lab.own_agents.stand_ins import offer_stand_ins
 from rl_tui.lab.programs.child.source import read_script
-from rl_tui.lab.programs.messages import Kind
+from rl_tui.lab.programs.messages import MessageKind
 
 
 def run_agent(said: Mapping[str, Any], tell: Callable[..., None]) -> None:
@@ -30,12 +31,13 @@ def run_agent(said: Mapping[str, Any], tell: Callable[..., None]) -> None:
     shape = SHAPE_OF[place.style]
     method = getattr(built, shape.update) if shape.update else built
     tell(
-        Kind.AGENT,
+        MessageKind.AGENT,
         name=place.name,
         style=place.style.value,
         file=str(path.absolute()),
         line=getattr(getattr(method, "__code__", None), "co_firstlineno", place.line),
         done_is_either=shape.done_is_either,
     )
-    settings = AgentSettings(said["hyperparameters"], said["defaults"], said["episodes"], said["seed"])
-    learn(built, place, make_scenario(said["scenario"], said["scenario_seed"]), settings)
+    settings = GivenSettings(said["hyperparameters"], said["defaults"], said["episodes"], said["seed"])
+    env = make_scenario(said["scenario"], said["scenario_seed"])
+    learn(built, place, env, settings, lambda text: tell(MessageKind.NOTE, text=text))

@@ -18,13 +18,13 @@ _MOST_NUMBERS: Final = 1_000_000  # of changes that wait to be written
 
 
 class Channel:
-    """Writes into the pipe ``told``. ``steps`` and ``changes`` are what :meth:`flush` writes next.
+    """Writes into the pipe ``reports``. ``steps`` and ``changes`` are what :meth:`flush` writes next.
 
     Where nobody reads any more the process ends at once. In a forked process nothing is written.
     """
 
-    def __init__(self, told: int) -> None:
-        self._told, self._process = told, os.getpid()
+    def __init__(self, reports: int) -> None:
+        self._reports, self._process = reports, os.getpid()
         self._due = 0.0
         self.steps: list[float] = []
         self.changes: list[float] = []
@@ -56,7 +56,7 @@ class Channel:
     def from_a_fork(self, kind: str, **more: Any) -> None:
         """Write a message from a forked process; it is short enough to come in one piece."""
         payload = json.dumps({"kind": kind, **more}).encode()
-        os.write(self._told, HEADER.pack(MESSAGE, len(payload)) + payload)
+        os.write(self._reports, HEADER.pack(MESSAGE, len(payload)) + payload)
 
     def _write(self, letter: bytes, payload: bytes) -> None:
         if os.getpid() != self._process:
@@ -64,6 +64,6 @@ class Channel:
         left = memoryview(HEADER.pack(letter, len(payload)) + payload)
         try:
             while left:
-                left = left[os.write(self._told, left) :]
+                left = left[os.write(self._reports, left) :]
         except OSError:
             os._exit(0)

@@ -10,11 +10,10 @@ from pathlib import Path
 from types import FrameType, TracebackType
 from typing import Any, Final
 
-from rl_tui import common
 from rl_tui.common.errors import UserError
 from rl_tui.lab.programs.child.advice import advice_on
 
-_OURS: Final = str(Path(common.__file__).parents[1])
+_OURS: Final = str(Path(__file__).parents[3])
 _LIBRARIES: Final = tuple(
     {sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")}
     | {"<frozen", sys.prefix + "/lib"}

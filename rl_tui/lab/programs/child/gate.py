@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from rl_tui.lab.programs.child.channel import Channel
-from rl_tui.lab.programs.messages import Kind
+from rl_tui.lab.programs.messages import MessageKind
 
 _AT_ONCE: Final = 65_536  # bytes
 
@@ -34,11 +34,11 @@ class Gate:
 
         The process ends where nobody asks any more.
         """
-        self._channel.message(Kind.WAITING, step=count, stopped=met)
+        self._channel.message(MessageKind.WAITING, step=count, stopped=met)
         self._is_held = met is not None
         while self._is_held or count >= self.allowed[0]:
             self._hear()
-        self.listen()  # what was asked just before it was allowed counts from here on
+        self.listen()  # what was asked before it was allowed counts from the next step on
 
     def listen(self) -> None:
         """Hear what was asked, if anything was."""

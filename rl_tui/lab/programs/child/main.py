@@ -14,18 +14,18 @@ from rl_tui.lab.programs.child.recorder import Recorder
 from rl_tui.lab.programs.child.script import run_script
 from rl_tui.lab.programs.child.source import read_script
 from rl_tui.lab.programs.child.surroundings import bound_memory, end_with, surround
-from rl_tui.lab.programs.messages import Kind
+from rl_tui.lab.programs.messages import MessageKind
 
 
 def main(said: dict[str, Any]) -> None:
     """Run what was ``said`` (program_process.py), and tell of it until it is over."""
-    channel = Channel(said["told"])
+    channel = Channel(said["reports"])
     recorder = Recorder(
         channel, Gate(channel, said["asked"], said["shared"]), most=said["steps"], wanted=said["table"]
     )
 
     def note(text: str) -> None:
-        channel.message(Kind.NOTE, text=text)
+        channel.message(MessageKind.NOTE, text=text)
 
     end_with(said["life"])
     if said["memory"] is not None:
@@ -42,5 +42,5 @@ def main(said: dict[str, Any]) -> None:
 
             run_agent(said, channel.message)
     except BaseException as error:
-        channel.message(Kind.ERROR, **described(error))
+        channel.message(MessageKind.ERROR, **described(error))
     recorder.end()

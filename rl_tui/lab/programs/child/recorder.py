@@ -18,7 +18,7 @@ from rl_tui.lab.programs.child.line_trace import TRACED_AT_FIRST, LineTrace, Pla
 from rl_tui.lab.programs.child.stopping import StepSeen, StopConditions
 from rl_tui.lab.programs.child.tables.search import candidates
 from rl_tui.lab.programs.child.tables.tracker import TableTracker
-from rl_tui.lab.programs.messages import Kind
+from rl_tui.lab.programs.messages import MessageKind
 
 _LOOKED_CLOSELY: Final = 200  # steps, before each of which the table is looked for
 _THEN_EVERY: Final = 1.05  # times as many steps as before
@@ -105,11 +105,11 @@ class Recorder:
         if self.count and self._last_numbering is not None:
             self._take_changes(None, self._last_numbering, at_reset=True)
         main = sys.modules.get("__main__")
-        self.channel.message(Kind.NUMBERS, numbers=numbers_in(None, vars(main) if main else {}))
+        self.channel.message(MessageKind.NUMBERS, numbers=numbers_in(None, vars(main) if main else {}))
         if self._tracker is None and self._wanted is not None and self.count:
             text = f"no table is called {self._wanted} where env.step was called"
-            self.channel.message(Kind.NOTE, text=text)
-        self.channel.message(Kind.END, step=self.count)
+            self.channel.message(MessageKind.NOTE, text=text)
+        self.channel.message(MessageKind.END, step=self.count)
 
     def end_at_once(self) -> NoReturn:
         """End the program where it stands, which it cannot prevent."""
@@ -121,11 +121,11 @@ class Recorder:
     def refuse(self, why: str) -> NoReturn:
         """End the program, which cannot be watched."""
         if os.getpid() == self._process:
-            self.channel.message(Kind.REFUSED, text=why)
+            self.channel.message(MessageKind.REFUSED, text=why)
         else:
             import signal
 
-            self.channel.from_a_fork(Kind.REFUSED, text=why)
+            self.channel.from_a_fork(MessageKind.REFUSED, text=why)
             os.kill(self._process, signal.SIGKILL)
         os._exit(0)
 
@@ -180,7 +180,7 @@ class Recorder:
         self._is_shared = tracker.rows_are_shared()
         shape = [len(table), *([] if isinstance(table, dict) else [numbering.actions])]
         self.channel.message(
-            Kind.TABLE,
+            MessageKind.TABLE,
             step=self.count,
             name=tracker.way.name(),
             form=tracker.form.name,
@@ -204,23 +204,23 @@ class Recorder:
                 self.channel.changes += (step, *found[place : place + _NUMBERS])
             if tracker.is_another and self._rebound < _MOST_REBOUND:
                 self._rebound += 1
-                self.channel.message(Kind.REBOUND, step=step)
+                self.channel.message(MessageKind.REBOUND, step=step)
             if not self._is_shared and tracker.rows_are_shared():
                 self._is_shared = True
-                self.channel.message(Kind.SHARED, step=step)
+                self.channel.message(MessageKind.SHARED, step=step)
 
     def _tell_numbers(self, frame: FrameType | None) -> None:
         self._next_numbers = 20 + self.count * 10
         numbers = numbers_in(frame, {})
         if numbers:
-            self.channel.message(Kind.NUMBERS, numbers=numbers)
+            self.channel.message(MessageKind.NUMBERS, numbers=numbers)
 
     def _tell_caller(self, frame: FrameType | None, method: str) -> None:
         self._called.add(method)
         while frame is not None:
             if is_users_file(frame.f_code.co_filename):
                 file, line = frame.f_code.co_filename, frame.f_lineno
-                self.channel.message(Kind.CALLED, method=method, file=file, line=line)
+                self.channel.message(MessageKind.CALLED, method=method, file=file, line=line)
                 return
             frame = frame.f_back
 
@@ -228,10 +228,10 @@ class Recorder:
         return None if self._tracker is None else self._tracker.changes_seen(self._recent)
 
     def _tell_lines(self, lines: Mapping[Place, int]) -> None:
-        told = [[file, line, count] for (file, line), count in lines.items()]
+        listed = [[file, line, count] for (file, line), count in lines.items()]
         if sum(lines.values()) >= TRACED_AT_FIRST:
             self._traces_left = 0
-        self.channel.message(Kind.LINES, lines=told)
+        self.channel.message(MessageKind.LINES, lines=listed)
 
     def _set_stop(self, said: Any) -> None:
         actions = 1 if self._numbering is None else self._numbering.actions

@@ -13,6 +13,7 @@ import threading
 import warnings
 from collections.abc import Callable
 from contextlib import suppress
+from importlib import import_module
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from io import TextIOWrapper
@@ -69,6 +70,7 @@ def surround(note: Callable[[str], None]) -> None:
             {
                 "matplotlib": _draw_into_memory,
                 "matplotlib.pyplot": _show_nothing,
+                "tqdm.notebook": _draw_bars_as_text,
                 "gym": lambda _: note(_OLD_GYM),
             }
         ),
@@ -111,6 +113,15 @@ def _show_nothing(pyplot: ModuleType) -> None:
     switch = pyplot.switch_backend
     pyplot.show = pyplot.pause = _nothing  # type: ignore[attr-defined]
     pyplot.switch_backend = lambda *_: switch("agg")  # type: ignore[attr-defined]  # pyplot calls it itself
+
+
+def _draw_bars_as_text(notebook: ModuleType) -> None:
+    """Let bars meant for a notebook, which raise where there is none, be those of a terminal."""
+    plain = import_module("tqdm.std")
+    for name in ("tqdm", "tqdm_notebook"):
+        setattr(notebook, name, plain.tqdm)
+    for name in ("trange", "tnrange"):
+        setattr(notebook, name, plain.trange)
 
 
 class _AfterImport(MetaPathFinder):

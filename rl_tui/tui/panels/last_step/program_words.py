@@ -65,4 +65,9 @@ def why_no_equation(story: StepStory) -> Sequence[str]:
         reason = "" if update is None else clause(update.reason)
         forms = (f"{NOT_KNOWN_YET}: {reason}", reason) if reason else ()
         return (*forms, NOT_KNOWN_YET, "not known yet")
+    if update.rule is Rule.MONTE_CARLO:
+        return (
+            "Monte Carlo: at the end of an episode, from the return of its steps",
+            "at the end, from returns",
+        )
     return "this step departs from the update that fits the others", "departs from its update", "departs"

@@ -92,7 +92,7 @@ class StepWriter:
     def _change(self, start: Piece) -> Line:
         """Return what moved and by how much, where nothing else is known of the update."""
         update, to = self.words.update, "to" if self.width >= _ROOM_FOR_LABELS else "→"
-        if update.before == update.after:
+        if self.words.changes_nothing:
             stays = [self._strong(self.words.estimate), self._plain(" stays "), self._strong(update.after)]
             return self._fitting(
                 [[start, self._dim("your program changed nothing: "), *stays], [start, *stays]]

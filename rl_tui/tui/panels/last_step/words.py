@@ -56,6 +56,12 @@ class StepWords:
         return f"{self.wind}, {moved}" if self.wind else moved
 
     @property
+    def changes_nothing(self) -> bool:
+        """Whether all that is known of the update is that it left the estimate as it was."""
+        last = self.story.last
+        return not self.story.has_equation and not last.others and last.before == last.after
+
+    @property
     def wind(self) -> str:
         """The wind that blew the agent on, in cells: ``wind ↑ 1``; empty where none did."""
         cells = self.story.wind

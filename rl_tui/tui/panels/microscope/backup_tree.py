@@ -11,7 +11,7 @@ import numpy as np
 from rl_tui.lab.last_step.backup import Backup, Leaf
 from rl_tui.tui.draw import names
 from rl_tui.tui.draw.action_order import shown_place
-from rl_tui.tui.draw.pieces import Line, Piece
+from rl_tui.tui.draw.pieces import Line, Piece, wrapped
 from rl_tui.tui.panels.last_step.words import StepWords
 from rl_tui.tui.panels.microscope.backup_columns import outcome_rows
 from rl_tui.tui.panels.microscope.section import MicroscopeSection
@@ -21,7 +21,7 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
 
 BACKUP_HEADING: Final = "The backup"
-NOT_KNOWN: Final = "which estimates your program looked up is not known, or not as in the book"
+NOT_KNOWN: Final = "which estimates your program looked up is not known, or is not as in the book"
 MOST_LEAVES: Final = 8
 TARGET_ROWS: Final = 4
 _HEAD_ROWS: Final = 3
@@ -33,8 +33,8 @@ def backup_section(words: StepWords, look: Look, width: int, *, secret: bool) ->
     world, backup = words.story.world, words.story.backup
     if backup is None:
         text = words.story.terms.waiting if words.story.reads_by_the_book else NOT_KNOWN
-        waiting: Line = [Piece(f" {text}", look.palette.dim)]
-        return MicroscopeSection(BACKUP_HEADING, [waiting], 1)
+        waiting = wrapped(text, width, look.palette.dim, look, " ", " ")
+        return MicroscopeSection(BACKUP_HEADING, waiting, 1)
     lines = _tree(world, backup, look, width, secret=secret)
     lines += [[Piece("", look.palette.text)]] * (_HEAD_ROWS + _leaf_rows(world) - len(lines))
     lines += target_lines(words, backup, look, width, secret=secret)

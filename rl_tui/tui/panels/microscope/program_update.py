@@ -22,7 +22,7 @@ def change_lines(words: StepWords, look: Look, width: int) -> list[Line]:
         [Piece(" to ", palette.dim), Piece(update.after, palette.updated)],
         [Piece(" (", palette.dim), error_piece(words, look), Piece(")", palette.dim)],
     ]
-    if update.before == update.after:
+    if words.changes_nothing:
         moved = [
             [Piece(" your program changed nothing:", palette.dim)],
             [Piece(f" {words.estimate} stays ", palette.text), Piece(update.after, palette.updated)],

@@ -38,7 +38,7 @@ def target_lines(words: StepWords, backup: Backup, look: Look, width: int, *, se
     symbols = "mean reward" if words.story.is_bandit else "Σ p (r + γ V(s′))"
     lines.append(_target("expected", symbols, backup.expected, decimals, look, width))
     difference = backup.sampled - backup.expected
-    reason = _drifted(words.story) or _reason(backup, difference)
+    reason = _drifted(words.story) or _after_end(words.story) or _reason(backup, difference)
     return [*lines, *_difference(difference, reason, decimals, look, width)]
 
 
@@ -71,6 +71,11 @@ def _drifted(story: StepStory) -> str:
     """Return what else there is where the mean is that after the pull; empty elsewhere."""
     mdp = story.world.mdp
     return "luck, and how far the mean drifted since" if mdp is not None and mdp.drift_std else ""
+
+
+def _after_end(story: StepStory) -> str:
+    """Return that a program bootstraps where its episode is over; empty elsewhere."""
+    return "it bootstraps after the end" if story.last.terminated and story.bootstraps else ""
 
 
 def _reason(backup: Backup, difference: float) -> str:

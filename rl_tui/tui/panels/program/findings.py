@@ -11,14 +11,21 @@ from textual.message import Message
 from textual.strip import Strip
 
 from rl_tui.common.findings import one_line
-from rl_tui.lab.detective.verdict import Finding
+from rl_tui.lab.detective.verdict import CodeFinding
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, strips_of, wrapped
-from rl_tui.tui.draw.to_ascii import separated
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.program.source import source_lines
-from rl_tui.tui.panels.program.words import IN_SHORT, LONGEST_SENTENCE, clause, notes_of, place_text, ranked
+from rl_tui.tui.panels.program.words import (
+    IN_SHORT,
+    LONGEST_SENTENCE,
+    clause,
+    is_own,
+    notes_of,
+    place_text,
+    ranked,
+)
 from rl_tui.tui.panels.scrolled_panel import ScrolledPanel, scroll_bindings
 from rl_tui.tui.theme.look import Look
 
@@ -49,12 +56,12 @@ class FindingsPanel(ScrolledPanel):
         self._has_moved = False  # then the finding under the cursor is brought into view
 
     @property
-    def _findings(self) -> list[Finding]:
+    def _findings(self) -> list[CodeFinding]:
         program = None if self.snapshot is None else self.snapshot.program
         return [] if program is None else ranked(program.verdict.findings)
 
     @property
-    def chosen(self) -> Finding | None:
+    def chosen(self) -> CodeFinding | None:
         """The finding under the cursor, None where there is none."""
         findings = self._findings
         return findings[min(self._chosen, len(findings) - 1)] if findings else None
@@ -103,11 +110,11 @@ class FindingsPanel(ScrolledPanel):
 
 
 def finding_lines(
-    finding: Finding, program: ProgramView, look: Look, width: int, *, is_chosen: bool
+    finding: CodeFinding, program: ProgramView, look: Look, width: int, *, is_chosen: bool
 ) -> list[Line]:
     """Return what is said of ``finding``: one line, or all of it where it ``is_chosen``."""
     palette, glyphs = look.palette, look.glyphs
-    place = place_text(finding.file, finding.line, program.path)
+    place = place_text(finding.file, finding.line, program)
     mark = glyphs.cursor if is_chosen else " "
     style = palette.bad if finding.kind == "fault" else palette.accent
     name = Piece(f" {mark} {finding.kind}: {IN_SHORT[finding.fault]}", style)
@@ -128,7 +135,7 @@ def finding_lines(
     return lines
 
 
-def evidence_text(finding: Finding) -> str:
+def evidence_text(finding: CodeFinding) -> str:
     """Return how certain a finding is: how many steps speak for it, and which is the first."""
     if finding.certainty == "declared":
         certain = "declared: it rests on a number read from your code"
@@ -145,9 +152,9 @@ def evidence_text(finding: Finding) -> str:
     return f"{certain}{steps}; enter goes to the first, step {finding.step + 1:,}"
 
 
-def _code(finding: Finding, program: ProgramView, look: Look, width: int) -> list[Line]:
+def _code(finding: CodeFinding, program: ProgramView, look: Look, width: int) -> list[Line]:
     """Return the source around the finding; of another file than the program's own there is none."""
-    if finding.line is None or finding.file not in ("", program.path):
+    if finding.line is None or not is_own(finding.file, program):
         return []
     return source_lines(program.source, finding.line, look, width)
 
@@ -170,4 +177,4 @@ def _nothing_found(snapshot: Snapshot, program: ProgramView, look: Look, width: 
 
 def _paragraph(text: str, look: Look, width: int, *, is_dim: bool = False) -> list[Line]:
     style = look.palette.dim if is_dim else look.palette.text
-    return list(wrapped(separated(text, look.glyphs), width, style, look, _INDENT, _INDENT))
+    return list(wrapped(text, width, style, look, _INDENT, _INDENT))

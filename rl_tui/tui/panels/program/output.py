@@ -14,7 +14,7 @@ from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import Line, Piece, strips_of
 from rl_tui.tui.panels.program.source import broken, in_characters, safe_line, source_lines
-from rl_tui.tui.panels.program.words import LONGEST_NAME, LONGEST_SENTENCE, place_text
+from rl_tui.tui.panels.program.words import LONGEST_NAME, LONGEST_SENTENCE, is_own, place_text
 from rl_tui.tui.panels.scrolled_panel import ScrolledPanel, scroll_bindings
 from rl_tui.tui.theme.look import Look
 
@@ -99,13 +99,13 @@ def _ending(program: ProgramView, look: Look, width: int) -> list[Line]:
     for text in _calls(error.traceback):
         parts = broken(in_characters(safe_line(text), look), room, _MOST_ROWS)
         lines += [[Piece(f" {part}", palette.dim)] for part in parts]
-    place = place_text(error.file, error.line, program.path)
+    place = place_text(error.file, error.line, program)
     what = f"{one_line(error.type, LONGEST_NAME)}: {one_line(error.text, LONGEST_SENTENCE)}"
     said = f"{look.glyphs.stopped} {what} ({place})" if place else f"{look.glyphs.stopped} {what}"
     lines += [
         [Piece(f" {part}", palette.bad)] for part in broken(in_characters(said, look), room, _MOST_ROWS)
     ]
-    if error.line is not None and error.file in ("", program.path):
+    if error.line is not None and is_own(error.file, program):
         lines += source_lines(program.source, error.line, look, width)
     return lines
 

@@ -35,10 +35,12 @@ from rl_tui.tui.panels.program.words import (
 )
 from rl_tui.tui.theme.look import Look
 
+LOOKED_FOR_LATER: Final = "its table is looked for as it learns"
 NO_TABLE: Final = "no table found yet"
 UNKNOWN: Final = "update not known yet"
 _GAMMA_FROM: Final = {"declared": "read from your code", "usual": "the usual one, yours is open"}
 _NEWS_ROWS: Final = 2
+_WORTH_SAYING: Final = 100  # steps, before which nothing could be found wrong
 _HINTS: Final = ("F: findings · O: output", "F O")
 
 
@@ -124,7 +126,7 @@ class _Writer:
             return []
         error = program.error
         what = one_line(error.type, LONGEST_NAME)
-        place = place_text(error.file, error.line, program.path)
+        place = place_text(error.file, error.line, program)
         at = f" ({place})" if place else ""
         text = one_line(error.text, LONGEST_SENTENCE)
         forms = (f"{stopped}{what}{at}: {text}", f"{stopped}{what}{at}")
@@ -143,6 +145,9 @@ class _Writer:
     def _table(self) -> list[Line]:
         program = self._program
         environment = one_line(program.environment, LONGEST_NAME)
+        if program.table is None and not self._steps:
+            later = (f" {environment} · {LOOKED_FOR_LATER}", f" {LOOKED_FOR_LATER}")
+            return [self._fitting(later, self._palette.text)]
         if program.table is None:
             looked = "; ".join(one_line(each, LONGEST_SENTENCE) for each in program.looked_for)
             start = f" {environment} · {NO_TABLE}" if environment else f" {NO_TABLE}"
@@ -189,7 +194,7 @@ class _Writer:
         if not findings:
             return self._nothing_wrong()
         worst = findings[0]
-        place = place_text(worst.file, worst.line, program.path)
+        place = place_text(worst.file, worst.line, program)
         said = IN_SHORT[worst.fault]
         at = f" ({place})" if place else ""
         count = f" {self._look.glyphs.breakpoint} {counted(findings)}: "
@@ -203,7 +208,7 @@ class _Writer:
 
     def _nothing_wrong(self) -> list[Line]:
         """Return over how many steps nothing wrong was found, where anything could be."""
-        if not self._steps or self._program.table is None:
+        if self._steps < _WORTH_SAYING or self._program.table is None:
             return []
         found = f" nothing wrong found in {self._steps:,} steps"
         is_open = self._program.verdict.update.rule is Rule.UNKNOWN

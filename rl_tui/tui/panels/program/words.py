@@ -7,7 +7,14 @@ from pathlib import Path
 from typing import Final
 
 from rl_tui.common.findings import one_line
-from rl_tui.lab.detective.verdict import Fault, Finding, Place, Rule, Target, UpdateFound
+from rl_tui.lab.detective.verdict import (
+    CodeFault,
+    CodeFinding,
+    MovedCell,
+    Rule,
+    UpdateFound,
+    UpdateTarget,
+)
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.programs.program_log import FoundTable
 from rl_tui.tui.draw import numbers
@@ -16,19 +23,19 @@ from rl_tui.tui.theme.glyphs import Glyphs
 LONGEST_NAME: Final = 40
 LONGEST_SENTENCE: Final = 600
 IN_SHORT: Final = {
-    Fault.BOOTSTRAPS_AFTER_END: "bootstraps after the end",
-    Fault.NO_BOOTSTRAP_AFTER_TRUNCATION: "no bootstrap at the time limit",
-    Fault.WRONG_AXIS: "maximum along the wrong axis",
-    Fault.UPDATES_AFTER_MOVING: "updates the state it moved to",
-    Fault.SHIFTED_REWARD: "uses the reward before",
-    Fault.ROUNDING_TABLE: "the table rounds",
-    Fault.SHARED_TABLE: "rows of the table are one",
-    Fault.GAMMA_TWICE: "γ counts twice",
-    Fault.STEP_SIZE_OUT_OF_RANGE: "step size out of range",
-    Fault.WRONG_CELL: "updates another cell",
-    Fault.LOSES_UPDATE: "loses its updates",
-    Fault.FIRST_OF_TIES: "takes the first of equals",
-    Fault.NEVER_EXPLORES: "never explores",
+    CodeFault.BOOTSTRAPS_AFTER_END: "bootstraps after the end",
+    CodeFault.NO_BOOTSTRAP_AFTER_TRUNCATION: "no bootstrap at the time limit",
+    CodeFault.WRONG_AXIS: "maximum along the wrong axis",
+    CodeFault.UPDATES_AFTER_MOVING: "updates the state it moved to",
+    CodeFault.SHIFTED_REWARD: "uses the reward before",
+    CodeFault.ROUNDING_TABLE: "the table rounds",
+    CodeFault.SHARED_TABLE: "rows of the table are one",
+    CodeFault.GAMMA_TWICE: "γ counts twice",
+    CodeFault.STEP_SIZE_OUT_OF_RANGE: "step size out of range",
+    CodeFault.WRONG_CELL: "updates another cell",
+    CodeFault.LOSES_UPDATE: "loses its updates",
+    CodeFault.FIRST_OF_TIES: "takes the first of equals",
+    CodeFault.NEVER_EXPLORES: "never explores",
 }
 """Each fault and risk in a few plain words."""
 
@@ -39,16 +46,16 @@ _RULES: Final = {
     Rule.MONTE_CARLO: "Monte Carlo",
 }
 _BOOTSTRAPS: Final = {
-    Target.BEST: "max Q(s′,·)",
-    Target.NEXT_ACTION: "Q(s′,a′)",
-    Target.EXPECTED: "Σ π Q(s′,·)",
-    Target.COLUMN: "max Q(·,a)",
-    Target.SAME_ACTION: "Q(s′,a)",
-    Target.OWN_STATE: "max Q(s,·)",
-    Target.INDEX: "argmax Q(s′,·)",
-    Target.NOTHING: "",
+    UpdateTarget.BEST: "max Q(s′,·)",
+    UpdateTarget.NEXT_ACTION: "Q(s′,a′)",
+    UpdateTarget.EXPECTED: "Σ π Q(s′,·)",
+    UpdateTarget.COLUMN: "max Q(·,a)",
+    UpdateTarget.SAME_ACTION: "Q(s′,a)",
+    UpdateTarget.OWN_STATE: "max Q(s,·)",
+    UpdateTarget.INDEX: "argmax Q(s′,·)",
+    UpdateTarget.NOTHING: "",
 }
-_CELLS: Final = {Place.TAKEN: "Q(s,a)", Place.MOVED: "Q(s′,a)", Place.ONE_LATE: "Q(s,a)"}
+_CELLS: Final = {MovedCell.TAKEN: "Q(s,a)", MovedCell.MOVED: "Q(s′,a)", MovedCell.ONE_LATE: "Q(s,a)"}
 _FORMS: Final = {
     "array": "array",
     "dict-of-arrays": "dict of arrays",
@@ -166,19 +173,25 @@ def share_text(share: float) -> str:
     return f"{min(99.99, share * 100):.2f}".rstrip("0").rstrip(".") + " %"
 
 
-def ranked(findings: Sequence[Finding]) -> list[Finding]:
+def ranked(findings: Sequence[CodeFinding]) -> list[CodeFinding]:
     """Return ``findings``, the worst first: proven faults, declared ones, risks; of those the earliest."""
     return sorted(findings, key=lambda each: (each.kind == "risk", each.certainty == "declared", each.step))
 
 
-def counted(findings: Sequence[Finding]) -> str:
+def counted(findings: Sequence[CodeFinding]) -> str:
     """Return how many faults and risks there are: ``1 fault, 2 risks``."""
     faults = sum(each.kind == "fault" for each in findings)
     counts = ((faults, "fault"), (len(findings) - faults, "risk"))
     return ", ".join(f"{count} {noun}{'' if count == 1 else 's'}" for count, noun in counts if count)
 
 
-def place_text(file: str, line: int | None, path: str = "") -> str:
-    """Return ``line 12``, with the file's name where that is another one than ``path``; empty if unknown."""
-    name = "" if not file or file == path else f"{one_line(Path(file).name, LONGEST_NAME)}, "
+def is_own(file: str, program: ProgramView) -> bool:
+    """Return whether ``file`` is that of ``program``, whose path may be written as a person gave it."""
+    given = [part for part in Path(program.path).parts if part != ".."]
+    return not file or list(Path(file).parts[-len(given) :]) == given
+
+
+def place_text(file: str, line: int | None, program: ProgramView) -> str:
+    """Return ``line 12``, with the file's name where that is not the program's own; empty if unknown."""
+    name = "" if is_own(file, program) else f"{one_line(Path(file).name, LONGEST_NAME)}, "
     return f"{name}line {line:,}" if line is not None else name.removesuffix(", ")

@@ -37,6 +37,7 @@ from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.pointing import Moved, Pointed
 from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.tui.panels.snapshot_facts import as_learned
 from rl_tui.tui.panels.timeline.timeline import HINTS, TimelineBar
 from rl_tui.tui.panels.world.make_view import make_world_view
 from rl_tui.tui.panels.world.view import WorldView
@@ -71,8 +72,7 @@ class Board(Container):
         self.rows = {row.id: row for row in panels}
         self._panels = {row.id: row.make(look) for row in panels}
         self._pair = LanePair(self._panels, look)
-        self._is_one_lane = self._is_explained = False
-        self.keeps_focus = False
+        self._is_one_lane = self._is_explained = self.keeps_focus = False
         self.legends = LegendSwitch(None)
         self.curve = self._made(CURVE, ReturnCurve)
         self.timeline = self._made(TIMELINE, TimelineBar)
@@ -139,9 +139,9 @@ class Board(Container):
             if isinstance(panel, WorldView):
                 panel.names_policies_key = self.opened != POLICIES
             if not self._pair.has(panel):
-                panel.show(snapshot)
+                panel.show(as_learned(snapshot) if isinstance(panel, WorldView | QTable) else snapshot)
         if self._pair.is_shown:
-            self._pair.show(snapshot)
+            self._pair.show(as_learned(snapshot))
         world = snapshot.world
         self._reshape(
             drawing=world.drawing,

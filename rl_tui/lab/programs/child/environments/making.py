@@ -13,7 +13,7 @@ from rl_tui.lab.programs.child.environments.numbering import Numbering, numberin
 from rl_tui.lab.programs.child.environments.watched_env import WatchedEnv
 from rl_tui.lab.programs.child.recorder import Recorder
 from rl_tui.lab.programs.child.tables.search import attributes
-from rl_tui.lab.programs.messages import Kind
+from rl_tui.lab.programs.messages import MessageKind
 
 Make = Callable[..., Any]
 MOST_STATES: Final = 20_000
@@ -87,7 +87,7 @@ class Making:
         spec = env.spec
         kwargs = {} if spec is None else {key: each for key, each in spec.kwargs.items() if each is not None}
         self._recorder.channel.message(
-            Kind.ENVIRONMENT,
+            MessageKind.ENVIRONMENT,
             number=number,
             id=_id_of(env),
             kwargs=kwargs if _is_data(kwargs) else None,
@@ -105,13 +105,13 @@ class Making:
             table = transitions_of(inside.get("P"), numbering)
             if table is not None:
                 start = _start_of(inside.get("initial_state_distrib"), numbering)
-                self._recorder.channel.message(Kind.TRANSITIONS, number=number, P=table, start=start)
+                self._recorder.channel.message(MessageKind.TRANSITIONS, number=number, P=table, start=start)
 
     def _refuse_vectors(self, *_: Any, **__: Any) -> Any:
         self._recorder.refuse(_VECTORS)
 
     def _note(self, text: str) -> None:
-        self._recorder.channel.message(Kind.NOTE, text=text)
+        self._recorder.channel.message(MessageKind.NOTE, text=text)
 
 
 def attributes_of_env(env: gymnasium.Env[Any, Any]) -> Mapping[str, Any]:

@@ -10,7 +10,7 @@ import gymnasium
 
 from rl_tui.lab.programs.child.environments.numbering import Numbering
 from rl_tui.lab.programs.child.recorder import Recorder
-from rl_tui.lab.programs.messages import Kind, StepFlag
+from rl_tui.lab.programs.messages import MessageKind, StepFlag
 
 _TERMINATED, _TRUNCATED = int(StepFlag.TERMINATED), int(StepFlag.TRUNCATED)
 _STRANGE = "a step was left out: an observation or action outside of its space, or no five results"
@@ -66,7 +66,7 @@ class WatchedEnv(gymnasium.Wrapper):  # type: ignore[misc]
     def _leave_out(self) -> None:
         if not self._is_strange:
             self._is_strange = True
-            self._recorder.channel.message(Kind.NOTE, text=_STRANGE)
+            self._recorder.channel.message(MessageKind.NOTE, text=_STRANGE)
 
     @property
     def spec(self) -> Any:

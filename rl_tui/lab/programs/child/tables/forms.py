@@ -27,7 +27,7 @@ _CODES: Final = {"<f8": "d", "<f4": "f", "<i8": "q", "<i4": "i"}
 _NAN: Final = float("nan")
 
 
-class TableForm(ABC):
+class StoredTable(ABC):
     """One table as it was last seen: [S·A] numbers, NaN where it has no such entry.
 
     Differences are lists of numbers, three for each cell: the cell, what stood there and what stands there.
@@ -71,7 +71,7 @@ class TableForm(ABC):
         return False
 
 
-class ArrayTable(TableForm):
+class ArrayTable(StoredTable):
     """An array S×A, of a tuple of observations with a dimension for each part."""
 
     name = "array"
@@ -142,7 +142,7 @@ class ArrayTable(TableForm):
         return numbers
 
 
-class RowTable(TableForm):
+class RowTable(StoredTable):
     """A row for each state: a list of rows, an array of objects, or a dict of rows by observation.
 
     Rows are kept by their key: the observation in a dict, else their place.
@@ -247,7 +247,7 @@ class RowTable(TableForm):
         self._numbers[begin : begin + self.actions] = now
 
 
-class PairTable(TableForm):
+class PairTable(StoredTable):
     """A dict of numbers by (observation, action)."""
 
     name = "dict-of-pairs"
@@ -326,7 +326,7 @@ class PairTable(TableForm):
         self._numbers[cell] = after
 
 
-def form_of(value: object, numbering: Numbering) -> TableForm | None:
+def form_of(value: object, numbering: Numbering) -> StoredTable | None:
     """Return the form of a table for the states and actions of ``numbering`` that ``value`` has, if any."""
     if not 0 < numbering.states * numbering.actions <= MOST_CELLS:
         return None
@@ -345,7 +345,7 @@ def form_of(value: object, numbering: Numbering) -> TableForm | None:
     return None
 
 
-def _form_of_dict(value: dict[Any, Any], numbering: Numbering) -> TableForm | None:
+def _form_of_dict(value: dict[Any, Any], numbering: Numbering) -> StoredTable | None:
     key, entry = next(iter(dict.items(value)), (None, None))
     if _state(numbering, key) is not None and _is_row(entry, numbering.actions):
         return RowTable(numbering, "dict-of-arrays")

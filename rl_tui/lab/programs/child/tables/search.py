@@ -13,7 +13,7 @@ import gymnasium
 import numpy as np
 
 from rl_tui.lab.programs.child.environments.numbering import Numbering
-from rl_tui.lab.programs.child.tables.forms import TableForm, form_of
+from rl_tui.lab.programs.child.tables.forms import StoredTable, form_of
 
 MISSING: Final = object()
 _NO_TABLE: Final = re.compile(
@@ -75,12 +75,12 @@ class Way:
 
 
 @dataclass(frozen=True, slots=True)
-class Candidate:
+class TableCandidate:
     """Something that may be the table."""
 
     way: Way
     value: Any
-    form: TableForm
+    form: StoredTable
 
 
 def attributes(value: object) -> dict[str, Any]:
@@ -94,13 +94,15 @@ def attributes(value: object) -> dict[str, Any]:
     return {}
 
 
-def candidates(frame: types.FrameType | None, numbering: Numbering, wanted: str | None) -> list[Candidate]:
+def candidates(
+    frame: types.FrameType | None, numbering: Numbering, wanted: str | None
+) -> list[TableCandidate]:
     """Return what may be the table of the program that called from ``frame``, the likeliest first.
 
     ``wanted`` is the name or the way that a person gave; nothing else counts then. Of several names of one
     object the nearest to ``frame`` is taken.
     """
-    found: list[Candidate] = []
+    found: list[TableCandidate] = []
     known: set[int] = set()
     for way, value in _ways(frame):
         if wanted is not None and wanted not in (way.name(), way.names[-1]):
@@ -110,7 +112,7 @@ def candidates(frame: types.FrameType | None, numbering: Numbering, wanted: str 
         form = form_of(value, numbering)
         if form is not None and (wanted is not None or not _is_policy(value, way.names[-1])):
             known.add(id(value))
-            found.append(Candidate(way, value, form))
+            found.append(TableCandidate(way, value, form))
     return sorted(found, key=lambda each: _rank(each.way.names[-1], each.value))
 
 

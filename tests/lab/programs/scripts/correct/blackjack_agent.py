@@ -34,7 +34,7 @@ class BlackjackAgent:
         self.epsilon = max(self.final_epsilon, self.epsilon - self.epsilon_decay)
 
 
-n_episodes = 3000
+n_episodes = 1500
 env = gym.make("Blackjack-v1", sab=False)
 agent = BlackjackAgent(env, 0.01, 1.0, 1.0 / (n_episodes / 2), 0.1)
 for episode in range(n_episodes):

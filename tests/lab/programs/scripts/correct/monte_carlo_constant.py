@@ -35,4 +35,4 @@ class MonteCarlo:
                 self.Q[state][action] = old + self.alpha * (G - old)
 
 
-MonteCarlo().train(3000)
+MonteCarlo().train(1500)

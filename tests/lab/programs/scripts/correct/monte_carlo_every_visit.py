@@ -22,7 +22,7 @@ def run_episode(eps):
         obs = nxt
 
 
-for k in range(3000):
+for k in range(1500):
     G = 0.0
     for s, a, r in reversed(run_episode(0.2)):
         G = r + gamma * G

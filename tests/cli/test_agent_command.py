@@ -1,0 +1,88 @@
+"""``rl-tui agent new``: skeletons that run as they are, and are right with the line that is missing."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+from lab.programs.course_agents import UPDATES
+
+from rl_tui.cli.main import program
+from rl_tui.lab.own_agents.shapes import Style
+
+STYLES = [style.value for style in Style]
+
+
+def rl_tui(*args: str) -> Result:
+    return CliRunner().invoke(program, list(args), prog_name="rl-tui")
+
+
+def filled_in(text: str, style: str) -> str:
+    """Return a skeleton with the line that is missing, where it says so."""
+    lines = text.split("\n")
+    place = next(place for place, line in enumerate(lines) if "TODO" in line)
+    return "\n".join([*lines[:place], UPDATES[style], *lines[place + 1 :]])
+
+
+@pytest.mark.process
+@pytest.mark.parametrize("style", STYLES)
+def test_a_skeleton_learns_nothing_until_its_update_is_written(style: str, tmp_path: Path) -> None:
+    path = tmp_path / "mine.py"
+    assert rl_tui("agent", "new", str(path), "--style", style).exit_code == 0
+    grade = ("grade", str(path), "--scenario", "frozenlake", "--seeds", "1", "--json", "--episodes")
+    result = rl_tui(*grade, "20")
+    assert result.exit_code == 1
+    [before] = json.loads(result.stdout)["submissions"]
+    learned = before["runs"][0]["expected_return"]
+    assert learned is None if style == "berkeley" else learned == pytest.approx(0.013939795959171436)
+    path.write_text(filled_in(path.read_text(), style))
+    result = rl_tui(*grade, "600")
+    assert result.exit_code == 0, result.stdout
+    [after] = json.loads(result.stdout)["submissions"]
+    assert after["passed"]
+    assert after["share_of_best"]["mean"] == pytest.approx(1.0)
+    assert after["findings"] == []
+
+
+@pytest.mark.parametrize("style", STYLES)
+def test_a_skeleton_says_what_is_missing(style: str, tmp_path: Path) -> None:
+    path = tmp_path / "mine.py"
+    result = rl_tui("agent", "new", str(path), "--style", style)
+    assert (
+        result.stdout == f"rl-tui play frozenlake --agent {path}\nrl-tui grade {path} --scenario frozenlake\n"
+    )
+    text = path.read_text()
+    assert "6.8" in text
+    assert "Q(S, A) ← Q(S, A) + α [R + γ max_a Q(S′, a) − Q(S, A)]" in text
+    assert text.count("TODO") == 1
+
+
+def test_what_is_there_is_not_written_over(tmp_path: Path) -> None:
+    path = tmp_path / "mine.py"
+    path.write_text("my work")
+    result = rl_tui("agent", "new", str(path))
+    assert result.exit_code == 1
+    assert "is there already" in result.stderr
+    assert path.read_text() == "my work"
+
+
+@pytest.mark.parametrize(
+    ("name", "said"), [("mine.txt", "ends in .py"), ("no/such/folder/mine.py", "cannot be written")]
+)
+def test_a_file_that_cannot_be_written(name: str, said: str, tmp_path: Path) -> None:
+    result = rl_tui("agent", "new", str(tmp_path / name))
+    assert result.exit_code == 1
+    assert len(result.stderr.splitlines()) == 1
+    assert said in result.stderr
+
+
+@pytest.mark.parametrize(
+    "command", [("agent", "new", "mine.py"), ("grade", "mine.py", "--scenario", "cliff")]
+)
+def test_a_kiosk_has_none_of_it(command: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RL_TUI_KIOSK", "1")
+    result = rl_tui(*command)
+    assert result.exit_code == 1
+    assert "kiosk mode has no" in str(result.stderr)

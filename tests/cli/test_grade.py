@@ -1,0 +1,200 @@
+"""``rl-tui grade``: files and folders, agents and scripts, what passes and what does not."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner, Result
+from lab.programs.course_agents import OF_STYLE, UDACITY, agent_in
+
+from rl_tui.cli.main import program
+from rl_tui.lab.grading.share import yardstick_of
+from rl_tui.lab.run.library import recipe_named
+from rl_tui.lab.run.recipe import begin
+
+SCRIPT = """
+import gymnasium as gym
+import numpy as np
+
+env = gym.make("FrozenLake-v1", is_slippery={slippery})
+q = np.zeros((16, 4))
+rng = np.random.default_rng()
+for episode in range(600):
+    s, _ = env.reset()
+    done = False
+    while not done:
+        best = np.flatnonzero(q[s] == q[s].max())
+        a = int(rng.integers(4)) if rng.random() < 0.2 else int(rng.choice(best))
+        s2, r, terminated, truncated, _ = env.step(a)
+        q[s, a] += 0.2 * (r + 0.95 * {best_next} - q[s, a])
+        s, done = s2, terminated or truncated
+"""
+LAKE = "gymnasium.make('FrozenLake-v1', is_slippery=False)"
+RIGHT = "(not terminated) * q[s2].max()"
+DEAD_END = """
+title = "For ever"
+[mdp]
+start = "here"
+[[mdp.transition]]
+state = "here"
+action = "stay"
+reward = -1
+to = "here"
+[[mdp.transition]]
+state = "here"
+action = "go"
+reward = -20
+to = "end"
+[defaults]
+episodes = 30
+"""
+
+
+def run(*args: object) -> Result:
+    return CliRunner().invoke(program, ["grade", *map(str, args)], prog_name="rl-tui")
+
+
+def document(*args: object) -> dict[str, Any]:
+    result = run(*args, "--json")
+    answer: dict[str, Any] = json.loads(result.stdout)
+    assert list(answer) == ["scenario", "seeds", "threshold", "best_expected_return", "submissions"]
+    assert result.exit_code == (0 if all(each["passed"] for each in answer["submissions"]) else 1)
+    return answer
+
+
+def script(slippery: bool = False, best_next: str = RIGHT) -> str:
+    return SCRIPT.format(slippery=slippery, best_next=best_next)
+
+
+@pytest.mark.process
+@pytest.mark.parametrize("style", OF_STYLE)
+def test_an_agent_of_a_course_passes(style: str, tmp_path: Path) -> None:
+    path = agent_in(tmp_path, OF_STYLE[style])
+    answer = document(path, "--scenario", "frozenlake", "--seeds", 2, "--episodes", 600)
+    assert (answer["scenario"], answer["seeds"], answer["best_expected_return"]) == ("frozenlake", 2, 1.0)
+    assert answer["submissions"] == [
+        {
+            "file": str(path),
+            "passed": True,
+            "share_of_best": {"mean": 1.0, "min": 1.0},
+            "runs": [{"seed": seed, "expected_return": 1.0, "error": None} for seed in (0, 1)],
+            "findings": [],
+        }
+    ]
+
+
+@pytest.mark.process
+def test_a_folder_is_graded_to_its_end_whatever_is_in_it(tmp_path: Path) -> None:
+    for name, text in {
+        "agent.py": UDACITY,
+        "broken.py": "x = (",
+        "crash.py": f"import gymnasium\n{LAKE}.reset()\n1 / 0\n",
+        "killed.py": "import os\nos.kill(os.getpid(), 9)\n",
+        "no_table.py": f"import gymnasium\nenv = {LAKE}\nenv.reset()\nenv.step(0)\n",
+        "other_world.py": script(slippery=True),
+        "script.py": script(),
+        "test_of_mine.py": "1 / 0",
+        "_helper.py": "1 / 0",
+    }.items():
+        (tmp_path / name).write_text(text)
+    result = run(tmp_path, "--scenario", "frozenlake", "--seeds", 1, "--episodes", 500, "--json")
+    assert result.exit_code == 1
+    first, second = result.stderr.splitlines()
+    assert "no sandbox: a submission can read, write and send what you can" in first
+    assert second == "left out: _helper.py, test_of_mine.py"
+    graded = {each["file"]: each for each in json.loads(result.stdout)["submissions"]}
+    assert [name for name, each in graded.items() if each["passed"]] == ["agent.py", "script.py"]
+    errors = {name: each["runs"][0]["error"] or "" for name, each in graded.items()}
+    for name, said in {
+        "broken.py": "line 1",
+        "crash.py": "crash.py, line 3: ZeroDivisionError: division by zero",
+        "killed.py": "SIGKILL",
+        "no_table.py": "no table of values was found",
+        "other_world.py": "is_slippery=True, which has other transitions than frozenlake",
+    }.items():
+        assert said in errors[name], errors[name]
+        assert "\n" not in errors[name]
+
+
+@pytest.mark.process
+def test_a_fault_is_told_once_with_how_many_seeds_show_it(tmp_path: Path) -> None:
+    text = UDACITY.replace("reward if done else ", "").replace(
+        "self.Q = defaultdict(lambda: np.zeros(self.nA))", "self.Q = defaultdict(lambda: np.ones(self.nA))"
+    )
+    path = agent_in(tmp_path, text)
+    answer = document(path, "--scenario", "frozenlake", "--seeds", 2, "--episodes", 300)
+    [finding] = answer["submissions"][0]["findings"]
+    assert (finding["fault"], finding["kind"], finding["seeds"]) == ("bootstraps-after-end", "fault", 2)
+    assert finding["file"] == str(path)
+    report = run(path, "--scenario", "frozenlake", "--seeds", 2, "--episodes", 300).stdout
+    assert "2 seeds, passed from 0.95 of the best on" in report
+    assert "fault in 2 of 2 seeds, bootstraps-after-end" in report
+
+
+@pytest.mark.process
+def test_what_takes_too_long_or_too_much_is_ended(tmp_path: Path) -> None:
+    (tmp_path / "for_ever.py").write_text("while True: pass\n")
+    (tmp_path / "huge.py").write_text("x = bytearray(3 * 2**30)\n")
+    answer = document(tmp_path, "--scenario", "frozenlake", "--seeds", 1, "--seconds", 3, "--memory", 1024)
+    slow, huge = (each["runs"][0]["error"] for each in answer["submissions"])
+    assert "ended after 3 seconds" in slow
+    assert "MemoryError" in huge
+
+
+@pytest.mark.process
+def test_a_policy_that_never_ends_has_not_passed(tmp_path: Path) -> None:
+    (tmp_path / "for_ever.toml").write_text(DEAD_END)
+    text = "import numpy as np\ndef update(q, s, a, r, s_next):\n    q[0, 0] = 1.0 if r < -1 else 0.5\n"
+    path = agent_in(tmp_path, text)
+    scenario = tmp_path / "for_ever.toml"
+    answer = document(path, "--scenario", scenario, "--seeds", 1, "--episodes", 5, "--threshold", -100)
+    [graded] = answer["submissions"]
+    assert graded["runs"] == [{"seed": 0, "expected_return": None, "error": None}]
+    assert graded["share_of_best"] == {"mean": None, "min": None}
+    assert not graded["passed"]
+    report = run(path, "--scenario", scenario, "--seeds", 1, "--episodes", 5).stdout
+    assert "the greedy policy may never end" in report
+
+
+def test_of_several_agents_one_can_be_named(tmp_path: Path) -> None:
+    path = agent_in(tmp_path, UDACITY + UDACITY.replace("class Agent", "class Better"))
+    answer = document(path, "--scenario", "frozenlake", "--seeds", 1)
+    assert "several agents (Agent, Better)" in answer["submissions"][0]["runs"][0]["error"]
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (("{folder}", "--scenario", "frozenlake"), "found no submission in this folder"),
+        (("{folder}", "--scenario", "frozn"), "did you mean"),
+        (("mine.py", "--scenario", "cartpole"), "no table"),
+        (("mine.py", "--scenario", "bandit-drifting"), "no table that stays"),
+    ],
+)
+def test_what_cannot_be_graded_at_all(args: tuple[str, ...], said: str, tmp_path: Path) -> None:
+    result = run(*(each.format(folder=tmp_path) for each in args))
+    assert result.exit_code == 1
+    assert said in result.stderr.splitlines()[-1]
+
+
+@pytest.mark.parametrize(
+    "scenario", ["frozenlake", "frozenlake-slippery", "cliff", "taxi", "student", "bandit"]
+)
+def test_the_share_of_the_best(scenario: str) -> None:
+    recipe = recipe_named(scenario)
+    mdp = begin(recipe).world.mdp
+    assert mdp is not None
+    measured = yardstick_of(mdp, recipe.hyperparameters.gamma)
+    assert measured is not None
+    best = measured.best
+    assert measured.share(best) == 1.0
+    shares = [measured.share(value) for value in (best - 3.0, best - 1.0, best)]
+    assert shares == sorted(shares, key=lambda share: share or 0.0)
+    assert measured.share(None) is None
+    if scenario.startswith("frozenlake"):  # only rewards: a plain ratio
+        assert measured.share(0.25) == pytest.approx(0.25 / best)
+    if scenario == "cliff":  # only costs
+        assert measured.share(-26.0) == pytest.approx(0.0)

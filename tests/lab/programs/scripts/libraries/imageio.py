@@ -1,0 +1,1 @@
+"""Writes no pictures."""
