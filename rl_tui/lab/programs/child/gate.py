@@ -38,7 +38,7 @@ class Gate:
         self._is_held = met is not None
         while self._is_held or count >= self.allowed[0]:
             self._hear()
-        self.listen()  # what was asked just before it was allowed counts from here on
+        self.listen()  # what was asked before it was allowed counts from the next step on
 
     def listen(self) -> None:
         """Hear what was asked, if anything was."""

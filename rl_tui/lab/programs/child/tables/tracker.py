@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from rl_tui.lab.programs.child.environments.numbering import Numbering
 from rl_tui.lab.programs.child.tables.forms import form_of
-from rl_tui.lab.programs.child.tables.search import MISSING, Candidate, Way, candidates
+from rl_tui.lab.programs.child.tables.search import MISSING, TableCandidate, Way, candidates
 
 _CLOSELY: Final = 500  # comparisons at the beginning, each of the whole table
 _PATIENCE: Final = 20  # comparisons of the whole, and of those at ends of episodes, that found nothing
@@ -21,7 +21,7 @@ _LOOK_AGAIN: Final = 1.1  # a table that was lost is looked for after so many ti
 class TableTracker:
     """Tells what changes in the table ``found``; ``wanted`` is its name or way as a person gave it."""
 
-    def __init__(self, found: Candidate, wanted: str | None) -> None:
+    def __init__(self, found: TableCandidate, wanted: str | None) -> None:
         self.way, self.table, self.form = found.way, found.value, found.form
         self._wanted = wanted
         self._code = None if self.way.frame is None else self.way.frame.f_code
