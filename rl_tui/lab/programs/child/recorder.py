@@ -161,7 +161,7 @@ class Recorder:
         """Give up a table with something in it that is no number; another one may be found."""
         self._tracker, self._next_look = None, self.count + 1
         text = f"{tracker.way.name()} holds something that is no number any more"
-        self.channel.message(Kind.NOTE, text=text)
+        self.channel.message(MessageKind.NOTE, text=text)
         return []
 
     def _look_for_table(self, frame: FrameType | None, numbering: Numbering) -> None:

@@ -13,7 +13,8 @@ import gymnasium
 import numpy as np
 
 from rl_tui.lab.programs.child.environments.numbering import Numbering
-from rl_tui.lab.programs.child.tables.forms import StoredTable, form_of
+from rl_tui.lab.programs.child.tables.forms import form_of
+from rl_tui.lab.programs.child.tables.stored_table import StoredTable
 
 MISSING: Final = object()
 _NO_TABLE: Final = re.compile(
