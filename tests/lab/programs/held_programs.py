@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from watching import PATIENCE, script_in
+from watched_scripts import PATIENCE, script_in
 
 from rl_tui.lab.programs.messages import NO_LIMIT
 from rl_tui.lab.programs.program_log import ProgramLog
