@@ -363,13 +363,14 @@ class ProgramPlayback:
         What it met may be none of both: a state of ours may be one of several with the same observation.
         """
         program, stop = self.program, self.stop
-        if program.log.stopped_by is None:
+        met = program.stopped_by
+        if met is None:
             return False
         self._take_in()
         words = met_breakpoint(self.breakpoints, self.history.newest)
-        is_over = stop is not None and program.log.stopped_by in stop.asked and stop.is_over
+        is_over = stop is not None and met in stop.asked and stop.is_over
         if not words and not is_over:
-            program.let(NO_LIMIT if self._goal is None else self._goal)
+            program.go_on()
             return False
         self.rest()
         if words:
@@ -419,7 +420,7 @@ class ProgramPlayback:
             self._goal, self._owed = program.log.recording.count + self._owed, 0
             program.let(self._goal)
         self._listen(seconds)
-        if program.log.stopped_by is not None and self._owed == 0 and self._goal is not None:
+        if program.stopped_by is not None and self._owed == 0 and self._goal is not None:
             self._has_stopped()
         if self._goal is not None and self.history.newest.step >= self._goal:
             self._goal = None

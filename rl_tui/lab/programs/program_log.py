@@ -135,6 +135,8 @@ class ProgramLog:
     """The step at which it waits; None: it goes on."""
     stopped_by: str | None = None
     """What it met there, None where it may simply go no further."""
+    heard: int = 0
+    """How many lines it had heard of the watching side when it last said that it waits."""
     ended: bool = False
     is_garbled: bool = False
     """Whether something came that is none of ours."""
@@ -232,6 +234,7 @@ class ProgramLog:
                 self.notes.append(said["text"])
             case MessageKind.WAITING:
                 self.waiting_at, self.stopped_by = said["step"], said["stopped"]
+                self.heard = said["heard"]
             case MessageKind.REFUSED:
                 self.refused = said["text"]
             case MessageKind.ERROR:
