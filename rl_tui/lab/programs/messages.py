@@ -19,7 +19,8 @@ or ``reset``. ``before`` is NaN where the table had no such entry.
 
 The watching side writes lines of JSON, which are heard at each wait, and while the program runs some thirty
 times a second. Each has a ``number``, counted from 1; a program that goes on waiting says again that it
-waits after each of them, and how many it has heard. ``{"trace": n}`` asks for the lines of the next n changes.
+waits after each of them, and how many it has heard. ``{"trace": n}`` asks for the lines of the next n
+changes.
 ``{"stop": …}`` says at what to stop, null at nothing. Its value holds one or more of
 
     states: [s, …]      the step led into one of these states

@@ -141,6 +141,19 @@ class ProgramLog:
     is_garbled: bool = False
     """Whether something came that is none of ours."""
 
+    def frozen(self) -> ProgramLog:
+        """Return it as it is now, without output, which another thread may read while this one grows."""
+        return replace(
+            self,
+            recording=self.recording.frozen(),
+            environments=list(self.environments),
+            numbers=dict(self.numbers),
+            lines=dict(self.lines),
+            called=dict(self.called),
+            notes=list(self.notes),
+            output=deque(),
+        )
+
     def take(self, letter: bytes, payload: bytes) -> None:
         """Take in one frame. One that is none of ours is an end: no more counts of what the program says."""
         if self.is_garbled and letter != OWN_MESSAGE:
