@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from rl_tui.lab.detective.source.syntax import (
     assigned,
@@ -23,7 +23,9 @@ from rl_tui.lab.detective.source.syntax import (
     parsed_file,
     targets_of,
 )
-from rl_tui.lab.programs.program_log import ProgramLog
+
+if TYPE_CHECKING:
+    from rl_tui.lab.programs.program_log import ProgramLog
 
 _MOST_FILES: Final = 16
 _CHOICE: Final = re.compile(r"action|policy|^act$|agent_start|choose|greedy", re.IGNORECASE)
