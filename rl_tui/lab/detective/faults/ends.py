@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -14,6 +15,8 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
 _LEAST_DISCOUNT: Final = 1e-3
 """A smaller one may be nothing but rounding."""
+_EITHER_END: Final = "done"
+"""What a flag is called that is true at a truncation too, where that is what it is found to do."""
 
 
 class _Ends(NamedTuple):
@@ -76,6 +79,8 @@ def _bootstraps(predictions: Predictions, ended: BoolArray, reward: FloatArray, 
 
 def _left_out(predictions: Predictions, cut_off: BoolArray, reward: FloatArray, names: CodeNames) -> Proof:
     ends = _ends(predictions, cut_off, reward)
+    if names.terminated == _EITHER_END:
+        names = replace(names, terminated="terminated")
     seen = predictions.witnesses(ends.readings, ends.without, ends.with_next)
     return Proof(
         CodeFault.NO_BOOTSTRAP_AFTER_TRUNCATION,

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from rl_tui.lab.detective.source.syntax import (
     assigned,
@@ -26,7 +26,9 @@ from rl_tui.lab.detective.source.syntax import (
     parsed_file,
     targets_of,
 )
-from rl_tui.lab.programs.program_log import ProgramLog
+
+if TYPE_CHECKING:
+    from rl_tui.lab.programs.program_log import ProgramLog
 
 _MOST_FILES: Final = 16
 _MOST_CALLS: Final = 3
