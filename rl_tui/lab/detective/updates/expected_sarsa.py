@@ -12,7 +12,7 @@ from rl_tui.lab.detective.updates.pair_solving import drawn, most_frequent, plai
 from rl_tui.lab.detective.updates.sample import EXACT, Sample
 from rl_tui.lab.detective.updates.trial import FEWEST, Trial
 from rl_tui.lab.detective.verdict import UpdateTarget
-from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 _SINGULAR: Final = 1e-5
 
@@ -45,8 +45,8 @@ def _solved(sample: Sample, mean: FloatArray, triples: IntArray) -> FloatArray:
     matrix, change = columns[triples], sample.change[triples]
     size = np.abs(matrix).max(1, keepdims=True)
     matrix /= size
-    good: BoolArray = np.isfinite(matrix).all((1, 2)) & np.isfinite(change).all(1)
-    good[good] = np.abs(np.linalg.det(matrix[good])) > _SINGULAR
+    good = np.flatnonzero(np.isfinite(matrix).all((1, 2)) & np.isfinite(change).all(1))
+    good = good[np.abs(np.linalg.det(matrix[good])) > _SINGULAR]
     answer = np.linalg.solve(matrix[good], change[good][..., None])[..., 0] / size[good, 0]
     return np.column_stack((answer[:, 0], answer[:, 1] / answer[:, 0], answer[:, 2] / answer[:, 1]))
 
