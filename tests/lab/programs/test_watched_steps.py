@@ -287,6 +287,41 @@ def test_two_environments_share_a_table(tmp_path: Path) -> None:
     np.testing.assert_array_equal(steps.environment, steps.episode % 3 == 2)
 
 
+@pytest.mark.parametrize(
+    ("table", "flat"),
+    [
+        ("{i: [0.0] * 4 for i in range(48)}", "[*q.values()]"),
+        ("{i: np.zeros(4) for i in range(48)}", "[row.tolist() for row in q.values()]"),
+        ("[[0.0] * 4 for _ in range(48)]", "q"),
+    ],
+)
+def test_what_changes_at_the_end_of_an_episode_belongs_to_its_last_step(
+    tmp_path: Path, table: str, flat: str
+) -> None:
+    text = f"""
+        import copy, json, sys, numpy as np, gymnasium as gym
+        env = gym.make("CliffWalking-v1")
+        q, tables = {table}, []
+        for episode in range(260):  # short ones, after which nobody would look for long ones
+            s, _ = env.reset()
+            past = []
+            for _ in range(2 if episode < 230 else 12):
+                a = env.action_space.sample()
+                tables.append(copy.deepcopy({flat}))
+                past.append((s, a))
+                s, r, *_ = env.step(a)
+            for s, a in past:
+                q[s][a] += .1 * (-len(past) - q[s][a])
+        tables.append({flat})
+        open(sys.argv[1], "w").write(json.dumps([["table", each] for each in tables]))
+        """
+
+    log = watched(script_in(tmp_path, text), str(tmp_path / "log.json"))
+
+    assert log.error is None
+    _assert_tables_as_written(log, json.loads((tmp_path / "log.json").read_text()))
+
+
 def _assert_as_written(log: ProgramLog, written: list[list[object]]) -> None:
     steps = log.recording.steps
     own = [each[1:] for each in written if each[0] == "step"]
@@ -300,6 +335,10 @@ def _assert_as_written(log: ProgramLog, written: list[list[object]]) -> None:
         strict=True,
     )
     assert [list(each) for each in told] == own
+    _assert_tables_as_written(log, written)
+
+
+def _assert_tables_as_written(log: ProgramLog, written: list[list[object]]) -> None:
     tables = [np.array(each[1], float).ravel() for each in written if each[0] == "table"]
     assert log.recording.found_at == 0
     for step, table in enumerate(tables):

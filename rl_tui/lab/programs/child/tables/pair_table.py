@@ -41,7 +41,7 @@ class PairTable(StoredTable):
 
     def differences(self, table: Any, states: Iterable[int]) -> list[float]:
         """Return what differs now in the rows of ``states``, and what is new."""
-        if len(table) != len(self._cells):
+        if dict.__len__(table) != len(self._cells):
             return self.all_differences(table)
         found: list[float] = []
         numbers, get, first = self._numbers, dict.get, self.numbering.first_action
@@ -56,7 +56,7 @@ class PairTable(StoredTable):
 
     def all_differences(self, table: Any) -> list[float]:
         """Return what differs now anywhere."""
-        if len(table) != len(self._cells):
+        if dict.__len__(table) != len(self._cells):
             self._read_keys(table)
             self._kept = []
         now = list(dict.values(table))
