@@ -36,6 +36,12 @@ class Columns:
         """Return the columns so far."""
         return [column[: self._length] for column in self._rooms]
 
+    def frozen(self) -> Columns:
+        """Return them as they are now, which another thread may read."""
+        frozen = Columns(())
+        frozen._rooms, frozen._length = self.views(), self._length
+        return frozen
+
     def forget(self, first: int) -> None:
         """Forget the ``first`` rows."""
         self._rooms = [column[first : self._length].copy() for column in self._rooms]

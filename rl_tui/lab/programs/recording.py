@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from copy import copy
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -13,7 +14,7 @@ from rl_tui.lab.programs.messages import CHANGE_WIDTH, STEP_WIDTH, StepFlag
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 MOST_STEPS: Final = 4_000_000
-"""StepColumns that are kept; when there are more the older half is forgotten."""
+"""Steps that are kept; when there are more the older half is forgotten."""
 
 _CHANGES_OF_A_STEP: Final = 8  # that are kept for each step, on an average
 _BETWEEN_KEYFRAMES: Final = 100_000  # changes
@@ -122,6 +123,14 @@ class Recording:
             begin:until
         ]  # of several of one cell the last counts
         return table
+
+    def frozen(self) -> Recording:
+        """Return it as it is now, which another thread may read while this one grows."""
+        frozen = copy(self)
+        frozen._steps, frozen._changes = self._steps.frozen(), self._changes.frozen()
+        frozen._latest, frozen._keyframes = self._latest.copy(), list(self._keyframes)
+        frozen.rebound = list(self.rebound)
+        return frozen
 
     def _keep_latest(self, cell: IntArray, after: FloatArray) -> None:
         """Keep the table as it is now, and now and then as it was, from where others are found quickly."""
