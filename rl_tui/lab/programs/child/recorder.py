@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import sys
-import threading
 from collections.abc import Mapping, Sequence
+from threading import get_ident
 from types import FrameType
 from typing import Any, Final, NoReturn
 
@@ -72,7 +72,7 @@ class Recorder:
 
         ``frame`` is what called ``method``.
         """
-        if threading.get_ident() != self._thread:
+        if get_ident() != self._thread:
             self._check_thread()
         if method not in self._called:
             self._tell_caller(frame, method)
@@ -139,7 +139,7 @@ class Recorder:
             self.refuse(_FORKED)
         if self._thread is not None:
             self.refuse(_MANY_THREADS)
-        self._thread = threading.get_ident()
+        self._thread = get_ident()
 
     def _take_changes(self, frame: FrameType | None, numbering: Numbering, *, at_reset: bool) -> list[float]:
         tracker = self._tracker
