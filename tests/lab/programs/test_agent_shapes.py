@@ -273,8 +273,9 @@ class QLearningAgent(ReinforcementAgent):
         return counts.argMax()
 
     def update(self, state, action, nextState, reward):
-        ahead = max((self.values[(nextState, each)] for each in self.getLegalActions(nextState)), default=0.0)
-        self.values[(state, action)] += self.alpha * (reward + self.discount * ahead - self.values[(state, action)])
+        ahead = [self.values[(nextState, each)] for each in self.getLegalActions(nextState)]
+        target = reward + self.discount * max(ahead, default=0.0)
+        self.values[(state, action)] += self.alpha * (target - self.values[(state, action)])
 """
     log = learned(agent_in(tmp_path, text), "student", 100)
     assert log.error is None, log.error
