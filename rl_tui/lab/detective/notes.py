@@ -50,12 +50,12 @@ def _notes(evidence: Evidence, update: UpdateFound, dtype: str) -> Iterator[str]
         yield "What is done at the end of an episode cannot be told without a known update."
         return
     if update.gamma is None:
-        yield "γ: no step yet whose target holds a value of the next state."
+        yield "No step yet tells γ: the values of the next states were 0, or always the same."
     elif update.target in _UNUSUAL:
         yield f"The target takes {update.target} for the value of the next state."
     if update.reward == "own":
         yield "The reward is the program's own: what is done at the end of an episode cannot be told."
     if update.place is MovedCell.ONE_LATE:
-        yield "Each update comes one step late; it is then that of the step before."
+        yield "Each update comes one step late: it is that of the step before."
     if dtype.startswith("float16"):
         yield "The table holds float16: estimates have three digits."
