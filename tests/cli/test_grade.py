@@ -236,6 +236,18 @@ def test_what_cannot_be_graded_at_all(args: tuple[str, ...], said: str, tmp_path
     assert said in result.stderr.splitlines()[-1]
 
 
+def test_a_threshold_that_the_optimal_policy_does_not_reach_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "broken.py"
+    path.write_text("x = (")
+    said = "has itself only 0.9450 of the best return in frozenlake-8x8-slippery"
+    for threshold, is_said in ((0.95, True), (0.94, False)):
+        result = run(
+            path, "--scenario", "frozenlake-8x8-slippery", "--seeds", 1, "--threshold", threshold, "--json"
+        )
+        assert (said in result.stderr) == is_said
+        json.loads(result.stdout)
+
+
 @pytest.mark.parametrize(
     "scenario", ["frozenlake", "frozenlake-slippery", "cliff", "taxi", "student", "bandit"]
 )

@@ -75,6 +75,13 @@ def command(
         complain(f"left out: {', '.join(found.left_out)}")
     limits = GradingLimits(float(seconds), memory * 2**20)
     grading = Grading(recipe, seeds, episodes or episodes_of(recipe.scenario), threshold, limits)
+    share_of_optimal = grading.yardstick.share(grading.yardstick.of_optimal)
+    if share_of_optimal is not None and share_of_optimal < threshold:
+        complain(
+            f"the optimal policy for γ = {recipe.hyperparameters.gamma:g} has itself only "
+            f"{share_of_optimal:.4f} of the best return in {recipe.scenario.id}: a --threshold above that is "
+            "too much to ask"
+        )
     with progress(f"{target} in {recipe.scenario.id}") as bar:
         graded = grading.grade(found.submissions, bar)
     if as_json:
