@@ -96,6 +96,7 @@ def test_an_agent_passes(tmp_path: Path) -> None:
 def test_a_folder_is_graded_to_its_end_whatever_is_in_it(tmp_path: Path) -> None:
     for name, text in {
         "agent.py": UDACITY,
+        "away.py": UDACITY.replace("goal = reward if", "__import__('os')._exit(0)\n        goal = reward if"),
         "broken.py": "x = (",
         "crash.py": f"import gymnasium\n{LAKE}.reset()\n1 / 0\n",
         "killed.py": "import os\nos.kill(os.getpid(), 9)\n",
@@ -115,6 +116,7 @@ def test_a_folder_is_graded_to_its_end_whatever_is_in_it(tmp_path: Path) -> None
     assert [name for name, each in graded.items() if each["passed"]] == ["agent.py", "script.py"]
     errors = {name: each["runs"][0]["error"] or "" for name, each in graded.items()}
     for name, said in {
+        "away.py": "of 500 episodes",
         "broken.py": "line 1",
         "crash.py": "crash.py, line 3: ZeroDivisionError: division by zero",
         "killed.py": "SIGKILL",

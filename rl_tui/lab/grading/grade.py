@@ -20,7 +20,7 @@ from rl_tui.lab.detective.verdict import CodeFault, CodeFinding
 from rl_tui.lab.experiments.patience import cores
 from rl_tui.lab.experiments.training import Goal
 from rl_tui.lab.grading.agent_request import agent_request
-from rl_tui.lab.grading.agent_training import error_in_a_line, estimates_of
+from rl_tui.lab.grading.agent_training import error_in_a_line, error_of_agent, estimates_of
 from rl_tui.lab.grading.share import Yardstick, yardstick_of
 from rl_tui.lab.grading.submissions import Submission, agent_of
 from rl_tui.lab.grading.watch_report import environment_of, error_of, finding_as_json
@@ -116,7 +116,8 @@ class Grading:
         threshold: float,
         limits: GradingLimits | None = None,
     ) -> None:
-        self.recipe, self.seeds, self.episodes, self.threshold = recipe, seeds, episodes, threshold
+        self.recipe, self.seeds, self.threshold = recipe, seeds, threshold
+        self._goal = Goal(episodes=episodes)
         self.mdp, self.yardstick = _measured(recipe)
         self._limits = limits or GradingLimits()
 
@@ -161,7 +162,7 @@ class Grading:
             is_agent = agent_of(submission) is not None
             log = self._watched(submission, seed, given_up, is_agent=is_agent)
             findings = verdict_of(log).findings
-            error = error_of(log)
+            error = error_of_agent(log, self._goal) if is_agent else error_of(log)
             if error is not None:
                 said = error_in_a_line(submission.agent.path, error)
                 return GradedRun(seed, error=said, findings=findings)
@@ -180,8 +181,8 @@ class Grading:
         """Return all that one seed of ``submission`` told, which may be an error."""
         request = ProgramRequest(submission.agent.path, seed=seed, memory=self._limits.memory)
         if is_agent:
-            recipe, goal = replace(self.recipe, seed=seed), Goal(episodes=self.episodes)
-            request = agent_request(submission.agent, recipe, {}, goal, self._limits.memory)
+            recipe = replace(self.recipe, seed=seed)
+            request = agent_request(submission.agent, recipe, {}, self._goal, self._limits.memory)
             request = replace(request, scenario_seed=self.recipe.seed)  # all seeds learn in one world
 
         def check(_: ProgramLog) -> None:
