@@ -282,6 +282,12 @@ class QLearningAgent(ReinforcementAgent):
     assert verdict_of(log).update.rule == Rule.Q_LEARNING
 
 
+def test_a_file_called_as_its_base_class_s_is_not_its_own_base(tmp_path: Path) -> None:
+    text = RL_GLUE.replace("from rl_glue.agent", "from agent")
+    log = learned(agent_in(tmp_path, text, "agent.py"), episodes=2)
+    assert log.error is None, log.error
+
+
 def test_where_not_all_actions_are_legal(tmp_path: Path) -> None:
     log = learned(agent_in(tmp_path, FUNCTION), "student", 20)
     assert log.error is None
