@@ -95,7 +95,7 @@ class ProgramHistory:
         return CellHistory(pair, step[last_of_step], value[last_of_step])
 
     def _changes_of(self, cell: int, changes: ChangeColumns) -> IntArray:
-        """Return the places of the changes of ``cell``; only what came since it was last asked is looked at."""
+        """Return the places of the changes of ``cell``, looking only at what came since it was last asked."""
         key, count = (cell, self.recording.first, self.recording.found_at), len(changes.cell)
         if self._followed != key:
             self._followed, self._places, self._looked_at = key, np.empty(0, np.int64), 0
