@@ -9,6 +9,8 @@ from collections.abc import Mapping, Sequence
 from types import FrameType
 from typing import Any, Final, NoReturn
 
+import numpy as np
+
 from rl_tui.lab.programs.child.channel import Channel
 from rl_tui.lab.programs.child.code_numbers import numbers_in
 from rl_tui.lab.programs.child.environments.numbering import Numbering
@@ -178,14 +180,13 @@ class Recorder:
         assert tracker is not None
         numbering, table = tracker.numbering, tracker.table
         self._is_shared = tracker.rows_are_shared()
-        shape = [len(table), *([] if isinstance(table, dict) else [numbering.actions])]
         self.channel.message(
             MessageKind.TABLE,
             step=self.count,
             name=tracker.way.name(),
             form=tracker.form.name,
-            shape=list(getattr(table, "shape", shape)),
-            dtype=str(getattr(table, "dtype", "")),
+            shape=_shape_of(table, numbering.actions),
+            dtype=str(table.dtype) if type(table) is np.ndarray else "",
             actions=numbering.actions,
             others=others,
             shared=self._is_shared,
@@ -245,3 +246,10 @@ class Recorder:
 
     def _row(self, state: int) -> Sequence[float]:
         return () if self._tracker is None else self._tracker.form.row(state)
+
+
+def _shape_of(table: Any, actions: int) -> list[int]:
+    """Return the sizes of an array or of lists; of a dict how many entries it has."""
+    if type(table) is np.ndarray:
+        return list(table.shape)
+    return [dict.__len__(table)] if issubclass(type(table), dict) else [len(table), actions]
