@@ -24,11 +24,17 @@ from rl_tui.lab.detective.verdict import (
 from rl_tui.lab.last_step.story import story_of
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.programs.program_log import OutputLine
+from rl_tui.lab.programs.program_log import FoundTable, OutputLine
 from rl_tui.tui.draw.pieces import length
 from rl_tui.tui.panels.last_step.last_step import last_step_lines
 from rl_tui.tui.panels.microscope.microscope import page
-from rl_tui.tui.panels.program.findings import NOTHING, FindingsPanel
+from rl_tui.tui.panels.program.findings import (
+    EXAMINED,
+    EXAMINED_WITHOUT_RULE,
+    NO_STEP_YET,
+    NOTHING,
+    FindingsPanel,
+)
 from rl_tui.tui.panels.program.output import MOST_LINES, NOTHING_WRITTEN, OutputPanel
 from rl_tui.tui.panels.program.program import UNKNOWN, ProgramPanel
 from rl_tui.tui.panels.program.source import safe_line, source_lines
@@ -99,6 +105,11 @@ def test_without_a_table_it_says_what_was_looked_for() -> None:
     view = program(table=None, verdict=ProgramVerdict(), looked_for=("an array of 16×4", "a dict"))
     text = " ".join(drawn(ProgramPanel, watched(view), 80, 4).split())
     assert "an array of 16×4; a dict" in text
+
+
+def test_a_dictionary_has_no_shape_for_it_grows() -> None:
+    view = program(table=FoundTable("agent.q", "dict-of-arrays", (1,), ""))
+    assert " FrozenLake-v1 · table agent.q: dict of arrays\n" in drawn(ProgramPanel, watched(view))
 
 
 def test_other_tables_are_named_with_the_key_that_chooses() -> None:
@@ -203,8 +214,8 @@ def test_the_chosen_finding_shows_line_evidence_and_correction() -> None:
     text = drawn(FindingsPanel, watched(program(verdict=BOTH)), 100)
     for said in (
         "▸ fault: bootstraps after the end   line 15",
-        AFTER_END.text,
-        "proven, 34 steps speak for it, none against; enter goes to the first, step 812",
+        f"{AFTER_END.text}.",
+        "Proven; steps for it: 34, against it: none. Enter goes to the first, step 812.",
         " ▸ 15 ",
         SOURCE[14],
         "Instead: after a terminal step the target is r alone",
@@ -257,8 +268,37 @@ def test_the_file_of_a_program_may_be_given_as_people_do(path: str, file: str, i
 
 def test_nothing_found_says_what_that_rests_on() -> None:
     text = " ".join(drawn(FindingsPanel, watched()).split())
-    assert f"{NOTHING}: 12,400 steps and 1,033 ends of episodes were examined, 1,204 of them" in text
-    assert "nothing could be examined" in " ".join(drawn(FindingsPanel, watched(program(table=None))).split())
+    assert f"{NOTHING} in 12,400 steps and 1,033 ends of episodes. {EXAMINED}" in text
+    assert "On 1,204 steps the next state had a value" in text
+
+
+@pytest.mark.parametrize("rule", [Rule.UNKNOWN, Rule.MONTE_CARLO])
+def test_where_the_target_is_not_known_it_was_not_examined(rule: Rule) -> None:
+    view = program(verdict=ProgramVerdict(UpdateFound(rule=rule, reason="No step tells it.")))
+    text = " ".join(drawn(FindingsPanel, watched(view)).split())
+    assert EXAMINED_WITHOUT_RULE in text
+    assert EXAMINED not in text
+    assert "informative" not in text
+    assert ("no step tells it" in text) is (rule is Rule.UNKNOWN)
+
+
+def test_without_a_table_the_findings_say_all_that_was_looked_for() -> None:
+    looked_for = ("an array of 16×4", "a dictionary of numbers, by (state, action)")
+    view = program(table=None, verdict=ProgramVerdict(), looked_for=looked_for)
+    text = " ".join(drawn(FindingsPanel, watched(view), 36).split())
+    assert "nothing was examined" in text
+    assert all(f"- {each}" in text for each in looked_for)
+
+
+def test_before_the_first_step_the_findings_say_how_to_begin() -> None:
+    text = " ".join(drawn(FindingsPanel, watched(program(table=None), 0)).split())
+    assert text == NO_STEP_YET
+
+
+def test_the_name_of_a_finding_is_not_cut_off() -> None:
+    limit = replace(AFTER_END, fault=CodeFault.NO_BOOTSTRAP_AFTER_TRUNCATION)
+    lines = drawn(FindingsPanel, watched(program(verdict=ProgramVerdict(findings=(limit,)))), 30).splitlines()
+    assert IN_SHORT[limit.fault] in " ".join(line[:-1].strip() for line in lines[:2])
 
 
 def test_declared_is_said() -> None:
@@ -336,7 +376,7 @@ def test_a_step_whose_update_is_not_known_tells_only_what_moved() -> None:
     assert last is not None
     text = story(picture, 80)
     assert "your program moved Q(6,←) from " in text
-    assert "the update is not known yet: several cells moved in most steps" in text
+    assert "the update is not known: several cells moved in most steps" in text
     for invented in ("target", "α", "γ", "δ"):
         assert invented not in text
     assert "your program moved" in story(picture, 80, 1)
@@ -404,7 +444,7 @@ def test_the_microscope_has_the_update_that_fits_and_invents_nothing() -> None:
     assert "fits 99.93 % of steps" in text
     assert "departs at step 812" in text
     text = "\n".join(row.text for row in page(unknown("no step tells it"), 0, look(), 120, 20))
-    assert "which estimates your program looked up is not" in text
+    assert "which estimates your program read is not known" in text
     assert "your program moved" in text
     for invented in ("sampled", "expected", "α", "max Q", "G₀"):
         assert invented not in text

@@ -70,12 +70,16 @@ def name_of(program: ProgramView) -> str:
 
 
 def table_texts(table: FoundTable) -> tuple[str, ...]:
-    """Return the table in words, the longest form first: ``table q: array 16×4, float64``."""
+    """Return the table in words, the longest form first: ``table q: array 16×4, float64``.
+
+    A dictionary has no shape: it grows with the states that are met.
+    """
     name = one_line(table.name, LONGEST_NAME)
     form = _FORMS.get(table.form, one_line(table.form, LONGEST_NAME))
-    shape = "×".join(map(str, table.shape[:4]))
+    grows = table.form.startswith("dict")
+    shape = "" if grows else " " + "×".join(map(str, table.shape[:4]))
     dtype = f", {one_line(table.dtype, LONGEST_NAME)}" if table.dtype else ""
-    return f"table {name}: {form} {shape}{dtype}", f"table {name}: {form} {shape}", f"table {name} {shape}"
+    return f"table {name}: {form}{shape}{dtype}", f"table {name}: {form}{shape}", f"table {name}{shape}"
 
 
 def update_texts(update: UpdateFound, glyphs: Glyphs) -> tuple[str, ...]:
@@ -105,6 +109,12 @@ def clause(sentence: str) -> str:
     text = one_line(sentence, LONGEST_SENTENCE).removesuffix(".")
     is_word = text[:1].isupper() and (text[1:2].islower() or text[1:2] == " ")
     return text[:1].lower() + text[1:] if is_word else text
+
+
+def sentence(text: str) -> str:
+    """Return ``text`` with a full stop; it may begin with a name, so its first letter stays."""
+    line = one_line(text, LONGEST_SENTENCE)
+    return line if line.endswith((".", "…")) else f"{line}."
 
 
 def notes_of(program: ProgramView) -> list[str]:
