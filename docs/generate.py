@@ -31,7 +31,12 @@ from rl_tui.worlds.files.catalogue import shipped_folder
 FOLDER = Path(__file__).parent
 BLOCK = re.compile(r"(<!-- made by make docs: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 PLACES = {Place.CATALOGUE: "catalogue", Place.PLAYGROUND: "playground", Place.BOTH: "both"}
-PICTURES = {"playground.svg": "wait:20000", "microscope.svg": "wait:60000,d"}
+_LAKE = "frozenlake-slippery"
+PICTURES = {
+    "playground.svg": (_LAKE, "--keys", "wait:20000"),
+    "microscope.svg": (_LAKE, "--keys", "wait:60000,d"),
+    "own-code.svg": ("--watch", str(FOLDER / "lake.py"), "--keys", "wait:12000,F"),
+}
 
 
 def main() -> None:
@@ -53,8 +58,7 @@ def renewed(text: str) -> str:
 
 def draw(picture: str, path: Path) -> None:
     """Draw that one of ``PICTURES`` into ``path``."""
-    keys = PICTURES[picture]
-    program(["screenshot", "frozenlake-slippery", "--keys", keys, "--out", str(path)], standalone_mode=False)
+    program(["screenshot", *PICTURES[picture], "--out", str(path)], standalone_mode=False)
 
 
 def keys() -> str:

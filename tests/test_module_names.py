@@ -29,8 +29,13 @@ CROSS_REFERENCE: Final = re.compile(r":(?:mod|class|func|meth|data):`~?(rl_tui[\
 GLOB: Final = re.compile(r"[\w/]*\*[\w/*]*\.\w+")
 
 
+SCRIPTS: Final = ROOT / "tests" / "lab" / "programs" / "scripts"
+"""Programs to be watched: some are no Python, but notebooks."""
+
+
 def sources(*folders: Path) -> list[Path]:
-    return sorted(path for folder in folders for path in folder.rglob("*.py"))
+    found = (path for folder in folders for path in folder.rglob("*.py"))
+    return sorted(path for path in found if not path.is_relative_to(SCRIPTS))
 
 
 def strings_in(path: Path) -> Iterator[str]:

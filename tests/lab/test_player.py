@@ -14,11 +14,11 @@ from recipes import bandit, recipe, replay
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Apply, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
-from rl_tui.lab.live.interpreter import SWITCH_INTERVAL, USUAL_SWITCH_INTERVAL
 from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.live.player import Player, PlayerClosedError
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.speed.interpreter import SWITCH_INTERVAL, USUAL_SWITCH_INTERVAL
 from rl_tui.lab.run.recipe import SetParameter
 from rl_tui.lab.timeline.branches import Branch, RunRecord
 

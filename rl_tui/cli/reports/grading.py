@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Final
 
 from rl_tui.cli.output import columns, number
 from rl_tui.common.findings import printable
 from rl_tui.common.words import counted
 from rl_tui.lab.grading.grade import GradedSubmission, Grading
+from rl_tui.lab.own_agents.loading import AgentName
 
 _MOST_ERRORS: Final = 3
 _HEAD: Final = ("submission", "", "share of best", "least", "return", "of best", "failed")
@@ -46,7 +48,9 @@ def _remarks(each: GradedSubmission) -> list[str]:
     of = f"of {len(each.runs):,}"
     lines = []
     for finding, seeds in each.findings:
-        place = "" if finding.line is None else f" (line {finding.line})"
+        place = (
+            "" if finding.line is None else f" (line {finding.line}{_of_another(finding.file, each.name)})"
+        )
         text = f"{finding.text}{place}. {finding.correction}".strip()
         lines.append(f"{finding.kind} in {seeds:,} {of} seeds, {finding.fault}: {text}")
     errors = dict[str, int]()
@@ -60,3 +64,9 @@ def _remarks(each: GradedSubmission) -> list[str]:
     if endless:
         lines.append(f"in {endless:,} {of} seeds the greedy policy may never end, and so has no return")
     return [printable(line) for line in lines]
+
+
+def _of_another(file: str, submission: str) -> str:
+    """Return which file a line stands in, where that is another one than the submission's own."""
+    name = Path(file).name
+    return "" if not name or name == AgentName.read(submission).path.name else f" of {name}"

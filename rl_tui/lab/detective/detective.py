@@ -6,6 +6,7 @@ import numpy as np
 
 from rl_tui.lab.detective.evidence import Evidence
 from rl_tui.lab.detective.findings import findings_of
+from rl_tui.lab.detective.notes import note_on_other_worlds
 from rl_tui.lab.detective.update_rule import update_of
 from rl_tui.lab.detective.verdict import ProgramVerdict
 from rl_tui.lab.programs.program_log import ProgramLog
@@ -20,4 +21,4 @@ def verdict_of(log: ProgramLog) -> ProgramVerdict:
         evidence = Evidence(log.recording)
         update = update_of(evidence, log.numbers)
         findings, notes = findings_of(evidence, update, log, done_is_either=is_either)
-    return ProgramVerdict(update, findings, notes)
+    return ProgramVerdict(update, findings, (*notes, *note_on_other_worlds(log)))

@@ -107,6 +107,12 @@ class Evidence:
         at: IntArray = np.where((place >= 0) & (place < len(self)), place, -1)
         return at
 
+    @property
+    def has_next(self) -> BoolArray:
+        """Whether the action taken next in the same episode is known, [N]."""
+        has_next: BoolArray = self.next_action != NO_ACTION
+        return has_next
+
     @cached_property
     def runs_away_at(self) -> float:
         """The first step after which a number is so large that sums with it say nothing; ∞ if none is."""

@@ -69,7 +69,7 @@ def _without_a_rule(
     evidence: Evidence, log: ProgramLog, table: FoundTable, code: ProgramCode, names: CodeNames
 ) -> Iterator[Proof | None]:
     """Yield what may be proven of any program."""
-    writes = code.writes_table
+    writes = code.always_writes
     yield proof_of_sharing(evidence, log.shared_at, names)
     yield proof_of_rounding(evidence, table.dtype, log.numbers, names, writes=writes)
     yield proof_of_no_update(evidence, names, writes=writes, is_over=log.ended)
@@ -97,7 +97,7 @@ def _by_the_rule(
         reward,
         names,
         done_is_either=done_is_either,
-        may_be_own=predictions.update != update and code.gives_other(names.reward),
+        may_be_own=code.sets_a_constant or (predictions.update != update and code.gives_other(names.reward)),
     )
     yield proof_of_gamma_twice(predictions, reward, log.numbers, names)
     yield proof_of_step_size(predictions, reward, names)

@@ -5,15 +5,39 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
+import numpy as np
+
+from rl_tui.common.findings import one_line
 from rl_tui.lab.detective.evidence import Evidence
 from rl_tui.lab.detective.verdict import MovedCell, Rule, UpdateFound, UpdateTarget
+from rl_tui.lab.programs.program_log import ProgramLog
 
+_LONGEST: Final = 80
 _UNUSUAL: Final = (UpdateTarget.SAME_ACTION, UpdateTarget.OWN_STATE, UpdateTarget.INDEX, UpdateTarget.NOTHING)
 
 
 def notes_on(evidence: Evidence, update: UpdateFound, dtype: str) -> tuple[str, ...]:
     """Return plain sentences, none where all is told."""
     return tuple(_notes(evidence, update, dtype))
+
+
+def note_on_other_worlds(log: ProgramLog) -> tuple[str, ...]:
+    """Return a sentence on environments of other sizes than the table has, if steps are taken there."""
+    if log.table is None or log.recording.initial is None:
+        return ()
+    cells = len(log.recording.initial)
+    used = set(np.unique(log.recording.steps.environment).tolist())
+    others = [
+        each for each in log.environments if each.number in used and each.states * each.actions != cells
+    ]
+    if not others:
+        return ()
+    ids = ", ".join(dict.fromkeys(f"{each.id} ({each.states} × {each.actions})" for each in others))
+    name = one_line(log.table.name, _LONGEST)
+    return (
+        f"Of the steps in {one_line(ids, _LONGEST)} nothing is told: {name} has no row for them; "
+        "--table NAME follows another table.",
+    )
 
 
 def _notes(evidence: Evidence, update: UpdateFound, dtype: str) -> Iterator[str]:
@@ -26,12 +50,12 @@ def _notes(evidence: Evidence, update: UpdateFound, dtype: str) -> Iterator[str]
         yield "What is done at the end of an episode cannot be told without a known update."
         return
     if update.gamma is None:
-        yield "γ: no step yet whose target holds a value of the next state."
+        yield "No step yet tells γ: the values of the next states were 0, or always the same."
     elif update.target in _UNUSUAL:
         yield f"The target takes {update.target} for the value of the next state."
     if update.reward == "own":
         yield "The reward is the program's own: what is done at the end of an episode cannot be told."
     if update.place is MovedCell.ONE_LATE:
-        yield "Each update comes one step late; it is then that of the step before."
+        yield "Each update comes one step late: it is that of the step before."
     if dtype.startswith("float16"):
         yield "The table holds float16: estimates have three digits."

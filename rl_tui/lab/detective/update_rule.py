@@ -56,7 +56,9 @@ def update_of(evidence: Evidence, numbers: Mapping[str, float]) -> UpdateFound:
             reason=f"The end of an episode moves several numbers, up to {most}: no one-step update fits."
         )
     if place is None:
-        return UpdateFound(reason="What moves is not the number of the state and the action of the step.")
+        return UpdateFound(
+            reason="What moves is not Q(s, a), the number of the state and the action of the step."
+        )
     sample = sample_of(evidence, place)
     trial = _best(sample, numbers)
     if trial is not None:
@@ -101,10 +103,13 @@ def _constant(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
         if trial:
             yield trial
     if sample.place is not MovedCell.ONE_LATE:
-        for target in _RIGHT:
-            trial = constant_trial(sample, target, sample.reward_before, numbers, uses_reward_before=True)
-            if trial:
-                yield trial
+        begins = sample.evidence.episode_step[sample.at] == 0
+        within = np.where(begins, 0.0, sample.reward_before)  # where it is set to 0 for each episode
+        for before in (sample.reward_before, within):
+            for target in _RIGHT:
+                trial = constant_trial(sample, target, before, numbers, uses_reward_before=True)
+                if trial:
+                    yield trial
 
 
 def _faulty(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
@@ -155,9 +160,9 @@ def _found(trial: Trial) -> UpdateFound:
 def _undecided(trial: Trial) -> str:
     """Return why ``trial`` does not tell the rule, empty if it does."""
     if not trial.tells_gamma:
-        return "No step yet has a target that holds the value of a next state."
+        return "No step yet tells γ: the values of the next states were 0, or always the same."
     if trial.gamma == 0.0:
-        return "γ is 0: Q-learning and SARSA are the same then."
+        return "With γ 0 no value of a next state counts: Q-learning and SARSA are the same then."
     if trial.target not in _RIGHT:
         return ""
     rival = _RIGHT[1 - _RIGHT.index(trial.target)]
@@ -173,4 +178,4 @@ def _why_none(sample: Sample) -> str:
         return "Too few numbers of the table have moved yet."
     if sample.evidence.whole_numbers:
         return "The table holds whole numbers only: what is put into it is cut off."
-    return "One number moves with a step, but no target that is known explains by how much."
+    return "Each step moves one number, but no update that is known explains by how much."

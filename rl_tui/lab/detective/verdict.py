@@ -53,6 +53,11 @@ class UpdateTarget(StrEnum):
     NOTHING = "nothing"
 
 
+def step_number(step: int) -> int:
+    """Return the number by which people know ``step``: they count from 1, the pipe and a recording from 0."""
+    return int(step) + 1
+
+
 class MovedCell(StrEnum):
     """Which cell moves with a step."""
 
@@ -69,10 +74,10 @@ class UpdateFound:
     ``epsilon`` is that of Expected SARSA's mean where it is constant, else None. ``reward`` is the
     environment's or the program's own. ``fits`` is the share of the steps considered that it explains, from 0
     to 1, None for an unknown rule; ``informative`` counts the steps on which the value of the next state
-    matters. ``departs_at`` is the first step that it does not explain. ``target``, ``place`` and
-    ``uses_reward_before`` (before that of the step whose cell moves) say how it does so, also where that is a
-    fault; ``rule`` is the one that it is meant to be. An unknown rule may come with ``alpha`` and ``gamma``:
-    those fit, but no step tells Q-learning from SARSA, as ``reason`` says then.
+    matters. ``departs_at`` is the first step that it does not explain, counted from 0. ``target``, ``place``
+    and ``uses_reward_before`` (before that of the step whose cell moves) say how it does so, also where that
+    is a fault; ``rule`` is the one that it is meant to be. An unknown rule may come with ``alpha`` and
+    ``gamma``: those fit, but no step tells Q-learning from SARSA, as ``reason`` says then.
     """
 
     rule: Rule = Rule.UNKNOWN
@@ -95,9 +100,10 @@ class UpdateFound:
 class CodeFinding:
     """A fault or a risk.
 
-    ``certainty`` "declared" rests on a number read from the code. ``step`` is the first step that shows it;
-    ``steps_for`` of the steps on which the two hypotheses differ speak for it, ``steps_against`` against it:
-    0 for a fault. ``text`` says what was seen, ``correction`` what to do in the terms of the book.
+    ``certainty`` "declared" rests on a number read from the code. ``step`` is the first step that shows it,
+    counted from 0; ``steps_for`` of the steps on which the two hypotheses differ speak for it,
+    ``steps_against`` against it: 0 for a fault. ``text`` says what was seen, ``correction`` what to do in the
+    terms of the book.
     """
 
     fault: CodeFault

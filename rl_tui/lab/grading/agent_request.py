@@ -9,7 +9,7 @@ from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import shown
 from rl_tui.lab.experiments.training import Goal
-from rl_tui.lab.own_agents.loading import AgentName, AgentPlace, the_agent
+from rl_tui.lab.own_agents.loading import AgentName, AgentPlace, runs_when_imported, the_agent
 from rl_tui.lab.programs.child.source import read_script
 from rl_tui.lab.programs.program_process import ProgramRequest
 from rl_tui.lab.run.recipe import Recipe
@@ -20,8 +20,19 @@ GIVEN: Final = ("alpha", "gamma", "epsilon", "epsilon_decay", "epsilon_min", "in
 
 
 def place_of_agent(agent: AgentName) -> AgentPlace:
-    """Return where in its file ``agent`` is. Raises UserError where there is none, or there are several."""
-    return the_agent(read_script(agent.path).tree, agent.path, agent.name)
+    """Return where in its file ``agent`` is.
+
+    Raises UserError where there is none, or there are several, or the file learns as soon as it is imported.
+    """
+    tree = read_script(agent.path).tree
+    place = the_agent(tree, agent.path, agent.name)
+    if runs_when_imported(tree):
+        name = shown(agent.path.name)
+        raise UserError(
+            f"{name} makes an environment and learns in it as soon as it is imported: put its loop below "
+            'if __name__ == "__main__":, or watch it as it is with rl-tui watch'
+        )
+    return place
 
 
 def agent_request(

@@ -24,7 +24,7 @@ from rl_tui.lab.grading.agent_training import error_in_a_line, estimates_of
 from rl_tui.lab.grading.share import Yardstick, yardstick_of
 from rl_tui.lab.grading.submissions import Submission, agent_of
 from rl_tui.lab.grading.watch_report import environment_of, error_of, finding_as_json
-from rl_tui.lab.programs.program_log import ProgramLog
+from rl_tui.lab.programs.program_log import ProgramEnvironment, ProgramLog
 from rl_tui.lab.programs.program_process import ProgramRequest
 from rl_tui.lab.programs.program_world import world_of_program
 from rl_tui.lab.programs.to_the_end import watched_to_the_end
@@ -198,8 +198,7 @@ class Grading:
             raise UserError("it made no environment that can be watched")
         known, id_ = world_of_program(environment), self.recipe.scenario.id
         if not _is_same(known.world.mdp, self.mdp):
-            made = one_line(environment.id, _LONGEST_ID)
-            raise UserError(f"it learns in {made}, which has other transitions than {id_}")
+            raise UserError(f"it learns in {_as_made(environment)}, which has other transitions than {id_}")
         if log.recording.initial is None:
             raise UserError(_NO_TABLE)
         return known.q_of(log.recording.table_at(log.recording.count))
@@ -239,6 +238,12 @@ def _measured(recipe: Recipe) -> tuple[TabularMDP, Yardstick]:
     if measured is None:
         raise UserError(f"{id_} cannot be graded by: no policy in it has a best return")
     return mdp, measured
+
+
+def _as_made(environment: ProgramEnvironment) -> str:
+    """Return the id of ``environment`` and what it was made with, by which two of one id differ."""
+    made = ", ".join(f"{name}={value!r}" for name, value in (environment.kwargs or {}).items())
+    return one_line(f"{environment.id} with {made}" if made else environment.id, _LONGEST_ID)
 
 
 def _is_same(found: TabularMDP | None, wanted: TabularMDP) -> bool:

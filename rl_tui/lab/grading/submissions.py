@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import shown
-from rl_tui.lab.own_agents.loading import AgentName, AgentPlace, agents_in, the_agent
+from rl_tui.lab.own_agents.loading import AgentName, AgentPlace, agents_in, runs_when_imported, the_agent
 from rl_tui.lab.programs.child.source import read_script
 
 _SUFFIX: Final = ".py"
@@ -53,10 +53,13 @@ def submissions_in(target: str) -> FoundSubmissions:
 
 
 def agent_of(submission: Submission) -> AgentPlace | None:
-    """Return the agent of ``submission``; None where it has none, and so is a script.
+    """Return the agent of ``submission``; None where it is a script: it has none, or learns when imported.
 
     Raises UserError where the file is no Python, the agent that is named is not there, or there are several.
     """
     path, name = submission.agent
     tree = read_script(path).tree
-    return the_agent(tree, path, name) if name or agents_in(tree, path.parent) else None
+    if name:
+        return the_agent(tree, path, name)
+    is_script = runs_when_imported(tree) or not agents_in(tree, path.parent)
+    return None if is_script else the_agent(tree, path)

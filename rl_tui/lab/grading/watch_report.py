@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from rl_tui.lab.detective.verdict import CodeFinding, ProgramVerdict, UpdateFound
+from rl_tui.lab.detective.verdict import CodeFinding, ProgramVerdict, UpdateFound, step_number
 from rl_tui.lab.programs.program_log import FoundTable, ProgramEnvironment, ProgramError, ProgramLog
 from rl_tui.lab.run.figures import MOST_STATES, finite
 
@@ -127,7 +127,7 @@ def _update(update: UpdateFound) -> dict[str, Any]:
         "reward": update.reward,
         "fits": update.fits,
         "informative": update.informative,
-        "departs_at": update.departs_at,
+        "departs_at": None if update.departs_at is None else step_number(update.departs_at),
     }
 
 
@@ -137,7 +137,7 @@ def finding_as_json(finding: CodeFinding) -> dict[str, Any]:
         "fault": finding.fault.value,
         "kind": finding.kind,
         "certainty": finding.certainty,
-        "step": finding.step,
+        "step": step_number(finding.step),
         "steps_for": finding.steps_for,
         "steps_against": finding.steps_against,
         "file": finding.file or None,

@@ -24,11 +24,20 @@ class MakePlayable(Protocol):
 class Playable(Protocol):
     """Takes commands and works them off in short pieces: see :class:`Playback`, which is the model."""
 
-    state: State
-    phase: Phase
-    changed: bool
     handled: int
     touched: bool
+
+    @property
+    def state(self) -> State:
+        """What it is doing."""
+
+    @property
+    def phase(self) -> Phase:
+        """What a snapshot says that it is doing."""
+
+    @property
+    def changed(self) -> bool:
+        """Whether there is something new to show."""
 
     @property
     def loaded(self) -> tuple[bool, bool]:

@@ -12,11 +12,11 @@ from typing import Final
 from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Command, Restart
-from rl_tui.lab.live.interpreter import as_usual, leave_out_of_collections, switch_often
 from rl_tui.lab.live.playable import MakePlayable, Playable
 from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.live.record import Record, RecordSink
 from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.speed.interpreter import as_usual, leave_out_of_collections, switch_often
 from rl_tui.lab.live.state import State
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.worlds.gym.env_call import seconds_in_call

@@ -41,24 +41,25 @@ def refusal_of(command: commands.Command, file: str) -> str:
 
 
 def _set_speed(playback: ProgramPlayback, command: commands.SetSpeed) -> None:
-    playback.speed = command.speed
-    if playback.state is State.RUNNING:
+    transport = playback.transport
+    transport.speed = command.speed
+    if transport.state is State.RUNNING:
         if command.speed is not None:
-            playback.program.hold()
-        playback.start_pace(at_once=False)
+            transport.program.hold()
+        transport.start_pace(at_once=False)
 
 
 def _step_back(playback: ProgramPlayback, _: commands.StepBack) -> None:
-    playback.show(playback.history.shown.step - 1)
+    playback.transport.show(playback.history.shown.step - 1)
 
 
 def _episode_back(playback: ProgramPlayback, _: commands.EpisodeBack) -> None:
-    playback.rest()
+    playback.transport.rest()
     history = playback.history
     began = history.begin_of_episode(history.shown.episodes + 1)
     if began >= history.shown.step:  # one has just ended: it is the one before
         began = history.begin_of_episode(max(1, history.shown.episodes))
-    playback.show(began)
+    playback.transport.show(began)
 
 
 def _go_to(playback: ProgramPlayback, command: commands.GoTo) -> None:
@@ -66,19 +67,17 @@ def _go_to(playback: ProgramPlayback, command: commands.GoTo) -> None:
     if command.episode is not None:
         step = playback.history.begin_of_episode(command.episode)
     if step is not None:
-        playback.show(step)
+        playback.transport.show(step)
 
 
 def _toggle_breakpoint(playback: ProgramPlayback, command: commands.ToggleBreakpoint) -> None:
-    breakpoints = playback.breakpoints.toggled(state=command.state, pair=command.pair)
+    breakpoints = playback.transport.breakpoints.toggled(state=command.state, pair=command.pair)
     breakpoints.check(playback.beside.world.space)
-    playback.breakpoints = breakpoints
-    playback.arm()
+    playback.transport.pause_at(breakpoints)
 
 
 def _clear_breakpoints(playback: ProgramPlayback, _: commands.ClearBreakpoints) -> None:
-    playback.breakpoints = Breakpoints()
-    playback.arm()
+    playback.transport.pause_at(Breakpoints())
 
 
 def _restart(playback: ProgramPlayback, _: commands.Restart) -> None:
@@ -139,12 +138,12 @@ def _nothing(_: ProgramPlayback, __: commands.Command) -> None:
 
 
 HANDLERS: Final[Mapping[type, Callable[[ProgramPlayback, Any], None]]] = {
-    commands.Play: lambda playback, _: playback.run(),
-    commands.Pause: lambda playback, _: playback.rest(),
-    commands.Step: lambda playback, _: playback.take_steps(1),
-    commands.RunEpisode: lambda playback, _: playback.run_until(Until(Event.EPISODE_END)),
-    commands.RunUntil: lambda playback, command: playback.run_until(command.until),
-    commands.Train: lambda playback, command: playback.train(command.steps),
+    commands.Play: lambda playback, _: playback.transport.run(),
+    commands.Pause: lambda playback, _: playback.transport.rest(),
+    commands.Step: lambda playback, _: playback.transport.take_steps(1),
+    commands.RunEpisode: lambda playback, _: playback.transport.run_until(Until(Event.EPISODE_END)),
+    commands.RunUntil: lambda playback, command: playback.transport.run_until(command.until),
+    commands.Train: lambda playback, command: playback.transport.train(command.steps),
     commands.SetSpeed: _set_speed,
     commands.StepBack: _step_back,
     commands.EpisodeBack: _episode_back,

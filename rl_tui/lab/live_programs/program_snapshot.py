@@ -115,7 +115,7 @@ class ProgramSnapshots:
             results=results,
             exact_answer=asked.exact(shown, gamma),
             playback=playing,
-            answers=asked.answers(shown, world.scenario, gamma, is_still=playback.is_still),
+            answers=asked.answers(shown, world.scenario, gamma, is_still=playback.transport.is_still),
             timeline=_timeline(playback),
             run_group=group,
             cell=None if cell is None else playback.history.cell(cell),
@@ -171,15 +171,16 @@ class ProgramSnapshots:
 
 def view_of(playback: ProgramPlayback) -> PlaybackView:
     """Return what ``playback`` is doing, and what was asked of it."""
-    stop, world = playback.stop, playback.history.shown.world.world
+    transport, world = playback.transport, playback.history.shown.world.world
+    stop = transport.stop
     return PlaybackView(
-        phase=playback.phase,
-        message=playback.message,
-        speed=playback.speed,
-        steps_per_second=playback.meter.steps_per_second,
+        phase=transport.phase,
+        message=transport.message,
+        speed=transport.speed,
+        steps_per_second=transport.meter.steps_per_second,
         until="" if stop is None else until_in_words(stop.until, world),
-        paused_by=playback.paused_by,
-        breakpoints=playback.breakpoints,
+        paused_by=transport.paused_by,
+        breakpoints=transport.breakpoints,
         handled=playback.handled,
     )
 

@@ -27,8 +27,8 @@ class ProgramStop:
         self.until = until
         self.steps = NO_LIMIT
         """After how many steps of the program it is over in any case."""
-        self.asked: dict[str, Any] = {}
-        """What the program is asked to stop at, as messages.py has it."""
+        self._asked: dict[str, Any] = {}
+        self._episodes: int | None = None  # how many are to have ended
         self._progress = progress
         self._optimum = answer.solution
         world = progress.world
@@ -40,20 +40,27 @@ class ProgramStop:
             case Event.EPISODE:
                 left, here = until.number - 1 - progress.episodes, f"episode {progress.episodes + 1:,}"
                 _check_ahead(left > 0, f"the start of episode {until.number:,}", here)
-                self.asked = {"episode_ends": left}
+                self._episodes = until.number - 1
             case Event.EPISODE_END:
-                self.asked = {"episode_ends": 1 + until.number}
+                self._episodes = progress.episodes + 1 + until.number
             case Event.REWARD:
-                self.asked = {"reward": True}
+                self._asked = {"reward": True}
             case Event.POLICY_CHANGE:
-                self.asked = {"policy": True}
+                self._asked = {"policy": True}
             case Event.VALUE:
                 if not 0 <= until.pair < world.world.space.pairs:
                     raise UserError(f"there is no pair {until.pair} here")
-                self.asked = {"value": [int(world.cell_of_pair[until.pair]), until.threshold]}
+                self._asked = {"value": [int(world.cell_of_pair[until.pair]), until.threshold]}
             case Event.OPTIMAL:
                 self._check_optimal(answer)
-                self.asked = {"policy": True}
+                self._asked = {"policy": True}
+
+    @property
+    def asked(self) -> dict[str, Any]:
+        """What the program, which is at rest, is asked to stop at, as messages.py has it."""
+        if self._episodes is None:
+            return self._asked
+        return {"episode_ends": max(1, self._episodes - self._progress.episodes)}
 
     @property
     def is_over(self) -> bool:

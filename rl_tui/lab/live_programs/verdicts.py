@@ -5,15 +5,17 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
-from copy import copy
 from typing import Final
 
+from rl_tui.common.findings import one_line
 from rl_tui.lab.detective.detective import verdict_of
 from rl_tui.lab.detective.verdict import ProgramVerdict
 from rl_tui.lab.programs.program_log import ProgramLog
 
 EVERY: Final = 1.0
 """Seconds between two verdicts on a program that runs."""
+NOT_EXAMINED: Final = "what your program does could not be examined, by a fault of rl-tui"
+_LONGEST: Final = 300
 _REST: Final = 4.0
 """So many times as long as the last verdict took, nothing is worked out."""
 
@@ -29,35 +31,43 @@ class Verdicts:
         """The newest verdict."""
         self._on_news = on_news
         self._automatic = automatic
-        self._judged = -1  # the step up to which it was judged
+        self._judged: tuple[int, ...] = ()  # how much was known when it was judged last
         self._next = 0.0  # when the next one may begin
         self._thread: threading.Thread | None = None
         self._generation = 0
 
     def forget(self) -> None:
         """Begin anew: it is another run of the program."""
-        self.newest, self._judged, self._next = ProgramVerdict(), -1, 0.0
+        self.newest, self._judged, self._next = ProgramVerdict(), (), 0.0
         self._generation += 1
 
     def look(self, log: ProgramLog, *, is_still: bool) -> None:
         """See to it that there is a verdict on what ``log`` holds: soon, or at once where it ``is_still``."""
-        count = log.recording.count
-        if count == self._judged or (self._thread is not None and self._thread.is_alive()):
+        known = (
+            log.recording.count,
+            len(log.recording.changes.step),
+            len(log.numbers),
+            sum(log.lines.values()),
+        )
+        if known == self._judged or (self._thread is not None and self._thread.is_alive()):
             return
         if not self._automatic:
             if is_still:
-                self.newest, self._judged = verdict_of(log), count
+                self.newest, self._judged = _judged(log), known
         elif is_still or time.monotonic() >= self._next:
-            self._judged = count
-            arguments = (_frozen(log), self._generation)
+            self._judged = known
+            arguments = (log.frozen(), self._generation)
             self._thread = threading.Thread(
                 target=self._work, args=arguments, name="the detective", daemon=True
             )
-            self._thread.start()
+            try:
+                self._thread.start()
+            except RuntimeError:  # what the program started may leave no room for a thread
+                self._thread, self._judged, self._next = None, (), time.monotonic() + EVERY
 
     def _work(self, log: ProgramLog, generation: int) -> None:
         begun = time.monotonic()
-        verdict = verdict_of(log)
+        verdict = _judged(log)
         taken = time.monotonic() - begun
         if generation == self._generation:
             self.newest = verdict
@@ -65,13 +75,9 @@ class Verdicts:
             self._on_news()
 
 
-def _frozen(log: ProgramLog) -> ProgramLog:
-    """Return ``log`` as it is now: arrays are never written to, lists grow."""
-    result, result_recording = copy(log), copy(log.recording)
-    for name, value in vars(result_recording).items():
-        if isinstance(value, list):
-            setattr(result_recording, name, list(value))
-    result.recording = result_recording
-    result.numbers, result.lines = dict(log.numbers), dict(log.lines)
-    result.notes = list(log.notes)
-    return result
+def _judged(log: ProgramLog) -> ProgramVerdict:
+    """Return the verdict on ``log``; what nobody has thought of must not end the program on screen."""
+    try:
+        return verdict_of(log)
+    except Exception as error:
+        return ProgramVerdict(notes=(one_line(f"{NOT_EXAMINED}: {type(error).__name__}: {error}", _LONGEST),))

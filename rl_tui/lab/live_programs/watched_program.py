@@ -51,8 +51,13 @@ class WatchedProgram:
     @property
     def is_at_rest(self) -> bool:
         """Whether it waits."""
-        waiting = self.log.waiting_at
-        return waiting is not None and (waiting >= self._limit or self.log.stopped_by is not None)
+        log = self.log
+        return log.waiting_at is not None and log.heard == self._process.asked
+
+    @property
+    def stopped_by(self) -> str | None:
+        """What it met where it rests, as messages.py names it; None where that is nothing."""
+        return self.log.stopped_by if self.is_at_rest else None
 
     @property
     def is_settled(self) -> bool:
@@ -72,15 +77,17 @@ class WatchedProgram:
 
     def let(self, steps: int = NO_LIMIT) -> None:
         """Let it take steps until it has taken so many in all, also where it has met something."""
-        has_met = self.log.stopped_by is not None
+        has_met = self.stopped_by is not None
         if self.is_over or (steps == self._limit and not has_met):
             return
         self._limit = steps
-        self._process.allow(steps)
-        if steps > self.log.recording.count:
-            self.log.waiting_at = self.log.stopped_by = None
-            if has_met:  # it waits to hear anew what it is to stop at
-                self._process.ask({"stop": self._asked})
+        # where it met something it waits to hear anew what it is to stop at
+        goes_on = has_met and steps > self.log.recording.count
+        self._process.allow(steps, {"stop": self._asked} if goes_on else None)
+
+    def go_on(self) -> None:
+        """Let it go as far as it may already, where it has met something."""
+        self.let(self._limit)
 
     def stop_at(self, asked: Mapping[str, Any]) -> None:
         """Have it stop where something happens, as messages.py has it, from its next step on if it waits.
@@ -91,7 +98,7 @@ class WatchedProgram:
         if wanted == self._asked and "episode_ends" not in asked:  # those are counted from now on
             return
         self._asked = wanted
-        if self.log.stopped_by is None:
+        if self.stopped_by is None:
             self._process.ask({"stop": wanted})
 
     def hold(self) -> None:

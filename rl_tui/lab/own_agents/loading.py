@@ -23,6 +23,7 @@ _DEEPEST: Final = 8
 """Base classes behind base classes that are followed."""
 _MOST_NAMED: Final = 6
 _Function = ast.FunctionDef | ast.AsyncFunctionDef
+_DEFINITIONS: Final = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 class AgentPlace(NamedTuple):
@@ -85,6 +86,19 @@ def the_agent(tree: ast.Module, path: Path, name: str = "") -> AgentPlace:
         names = ", ".join(each.name for each in places[:_MOST_NAMED])
         raise UserError(f"{file} has several agents ({names}): say which, as in {path.name}:{places[0].name}")
     raise UserError(f"{file}: no class or function in it has the shape of an agent: {shapes_in_words()}")
+
+
+def runs_when_imported(tree: ast.Module) -> bool:
+    """Return whether the file of ``tree`` is a script, whatever classes it has: importing it takes steps.
+
+    It makes an environment where it is imported, or loops there and makes one somewhere. What stands below a
+    question for ``__name__`` does not run then.
+    """
+    run = [each for each in tree.body if not (isinstance(each, _DEFINITIONS) or _asks_for_name(each))]
+    if any(_makes_environment(each) for each in run):
+        return True
+    loops = any(isinstance(each, (ast.For, ast.While)) for top in run for each in ast.walk(top))
+    return loops and _makes_environment(tree)
 
 
 def load_module(code: CodeType, path: Path) -> ModuleType:
@@ -189,6 +203,10 @@ def _has_roles_of_function(node: ast.FunctionDef) -> bool:
     return {role_of(each.arg) for each in parameters}.issuperset(OF_FUNCTION)
 
 
-def _makes_environment(tree: ast.Module) -> bool:
+def _asks_for_name(node: ast.stmt) -> bool:
+    return isinstance(node, ast.If) and any(_last_name(each) == "__name__" for each in ast.walk(node.test))
+
+
+def _makes_environment(tree: ast.AST) -> bool:
     """Return whether a ``make`` is called anywhere: ``gymnasium.make(…)`` or the name alone."""
     return any(_last_name(each.func) == "make" for each in ast.walk(tree) if isinstance(each, ast.Call))

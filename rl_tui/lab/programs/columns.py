@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 _FIRST_ROOM = 1024
+_GROWTH = 8  # so that little is ever moved; room that is not written to takes no memory yet
 
 
 class Columns:
@@ -25,7 +26,7 @@ class Columns:
         """Add ``parts``, an array for each column, all of one length."""
         end = self._length + len(parts[0])
         if end > len(self._rooms[0]):
-            room = max(_FIRST_ROOM, 2 * end)  # twice as much: so each number is moved but a few times
+            room = max(_FIRST_ROOM, _GROWTH * end)
             self._rooms = [self._moved(each, room) for each in self._rooms]
         for column, part in zip(self._rooms, parts, strict=True):
             column[self._length : end] = part
@@ -34,6 +35,12 @@ class Columns:
     def views(self) -> list[npt.NDArray[Any]]:
         """Return the columns so far."""
         return [column[: self._length] for column in self._rooms]
+
+    def frozen(self) -> Columns:
+        """Return them as they are now, which another thread may read."""
+        frozen = Columns(())
+        frozen._rooms, frozen._length = self.views(), self._length
+        return frozen
 
     def forget(self, first: int) -> None:
         """Forget the ``first`` rows."""

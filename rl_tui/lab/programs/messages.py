@@ -18,7 +18,9 @@ States are numbers: of a tuple of observations its place in row-major order. A c
 or ``reset``. ``before`` is NaN where the table had no such entry.
 
 The watching side writes lines of JSON, which are heard at each wait, and while the program runs some thirty
-times a second. An empty object is a wake-up; ``{"trace": n}`` asks for the lines of the next n changes.
+times a second. Each has a ``number``, counted from 1; a program that goes on waiting says again that it
+waits after each of them, and how many it has heard. ``{"trace": n}`` asks for the lines of the next n
+changes.
 ``{"stop": …}`` says at what to stop, null at nothing. Its value holds one or more of
 
     states: [s, …]      the step led into one of these states
@@ -93,7 +95,9 @@ class MessageKind:
     NOTE: Final = "note"
     """text: what had to be done otherwise for the program to run."""
     WAITING: Final = "waiting"
-    """step, stopped (the name of what it met, or null): it goes no further until it may."""
+    """step, stopped (the name of what it met, or null), heard (the number of the last line that it has heard,
+    0 of none): it goes no further until it may. Of an older one than the last line nothing can be concluded:
+    it may have gone on meanwhile."""
     REFUSED: Final = "refused"
     """text: why it cannot be watched."""
     ERROR: Final = "error"

@@ -135,9 +135,24 @@ class ProgramLog:
     """The step at which it waits; None: it goes on."""
     stopped_by: str | None = None
     """What it met there, None where it may simply go no further."""
+    heard: int = 0
+    """How many lines it had heard of the watching side when it last said that it waits."""
     ended: bool = False
     is_garbled: bool = False
     """Whether something came that is none of ours."""
+
+    def frozen(self) -> ProgramLog:
+        """Return it as it is now, without output, which another thread may read while this one grows."""
+        return replace(
+            self,
+            recording=self.recording.frozen(),
+            environments=list(self.environments),
+            numbers=dict(self.numbers),
+            lines=dict(self.lines),
+            called=dict(self.called),
+            notes=list(self.notes),
+            output=deque(),
+        )
 
     def take(self, letter: bytes, payload: bytes) -> None:
         """Take in one frame. One that is none of ours is an end: no more counts of what the program says."""
@@ -232,6 +247,7 @@ class ProgramLog:
                 self.notes.append(said["text"])
             case MessageKind.WAITING:
                 self.waiting_at, self.stopped_by = said["step"], said["stopped"]
+                self.heard = said["heard"]
             case MessageKind.REFUSED:
                 self.refused = said["text"]
             case MessageKind.ERROR:

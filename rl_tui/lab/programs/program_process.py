@@ -95,17 +95,21 @@ class ProgramProcess:
             self._to_close = to_close.pop_all()
         self._listen(pipes[1][0], pipes[2][0])
 
-    def allow(self, steps: int) -> None:
-        """Let it take steps until it has taken ``steps`` in all; 0 holds it at its next step."""
+    def allow(self, steps: int, what: Mapping[str, Any] | None = None) -> None:
+        """Let it take steps until it has taken ``steps`` in all; 0 holds it at its next step.
+
+        ``what`` else it is told, if anything, it hears before it takes the next one.
+        """
         if not self.closed:
             self._allowed[0] = steps
-            self.ask({})
+            self.ask(what or {})
 
     def ask(self, what: Mapping[str, Any]) -> None:
         """Tell it something, which it hears when it waits. This never waits itself."""
-        if what or not self._unsent:  # one wake-up is enough
-            self._unsent += json.dumps(what).encode() + b"\n"
-        self._send()
+        if not self.closed:
+            self.asked += 1
+            self._unsent += json.dumps({"number": self.asked, **what}).encode() + b"\n"
+            self._send()
 
     def frames(self, seconds: float | None = 0.0) -> Iterator[tuple[bytes, bytes]]:
         """Return what has come, waiting for at most ``seconds`` (None: for as long as it takes).
@@ -135,6 +139,8 @@ class ProgramProcess:
         """Prepare to read its pipes, and to write into its own, without ever waiting for it."""
         os.set_blocking(self._asking, False)
         self._unsent = b""
+        self.asked = 0
+        """How many lines it was told so far."""
         self._bytes = bytearray()
         self._streams = {stdout: ("out", WrittenLines()), stderr: ("err", WrittenLines())}
         self._poll, self._poll_steps = select.poll(), select.poll()

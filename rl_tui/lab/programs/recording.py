@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from copy import copy
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -122,6 +123,14 @@ class Recording:
             begin:until
         ]  # of several of one cell the last counts
         return table
+
+    def frozen(self) -> Recording:
+        """Return it as it is now, which another thread may read while this one grows."""
+        frozen = copy(self)
+        frozen._steps, frozen._changes = self._steps.frozen(), self._changes.frozen()
+        frozen._latest, frozen._keyframes = self._latest.copy(), list(self._keyframes)
+        frozen.rebound = list(self.rebound)
+        return frozen
 
     def _keep_latest(self, cell: IntArray, after: FloatArray) -> None:
         """Keep the table as it is now, and now and then as it was, from where others are found quickly."""

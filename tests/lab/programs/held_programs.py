@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from watching import PATIENCE, script_in
+from watched_scripts import PATIENCE, script_in
 
 from rl_tui.lab.programs.messages import NO_LIMIT
 from rl_tui.lab.programs.program_log import ProgramLog
@@ -34,14 +34,15 @@ class Held:
     def go_to(self, steps: int) -> ProgramLog:
         """Let it go on, and return the log when it waits at ``steps``."""
         self.process.allow(steps)
-        return self.until(lambda log: log.waiting_at == steps)
+        return self.until(lambda log: log.waiting_at == steps and log.heard == self.process.asked)
 
     def stop_at(self, **conditions: Any) -> ProgramLog:
         """Let it go until it meets one of the conditions."""
         self.log.stopped_by = None
         self.process.ask({"stop": conditions})
         self.process.allow(NO_LIMIT)
-        log = self.until(lambda log: log.stopped_by is not None or log.ended)
+        asked = self.process.asked - 1  # what it may have met before it heard of this is nothing
+        log = self.until(lambda log: (log.stopped_by is not None and log.heard >= asked) or log.ended)
         self.process.allow(log.recording.count)
         return log
 

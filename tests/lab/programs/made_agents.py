@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from rl_tui.lab.programs.messages import CHANGE_WIDTH, STEP_WIDTH
+from rl_tui.lab.programs.messages import CHANGE_WIDTH, STEP_WIDTH, StepFlag
 from rl_tui.lab.programs.recording import Recording
+from rl_tui.worlds.mdp.space import FloatArray
 
 
 @dataclass
@@ -27,6 +28,8 @@ class Made:
     initial: float = 0.0
     bootstraps_after_end: bool = False
     reward_late: bool = False
+    reward_before_at_first: float | None = None
+    """What it takes at the first step of an episode; None: the last reward of the episode before."""
     own_reward: Callable[[int, int, int, float], float] | None = None
     minus_one: bool = False
     sparse: bool = False
@@ -81,6 +84,8 @@ class Made:
                 reward, ended = float(rewards[s2]), s2 == self.states - 1
                 cut = not ended and place + 1 == self.time_limit
                 rows.append((0, state, action, reward, s2, ended + 2 * cut, episode, place))
+                if place == 0 and self.reward_before_at_first is not None:
+                    before = self.reward_before_at_first
                 used = before if self.reward_late else reward
                 a2 = chosen(s2)
                 number = len(rows) - 1
@@ -100,3 +105,11 @@ class Made:
             np.array(rows, float).reshape(-1, STEP_WIDTH), np.array(changes, float).reshape(-1, CHANGE_WIDTH)
         )
         return recording
+
+
+def sent(recording: Recording) -> tuple[FloatArray, FloatArray]:
+    """Return the steps, [n, 8], and changes, [m, 4], of ``recording`` as they come through the pipe."""
+    steps, changes = recording.steps, recording.changes
+    flags = steps.terminated * StepFlag.TERMINATED + steps.truncated * StepFlag.TRUNCATED
+    rows = np.column_stack((*steps[:5], flags, steps.episode, steps.episode_step))
+    return rows.astype(np.float64), np.column_stack(changes)

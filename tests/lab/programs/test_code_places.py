@@ -64,7 +64,7 @@ def test_of_a_plain_loop(tmp_path: Path) -> None:
     assert text_of(code.table_line(), text) == TABLE
     assert text_of(code.choice_line(), text) == CHOICE
     assert text_of(code.call_line(), text).startswith("new_s, reward")
-    assert code.writes_table
+    assert code.always_writes
 
 
 def test_without_traced_lines_the_update_is_read(tmp_path: Path) -> None:
@@ -83,20 +83,56 @@ def test_without_traced_lines_the_update_is_read(tmp_path: Path) -> None:
 )
 def test_a_write_is_seen_also_where_it_goes_amiss(update: str, tmp_path: Path) -> None:
     code, _, _ = code_of(tmp_path, loop(update=update), lines=False)
-    assert code.writes_table
+    assert code.always_writes
 
 
 @pytest.mark.parametrize("update", ["pass", "Q[s] = np.zeros(4)", "best = max(Q[s])", "counts[s, a] += 1"])
 def test_what_is_no_update_is_none(update: str, tmp_path: Path) -> None:
     code, _, _ = code_of(tmp_path, loop(update=update), lines=False)
-    assert not code.writes_table
+    assert not code.always_writes
+
+
+@pytest.mark.parametrize(
+    ("update", "always"),
+    [
+        ("if training: Q[s, a] += reward", False),
+        ("if ended: Q[s, a] += reward\n        else: Q[s, a] += reward + max(Q[new_s])", True),
+        ("for _ in range(2): Q[s, a] += reward", True),
+        ("if training: learn(s, a, reward)", False),
+        ("learn(s, a, reward)", True),
+    ],
+)
+def test_an_update_under_a_condition_is_not_always_made(update: str, always: bool, tmp_path: Path) -> None:
+    source = "def learn(s, a, r):\n    Q[s, a] += r\n" + loop(update=update)
+    code, _, _ = code_of(tmp_path, source, lines=False)
+    assert code.always_writes is always
+
+
+def test_an_evaluation_beside_the_training_makes_no_updates(tmp_path: Path) -> None:
+    evaluation = "def evaluate(world):\n    while True:\n        world.step(Q[0].argmax())\n"
+    code, _, _ = code_of(tmp_path, evaluation + loop(), lines=False)
+    assert not code.always_writes
+
+
+@pytest.mark.parametrize(
+    ("table", "update", "sets"),
+    [
+        (TABLE, UPDATE, False),
+        ("Q = {}\nfor cell in cells: Q[cell] = 0.0", UPDATE, False),
+        (TABLE, UPDATE + "\n        if ended: Q[s, a] = 0", True),
+        (TABLE, UPDATE + "\n        if ended: Q[s, a] = -1.0", True),
+    ],
+)
+def test_an_update_may_set_a_number(table: str, update: str, sets: bool, tmp_path: Path) -> None:
+    code, _, _ = code_of(tmp_path, loop(table=table, update=update), lines=False)
+    assert code.sets_a_constant is sets
 
 
 def test_a_write_in_a_function_that_is_given_the_table(tmp_path: Path) -> None:
     source = "def learn(table, s, a, r):\n    table[s][a] += r\n" + loop(update="learn(Q, s, a, reward)")
     code, _, text = code_of(tmp_path, source)
     assert text_of(code.update_line(), text) == "table[s][a] += r"
-    assert code.writes_table
+    assert code.always_writes
 
 
 def test_a_table_that_a_function_makes(tmp_path: Path) -> None:
@@ -125,7 +161,7 @@ def test_a_source_that_cannot_be_read_tells_no_names(source: str, tmp_path: Path
     assert log.table is not None
     assert code.table_line() is None
     assert code.choice_line() is not None
-    assert not code.writes_table
+    assert not code.always_writes
     assert names_of(code, log.table, UpdateFound(), {}) == CodeNames()
 
 

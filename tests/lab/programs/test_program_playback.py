@@ -14,6 +14,7 @@ from rl_tui.agents.catalogue import OWN_PROGRAM
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live import commands
 from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.state import State
 from rl_tui.lab.live.until import Event, Until
 from rl_tui.lab.live_programs.program_playback import ProgramPlayback
 from rl_tui.lab.live_programs.watched_program import WatchedProgram
@@ -185,7 +186,8 @@ for _ in range(20):
     assert snapshot.results.greedy_return is None
     assert np.isnan(snapshot.results.marks.expected_return).all()
     assert snapshot.counters.step == 60
-    assert not snapshot.agent.visits.any()  # nothing looks like an estimate
+    assert snapshot.agent.visits.sum() == 60  # where it went is known also without estimates
+    assert not snapshot.agent.q.any()
 
 
 def test_the_update_that_was_found_is_said_part_by_part(tmp_path: Path) -> None:
@@ -336,3 +338,40 @@ def _until(watcher: Watcher, is_there: Callable[[], bool]) -> None:
     while not is_there():
         watcher.playback.work()
         assert time.monotonic() < deadline
+
+
+def test_on_from_the_past_of_one_that_has_ended_is_its_last_moment(tmp_path: Path) -> None:
+    with watched(written(tmp_path, episodes=3)) as watcher:
+        ended = watcher.do(commands.Train(10_000))
+        for command in (commands.Step(), commands.Play(), commands.RunEpisode(), commands.Train(5)):
+            assert watcher.do(commands.GoTo(step=3)).timeline.in_past
+            on = watcher.do(command)
+            assert figures(on) == figures(ended)
+            assert on.playback.phase is Phase.SPENT
+
+
+def test_a_breakpoint_set_on_the_way_does_not_change_what_is_counted(tmp_path: Path) -> None:
+    with watched(written(tmp_path, episodes=100_000)) as watcher:
+        playback = watcher.playback
+        watcher.do(commands.Train(3))
+        begun = playback.history.newest.episodes
+        playback.handle(commands.RunUntil(Until(Event.EPISODE_END, 400)))
+        for number in range(30):  # hole 5 and 7 end an episode: nobody leaves them
+            playback.work()
+            playback.handle(commands.ToggleBreakpoint(pair=playback.program.world.world.space.pair_of(5, 0)))
+            assert playback.state is State.UNTIL, number
+        assert watcher.do().counters.episodes == begun + 401
+
+
+def test_what_the_detective_stumbles_over_is_said_and_ends_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stumbles(_: object) -> object:
+        raise ZeroDivisionError("of all things")
+
+    monkeypatch.setattr("rl_tui.lab.live_programs.verdicts.verdict_of", stumbles)
+    with watched(written(tmp_path)) as watcher:
+        snapshot = watcher.do(commands.Train(200))
+    assert snapshot.counters.step == 200
+    assert snapshot.program is not None
+    assert "of all things" in snapshot.program.verdict.notes[0]

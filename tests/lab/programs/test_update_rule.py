@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_agents import Made
+from made_agents import Made, sent
 
 from rl_tui.lab.detective.evidence import Evidence
 from rl_tui.lab.detective.update_rule import update_of
@@ -82,13 +82,11 @@ def test_sample_averages_are_found(rule: str, evaluates_every: int) -> None:
 
 def test_sample_averages_are_found_in_a_table_that_is_found_late() -> None:
     recording = Made(alpha=lambda visits, _: 1 / visits).recording(3000)
+    steps, changes = sent(recording)
     late = Recording()
-    late.add(np.zeros((0, 8)), np.zeros((0, 4)))
+    late.add(steps[:700], changes[:0])
     late.find_table(700, recording.actions, recording.table_at(700))
-    late._steps, late.count = [recording.steps], recording.count
-    late._changes = [
-        type(recording.changes)(*(part[recording.changes.step >= 700] for part in recording.changes))
-    ]
+    late.add(steps[700:], changes[changes[:, 0] >= 700])
     update = update_of(Evidence(late), {})
     assert (update.rule, update.alpha_schedule, update.gamma) == (Rule.Q_LEARNING, "1/N", 0.9)
 
@@ -156,6 +154,23 @@ def test_episodes_of_one_step_tell_the_step_size_and_no_discount() -> None:
     assert (update.rule, update.alpha, update.gamma, update.informative) == (Rule.UNKNOWN, 0.1, None, 0)
 
 
+def test_steps_that_all_say_the_same_tell_no_update() -> None:
+    """At first visits of equal estimates with equal rewards any step size has its discount."""
+    same = Recording()
+    same.find_table(0, 2, np.ones(40))
+    steps = [(0, place, 0, 0.0, place + 1, 0, 0, place) for place in range(18)]
+    same.add(np.array(steps, float), np.array([(place, 2 * place, 1.0, 0.98) for place in range(18)]))
+    update = update_of(Evidence(same), {})
+    assert (update.rule, update.alpha, update.gamma) == (Rule.UNKNOWN, None, None)
+
+
+def test_the_reward_before_is_0_at_first_where_the_program_has_it_so() -> None:
+    recording = Made(rule="sarsa", reward_late=True, reward_before_at_first=0.0, time_limit=5).recording(4000)
+    update = update_of(Evidence(recording), {})
+    assert (update.rule, update.uses_reward_before, update.reward) == (Rule.SARSA, True, "environment")
+    assert (update.gamma, update.fits) == (0.9, 1.0)
+
+
 def test_nothing_is_said_of_an_update_that_is_none_of_these() -> None:
     rng = np.random.default_rng(3)
     update = found(alpha=lambda visits, episode: float(rng.uniform(0, 0.5)))
@@ -203,14 +218,12 @@ def test_rows_that_a_dict_makes_as_it_goes_are_no_changes() -> None:
             rows += [
                 (step, cell, np.nan, begun[cell]) for cell in range(state * actions, (state + 1) * actions)
             ]
-    changes = recording.changes
-    table = np.column_stack((changes.step, changes.cell, changes.before, changes.after))
-    whole = np.concatenate((np.array(rows), table))
+    sent_steps, sent_changes = sent(recording)
+    whole = np.concatenate((np.array(rows), sent_changes))
     whole = whole[np.argsort(whole[:, 0], kind="stable")]
     as_dict = Recording()
     as_dict.find_table(0, actions, np.full(len(begun), np.nan))
-    as_dict._steps, as_dict.count = [steps], recording.count
-    as_dict.add(np.zeros((0, 8)), whole)
+    as_dict.add(sent_steps, whole)
     update = update_of(Evidence(as_dict), {})
     assert (update.rule, update.alpha, update.gamma) == (Rule.Q_LEARNING, 0.1, 0.9)
     assert (update.fits or 0) > 0.99

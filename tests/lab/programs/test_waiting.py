@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from held_programs import held
-from watching import LOOP, script_in, watched
+from watched_scripts import LOOP, script_in, watched
 
 from rl_tui.lab.programs.program_log import ProgramLog
 

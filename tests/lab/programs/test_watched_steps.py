@@ -9,7 +9,7 @@ from textwrap import dedent, indent
 
 import numpy as np
 import pytest
-from watching import script_in, watched
+from watched_scripts import script_in, watched
 
 from rl_tui.lab.programs.program_log import ProgramLog
 

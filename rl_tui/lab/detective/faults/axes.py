@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from rl_tui.lab.detective.faults.predictions import Predictions
-from rl_tui.lab.detective.faults.proof import Proof, some_of, written
+from rl_tui.lab.detective.faults.proof import Proof, some_of, step_text, written
 from rl_tui.lab.detective.source.code_names import CodeNames
 from rl_tui.lab.detective.verdict import CodeFault, MovedCell, UpdateTarget
 from rl_tui.worlds.mdp.space import FloatArray
@@ -38,7 +38,7 @@ def proof_of_axis(predictions: Predictions, reward: FloatArray, names: CodeNames
     if len(speaking):
         first = int(np.argmax(seen.one))
         text = (
-            f"at step {evidence.number[speaking[0]]:,} the target held {written(column[first, 0])}, the "
+            f"at {step_text(evidence.number[speaking[0]])} the target held {written(column[first, 0])}, the "
             f"largest value of any state for action {evidence.action[speaking[0]]}; the largest of the next "
             f"state is {written(best[first, 0])}; so at all {len(speaking):,} steps that tell the two apart"
         )

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from rl_tui.lab.detective.evidence import NO_ACTION, Evidence
-from rl_tui.lab.detective.faults.proof import CodePlace, Proof, some_of
+from rl_tui.lab.detective.faults.proof import CodePlace, Proof, some_of, step_text
 from rl_tui.lab.detective.source.code_names import CodeNames
 from rl_tui.lab.detective.verdict import CodeFault
 from rl_tui.worlds.mdp.space import IntArray
@@ -64,7 +64,7 @@ def _proof(evidence: Evidence, at: IntArray, wrong: IntArray, place: str, names:
         state, action = divmod(int(evidence.cell[first]), evidence.actions)
         other = divmod(int(evidence.only_change[0][first]), evidence.actions)
         text = (
-            f"at step {evidence.number[first]:,} action {action} was taken in state {state}, and "
+            f"at {step_text(evidence.number[first])} action {action} was taken in state {state}, and "
             f"Q({other[0]}, {other[1]}) moved, that is {place}; so at all {len(speaking):,} steps where it "
             f"is not Q(s, a)"
         )
@@ -101,7 +101,7 @@ def proof_of_sharing(evidence: Evidence, shared_at: int | None, names: CodeNames
         CodeFault.SHARED_TABLE,
         steps,
         0,
-        f"rows of the table are one and the same: at step {step[first]:,} the rows of states {one} "
+        f"rows of the table are one and the same: at {step_text(step[first])} the rows of states {one} "
         f"and {other} moved alike; so at {len(steps):,} steps",
         f"make a row for each state: {names.table} = [[0.0] * {actions} for state in range(states)]",
         CodePlace.TABLE,

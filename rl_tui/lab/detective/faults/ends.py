@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
 
 from rl_tui.lab.detective.faults.predictions import Predictions, Readings
-from rl_tui.lab.detective.faults.proof import CodePlace, Proof, some_of, written
+from rl_tui.lab.detective.faults.proof import CodePlace, Proof, some_of, step_text, written
 from rl_tui.lab.detective.source.code_names import CodeNames
 from rl_tui.lab.detective.verdict import CodeFault, MovedCell, UpdateTarget
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
 _LEAST_DISCOUNT: Final = 1e-3
 """A smaller one may be nothing but rounding."""
+_EITHER_END: Final = "done"
+"""What a flag is called that is true at a truncation too, where that is what it is found to do."""
 
 
 class _Ends(NamedTuple):
@@ -32,7 +35,7 @@ def proofs_at_ends(
 
     ``done_is_either`` says that the program is handed one flag for the end of an episode and for its being
     cut off: that it does not bootstrap then is no fault of its own. ``may_be_own`` says that its rewards may
-    be others: an own one may leave an estimate where it is.
+    be others, or that it sets estimates to a number: then one may stay where it is though it is updated.
     """
     update = predictions.update
     if not predictions.is_known or update.reward == "own" or update.place is MovedCell.ONE_LATE:
@@ -76,6 +79,8 @@ def _bootstraps(predictions: Predictions, ended: BoolArray, reward: FloatArray, 
 
 def _left_out(predictions: Predictions, cut_off: BoolArray, reward: FloatArray, names: CodeNames) -> Proof:
     ends = _ends(predictions, cut_off, reward)
+    if names.terminated == _EITHER_END:
+        names = replace(names, terminated="terminated")
     seen = predictions.witnesses(ends.readings, ends.without, ends.with_next)
     return Proof(
         CodeFault.NO_BOOTSTRAP_AFTER_TRUNCATION,
@@ -99,22 +104,22 @@ def _lost_at_end(predictions: Predictions, ended: BoolArray, reward: FloatArray,
     expected = np.concatenate((ends.with_next, ends.without), axis=1)
     seen = predictions.witnesses(readings, readings.before[:, None], expected)
     steps = predictions.evidence.number[readings.at[seen.one]]
+    changed = int((seen.other | seen.neither).sum())  # by whatever: such a step is not without an update
     text = ""
     if len(steps):
         first = int(np.argmax(seen.one))
         text = (
-            f"{len(steps):,} last steps of episodes left the table as it was, and none changed it; at step "
-            f"{steps[0]:,} the reward {written(reward[readings.at[first]])} should have moved "
+            f"{len(steps):,} last steps of episodes left the table as it was, and none changed it; at "
+            f"{step_text(steps[0])} the reward {written(reward[readings.at[first]])} should have moved "
             f"{written(readings.before[first])} to {written(ends.without[first, 0])}"
         )
     return Proof(
         CodeFault.LOSES_UPDATE,
         steps,
-        int(seen.other.sum()),
+        changed,
         text,
         f"update also after the last step of an episode, before the loop is left: {names.target()}",
         CodePlace.CALL,
-        neither=int(seen.neither.sum()),
     )
 
 
@@ -139,7 +144,7 @@ def _seen(predictions: Predictions, ends: _Ends, which: BoolArray, what: str) ->
     value = _value_taken(ends, first)
     bootstrapped = _nearest(ends.with_next[first], readings.after[first])
     return (
-        f"at step {evidence.number[at]:,} {what} Q({state}, {action}) went from "
+        f"at {step_text(evidence.number[at])} {what} Q({state}, {action}) went from "
         f"{written(readings.before[first])} to {written(readings.after[first])}, with γ · "
         f"{written(value)} it would be {written(bootstrapped)}, without it "
         f"{written(ends.without[first, 0])}; so at all {int(which.sum()):,} such steps that tell it"

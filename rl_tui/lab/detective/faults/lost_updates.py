@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from rl_tui.lab.detective.evidence import Evidence
-from rl_tui.lab.detective.faults.proof import FEWEST_STEPS, CodePlace, Proof, some_of, written
+from rl_tui.lab.detective.faults.proof import FEWEST_STEPS, CodePlace, Proof, some_of, step_text, written
 from rl_tui.lab.detective.source.code_names import CodeNames
 from rl_tui.lab.detective.verdict import CodeFault
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
@@ -64,10 +64,9 @@ def _cut_off(evidence: Evidence, numbers: Mapping[str, float]) -> tuple[IntArray
             fractional = np.abs(full - np.rint(full)) > 1e-9
             if (np.trunc(full) == after)[fractional].all() and fractional.sum() >= FEWEST_STEPS:
                 first = int(np.argmax(fractional))
-                return at[fractional], (
-                    f"at step {evidence.number[at[first]]:,} {written(full[first])} was cut off to "
-                    f"{written(after[first])}"
-                )
+                step = step_text(evidence.number[at[first]])
+                new, kept = written(full[first]), written(after[first])
+                return at[fractional], f"at {step} the new estimate {new} was cut off to {kept}"
     return None
 
 
@@ -80,11 +79,8 @@ def _nothing_kept(evidence: Evidence) -> tuple[IntArray, str] | None:
     at = at[should]
     if len(at) < FEWEST_STEPS or evidence.changes_of[at].any():
         return None
-    first = at[0]
-    return (
-        at,
-        f"nothing is kept of the reward {written(evidence.reward[first])} at step {evidence.number[first]:,}",
-    )
+    reward, step = written(evidence.reward[at[0]]), step_text(evidence.number[at[0]])
+    return at, f"nothing is kept of the reward {reward} at {step}"
 
 
 def proof_of_no_update(evidence: Evidence, names: CodeNames, *, writes: bool, is_over: bool) -> Proof | None:
@@ -104,9 +100,9 @@ def proof_of_no_update(evidence: Evidence, names: CodeNames, *, writes: bool, is
         CodeFault.LOSES_UPDATE,
         evidence.number[at],
         0,
-        f"{len(at):,} steps brought a reward, the first at step {evidence.number[first]:,} "
+        f"{len(at):,} steps brought a reward, the first at {step_text(evidence.number[first])} "
         f"({written(evidence.reward[first])}), and no number of the table ever moved",
-        f"after each step put the new estimate into the table itself: {names.cell()} = {names.cell()} + "
+        f"after each step put the new estimate into the table itself: {names.cell()} += "
         f"{names.alpha} * (target - {names.cell()})",
         CodePlace.CALL,
     )

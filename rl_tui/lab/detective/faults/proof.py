@@ -8,7 +8,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from rl_tui.lab.detective.verdict import RISKS, CodeFault
+from rl_tui.lab.detective.verdict import RISKS, CodeFault, step_number
 from rl_tui.worlds.mdp.space import IntArray
 
 FEWEST_STEPS: Final = 3
@@ -61,6 +61,11 @@ def some_of(places: IntArray, most: int = MOST_STEPS) -> IntArray:
     if len(places) <= most:
         return places
     return np.concatenate((places[: most // 2], places[-(most - most // 2) :]))
+
+
+def step_text(step: int) -> str:
+    """Return ``step`` for a sentence, as people count."""
+    return f"step {step_number(step):,}"
 
 
 def written(number: float) -> str:

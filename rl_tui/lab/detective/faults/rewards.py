@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from rl_tui.lab.detective.faults.predictions import Predictions
-from rl_tui.lab.detective.faults.proof import Proof, some_of, written
+from rl_tui.lab.detective.faults.proof import Proof, some_of, step_text, written
 from rl_tui.lab.detective.source.code_names import CodeNames
 from rl_tui.lab.detective.verdict import CodeFault, MovedCell
 from rl_tui.worlds.mdp.space import FloatArray
@@ -55,9 +55,9 @@ def _proof(predictions: Predictions, before: FloatArray, names: CodeNames) -> Pr
     if len(speaking):
         first = speaking[0]
         text = (
-            f"at step {evidence.number[first]:,} the reward was {written(evidence.reward[first])}, and the "
-            f"update took {written(before[first])}, that of the step before; so at all {len(speaking):,} "
-            f"steps that tell the two apart"
+            f"at {step_text(evidence.number[first])} the reward was {written(evidence.reward[first])}, and "
+            f"the update took {written(before[first])}, the one it had before; so at all "
+            f"{len(speaking):,} steps that tell the two apart"
         )
     return Proof(
         CodeFault.SHIFTED_REWARD,

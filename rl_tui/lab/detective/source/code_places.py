@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from rl_tui.lab.detective.source.syntax import (
     assigned,
     calls_of_step,
     chooses,
     first_name,
+    inner_statements,
     is_added_to,
+    is_main_guard,
     is_part_of,
+    is_set_to_constant,
     is_simple,
     is_write,
     name_of,
@@ -23,9 +26,13 @@ from rl_tui.lab.detective.source.syntax import (
     parsed_file,
     targets_of,
 )
-from rl_tui.lab.programs.program_log import ProgramLog
+
+if TYPE_CHECKING:
+    from rl_tui.lab.programs.program_log import ProgramLog
 
 _MOST_FILES: Final = 16
+_MOST_CALLS: Final = 3
+"""Calls that are followed from one function to the next."""
 _CHOICE: Final = re.compile(r"action|policy|^act$|agent_start|choose|greedy", re.IGNORECASE)
 """Names of methods that choose an action."""
 _Function = ast.FunctionDef | ast.AsyncFunctionDef
@@ -132,10 +139,49 @@ class ProgramCode:
         """The statements that put something into the table, or are meant to."""
         return [each for each in self._statements if is_write(each.node, self._aliases)]
 
-    @property
-    def writes_table(self) -> bool:
-        """Whether the code puts into the table what it works out."""
-        return bool(self._writes)
+    @cached_property
+    def always_writes(self) -> bool:
+        """Whether the code that calls ``env.step`` goes on to put something into the table.
+
+        What stands under an ``if`` without an ``else`` that does so too is not always done: it may be a
+        phase of evaluation.
+        """
+        line = self.call_line()
+        scope = None if line is None else self.scope_of(line)
+        if line is None or scope is None:
+            return False
+        writes = {id(each.node) for each in self._writes}
+        return self._is_always_in(getattr(scope, "body", []), writes, _MOST_CALLS)
+
+    def _is_always_in(self, body: Iterable[ast.stmt], writes: set[int], depth: int) -> bool:
+        """Return whether one of ``writes`` is always done in ``body``, or in a function called there."""
+        return any(id(node) in writes or self._is_always_done(node, writes, depth) for node in body)
+
+    def _is_always_done(self, node: ast.stmt, writes: set[int], depth: int) -> bool:
+        if isinstance(node, _Function | ast.ClassDef):
+            return False
+        if isinstance(node, ast.If) and not is_main_guard(node):
+            return all(self._is_always_in(part, writes, depth) for part in (node.body, node.orelse))
+        if not is_simple(node):
+            return self._is_always_in(inner_statements(node), writes, depth)
+        called = [self._functions.get(name_of(call.func)) for call in of_type(node, ast.Call)]
+        bodies = [each[1].body for each in called if each is not None and depth > 0]
+        return any(self._is_always_in(inner, writes, depth - 1) for inner in bodies)
+
+    @cached_property
+    def sets_a_constant(self) -> bool:
+        """Whether an update may set a cell of the table to a number that stands in the code."""
+        call = self.call_line()
+        if call is None:
+            return False
+        for each in self._statements:
+            if is_set_to_constant(each.node, self._aliases):
+                if self._in_scope(each, call):
+                    if each.line.line > call.line:  # before it a table is made
+                        return True
+                elif any(self._in_scope(write, each.line) for write in self._writes):
+                    return True
+        return False
 
     def gives_other(self, reward: str) -> bool:
         """Whether ``reward`` is given by anything but ``env.step``; True where that cannot be read."""

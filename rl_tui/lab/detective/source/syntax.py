@@ -115,6 +115,26 @@ def is_write(node: ast.stmt, names: frozenset[str]) -> bool:
     return mentions or isinstance(value, ast.Name | ast.BinOp)
 
 
+def is_set_to_constant(node: ast.stmt, names: frozenset[str]) -> bool:
+    """Whether a statement sets a cell of the table that goes by ``names`` to a number that stands there."""
+    target, value = assigned(node)
+    if isinstance(value, ast.UnaryOp):
+        value = value.operand
+    is_cell = isinstance(target, ast.Subscript) and name_of(base_of(target)) in names
+    return is_cell and isinstance(value, ast.Constant)
+
+
+def is_main_guard(node: ast.If) -> bool:
+    """Whether it is ``if __name__ == "__main__"``."""
+    return any(each.id == "__name__" for each in of_type(node.test, ast.Name))
+
+
+def inner_statements(node: ast.stmt) -> Iterator[ast.stmt]:
+    """Yield the statements that stand in a loop, a ``with`` or a ``try``."""
+    for part in ("body", "orelse", "finalbody"):
+        yield from getattr(node, part, ())
+
+
 def calls_of_step(node: ast.stmt) -> Iterator[ast.Call]:
     """Yield the calls of a method ``step`` in a statement that holds no others."""
     if not is_simple(node):

@@ -14,6 +14,8 @@ _VOTES: Final = 4_000
 _SINGULAR: Final = 1e-6
 _NOTHING: Final = 1e-9
 _SEED: Final = 17
+_PRIMES: Final = (2, 3, 5)
+"""Whose roots make one number of a row: whole rows are ten times as slow to sort."""
 
 
 def rounded(numbers: FloatArray, digits: int) -> FloatArray:
@@ -24,7 +26,7 @@ def rounded(numbers: FloatArray, digits: int) -> FloatArray:
 
 
 def most_frequent(rows: FloatArray, digits: int, most: int) -> list[tuple[float, ...]]:
-    """Return the rows of ``rows`` [n, k] that come most often, ``most`` of them at most, the first first.
+    """Return the rows of ``rows`` [n, k], k ≤ 3, that come most often, at most ``most``, the first first.
 
     Equal are those with the same ``digits`` significant digits; what is returned is their median. Of very
     many rows some are looked at, evenly spread.
@@ -33,8 +35,9 @@ def most_frequent(rows: FloatArray, digits: int, most: int) -> list[tuple[float,
     if not len(rows):
         return []
     rows = rows[:: -(-len(rows) // _VOTES)]
-    _, group, counts = np.unique(rounded(rows, digits), axis=0, return_inverse=True, return_counts=True)
-    group = group.ravel()
+    same = rounded(rows, digits)
+    key = sum(column * np.sqrt(prime) for column, prime in zip(same.T, _PRIMES, strict=False))
+    _, group, counts = np.unique(key, return_inverse=True, return_counts=True)
     first = np.argsort(-counts, kind="stable")[:most]
     return [tuple(map(float, np.median(rows[group == each], axis=0))) for each in first if counts[each] > 1]
 

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from rl_tui.lab.detective.evidence import NO_ACTION, Evidence
 from rl_tui.lab.detective.verdict import MovedCell, UpdateTarget
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from rl_tui.lab.detective.evidence import Evidence
 
 EXACT: Final = 1e-8
 """A table of a finer precision than this holds doubles."""
@@ -120,7 +122,7 @@ def sample_of(evidence: Evidence, place: MovedCell) -> Sample:
     late = place is MovedCell.ONE_LATE
     fit = evidence.learns & (evidence.changes_of <= 1) & ((moved == cell) | (moved < 0)) & (cell >= 0)
     fit &= evidence.next_state * evidence.actions < len(evidence.initial)
-    fit &= (evidence.terminated | (evidence.next_action != NO_ACTION)) & ~evidence.truncated
+    fit &= (evidence.terminated | evidence.has_next) & ~evidence.truncated
     fit &= evidence.number < evidence.runs_away_at
     fit[-1:] = False  # what it moved may still be on its way
     at = _chosen(evidence, np.flatnonzero(fit), moved >= 0)

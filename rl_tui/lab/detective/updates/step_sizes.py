@@ -38,7 +38,8 @@ def by_episode(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float
         alpha, reliable = _step_sizes(sample, unit, value, each)
         telling = reliable[one] & reliable[other]
         equal = np.abs(alpha[one] - alpha[other]) <= _near(sample) * np.abs(alpha[one])
-        varied = np.ptp(alpha[moved][reliable[moved]]) > 1e-4 * np.max(alpha[moved], initial=0.0)
+        sizes = alpha[moved][reliable[moved]]
+        varied = len(sizes) > 0 and np.ptp(sizes) > 1e-4 * np.max(sizes)
         shown = telling & equal & ((value[one] != 0.0) | (value[other] != 0.0))
         if np.any(value) and np.sum(shown) < FEWEST_INFORMATIVE:
             continue  # each step alone explains itself, with any γ

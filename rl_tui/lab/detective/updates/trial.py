@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.lab.detective.updates.pair_solving import plainest, refined, solved_pairs
+from rl_tui.lab.detective.updates.pair_solving import plainest, refined, rounded, solved_pairs
 from rl_tui.lab.detective.updates.sample import EXACT, Sample
 from rl_tui.lab.detective.verdict import AlphaSchedule, UpdateTarget
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
@@ -18,6 +18,10 @@ FEWEST: Final = 10
 """Fewer steps that moved something prove no update."""
 FEWEST_INFORMATIVE: Final = 3
 """Fewer steps prove neither γ nor that one of two hypotheses is the right one."""
+FEWEST_EQUATIONS: Final = 3
+"""So many different equations must agree on an update: two numbers are solved from two of them."""
+_DIGITS: Final = 6
+_AT_A_TIME: Final = 200
 SHARE: Final = 0.97
 """What an update must explain more than."""
 _WEIGHTY: Final = 100.0
@@ -84,6 +88,8 @@ class Trial:
     @cached_property
     def holds(self) -> bool:
         """Whether it explains enough: the steps within episodes, or all where there are few of these."""
+        if self.gamma < 0.0 or self._equations(self.counted & self.explained) < FEWEST_EQUATIONS:
+            return False
         inner = self.counted & ~self.sample.ended
         if np.sum(inner) < FEWEST:
             inner = self.counted
@@ -94,8 +100,24 @@ class Trial:
 
     @property
     def tells_gamma(self) -> bool:
-        """Whether enough steps tell γ."""
-        return int(np.sum(self.informative & self.explained)) >= FEWEST_INFORMATIVE
+        """Whether enough steps tell γ, and not all of them the same."""
+        return self._equations(self.informative & self.explained) >= FEWEST_EQUATIONS
+
+    def _equations(self, which: BoolArray) -> int:
+        """Return how many of the steps ``which`` say something new: at a first visit many are the same.
+
+        More than need be are not counted.
+        """
+        places = np.flatnonzero(which)
+        unit = self.reward - self.sample.old
+        rows: set[tuple[float, ...]] = set()
+        for begin in range(0, len(places), _AT_A_TIME):
+            at = places[begin : begin + _AT_A_TIME]
+            table = np.column_stack((unit[at], self.value[at], self.sample.change[at]))
+            rows.update(map(tuple, rounded(table, _DIGITS).tolist()))
+            if len(rows) >= FEWEST_EQUATIONS:
+                break
+        return len(rows)
 
     def differs_from(self, value: FloatArray) -> BoolArray:
         """Return on which steps within episodes ``value`` in place of its own predicts other numbers."""

@@ -31,6 +31,7 @@ _STEP: Final = (
     "env.step(action)`, and `done = terminated or truncated`"
 )
 _RESET: Final = "reset returns (observation, info) since Gym 0.26: write `state, info = env.reset()`"
+_NOTEBOOK: Final = "only a notebook has it: delete the line, which was exported from one"
 _ATTRIBUTES: Final = {
     "seed": "environments are seeded by reset since Gym 0.26: write `env.reset(seed=0)`",
     **dict.fromkeys(
@@ -51,6 +52,8 @@ def advice_on(error: BaseException, text: str, frames: Sequence[FrameType], line
         return _on_missing(error.name or "")
     if isinstance(error, ValueError) and _TOO_MANY.search(text):
         return _STEP if _calls_step(frames, line) else ""
+    if isinstance(error, NameError) and error.name in ("get_ipython", "display"):
+        return _NOTEBOOK
     if isinstance(error, AttributeError):
         is_environment = _is_environment(error.obj)
         return _ATTRIBUTES.get(error.name or "", "").format(name=error.name) if is_environment else ""

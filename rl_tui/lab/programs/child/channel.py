@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from array import array
+import struct
 from time import monotonic
 from typing import Any, Final
 
@@ -46,12 +46,11 @@ class Channel:
     def flush(self) -> None:
         """Write the steps and changes so far."""
         if self.steps or self.changes:
-            numbers = array("d", (len(self.steps) // STEP_WIDTH,))
-            numbers.extend(self.steps)
-            numbers.extend(self.changes)
+            numbers = (len(self.steps) // STEP_WIDTH, *self.steps, *self.changes)
+            payload = struct.pack(f"{len(numbers)}d", *numbers)
             self.steps.clear()
             self.changes.clear()
-            self._write(STEPS, numbers.tobytes())
+            self._write(STEPS, payload)
         self._due = monotonic() + _BETWEEN_BATCHES
 
     def from_a_fork(self, kind: str, **more: Any) -> None:

@@ -79,6 +79,6 @@ def _constants(code: CodeType, depth: int = 0) -> Iterator[float]:
 
 
 def _number(value: Any) -> float | None:
-    if type(value) is float or isinstance(value, np.floating):
+    if type(value) is float or issubclass(type(value), np.floating):
         return float(value) if math.isfinite(value) else None
     return None

@@ -27,6 +27,7 @@ class Gate:
         """One number: how many steps it may take in all."""
         self.on_asked: dict[str, Callable[[Any], None]] = {}
         self._unread = b""
+        self._heard = 0
         self._is_held = False
 
     def wait(self, count: int, met: str | None) -> None:
@@ -34,9 +35,10 @@ class Gate:
 
         The process ends where nobody asks any more.
         """
-        self._channel.message(MessageKind.WAITING, step=count, stopped=met)
         self._is_held = met is not None
         while self._is_held or count >= self.allowed[0]:
+            stopped = met if self._is_held else None
+            self._channel.message(MessageKind.WAITING, step=count, stopped=stopped, heard=self._heard)
             self._hear()
         self.listen()  # what was asked before it was allowed counts from the next step on
 
@@ -52,6 +54,7 @@ class Gate:
         *lines, self._unread = (self._unread + heard).split(b"\n")
         for line in lines:
             said = json.loads(line)
+            self._heard = said["number"]
             self._is_held = self._is_held and "stop" not in said
             for key, value in said.items():
                 if key in self.on_asked:

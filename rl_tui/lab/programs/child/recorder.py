@@ -22,6 +22,8 @@ from rl_tui.lab.programs.messages import MessageKind
 
 _LOOKED_CLOSELY: Final = 200  # steps, before each of which the table is looked for
 _THEN_EVERY: Final = 1.05  # times as many steps as before
+Step = tuple[int, int, int, float, int, int, int, int]
+"""A step as it goes through the pipe."""
 _NUMBERS: Final = 3  # of each difference
 _MOST_TRACES: Final = 2  # times that lines are looked at, while too few of them were found
 _MOST_REBOUND: Final = 1_000  # messages that say so
@@ -40,7 +42,7 @@ class Recorder:
         self._tracker: TableTracker | None = None
         self._next_look = self._next_numbers = 0
         self._episodes = self._rebound = 0
-        self._recent: tuple[int, ...] = ()
+        self._recent: tuple[int, ...] = (0,)
         self._last: tuple[int, int, float, int, int] | None = (
             None  # until the next call: what a stop looks at
         )
@@ -87,15 +89,15 @@ class Recorder:
             met, self._met = self._met, None
             self.gate.wait(self.count, met)
 
-    def after(self, step: tuple[float, ...], numbering: Numbering) -> None:
+    def after(self, step: Step, numbering: Numbering) -> None:
         """Take in a step as it goes through the pipe."""
         self.channel.steps += step
         self.count += 1
-        state, next_state = int(step[1]), int(step[4])
-        self._recent = (state, next_state, *self._recent[:1])
+        state, next_state = step[1], step[4]
+        self._recent = (state, next_state, self._recent[0])
         self._last_numbering = numbering
         if self._stop is not None:
-            self._last = (state, int(step[2]), step[3], next_state, int(step[6]))
+            self._last = (state, step[2], step[3], next_state, step[6])
 
     def end(self) -> None:
         """Tell what changed since the last step, and that the program is over."""
@@ -144,13 +146,23 @@ class Recorder:
             if self.count >= self._next_look and not (at_reset and self.count == 0):
                 self._look_for_table(frame, numbering)
             return []
-        states = self._recent if self._last_numbering == tracker.numbering else ()
-        found = tracker.differences(frame, states, at_reset=at_reset)
+        states = self._recent if self._last_numbering is tracker.numbering else ()
+        try:
+            found = tracker.differences(frame, states, at_reset=at_reset)
+        except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
+            return self._lose_table(tracker)
         if found:
             self._tell_changes(found, tracker)
         if self.count >= self._next_numbers:
             self._tell_numbers(frame)
         return found
+
+    def _lose_table(self, tracker: TableTracker) -> list[float]:
+        """Give up a table with something in it that is no number; another one may be found."""
+        self._tracker, self._next_look = None, self.count + 1
+        text = f"{tracker.way.name()} holds something that is no number any more"
+        self.channel.message(MessageKind.NOTE, text=text)
+        return []
 
     def _look_for_table(self, frame: FrameType | None, numbering: Numbering) -> None:
         self._next_look = self.count + 1 if self.count < _LOOKED_CLOSELY else int(self.count * _THEN_EVERY)
@@ -185,9 +197,11 @@ class Recorder:
             self._traces_left -= 1
             self._trace.begin(TRACED_AT_FIRST)
         step = max(self.count - 1, 0)
-        for place in range(0, len(found), _NUMBERS):
-            self.channel.changes += (step, *found[place : place + _NUMBERS])
-        if len(found) > _NUMBERS:  # one cell is what a rebinding of each step changes
+        if len(found) == _NUMBERS:  # one cell, as most steps change, also where each binds the table anew
+            self.channel.changes += (step, *found)
+        else:
+            for place in range(0, len(found), _NUMBERS):
+                self.channel.changes += (step, *found[place : place + _NUMBERS])
             if tracker.is_another and self._rebound < _MOST_REBOUND:
                 self._rebound += 1
                 self.channel.message(MessageKind.REBOUND, step=step)

@@ -13,6 +13,7 @@ import threading
 import warnings
 from collections.abc import Callable
 from contextlib import suppress
+from importlib import import_module
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from io import TextIOWrapper
@@ -116,10 +117,11 @@ def _show_nothing(pyplot: ModuleType) -> None:
 
 def _draw_bars_as_text(notebook: ModuleType) -> None:
     """Let bars meant for a notebook, which raise where there is none, be those of a terminal."""
-    from tqdm import std
-
-    notebook.tqdm = notebook.tqdm_notebook = std.tqdm  # type: ignore[attr-defined]
-    notebook.trange = notebook.tnrange = std.trange  # type: ignore[attr-defined]
+    plain = import_module("tqdm.std")
+    for name in ("tqdm", "tqdm_notebook"):
+        setattr(notebook, name, plain.tqdm)
+    for name in ("trange", "tnrange"):
+        setattr(notebook, name, plain.trange)
 
 
 class _AfterImport(MetaPathFinder):

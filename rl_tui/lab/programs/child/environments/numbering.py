@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from math import prod
 from operator import index
 from typing import Any
@@ -72,6 +73,12 @@ class Numbering:
         return tuple(part + first for part, first in zip(self.place(state), self.first, strict=True))
 
 
+@cache
+def _numbering(*parts: Any) -> Numbering:
+    """Return one and the same object for the same spaces, so that they are quickly compared."""
+    return Numbering(*parts)
+
+
 def numbering_of(env: gymnasium.Env[Any, Any]) -> Numbering | None:
     """Return how observations and actions are numbered; None where they are no finite numbers."""
     actions, observations = env.action_space, env.observation_space
@@ -81,4 +88,4 @@ def numbering_of(env: gymnasium.Env[Any, Any]) -> Numbering | None:
     if not isinstance(actions, gymnasium.spaces.Discrete) or not parts or len(discrete) != len(parts):
         return None
     sizes, first = tuple(int(each.n) for each in discrete), tuple(int(each.start) for each in discrete)
-    return Numbering(sizes, first, is_tuple, int(actions.n), int(actions.start))
+    return _numbering(sizes, first, is_tuple, int(actions.n), int(actions.start))

@@ -12,6 +12,7 @@ from rl_tui.lab.programs.child.environments.numbering import Numbering
 from rl_tui.lab.programs.child.recorder import Recorder
 from rl_tui.lab.programs.messages import MessageKind, StepFlag
 
+_TERMINATED, _TRUNCATED = int(StepFlag.TERMINATED), int(StepFlag.TRUNCATED)
 _STRANGE = "a step was left out: an observation or action outside of its space, or no five results"
 
 
@@ -35,7 +36,7 @@ class WatchedEnv(gymnasium.Wrapper):  # type: ignore[misc]
         try:
             observation, reward, terminated, truncated, _ = result
             next_state, number = self._numbering.state(observation), self._numbering.action(action)
-            flags = StepFlag.TERMINATED * bool(terminated) + StepFlag.TRUNCATED * bool(truncated)
+            flags = (_TERMINATED if terminated else 0) | (_TRUNCATED if truncated else 0)
             gained = float(reward)
         except (TypeError, ValueError):
             self._leave_out()

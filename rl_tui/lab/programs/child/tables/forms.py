@@ -1,330 +1,32 @@
 """The forms in which programs keep their table: how each is recognised, read, and compared with before.
 
 Reading calls nothing of the user's: no property, no method of a class of theirs, no ``__getitem__`` that
-would add an entry.
+would add an entry. (``isinstance`` may ask an object for its ``__class__``; so types are asked.)
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Collection, Iterable, Sequence
-from itertools import chain, compress
-from operator import is_not
 from typing import Any, Final
 
 import numpy as np
-import numpy.typing as npt
 
 from rl_tui.lab.programs.child.environments.numbering import Numbering
+from rl_tui.lab.programs.child.tables.array_table import ArrayTable
+from rl_tui.lab.programs.child.tables.entries import (
+    cell_of,
+    is_number,
+    is_row,
+    plain_rows,
+    state_of,
+)
+from rl_tui.lab.programs.child.tables.pair_table import PairTable
+from rl_tui.lab.programs.child.tables.row_table import RowTable
+from rl_tui.lab.programs.child.tables.stored_table import StoredTable
 
-Doubles = npt.NDArray[np.float64]
 MOST_CELLS: Final = 1_000_000
-_SMALL: Final = 65_536  # bytes of an array that is compared as a whole at each step
-_FEW: Final = 64  # cells of a table that is so
-_NAN: Final = float("nan")
 
 
-class StoredTable(ABC):
-    """One table as it was last seen: [S·A] numbers, NaN where it has no such entry.
-
-    Differences are lists of numbers, three for each cell: the cell, what stood there and what stands there.
-    """
-
-    name: str
-
-    def __init__(self, numbering: Numbering) -> None:
-        self.numbering = numbering
-        self.actions = numbering.actions
-        self.cells = numbering.states * numbering.actions
-
-    @property
-    def is_compared_whole(self) -> bool:
-        """Whether each comparison is one of the whole table."""
-        return self.cells <= _FEW
-
-    @abstractmethod
-    def take(self, table: Any) -> None:
-        """Take the content of ``table`` for what was last seen."""
-
-    @abstractmethod
-    def values(self) -> Doubles:
-        """Return what was last seen."""
-
-    @abstractmethod
-    def row(self, state: int) -> Sequence[float]:
-        """Return what was last seen in the row of ``state``, [A]."""
-
-    @abstractmethod
-    def differences(self, table: Any, states: Iterable[int]) -> list[float]:
-        """Return what differs now in the rows of ``states``, and what is new, and take it."""
-
-    @abstractmethod
-    def all_differences(self, table: Any) -> list[float]:
-        """Return what differs now anywhere, and take it."""
-
-    @abstractmethod
-    def peek(self, table: Any, state: int) -> list[float]:
-        """Return the row of ``state`` as it is now, 0 where there is none, and take nothing."""
-
-    def rows_are_shared(self, table: Any) -> bool:
-        """Return whether rows of the table are one and the same object."""
-        return False
-
-
-class ArrayTable(StoredTable):
-    """An array S×A, of a tuple of observations with a dimension for each part."""
-
-    name = "array"
-
-    @property
-    def is_compared_whole(self) -> bool:
-        """Whether each comparison is one of the whole table."""
-        return self._is_small
-
-    def take(self, table: Any) -> None:
-        """Take the content of ``table`` for what was last seen."""
-        self._dtype = table.dtype
-        self._kept = bytearray(table.tobytes())
-        self._width = self.actions * table.dtype.itemsize
-        self._is_small = len(self._kept) <= _SMALL
-
-    def values(self) -> Doubles:
-        """Return what was last seen, [S·A]."""
-        return np.frombuffer(self._kept, self._dtype).astype(np.float64)
-
-    def row(self, state: int) -> Sequence[float]:
-        """Return what was last seen in a row, [A]."""
-        begin = state * self._width
-        return self._numbers(self._kept[begin : begin + self._width])
-
-    def differences(self, table: Any, states: Iterable[int]) -> list[float]:
-        """Return what differs now in the rows of ``states``, and what is new."""
-        found: list[float] = []
-        kept, width = self._kept, self._width
-        if not self._is_small:
-            for state in states:
-                self._compare(state, table[self.numbering.place(state)].tobytes(), found)
-            return found
-        now = table.tobytes()
-        if now == kept:
-            return found
-        for state in states:
-            self._compare(state, now[state * width : (state + 1) * width], found)
-        if now != kept:
-            found += self._compare_all(now)
-        return found
-
-    def all_differences(self, table: Any) -> list[float]:
-        """Return what differs now anywhere."""
-        now = table.tobytes()
-        return [] if now == self._kept else self._compare_all(now)
-
-    def peek(self, table: Any, state: int) -> list[float]:
-        """Return the row of ``state`` as it is now."""
-        return self._numbers(table[self.numbering.place(state)].tobytes())
-
-    def _compare(self, state: int, now: bytes, found: list[float]) -> None:
-        begin = state * self._width
-        before = self._kept[begin : begin + self._width]
-        if now != before:
-            self._kept[begin : begin + self._width] = now
-            pairs = zip(self._numbers(before), self._numbers(now), strict=True)
-            _add_differences(state * self.actions, pairs, found)
-
-    def _compare_all(self, now: bytes) -> list[float]:
-        before, after = self.values(), np.frombuffer(now, self._dtype).astype(np.float64)
-        cells = np.flatnonzero((before != after) & ~(np.isnan(before) & np.isnan(after)))
-        self._kept[:] = now
-        found: list[float] = np.column_stack((cells, before[cells], after[cells])).ravel().tolist()
-        return found
-
-    def _numbers(self, row: bytes | bytearray) -> list[float]:
-        numbers: list[float] = np.frombuffer(row, self._dtype).tolist()
-        return numbers
-
-
-class RowTable(StoredTable):
-    """A row for each state: a list of rows, an array of objects, or a dict of rows by observation.
-
-    Rows are kept by their key: the observation in a dict, else their place.
-    """
-
-    def __init__(self, numbering: Numbering, name: str) -> None:
-        super().__init__(numbering)
-        self.name = name
-
-    def take(self, table: Any) -> None:
-        """Take the content of ``table`` for what was last seen."""
-        self._numbers = [_NAN] * self.cells
-        self._kept: dict[Any, Any] = {}
-        self.all_differences(table)
-
-    def values(self) -> Doubles:
-        """Return what was last seen, [S·A]."""
-        return np.array(self._numbers, np.float64)
-
-    def row(self, state: int) -> Sequence[float]:
-        """Return what was last seen in a row, [A]."""
-        return self._numbers[state * self.actions : (state + 1) * self.actions]
-
-    def differences(self, table: Any, states: Iterable[int]) -> list[float]:
-        """Return what differs now in the rows of ``states``, and what is new."""
-        found: list[float] = []
-        kept = self._kept
-        for state in states:
-            key = self._key(state)
-            row = self._row(table, state, key)
-            if row is not None and _raw(row) != kept.get(key):
-                self._note(key, row, found)
-        if isinstance(table, (dict, list)) and len(table) != len(kept):
-            found += self._new_rows(table)
-        return found
-
-    def all_differences(self, table: Any) -> list[float]:
-        """Return what differs now anywhere."""
-        found: list[float] = []
-        kept = self._kept
-        rows = self._rows(table)
-        changed = [(key, row) for key, row in rows if _raw(row) != kept.get(key)]
-        for key, row in changed:
-            self._note(key, row, found)
-        if len(rows) != len(kept):
-            self._leave_out(kept.keys() - {key for key, _ in rows}, found)
-        return found
-
-    def peek(self, table: Any, state: int) -> list[float]:
-        """Return the row of ``state`` as it is now, 0 where there is none."""
-        row = self._row(table, state, self._key(state))
-        is_row = row is not None and _is_row(row, self.actions)
-        return [number_of(each) for each in row] if is_row else [0.0] * self.actions
-
-    def rows_are_shared(self, table: Any) -> bool:
-        """Return whether rows are one and the same object."""
-        rows = [id(row) for _, row in self._rows(table)]
-        return type(table) is not np.ndarray and len(set(rows)) < len(rows)
-
-    def _rows(self, table: Any) -> Collection[tuple[Any, Any]]:
-        return dict.items(table) if isinstance(table, dict) else list(enumerate(_plain_rows(table)))
-
-    def _key(self, state: int) -> Any:
-        return self.numbering.key(state) if self.name == "dict-of-arrays" else state
-
-    def _row(self, table: Any, state: int, key: Any) -> Any:
-        if isinstance(table, dict):
-            return dict.get(table, key)
-        if type(table) is np.ndarray:
-            return table[self.numbering.place(state)].tolist()
-        return table[state] if state < len(table) else None
-
-    def _note(self, key: Any, row: Any, found: list[float]) -> None:
-        self._kept[key] = list(row) if type(row) is list else _raw(row)
-        state = key if self.name != "dict-of-arrays" else _state(self.numbering, key)
-        if state is not None and _is_row(row, self.actions):
-            is_array = type(row) is np.ndarray
-            now = row.astype(np.float64).tolist() if is_array else [number_of(each) for each in row]
-            self._set_row(state, now, found)
-
-    def _set_row(self, state: int, now: list[float], found: list[float]) -> None:
-        begin = state * self.actions
-        before = self._numbers[begin : begin + self.actions]
-        _add_differences(begin, zip(before, now, strict=True), found)
-        self._numbers[begin : begin + self.actions] = now
-
-    def _new_rows(self, table: Any) -> list[float]:
-        """Return what is new at the end of a dict, which keeps the order in which its keys came."""
-        new = len(table) - len(self._kept)
-        if new < 0 or not isinstance(table, dict):
-            return self.all_differences(table)
-        found: list[float] = []
-        for key, _ in zip(dict.__reversed__(table), range(new), strict=False):
-            self._note(key, dict.get(table, key), found)
-        return found
-
-    def _leave_out(self, keys: Iterable[Any], found: list[float]) -> None:
-        for key in keys:
-            del self._kept[key]
-            state = key if self.name != "dict-of-arrays" else _state(self.numbering, key)
-            if state is not None and state * self.actions < self.cells:
-                self._set_row(state, [_NAN] * self.actions, found)
-
-
-class PairTable(StoredTable):
-    """A dict of numbers by (observation, action)."""
-
-    name = "dict-of-pairs"
-
-    def take(self, table: Any) -> None:
-        """Take the content of ``table`` for what was last seen."""
-        self._numbers = [_NAN] * self.cells
-        self._known: dict[object, int] = {}
-        self._read_keys(table)
-        self._kept: list[object] = []
-        self.all_differences(table)
-
-    def values(self) -> Doubles:
-        """Return what was last seen, [S·A]."""
-        return np.array(self._numbers, np.float64)
-
-    def row(self, state: int) -> Sequence[float]:
-        """Return what was last seen in a row, [A]."""
-        return self._numbers[state * self.actions : (state + 1) * self.actions]
-
-    def differences(self, table: Any, states: Iterable[int]) -> list[float]:
-        """Return what differs now in the rows of ``states``, and what is new."""
-        if len(table) != len(self._cells):
-            return self.all_differences(table)
-        found: list[float] = []
-        numbers, get, first = self._numbers, dict.get, self.numbering.first_action
-        for state in states:
-            key, begin = self.numbering.key(state), state * self.actions
-            for action in range(self.actions):
-                each = get(table, (key, first + action))
-                if each is not None and each != numbers[begin + action]:
-                    self._note(begin + action, each, found)
-        return found
-
-    def all_differences(self, table: Any) -> list[float]:
-        """Return what differs now anywhere."""
-        if len(table) != len(self._cells):
-            self._read_keys(table)
-            self._kept = []
-        now = list(dict.values(table))
-        found: list[float] = []
-        if len(self._kept) == len(now):
-            changed: Iterable[tuple[int, object]] = compress(
-                zip(self._cells, now, strict=True), map(is_not, now, self._kept)
-            )
-        else:
-            gone = {cell for cell, each in enumerate(self._numbers) if each == each} - set(self._cells)
-            changed = chain(((cell, None) for cell in gone), zip(self._cells, now, strict=True))
-        for cell, each in changed:
-            if cell >= 0:
-                self._note(cell, each, found)
-        self._kept = now
-        return found
-
-    def peek(self, table: Any, state: int) -> list[float]:
-        """Return the row of ``state`` as it is now, 0 where there is none."""
-        key, first = self.numbering.key(state), self.numbering.first_action
-        entries = (dict.get(table, (key, first + action), 0.0) for action in range(self.actions))
-        return [number_of(each) for each in entries]
-
-    def _read_keys(self, table: Any) -> None:
-        """Find the cell of each entry in their order, −1 for one that is none."""
-        self._cells = [self._cell(key) for key in dict.keys(table)]
-
-    def _cell(self, key: Any) -> int:
-        if key not in self._known:
-            self._known[key] = _cell(self.numbering, key)
-        return self._known[key]
-
-    def _note(self, cell: int, now: object, found: list[float]) -> None:
-        before, after = self._numbers[cell], number_of(now)
-        _add_differences(cell, ((before, after),), found)
-        self._numbers[cell] = after
-
-
-def form_of(value: object, numbering: Numbering) -> StoredTable | None:
+def form_of(value: Any, numbering: Numbering) -> StoredTable | None:
     """Return the form of a table for the states and actions of ``numbering`` that ``value`` has, if any."""
     if not 0 < numbering.states * numbering.actions <= MOST_CELLS:
         return None
@@ -333,84 +35,19 @@ def form_of(value: object, numbering: Numbering) -> StoredTable | None:
         if value.shape not in shapes or value.dtype.kind not in "fiuO":
             return None
         if value.dtype.kind == "O":
-            return RowTable(numbering, "array") if _is_row(_plain_rows(value)[0], numbering.actions) else None
+            return RowTable(numbering, "array") if is_row(plain_rows(value)[0], numbering.actions) else None
         return ArrayTable(numbering) if value.shape == (*numbering.parts, numbering.actions) else None
-    if isinstance(value, dict):
+    if issubclass(type(value), dict):
         return _form_of_dict(value, numbering)
     is_list = type(value) is list and len(value) == numbering.states
-    if is_list and all(_is_row(row, numbering.actions) for row in value):  # type: ignore[attr-defined]
+    if is_list and all(is_row(row, numbering.actions) for row in value):
         return RowTable(numbering, "lists")
     return None
 
 
 def _form_of_dict(value: dict[Any, Any], numbering: Numbering) -> StoredTable | None:
     key, entry = next(iter(dict.items(value)), (None, None))
-    if _state(numbering, key) is not None and _is_row(entry, numbering.actions):
+    if state_of(numbering, key) is not None and is_row(entry, numbering.actions):
         return RowTable(numbering, "dict-of-arrays")
-    is_pair = type(key) is tuple and _cell(numbering, key) >= 0
-    return PairTable(numbering) if is_pair and _is_number(entry) else None
-
-
-def number_of(value: object) -> float:
-    """Return what stands in a table as a number, NaN where it is none."""
-    if type(value) is float:
-        return value
-    if type(value) is np.ndarray and value.size == 1 and value.dtype.kind in "fiu":
-        return float(value.reshape(-1)[0])
-    try:
-        return float(value) if _is_number(value) else _NAN  # type: ignore[arg-type]
-    except (OverflowError, TypeError):
-        return _NAN
-
-
-def _is_number(value: object) -> bool:
-    return type(value) in (float, int) or (isinstance(value, np.number) and value.dtype.kind in "fiu")
-
-
-def _is_row(row: Any, actions: int) -> bool:
-    if type(row) is np.ndarray:
-        return row.shape == (actions,) and row.dtype.kind in "fiu"
-    return type(row) in (list, tuple) and len(row) == actions and all(map(_is_entry, row))
-
-
-def _is_entry(value: object) -> bool:
-    return type(value) is float or _is_number(value) or (type(value) is np.ndarray and value.size == 1)
-
-
-def _raw(row: Any) -> object:
-    return row.tobytes() if type(row) is np.ndarray else row
-
-
-def _plain_rows(table: Any) -> list[Any]:
-    if type(table) is np.ndarray:
-        rows: list[Any] = table.reshape(-1, table.shape[-1]).tolist()
-        return rows
-    return list(table)
-
-
-def _is_plain(key: object) -> bool:
-    return type(key) is int or isinstance(key, (bool, np.integer, np.bool_))
-
-
-def _state(numbering: Numbering, key: Any) -> int | None:
-    """Return the state of a key of a dict, None where it is no observation."""
-    is_fit = (type(key) is tuple and all(map(_is_plain, key))) if numbering.is_tuple else _is_plain(key)
-    try:
-        return numbering.state(tuple(map(int, key)) if numbering.is_tuple else int(key)) if is_fit else None
-    except ValueError:
-        return None
-
-
-def _cell(numbering: Numbering, key: Any) -> int:
-    """Return the cell of a key (observation, action), −1 where it is none."""
-    if type(key) is tuple and len(key) == 2 and _is_plain(key[1]):
-        state, action = _state(numbering, key[0]), int(key[1]) - numbering.first_action
-        if state is not None and 0 <= action < numbering.actions:
-            return state * numbering.actions + action
-    return -1
-
-
-def _add_differences(first_cell: int, pairs: Iterable[tuple[float, float]], found: list[float]) -> None:
-    for cell, (before, after) in enumerate(pairs, first_cell):
-        if before != after and (before == before or after == after):  # two NaN do not differ
-            found += (cell, before, after)
+    is_pair = type(key) is tuple and cell_of(numbering, key) >= 0
+    return PairTable(numbering) if is_pair and is_number(entry) else None

@@ -13,7 +13,8 @@ import gymnasium
 import numpy as np
 
 from rl_tui.lab.programs.child.environments.numbering import Numbering
-from rl_tui.lab.programs.child.tables.forms import StoredTable, form_of
+from rl_tui.lab.programs.child.tables.forms import form_of
+from rl_tui.lab.programs.child.tables.stored_table import StoredTable
 
 MISSING: Final = object()
 _NO_TABLE: Final = re.compile(
@@ -85,7 +86,7 @@ class TableCandidate:
 
 def attributes(value: object) -> dict[str, Any]:
     """Return what an object keeps in its ``__dict__``, without calling anything of its class."""
-    if value is MISSING or isinstance(value, _NO_HOLDERS):
+    if value is MISSING or issubclass(type(value), _NO_HOLDERS):
         return {}
     for each in type(value).__mro__:
         found = each.__dict__.get("__dict__")

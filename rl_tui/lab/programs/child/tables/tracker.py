@@ -29,7 +29,7 @@ class TableTracker:
         """Whether another object was the table at the last call of :meth:`differences`."""
         self._calls, self._look_at = 0, 0
         self._since_whole, self._spacing, self._ends_left, self._quiet = 0, 1.0, _PATIENCE, 0
-        self._peeked: dict[int, list[float]] = {}
+        self._peeked: dict[int, object] = {}
         self._changes_seen = 0
         self.form.take(self.table)
 
@@ -53,7 +53,7 @@ class TableTracker:
             return self._bind(table)
         form = self.form
         found = form.differences(table, states)
-        if not form.is_compared_whole or form.name != "array":
+        if not form.is_compared_whole:
             self._since_whole += 1
             if self._is_whole_due(at_reset) or frame is None:
                 outside = form.all_differences(table)
@@ -62,14 +62,14 @@ class TableTracker:
         return found
 
     def changes_seen(self, states: Iterable[int]) -> int:
-        """Return how often one of the rows of ``states`` was seen to change by this function."""
+        """Return how often this function has seen one of the rows of ``states`` change from call to call."""
         table = self.way.read()
         if type(table) is not type(self.table):
             table = self.table
-        for state in states:
-            row = self.form.peek(table, state)
-            if self._peeked.setdefault(state, row) != row:
-                self._peeked[state] = row
+        peek, before = self.form.peek, self._peeked
+        now = self._peeked = {state: peek(table, state) for state in states}
+        for state, row in now.items():  # what was not looked at last time may have changed anywhere since
+            if before.get(state, row) != row and before[state] is not None:
                 self._changes_seen += 1
         return self._changes_seen
 
@@ -78,7 +78,7 @@ class TableTracker:
         return self.form.rows_are_shared(self.table)
 
     def _is_whole_due(self, at_reset: bool) -> bool:
-        if self.form.is_compared_whole or self._calls <= _CLOSELY or self._since_whole >= self._spacing:
+        if self._calls <= _CLOSELY or self._since_whole >= self._spacing:
             return True
         return at_reset and self._ends_left > 0
 

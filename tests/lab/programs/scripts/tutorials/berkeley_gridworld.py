@@ -1,4 +1,4 @@
-# expect: {"rule": "q-learning", "alpha": 0.5, "gamma": 0.9, "alpha_schedule": "constant", "table": "agent.values"}
+# expect: {"rule": "q-learning", "alpha": 0.5, "gamma": 0.9, "alpha_schedule": "constant", "table": "a.values", "scenario": "frozenlake-slippery"}
 """A Q-learning agent of an introduction to artificial intelligence, with the loop of its grid world."""
 
 import random

@@ -1,4 +1,4 @@
-# expect: {"rule": "q-learning", "alpha": 0.8, "gamma": 0.95, "alpha_schedule": "constant"}
+# expect: {"rule": "q-learning", "alpha": 0.8, "gamma": 0.95, "alpha_schedule": "constant", "table": "learner.qtable"}
 """Frozen Lake: an environment, a learner and a table for each of two sizes of the map."""
 
 import gymnasium as gym

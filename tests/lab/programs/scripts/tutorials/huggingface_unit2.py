@@ -1,4 +1,4 @@
-# expect: {"rule": "q-learning", "alpha": 0.7, "gamma": 0.95, "alpha_schedule": "constant"}
+# expect: {"rule": "q-learning", "alpha": 0.7, "gamma": 0.95, "alpha_schedule": "constant", "table": "Qtable", "scenario": "frozenlake"}
 # -*- coding: utf-8 -*-
 """The cells of a notebook, one below the other: a Frozen Lake."""
 
@@ -53,7 +53,7 @@ def epsilon_greedy_policy(Qtable, state, epsilon):
 
 
 # Training parameters
-n_training_episodes = 600
+n_training_episodes = 1200
 learning_rate = 0.7
 
 # Evaluation parameters
@@ -68,7 +68,7 @@ eval_seed = []
 # Exploration parameters
 max_epsilon = 1.0
 min_epsilon = 0.05
-decay_rate = 0.005
+decay_rate = 0.0015
 
 episodes_played = 0
 steps_taken = 0

@@ -1,4 +1,4 @@
-# expect: {"rule": "q-learning", "alpha": 0.5, "gamma": 1.0, "alpha_schedule": "constant"}
+# expect: {"rule": "q-learning", "alpha": 0.5, "gamma": 1.0, "alpha_schedule": "constant", "table": "rl_glue.agent.q", "scenario": "cliff"}
 """A cliff with agent, environment and what glues them together, each in a class of its own."""
 
 import gymnasium as gym

@@ -1,4 +1,4 @@
-# expect: {"rule": "q-learning", "alpha": 0.9, "gamma": 0.9, "alpha_schedule": "constant", "table": "q"}
+# expect: {"rule": "q-learning", "alpha": 0.9, "gamma": 0.9, "alpha_schedule": "constant", "table": "q", "scenario": "taxi"}
 """Taxi: a run that trains and saves its table, and one that loads it and only plays."""
 
 import argparse

@@ -1,4 +1,4 @@
-# expect: {"rule": "expected-sarsa", "alpha": 0.2, "gamma": 0.9, "epsilon": 0.05, "table": "agent.Q"}
+# expect: {"rule": "expected-sarsa", "alpha": 0.2, "gamma": 0.9, "epsilon": 0.05, "table": "agent.Q", "scenario": "taxi", "findings": ["no-bootstrap-after-truncation"]}
 import gymnasium as gym
 from agent import Agent
 from monitor import interact

@@ -1,0 +1,89 @@
+"""A table as an array."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from struct import Struct
+from typing import Any, Final
+
+import numpy as np
+
+from rl_tui.lab.programs.child.tables.entries import (
+    add_differences,
+)
+from rl_tui.lab.programs.child.tables.stored_table import Doubles, StoredTable
+
+_SMALL: Final = 65_536  # bytes of an array that is compared as a whole at each step
+_CODES: Final = {"<f8": "d", "<f4": "f", "<i8": "q", "<i4": "i"}
+"""How numbers of an array are written one by one."""
+
+
+class ArrayTable(StoredTable):
+    """An array S×A, of a tuple of observations with a dimension for each part."""
+
+    name = "array"
+
+    def take(self, table: Any) -> None:
+        """Take the content of ``table`` for what was last seen."""
+        self._dtype = table.dtype
+        self._kept = bytearray(table.tobytes())
+        self._width = self.actions * table.dtype.itemsize
+        code = _CODES.get(table.dtype.str)
+        self._numbers = self._decoded if code is None else Struct(f"={self.actions}{code}").unpack
+        self.is_compared_whole = len(self._kept) <= _SMALL
+
+    def values(self) -> Doubles:
+        """Return what was last seen, [S·A]."""
+        return np.frombuffer(self._kept, self._dtype).astype(np.float64)
+
+    def row(self, state: int) -> Sequence[float]:
+        """Return what was last seen in a row, [A]."""
+        begin = state * self._width
+        return list(self._numbers(self._kept[begin : begin + self._width]))
+
+    def differences(self, table: Any, states: Iterable[int]) -> list[float]:
+        """Return what differs now in the rows of ``states``, and what is new."""
+        found: list[float] = []
+        kept, width = self._kept, self._width
+        if not self.is_compared_whole:
+            for state in states:
+                self._compare(state, table[self.numbering.place(state)].tobytes(), found)
+            return found
+        now = table.tobytes()
+        if now == kept:
+            return found
+        for state in states:  # mostly the first of them is all that changed
+            begin = state * width
+            if now[begin : begin + width] != kept[begin : begin + width]:
+                self._compare(state, now[begin : begin + width], found)
+                if now == kept:
+                    return found
+        return found + self._compare_all(now)
+
+    def all_differences(self, table: Any) -> list[float]:
+        """Return what differs now anywhere."""
+        now = table.tobytes()
+        return [] if now == self._kept else self._compare_all(now)
+
+    def peek(self, table: Any, state: int) -> object:
+        """Return the row of ``state`` as it is now."""
+        return table[self.numbering.place(state)].tobytes()
+
+    def _compare(self, state: int, now: bytes, found: list[float]) -> None:
+        begin = state * self._width
+        before = self._kept[begin : begin + self._width]
+        if now != before:
+            self._kept[begin : begin + self._width] = now
+            pairs = zip(self._numbers(before), self._numbers(now), strict=True)
+            add_differences(state * self.actions, pairs, found)
+
+    def _compare_all(self, now: bytes) -> list[float]:
+        before, after = self.values(), np.frombuffer(now, self._dtype).astype(np.float64)
+        cells = np.flatnonzero((before != after) & ~(np.isnan(before) & np.isnan(after)))
+        self._kept[:] = now
+        found: list[float] = np.column_stack((cells, before[cells], after[cells])).ravel().tolist()
+        return found
+
+    def _decoded(self, row: bytes | bytearray) -> Sequence[float]:
+        numbers: list[float] = np.frombuffer(row, self._dtype).tolist()
+        return numbers

@@ -1,0 +1,125 @@
+"""A table as rows in a list or a dict."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from rl_tui.lab.programs.child.environments.numbering import Numbering
+from rl_tui.lab.programs.child.tables.entries import (
+    NAN,
+    add_differences,
+    number_of,
+    plain_rows,
+    raw_row,
+    raw_rows,
+    state_of,
+)
+from rl_tui.lab.programs.child.tables.stored_table import Doubles, StoredTable
+
+
+class RowTable(StoredTable):
+    """A row for each state: a list of rows, an array of objects, or a dict of rows by observation.
+
+    Rows are kept by their key: the observation in a dict, else their place.
+    """
+
+    def __init__(self, numbering: Numbering, name: str) -> None:
+        super().__init__(numbering)
+        self.name = name
+
+    def take(self, table: Any) -> None:
+        """Take the content of ``table`` for what was last seen."""
+        self._numbers = [NAN] * self.cells
+        self._kept: list[Any] = []
+        self._place: dict[Any, int] = {}
+        self.all_differences(table)
+
+    def values(self) -> Doubles:
+        """Return what was last seen, [S·A]."""
+        return np.array(self._numbers, np.float64)
+
+    def row(self, state: int) -> Sequence[float]:
+        """Return what was last seen in a row, [A]."""
+        return self._numbers[state * self.actions : (state + 1) * self.actions]
+
+    def differences(self, table: Any, states: Iterable[int]) -> list[float]:
+        """Return what differs now in the rows of ``states``, and what is new."""
+        if type(table) is np.ndarray or len(table) != len(self._kept):
+            return self.all_differences(table)
+        found: list[float] = []
+        for state in states:
+            key = self._key(state)
+            place = self._place.get(key)
+            if place is not None:
+                row = dict.get(table, key) if issubclass(type(table), dict) else table[place]
+                if raw_row(row) != self._kept[place]:
+                    self._note(key, place, row, found)
+        return found + self.all_differences(table) if self.is_compared_whole else found
+
+    def all_differences(self, table: Any) -> list[float]:
+        """Return what differs now anywhere."""
+        rows, kept = self._rows(table), self._kept
+        now = raw_rows(rows)
+        found: list[float] = []
+        if len(rows) != len(kept):
+            self._find_places(table, found)
+            kept = self._kept
+        if now != kept:
+            keys = list(self._place)
+            changed = [place for place, (new, old) in enumerate(zip(now, kept, strict=True)) if new != old]
+            for place in changed:
+                self._note(keys[place], place, rows[place], found)
+        return found
+
+    def peek(self, table: Any, state: int) -> object:
+        """Return the row of ``state`` as it is now, None where there is none."""
+        if type(table) is np.ndarray:
+            return table[self.numbering.place(state)].tolist()
+        row = dict.get(table, self._key(state)) if issubclass(type(table), dict) else table[state]
+        return list(row) if type(row) is list else raw_row(row)
+
+    def rows_are_shared(self, table: Any) -> bool:
+        """Return whether rows are one and the same object."""
+        rows = list(map(id, self._rows(table)))
+        return type(table) is not np.ndarray and len(set(rows)) < len(rows)
+
+    def _rows(self, table: Any) -> list[Any]:
+        if issubclass(type(table), dict):
+            return list(dict.values(table))
+        return plain_rows(table)
+
+    def _key(self, state: int) -> Any:
+        return self.numbering.key(state) if self.name == "dict-of-arrays" else state
+
+    def _state(self, key: Any) -> int | None:
+        return key if self.name != "dict-of-arrays" else state_of(self.numbering, key)
+
+    def _find_places(self, table: Any, found: list[float]) -> None:
+        """Find where in their order the rows stand, after some came or went."""
+        keys = list(dict.keys(table)) if issubclass(type(table), dict) else range(len(table))
+        if type(table) is np.ndarray:
+            keys = range(self.numbering.states)
+        before = dict(zip(self._place, self._kept, strict=True))
+        self._place = {key: place for place, key in enumerate(keys)}
+        self._kept = [before.pop(key, None) for key in keys]
+        for key in before:
+            state = self._state(key)
+            if state is not None:
+                self._set_row(state, [NAN] * self.actions, found)
+
+    def _note(self, key: Any, place: int, row: Any, found: list[float]) -> None:
+        self._kept[place] = list(row) if type(row) is list else raw_row(row)
+        state = self._state(key)
+        if state is not None and len(row) == self.actions:
+            entries = row.tolist() if type(row) is np.ndarray else row
+            now = [each if type(each) is float else number_of(each) for each in entries]
+            self._set_row(state, now, found)
+
+    def _set_row(self, state: int, now: list[float], found: list[float]) -> None:
+        begin = state * self.actions
+        before = self._numbers[begin : begin + self.actions]
+        add_differences(begin, zip(before, now, strict=True), found)
+        self._numbers[begin : begin + self.actions] = now

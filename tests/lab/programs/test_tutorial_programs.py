@@ -1,0 +1,270 @@
+"""Programs in the shapes of well-known tutorials and courses: watched, understood and graded unchanged."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import re
+import sys
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from lab.programs.course_agents import OF_STYLE, agent_in
+from lab.programs.watched_scripts import lines_of, script_in, watched
+from policy_worth import evaluate
+
+from rl_tui.agents.exact.policies import greedy_policy
+from rl_tui.cli.main import program
+from rl_tui.common.errors import UserError
+from rl_tui.lab.detective.detective import verdict_of
+from rl_tui.lab.detective.verdict import Rule
+from rl_tui.lab.experiments.training import Goal
+from rl_tui.lab.grading.agent_request import agent_request, place_of_agent
+from rl_tui.lab.grading.watch_report import environment_of, learned_figures
+from rl_tui.lab.own_agents.loading import AgentName
+from rl_tui.lab.programs.program_log import ProgramEnvironment, ProgramLog
+from rl_tui.lab.programs.program_world import world_of_program
+from rl_tui.lab.programs.to_the_end import watched_to_the_end
+from rl_tui.lab.run.library import recipe_named
+from rl_tui.worlds.mdp.space import FloatArray
+
+pytestmark = pytest.mark.process
+
+HERE = Path(__file__).parent / "scripts"
+TUTORIALS = HERE / "tutorials"
+LIBRARIES = HERE / "libraries"
+"""Stand-ins for what the scripts import and is not installed; what is comes first."""
+SEED_DOCUMENT = HERE / "correct" / "seed_document.py"
+SCRIPTS = [*sorted(TUTORIALS.glob("*.py")), TUTORIALS / "udacity" / "main.py"]
+UNDERSTOOD = ("rule", "alpha", "gamma", "alpha_schedule", "epsilon")
+SAVED = {"taxi_pickled": "taxi.pkl"}
+SECOND_TABLES = ("huggingface_both", "frozenlake_two_maps")
+"""Scripts that learn a table of other states after the first, and save that one."""
+HOLDS_AN_AGENT = "berkeley_gridworld"
+PATIENCE = 120.0
+TIES = 1e-9
+
+
+@cache
+def expected_of(path: Path) -> dict[str, Any]:
+    return dict(json.loads(path.read_text("utf-8").splitlines()[0].removeprefix("# expect: ")))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A folder to run in, where all that the scripts import is at hand."""
+    path = tmp_path_factory.mktemp("tutorials")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(path)
+        patch.setattr(sys, "path", [*sys.path, str(LIBRARIES)])
+        yield path
+
+
+@pytest.fixture(
+    scope="module", params=[*SCRIPTS, SEED_DOCUMENT], ids=lambda path: f"{path.parent.name}-{path.stem}"
+)
+def tutorial(request: pytest.FixtureRequest, folder: Path) -> tuple[Path, ProgramLog]:
+    """A script, and what it told when it was watched to its end."""
+    path: Path = request.param
+    return path, watched(path, seed=1)
+
+
+def printed(log: ProgramLog) -> tuple[int, int]:
+    """Return the episodes and steps that a script counted itself."""
+    (found,) = [
+        each for each in (re.match(r"episodes: (\d+), steps: (\d+)$", line) for line in lines_of(log)) if each
+    ]
+    return int(found[1]), int(found[2])
+
+
+def test_it_is_understood_and_not_blamed(tutorial: tuple[Path, ProgramLog]) -> None:
+    path, log = tutorial
+    expected, verdict = expected_of(path), verdict_of(log)
+    assert (log.error, log.refused) == (None, "")
+    assert log.table is not None
+    assert log.table.name == expected["table"]
+    found = {name: getattr(verdict.update, name) for name in UNDERSTOOD if name in expected}
+    wanted = {name: expected[name] for name in UNDERSTOOD if name in expected}
+    assert found == {
+        name: pytest.approx(value, rel=1e-6) if isinstance(value, float) else value
+        for name, value in wanted.items()
+    }
+    assert verdict.update.fits == 1.0
+    assert [each.fault.value for each in verdict.findings] == expected.get("findings", [])
+
+
+def test_steps_that_another_table_is_for_are_said_to_be_left_out(tutorial: tuple[Path, ProgramLog]) -> None:
+    path, log = tutorial
+    said = [each for each in verdict_of(log).notes if "--table" in each]
+    assert bool(said) == (path.stem in SECOND_TABLES)
+
+
+def test_the_second_table_can_be_chosen(folder: Path) -> None:
+    log = watched(TUTORIALS / "huggingface_both.py", seed=1, table="Qtable_taxi")
+    assert log.table is not None
+    assert (log.table.name, log.table.shape) == ("Qtable_taxi", (500, 6))
+    assert log.recording.table_at(log.recording.count).tolist() == np.load("table.npy").ravel().tolist()
+    update = verdict_of(log).update
+    assert (update.rule, update.alpha, update.gamma) == (
+        Rule.Q_LEARNING,
+        pytest.approx(0.7),
+        pytest.approx(0.95),
+    )
+
+
+def test_every_step_and_episode_is_seen(tutorial: tuple[Path, ProgramLog]) -> None:
+    path, log = tutorial
+    begun = int(log.recording.steps.episode.max()) + 1
+    if path == SEED_DOCUMENT:
+        assert begun == 1500
+    else:
+        assert (begun, log.recording.count) == printed(log)
+
+
+def test_the_table_is_that_which_the_script_saves(tutorial: tuple[Path, ProgramLog], folder: Path) -> None:
+    path, log = tutorial
+    if "np.save(" not in path.read_text("utf-8") and path.stem not in SAVED:
+        pytest.skip("it saves nothing")
+    if path.stem in SECOND_TABLES:
+        pytest.skip("it saves another table than the first")
+    if path.stem in SAVED:
+        saved = pickle.loads((folder / SAVED[path.stem]).read_bytes())
+    else:
+        saved = np.load(folder / "table.npy")
+    assert log.recording.table_at(log.recording.count).tolist() == saved.ravel().tolist()
+
+
+def rolled_out(environment: ProgramEnvironment, table: FloatArray) -> float:
+    """Return the expected return within the time limit, worked out from Gymnasium's own transitions.
+
+    ``table`` is [S, A]; ties are shared evenly. Without a limit 2,000 steps stand for an endless episode.
+    """
+    env: Any = gymnasium.make(environment.id, **dict(environment.kwargs or {})).unwrapped
+    best = np.isclose(table, table.max(axis=1, keepdims=True), rtol=0.0, atol=TIES)
+    policy = best / best.sum(axis=1, keepdims=True)
+    states = np.array(env.initial_state_distrib, float)
+    earned = 0.0
+    for _ in range(environment.time_limit or 2_000):
+        after = np.zeros_like(states)
+        for state in np.flatnonzero(states):
+            for action in np.flatnonzero(policy[state]):
+                for chance, next_state, reward, ended in env.P[state][action]:
+                    weight = states[state] * policy[state, action] * chance
+                    earned += weight * reward
+                    after[next_state] += 0.0 if ended else weight
+        states = after
+    return earned
+
+
+def test_the_return_of_its_policy_is_exact(tutorial: tuple[Path, ProgramLog]) -> None:
+    path, log = tutorial
+    environment = environment_of(log)
+    assert environment is not None
+    found = learned_figures(log, expected_of(path)["gamma"])
+    assert found.expected_return is not None
+    table = log.recording.table_at(log.recording.count)
+    if environment.id == "Blackjack-v1":
+        known = world_of_program(environment)
+        assert known.world.mdp is not None
+        policy = greedy_policy(known.world.mdp, known.q_of(table), "random")
+        worth = evaluate(known.world.mdp, policy, 1.0).at_start
+    else:
+        worth = rolled_out(environment, np.nan_to_num(table).reshape(-1, environment.actions))
+    assert found.expected_return == pytest.approx(worth, abs=1e-9)
+
+
+def graded(target: Path, scenario: str, *more: str) -> dict[str, Any]:
+    """Return the run and the submission that ``grade`` tells of one seed."""
+    result = CliRunner().invoke(
+        program,
+        ["grade", str(target), "--scenario", scenario, "--seeds", "1", "--seed", "1", "--json", *more],
+    )
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    (submission,) = json.loads(result.stdout)["submissions"]
+    return dict(submission)
+
+
+def scenario_of(path: Path, log: ProgramLog, folder: Path) -> str:
+    """Return a scenario with the world of a script: one that is shipped, or a file written for it."""
+    shipped = expected_of(path).get("scenario")
+    if shipped:
+        return str(shipped)
+    environment = environment_of(log)
+    assert environment is not None
+    kwargs = {name: value for name, value in (environment.kwargs or {}).items() if name != "render_mode"}
+    written = ", ".join(f"{name} = {json.dumps(value)}" for name, value in kwargs.items())
+    table = "table = true\n" if environment.id == "Blackjack-v1" else ""
+    file = folder / f"{path.stem}.toml"
+    file.write_text(
+        'title = "Its world"\nsummary = "Made as the script makes it."\n[gymnasium]\n'
+        f'id = "{environment.id}"\n{table}kwargs = {{ {written} }}\n'
+    )
+    return str(file)
+
+
+def test_it_is_graded_unchanged(tutorial: tuple[Path, ProgramLog], folder: Path) -> None:
+    path, log = tutorial
+    if path.stem == HOLDS_AN_AGENT:
+        pytest.skip("its loop stands below a question for __main__: its agent is graded")
+    submission = graded(path, scenario_of(path, log, folder))
+    (run,) = submission["runs"]
+    assert run["error"] is None
+    assert run["expected_return"] == pytest.approx(learned_figures(log, None).expected_return, abs=1e-9)
+    assert [each["fault"] for each in submission["findings"]] == expected_of(path).get("findings", [])
+
+
+def test_a_world_of_the_same_id_that_differs_is_said_to(folder: Path) -> None:
+    (run,) = graded(TUTORIALS / "blackjack_statistics.py", "blackjack-table")["runs"]
+    assert "Blackjack-v1" in run["error"]
+    assert "sab=False" in run["error"]
+
+
+@pytest.mark.parametrize("style", [*OF_STYLE, HOLDS_AN_AGENT, "udacity-tutorial"])
+def test_an_agent_without_a_loop_is_graded_unchanged(style: str, tmp_path: Path) -> None:
+    files = {
+        HOLDS_AN_AGENT: TUTORIALS / f"{HOLDS_AN_AGENT}.py",
+        "udacity-tutorial": TUTORIALS / "udacity" / "agent.py",
+    }
+    path = files[style] if style in files else agent_in(tmp_path, OF_STYLE[style])
+    submission = graded(path, "frozenlake-slippery", "--episodes", "400")
+    (run,) = submission["runs"]
+    assert (run["error"], submission["findings"]) == (None, [])
+    recipe = recipe_named("frozenlake-slippery", {}, 1)
+    request = agent_request(AgentName(path, ""), recipe, {}, Goal(episodes=400))
+    log = watched_to_the_end(request, seconds=PATIENCE)
+    assert (log.error, int(log.recording.steps.episode.max())) == (None, 399)
+    table = np.nan_to_num(log.recording.table_at(log.recording.count)).reshape(16, 4)
+    lake = ProgramEnvironment(0, "FrozenLake-v1", {"is_slippery": True}, (16,), 4, 100)
+    assert run["expected_return"] == pytest.approx(rolled_out(lake, table), abs=1e-9)
+
+
+def test_a_script_that_learns_when_it_is_imported_is_no_agent(folder: Path) -> None:
+    with pytest.raises(UserError, match="as soon as it is imported"):
+        place_of_agent(AgentName(TUTORIALS / "blackjack_statistics.py", ""))
+
+
+def test_what_is_not_installed_is_said_with_the_line_that_installs_it(tmp_path: Path) -> None:
+    path = script_in(tmp_path, "import gymnasium\nimport a_plotting_library\n")
+    error = watched(path).error
+    assert error is not None
+    assert (error.type, error.line) == ("ModuleNotFoundError", 2)
+    assert "pip install a_plotting_library" in error.text
+
+
+@pytest.mark.parametrize("line", ["get_ipython().system('pip install numpy')", "display(1)"])
+def test_what_only_a_notebook_has_is_said_to_be_of_one(line: str, tmp_path: Path) -> None:
+    error = watched(script_in(tmp_path, f"import gymnasium\n{line}\n")).error
+    assert error is not None
+    assert (error.type, error.line) == ("NameError", 2)
+    assert "notebook" in error.text
+
+
+def test_a_line_of_another_file_is_told_with_that_file(folder: Path) -> None:
+    arguments = ["grade", str(TUTORIALS / "udacity" / "main.py"), "--scenario", "taxi", "--seeds", "1"]
+    assert re.search(r"\(line \d+ of agent\.py\)", CliRunner().invoke(program, arguments).stdout)
