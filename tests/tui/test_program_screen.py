@@ -213,6 +213,9 @@ async def test_another_table_can_be_chosen(script: Path) -> None:
         assert program.table is not None
         assert program.table.others
         await press(pilot, "T")
+        asked = screen_text(pilot.app)
+        assert "array 48×4, float64" in asked
+        assert program.table.other_forms == ("array",)
         await choose(pilot, "1")
         assert snapshot(pilot).counters.step == 0
         await train(pilot, 50)

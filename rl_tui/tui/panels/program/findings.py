@@ -11,7 +11,7 @@ from textual.message import Message
 from textual.strip import Strip
 
 from rl_tui.common.findings import one_line
-from rl_tui.lab.detective.verdict import CodeFinding, Rule
+from rl_tui.lab.detective.verdict import CodeFinding, Rule, step_number
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, length, spelled, strips_of, wrapped
@@ -87,7 +87,7 @@ class FindingsPanel(ScrolledPanel):
     def action_go_to_step(self) -> None:
         """Ask for the step that the finding under the cursor was first seen at, once it was taken."""
         if self.chosen is not None:
-            self.post_message(self.StepWanted(self.chosen.step + 1))
+            self.post_message(self.StepWanted(step_number(self.chosen.step)))
 
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return all rows of the page."""
@@ -164,7 +164,7 @@ def evidence_text(finding: CodeFinding) -> str:
     if finding.steps_for:
         against = f"{finding.steps_against:,}" if finding.steps_against else "none"
         steps = f"; steps for it: {finding.steps_for:,}, against it: {against}"
-    return f"{certain}{steps}. Enter goes to the first, step {finding.step + 1:,}."
+    return f"{certain}{steps}. Enter goes to the first, step {step_number(finding.step):,}."
 
 
 def _code(finding: CodeFinding, program: ProgramView, look: Look, width: int) -> list[Line]:

@@ -14,6 +14,7 @@ from rl_tui.lab.detective.verdict import (
     Rule,
     UpdateFound,
     UpdateTarget,
+    step_number,
 )
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.programs.program_log import FoundTable
@@ -75,11 +76,16 @@ def table_texts(table: FoundTable) -> tuple[str, ...]:
     A dictionary has no shape: it grows with the states that are met.
     """
     name = one_line(table.name, LONGEST_NAME)
-    form = _FORMS.get(table.form, one_line(table.form, LONGEST_NAME))
+    form = form_text(table.form)
     grows = table.form.startswith("dict")
     shape = "" if grows else " " + "×".join(map(str, table.shape[:4]))
     dtype = f", {one_line(table.dtype, LONGEST_NAME)}" if table.dtype else ""
     return f"table {name}: {form}{shape}{dtype}", f"table {name}: {form}{shape}", f"table {name}{shape}"
+
+
+def form_text(form: str) -> str:
+    """Return the ``form`` of a table in words: ``list of lists``."""
+    return _FORMS.get(form, one_line(form, LONGEST_NAME))
 
 
 def update_texts(update: UpdateFound, glyphs: Glyphs) -> tuple[str, ...]:
@@ -167,7 +173,7 @@ def fit_texts(update: UpdateFound) -> tuple[str, ...]:
     fits = f"fits {share_text(update.fits)} of steps"
     ruled = f"{_RULES[update.rule]} {fits}" if update.rule in _RULES else fits
     informative = f"{update.informative:,} informative"
-    departs = [] if update.departs_at is None else [f"departs at step {update.departs_at + 1:,}"]
+    departs = [] if update.departs_at is None else [f"departs at step {step_number(update.departs_at):,}"]
     return (
         " · ".join([ruled, informative, *departs]),
         " · ".join([ruled, *departs]),

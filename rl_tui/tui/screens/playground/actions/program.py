@@ -13,6 +13,7 @@ from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.actions.action import Action
 from rl_tui.tui.actions.playground_actions import DECIDES
+from rl_tui.tui.panels.program.words import form_text, table_texts
 from rl_tui.tui.screens.dialogs.choice import Candidate, Choice
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
@@ -71,8 +72,11 @@ class ProgramActions(Subject):
             )
         else:
             names = (program.table.name, *program.table.others)
+            in_full = table_texts(program.table)[0].partition(": ")[2]
+            forms = (in_full, *map(form_text, program.table.other_forms))
             candidates = [
-                Candidate(str(place), one_line(name, _LONGEST_NAME)) for place, name in enumerate(names)
+                Candidate(str(place), one_line(name, _LONGEST_NAME), (form,))
+                for place, (name, form) in enumerate(zip(names, forms, strict=True))
             ]
             choice = Choice("The table that learns: the program starts again", candidates, "0", self.glyphs)
             self.ask(choice, lambda place: self._take_table(names[int(place)]))
