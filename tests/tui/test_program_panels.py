@@ -256,6 +256,7 @@ def test_a_finding_in_another_file_shows_no_source_of_this_one() -> None:
     [
         ("agent.py", "/home/someone/agent.py", True),
         ("../work/agent.py", "/home/work/agent.py", True),
+        ("/home/work/../someone/agent.py", "/home/someone/agent.py", True),
         ("/home/someone/agent.py", "/home/someone/agent.py", True),
         ("/home/someone/agent.py", "/home/other/agent.py", False),
         ("agent.py", "/home/someone/helper.py", False),

@@ -10,7 +10,7 @@ ORDINALS: Final = ("first", "second", "third", "fourth")
 
 DECIDES: Final = "your program decides that: change it in {file} and save, and it starts again"
 """Why no setting of somebody's program can be changed; ``{file}`` is its file."""
-_SWEEPS: Final = "your program takes steps, and has no sweeps of a planner"
+_SWEEPS: Final = "your program has no sweeps, which are a planner's: s takes a step, e runs an episode"
 
 PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
     Action(
@@ -180,7 +180,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         "Set the seed, and start again.",
         Group.AGENT,
         rank=22,
-        not_for_program="the seed is that of the start: rl-tui watch {file} --seed N",
+        not_for_program="the seed is set at the start: rl-tui watch {file} --seed N",
     ),
     *(
         Action(
@@ -222,7 +222,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         Group.AGENT,
         rank=8,
         needs_world=True,
-        not_for_program="your program takes its own steps: here nobody can act in its place",
+        not_for_program="your program takes its own steps; esc leads to scenarios in which you can act",
     ),
     Action(
         "drawing.toggle",
@@ -265,7 +265,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         "next lane",
         "Lead the next of the runs side by side.",
         Group.VIEW,
-        not_for_program="your program is the one that is led; z shows it alone, or both side by side",
+        not_for_program="keys are about your program here; z shows it alone, or both side by side",
     ),
     Action("lanes.one_lane", "z", "one lane", "Show one lane alone, or two side by side.", Group.VIEW),
     Action("turn_legends", "L", "legends", "Hide or show what panels and their signs mean.", Group.VIEW),

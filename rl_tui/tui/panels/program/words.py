@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os.path
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
@@ -203,7 +204,7 @@ def counted(findings: Sequence[CodeFinding]) -> str:
 
 def is_own(file: str, program: ProgramView) -> bool:
     """Return whether ``file`` is that of ``program``, whose path may be written as a person gave it."""
-    given = [part for part in Path(program.path).parts if part != ".."]
+    given = [part for part in Path(os.path.normpath(program.path)).parts if part != ".."]
     return not file or list(Path(file).parts[-len(given) :]) == given
 
 
