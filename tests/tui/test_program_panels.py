@@ -427,7 +427,7 @@ def test_a_step_that_changed_nothing() -> None:
     same = changed(picture, last_step=replace(last, before=last.after))
     assert "stays" in story(same, 80)
     none = changed(picture, last_step=replace(last, updated_pair=-1))
-    assert "the program changed nothing" in story(none, 80)
+    assert "your program changed nothing" in story(none, 80)
 
 
 def test_without_a_table_nothing_is_said_of_what_was_learned() -> None:

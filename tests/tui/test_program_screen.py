@@ -23,6 +23,7 @@ from rl_tui.tui.panels.catalogue import CONTROLS, FINDINGS, OUTPUT, PROGRAM, TAB
 from rl_tui.tui.panels.discount.discount import DiscountPanel
 from rl_tui.tui.panels.q_table.layers import Layer
 from rl_tui.tui.panels.q_table.titles import NO_TABLE
+from rl_tui.tui.panels.side_by_side import DIFFERS
 from rl_tui.tui.screens.playground.actions.program import FIRST_KEYS
 from rl_tui.tui.screens.playground.board import NO_PROGRAM
 
@@ -137,11 +138,15 @@ async def test_how_to_begin_is_not_said_any_more_once_it_has_begun(script: Path)
         assert notes(pilot.app) == []
 
 
-async def test_a_flip_shows_where_gamma_turns_but_sets_none(tmp_path: Path) -> None:
+async def test_without_a_table_a_flip_sets_no_gamma_and_no_greedy_policy_has_a_return(tmp_path: Path) -> None:
     path = tmp_path / "lake.py"
     path.write_text(dedent(WALK).replace("CliffWalking-v1", "FrozenLake-v1"), encoding="utf-8")
     async with watching(path) as pilot:
-        await train(pilot, 5)
+        await train(pilot, 200)
+        text = screen_text(pilot.app)
+        assert "no greedy line: no table was found" in text
+        for claim in ("may never end", "0.00", "greedy, exact", "not tried"):
+            assert claim not in text
         await press(pilot, "G", "up")
         assert "enter" not in playground(pilot).board.query_one(DiscountPanel).footing
         gamma = snapshot(pilot).agent.hyperparameters.gamma
@@ -256,6 +261,19 @@ async def test_an_agent_of_ours_beside_it(script: Path) -> None:
         assert beside.counters.step == 60
         assert playground(pilot).board.is_paired
         assert "cliff.py" in screen_text(pilot.app)
+        await press(pilot, "c")
+        assert "One seed decides nothing; rl-tui grade runs your program" in screen_text(pilot.app)
+
+
+async def test_without_a_table_it_is_not_compared_with_ours(tmp_path: Path) -> None:
+    path = tmp_path / "random_walk.py"
+    path.write_text(dedent(WALK), encoding="utf-8")
+    async with watching(path) as pilot:
+        await train(pilot, 60)
+        await press(pilot, "c")
+        await choose(pilot, "sarsa")
+        assert playground(pilot).board.is_paired
+        assert DIFFERS not in screen_text(pilot.app)
 
 
 async def test_it_starts_again_and_it_ends(script: Path) -> None:
