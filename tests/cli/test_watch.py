@@ -183,6 +183,14 @@ def test_what_is_no_script_is_refused_in_a_line(tmp_path: Path, content: bytes |
     assert len(line) < 500
 
 
+def test_a_notebook_is_told_how_to_become_a_script(tmp_path: Path) -> None:
+    path = tmp_path / "course.ipynb"
+    path.write_text('{"cells": []}')
+    code, printed, complaint = run(str(path), "--json")
+    assert (code, printed, len(complaint.splitlines())) == (1, "", 1)
+    assert "nbconvert" in complaint
+
+
 @pytest.mark.parametrize("name", [".", "/dev/null", "no\0name.py"])
 def test_what_is_no_file_is_refused_in_a_line(name: str) -> None:
     code, printed, complaint = run(name, "--json")

@@ -9,8 +9,9 @@ import numpy as np
 
 from rl_tui.lab.live_programs.progress import ProgramState, ProgressState
 from rl_tui.lab.programs.program_world import ProgramWorld
-from rl_tui.lab.programs.recording import Recording
+from rl_tui.lab.programs.recording import ChangeColumns, Recording
 from rl_tui.lab.timeline.table_samples import CellHistory
+from rl_tui.worlds.mdp.space import IntArray
 
 _MOST: Final = 32
 _FIRST_SPACING: Final = 1_000
@@ -29,6 +30,9 @@ class ProgramHistory:
         self.shown = self.newest
         self._spacing = _FIRST_SPACING
         self._kept: list[ProgressState] = [self.newest.checkpoint()]
+        self._followed: tuple[int, int, int] = (-1, 0, 0)
+        self._places: IntArray = np.empty(0, np.int64)
+        self._looked_at = 0
 
     @property
     def in_past(self) -> bool:
@@ -65,15 +69,12 @@ class ProgramHistory:
         first = next((each for each in self._kept[::-1] if each.episodes < wanted), self._kept[0])
         if first.step < self.recording.first:
             return self.first_step
-        low, high = first.step, self.newest.step
         if self.newest.episodes < wanted:
-            return high
-        while low < high:  # the first step after which so many episodes have ended
-            middle = (low + high) // 2
-            moment = self.newest.at(first)
-            moment.go_on(middle)
-            low, high = (middle + 1, high) if moment.episodes < wanted else (low, middle)
-        return low
+            return self.newest.step
+        if first.episodes >= wanted:
+            return first.step
+        until = next((each.step for each in self._kept if each.episodes >= wanted), self.newest.step)
+        return self.newest.at(first).ends_until(until)[wanted - first.episodes - 1]
 
     def cell(self, pair: int) -> CellHistory | None:
         """Return how the estimate of ``pair`` went up to the moment shown; None where there is no table."""
@@ -82,17 +83,26 @@ class ProgramHistory:
         if shown.table is None or not 0 <= pair < len(cells):
             return None
         changes = recording.changes
-        end = int(np.searchsorted(changes.step, shown.step))
-        mine = np.flatnonzero(changes.cell[:end] == cells[pair])
+        mine = self._changes_of(int(cells[pair]), changes)
+        mine = mine[: int(np.searchsorted(changes.step[mine], shown.step))]
         now = float(np.nan_to_num(shown.table[cells[pair]]))
         first = now if not len(mine) else float(np.nan_to_num(changes.before[mine[0]]))
+        if len(mine) > _MOST_SAMPLES:
+            mine = mine[np.linspace(0, len(mine) - 1, _MOST_SAMPLES).astype(np.int64)]
         step = np.concatenate(([self.first_step], changes.step[mine] + 1, [shown.step]))
         value = np.concatenate(([first], changes.after[mine], [now]))
-        if len(step) > _MOST_SAMPLES:
-            chosen = np.unique(np.linspace(0, len(step) - 1, _MOST_SAMPLES).astype(np.int64))
-            step, value = step[chosen], value[chosen]
         last_of_step = np.append(np.diff(step) > 0, True)
         return CellHistory(pair, step[last_of_step], value[last_of_step])
+
+    def _changes_of(self, cell: int, changes: ChangeColumns) -> IntArray:
+        """Return the places of the changes of ``cell``, looking only at what came since it was last asked."""
+        key, count = (cell, self.recording.first, self.recording.found_at), len(changes.cell)
+        if self._followed != key:
+            self._followed, self._places, self._looked_at = key, np.empty(0, np.int64), 0
+        if count > self._looked_at:
+            found = np.flatnonzero(changes.cell[self._looked_at :] == cell) + self._looked_at
+            self._places, self._looked_at = np.concatenate((self._places, found)), count
+        return self._places
 
     def _keep(self) -> None:
         self._kept.append(self.newest.checkpoint())

@@ -206,7 +206,7 @@ class ProgramPlayback:
         restarts = self.restarts
         has_news = restarts.look_at_file(self.program.request, self.history)
         has_news |= restarts.look()
-        if restarts.compare(self.history) or has_news:
+        if restarts.compare(self.history, is_over=self.program.is_over) or has_news:
             self.transport.changed = True
 
     def _go_over_to(self, program: WatchedProgram) -> None:

@@ -156,19 +156,28 @@ class ProgramState:
         cells = steps.state * actions + steps.action
         pairs = pair_of_cell[np.clip(cells, 0, len(pair_of_cell) - 1)]
         np.add.at(self.visits, pairs[pairs >= 0], 1)
-        returns, lengths = self._finished(steps)
-        self.episodes += len(returns)
-        self._history.add(returns, lengths)
+        finished = self._finished(steps)
+        self.episodes += len(finished)
+        self._history.add(
+            np.array([each[1] for each in finished]), np.array([each[2] for each in finished], np.int64)
+        )
         self.step = stop
 
-    def _finished(self, steps: StepColumns) -> tuple[FloatArray, IntArray]:
-        """Return the returns and lengths of the episodes that end in ``steps``, the first to end first."""
+    def ends_until(self, stop: int) -> list[int]:
+        """Return after how many steps each of the episodes ends that end from here to ``stop``.
+
+        What has begun but not ended is another afterwards: call it of a copy.
+        """
+        steps = steps_between(self.recording, self.step, stop)
+        return [self.step + place + 1 for place, _, _ in self._finished(steps)]
+
+    def _finished(self, steps: StepColumns) -> list[tuple[int, float, int]]:
+        """Return (place, return, length) of the episodes that end in ``steps``, the first to end first."""
         found: list[tuple[int, float, int]] = []
         for environment in np.unique(steps.environment):
             places = np.flatnonzero(steps.environment == environment)
             found += self._finished_in(int(environment), places, steps)
-        found.sort()
-        return np.array([each[1] for each in found]), np.array([each[2] for each in found], np.int64)
+        return sorted(found)
 
     def _finished_in(
         self, environment: int, places: IntArray, steps: StepColumns

@@ -43,10 +43,13 @@ class Reload:
         self.is_watched = True
         return self._program
 
-    def compared(self, now: ProgramHistory) -> str:
+    def compared(self, now: ProgramHistory, *, is_over: bool) -> str:
         """Return what became better or worse after as many steps as before; empty before that."""
-        if now.newest.step < self._step or not self._step:
+        if not self._step:
             return ""
+        if now.newest.step < self._step:
+            ended = f"it ended at step {now.newest.step:,}, before the step {self._step:,} to compare it at"
+            return f"started again from its seed: {ended}" if is_over else ""
         moment = now.newest
         if now.newest.step > self._step:
             kept = now.shown

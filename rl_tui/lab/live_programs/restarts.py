@@ -54,11 +54,12 @@ class Restarts:
         try:
             if not fault:
                 self.begin(request, before, is_saved=True)
+                self.words = "saved: it is started again, and shown once it has made its environment"
         except UserError as error:
             fault = str(error)
         if fault:
             self.words = f"not started again: {fault}"
-        return bool(fault)
+        return True
 
     def look(self) -> bool:
         """Go over to what was started once it stands before its first step; return whether it is news."""
@@ -77,10 +78,10 @@ class Restarts:
         self._go_over_to(newest.taken())
         return True
 
-    def compare(self, now: ProgramHistory) -> bool:
+    def compare(self, now: ProgramHistory, *, is_over: bool) -> bool:
         """Say what became better, once it has come as far as before; return whether it has just done so."""
         newest = self._newest
-        words = newest.compared(now) if newest is not None and newest.is_watched else ""
+        words = newest.compared(now, is_over=is_over) if newest is not None and newest.is_watched else ""
         if words:
             self.words, self._newest = words, None
         return bool(words)

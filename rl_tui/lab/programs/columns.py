@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-_FIRST_ROOM = 1024
-_GROWTH = 8  # so that little is ever moved; room that is not written to takes no memory yet
-
 
 class Columns:
-    """Columns of the types ``dtypes``, [N] each. What :meth:`views` gives out never changes."""
+    """Columns of the types ``dtypes``, [N] each. What :meth:`views` gives out never changes.
 
-    def __init__(self, dtypes: Sequence[npt.DTypeLike]) -> None:
-        self._rooms = [np.empty(0, dtype) for dtype in dtypes]
+    Up to ``room`` rows nothing is ever moved; room that is not written to takes no memory yet.
+    """
+
+    def __init__(self, dtypes: Sequence[npt.DTypeLike], room: int = 0) -> None:
+        self._rooms = [np.empty(room, dtype) for dtype in dtypes]
         self._length = 0
 
     def __len__(self) -> int:
@@ -26,8 +26,7 @@ class Columns:
         """Add ``parts``, an array for each column, all of one length."""
         end = self._length + len(parts[0])
         if end > len(self._rooms[0]):
-            room = max(_FIRST_ROOM, _GROWTH * end)
-            self._rooms = [self._moved(each, room) for each in self._rooms]
+            self._move(0, 2 * end)
         for column, part in zip(self._rooms, parts, strict=True):
             column[self._length : end] = part
         self._length = end
@@ -44,14 +43,16 @@ class Columns:
 
     def forget(self, first: int) -> None:
         """Forget the ``first`` rows."""
-        self._rooms = [column[first : self._length].copy() for column in self._rooms]
-        self._length -= first
+        self._move(first, len(self._rooms[0]))
 
     def clear(self) -> None:
         """Forget all rows."""
         self.forget(self._length)
 
-    def _moved(self, column: npt.NDArray[Any], room: int) -> npt.NDArray[Any]:
-        moved = np.empty(room, column.dtype)
-        moved[: self._length] = column[: self._length]
-        return moved
+    def _move(self, first: int, room: int) -> None:
+        """Go on in other memory, of ``room`` rows, with what stands from row ``first`` on."""
+        kept = [column[first : self._length] for column in self._rooms]
+        self._rooms = [np.empty(room, column.dtype) for column in kept]
+        self._length -= first
+        for column, part in zip(self._rooms, kept, strict=True):
+            column[: self._length] = part

@@ -16,7 +16,8 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 MOST_STEPS: Final = 4_000_000
 """Steps that are kept; when there are more the older half is forgotten."""
 
-_CHANGES_OF_A_STEP: Final = 8  # that are kept for each step, on an average
+_CHANGES_OF_A_STEP: Final = 4  # that are kept for each step, on an average
+_ROOM_FOR_A_BATCH: Final = 200_000  # steps, of which a batch rarely has more
 _BETWEEN_KEYFRAMES: Final = 100_000  # changes
 _STEP_TYPES: Final = (*[np.int64] * 3, np.float64, np.int64, np.bool_, np.bool_, np.int64, np.int64)
 _CHANGE_TYPES: Final = (np.int64, np.int64, np.float64, np.float64)
@@ -56,7 +57,7 @@ class Recording:
     """The steps and changes of a program so far; ``first`` is the number of the first step that is kept.
 
     ``initial`` is the table as it was found at step ``found_at``, [S·A], with NaN where there was no entry;
-    None while no table was found. ``actions`` is A. When there are more than ``most`` steps, or eight times
+    None while no table was found. ``actions`` is A. When there are more than ``most`` steps, or four times
     as many changes, the older half is forgotten; the table as it was then becomes the initial one.
     """
 
@@ -70,7 +71,8 @@ class Recording:
         self.rebound: list[int] = []
         """The steps after which another object was the table."""
         self._most, self._most_changes = most, most * _CHANGES_OF_A_STEP
-        self._steps, self._changes = Columns(_STEP_TYPES), Columns(_CHANGE_TYPES)
+        room = most + _ROOM_FOR_A_BATCH
+        self._steps, self._changes = Columns(_STEP_TYPES, room), Columns(_CHANGE_TYPES, room)
         self._latest = np.empty(0)
         self._keyframes: list[tuple[int, FloatArray]] = []
 

@@ -355,12 +355,12 @@ def test_a_breakpoint_set_on_the_way_does_not_change_what_is_counted(tmp_path: P
         playback = watcher.playback
         watcher.do(commands.Train(3))
         begun = playback.history.newest.episodes
-        playback.handle(commands.RunUntil(Until(Event.EPISODE_END, 400)))
-        for number in range(30):  # hole 5 and 7 end an episode: nobody leaves them
+        playback.handle(commands.RunUntil(Until(Event.EPISODE_END, 900)))
+        for number in range(10):  # hole 5 and 7 end an episode: nobody leaves them
             playback.work()
             playback.handle(commands.ToggleBreakpoint(pair=playback.program.world.world.space.pair_of(5, 0)))
             assert playback.state is State.UNTIL, number
-        assert watcher.do().counters.episodes == begun + 401
+        assert watcher.do().counters.episodes == begun + 901
 
 
 def test_what_the_detective_stumbles_over_is_said_and_ends_nothing(
@@ -375,3 +375,82 @@ def test_what_the_detective_stumbles_over_is_said_and_ends_nothing(
     assert snapshot.counters.step == 200
     assert snapshot.program is not None
     assert "of all things" in snapshot.program.verdict.notes[0]
+
+
+def test_each_episode_begins_where_the_one_before_it_ended(tmp_path: Path) -> None:
+    with watched(written(tmp_path)) as watcher:
+        watcher.do(commands.Train(1_500))
+        history = watcher.playback.history
+        steps = history.recording.steps
+        ends = np.flatnonzero(steps.terminated | steps.truncated) + 1
+        begins = [history.begin_of_episode(number) for number in range(1, len(ends) + 2)]
+        assert begins == [0, *ends]
+        assert history.begin_of_episode(len(ends) + 2) == 1_500
+
+
+def test_a_cell_is_followed_anew_as_it_goes_on_and_into_the_past(tmp_path: Path) -> None:
+    with watched(written(tmp_path)) as watcher:
+        rewarded = watcher.do(commands.RunUntil(Until(Event.REWARD))).counters.last_step
+        assert rewarded is not None
+        shown = [watcher.do(commands.FollowCell(rewarded.pair)).cell]
+        shown += [watcher.do(commands.Train(150)).cell for _ in range(4)]
+        changes = watcher.playback.history.recording.changes
+        mine = changes.step[changes.cell == watcher.playback.program.world.cell_of_pair[rewarded.pair]] + 1
+        for history, step in zip(shown, (0, 150, 300, 450, 600), strict=True):
+            assert history is not None
+            assert set(mine[mine <= rewarded.step + step]) <= set(history.step)
+        then, now = shown[1], watcher.do(commands.GoTo(step=rewarded.step + 150)).cell
+        assert then is not None
+        assert now is not None
+        assert (now.step.tolist(), now.value.tolist()) == (then.step.tolist(), then.value.tolist())
+
+
+class _Editor:
+    """A program that is watched, whose file is saved again; time passes with each look."""
+
+    def __init__(self, folder: Path, episodes: int) -> None:
+        self.path = written(folder, episodes=episodes)
+        clock = iter(range(10**9))
+        program = WatchedProgram(ProgramRequest(self.path))
+        program.wait_for_environment()
+        self.playback = ProgramPlayback(program, lambda: None, clock=lambda: next(clock) / 10)
+        self.watcher = Watcher(self.playback)
+
+    def saved(self, text: str, words: str) -> None:
+        """Save ``text`` as editors do, under another name first, and wait until ``words`` are said of it."""
+        other = self.path.with_suffix(".new")
+        other.write_text(text)
+        self.path.unlink()
+        _until(self.watcher, lambda: True)
+        other.rename(self.path)
+        _until(self.watcher, lambda: words in self.playback.restarts.words)
+
+    def trained(self, steps: int, words: str = "") -> None:
+        """Take so many steps, or those that are left, and wait until ``words`` are said of it."""
+        self.playback.handle(commands.Train(steps))
+        _until(self.watcher, lambda: not self.playback.on_the_way)
+        _until(self.watcher, lambda: words in self.playback.restarts.words)
+
+
+def test_what_is_saved_may_be_worse_shorter_or_broken(tmp_path: Path) -> None:
+    editor = _Editor(tmp_path, episodes=300)
+    playback = editor.playback
+    try:
+        editor.trained(1_200)
+        editor.playback.handle(commands.GoTo(step=100))  # while the past is shown
+        editor.saved(LEARNS.replace("EPISODES", "300").replace("= 0.1,", "= 0.0,"), "from its seed")
+        assert (playback.history.in_past, playback.history.newest.step) == (False, 0)
+        editor.trained(1_300, "worse than before at step 1,200")
+        editor.saved(LEARNS.replace("EPISODES", "2"), "from its seed")
+        editor.trained(1_300, "it ended at step")
+        ended = playback.history.newest.step
+        editor.saved("import gymnasium\nraise ValueError('no more')\n", "ValueError")
+        assert "line 2" in playback.restarts.words
+        assert playback.history.newest.step == ended
+        editor.path.unlink()
+        playback.handle(commands.Restart(playback.snapshot().recipe))
+        _until(editor.watcher, lambda: not playback.restarts.is_awaited)
+        assert playback.restarts.words
+        assert playback.history.newest.step == ended
+    finally:
+        playback.close()

@@ -43,7 +43,7 @@ def test_the_table_of_any_moment_is_that_of_a_plain_replay(
         came += changes.tolist()
 
         assert len(recording.steps.state) <= most + 40
-        assert len(recording.changes.cell) <= 8 * most + 40 * each
+        assert len(recording.changes.cell) <= 4 * most + 40 * each
         for moment in {recording.first, (recording.first + recording.count) // 2, recording.count}:
             table = np.zeros(CELLS)
             for step, cell, _, after in came:

@@ -88,18 +88,27 @@ class Touchy:
     def values(self): raise SystemExit("the property was called")
     def __getattr__(self, name): raise SystemExit("__getattr__ was called")
     def __getattribute__(self, name): raise SystemExit("__getattribute__ was called")
+    def __eq__(self, other): raise SystemExit("__eq__ was called")
+    def __len__(self): raise SystemExit("__len__ was called")
 class Rows(dict):
     def __getitem__(self, key): raise SystemExit("__getitem__ was called")
     def items(self): raise SystemExit("items was called")
+    def __getattr__(self, name): raise SystemExit("__getattr__ was called")
     def __iter__(self): raise SystemExit("__iter__ was called")
+    def __len__(self): raise SystemExit("__len__ was called")
+    def __eq__(self, other): raise SystemExit("__eq__ was called")
+    def keys(self): raise SystemExit("keys was called")
+    def get(self, key): raise SystemExit("get was called")
 touchy, rows = Touchy(), Rows({i: [0.0] * 4 for i in range(16)})
 """
-    log = _log(tmp_path, before, "pass")
+    for wanted in ("q", "rows"):
+        log = _log(tmp_path, before, "dict.get(rows, s)[a] -= 1", wanted)
 
-    assert log.recording.count == 40
-    assert log.notes == []
-    assert log.table is not None
-    assert {log.table.name, *log.table.others} == {"touchy.q", "rows"}
+        assert log.recording.count == 40
+        assert log.notes == []
+        assert log.table is not None
+        assert {log.table.name, *log.table.others} == {"touchy.q", "rows"}
+        assert len(log.recording.changes.cell) == (40 if wanted == "rows" else 0)
 
 
 def test_looking_adds_nothing_to_a_dict(tmp_path: Path) -> None:
@@ -126,7 +135,8 @@ def test_an_array_of_whole_numbers_says_so(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "refused"),
     [
-        ("gym.make_vec('FrozenLake-v1', num_envs=2)", "make_vec"),
+        ("gym.make_vec('FrozenLake-v1', num_envs=2)", "vector"),
+        ("from gymnasium.vector import SyncVectorEnv\nSyncVectorEnv([lambda: env])", "vector"),
         (
             "import threading\nstep()\nt = threading.Thread(target=step); t.start(); t.join()",
             "thread",
@@ -141,6 +151,26 @@ def test_what_cannot_be_watched_is_refused(tmp_path: Path, text: str, refused: s
     log = watched(script_in(tmp_path, head + text))
 
     assert refused in log.refused
+
+
+@pytest.mark.parametrize(
+    ("text", "note"),
+    [
+        ("print('nothing')", "no environment"),
+        (
+            "from gymnasium.envs.toy_text import FrozenLakeEnv as Env; env = Env(); env.reset()",
+            "no environment",
+        ),
+        ("env = gym.make('FrozenLake-v1').unwrapped; env.reset(); env.step(0)", "env.unwrapped"),
+        ("import copy; env = copy.deepcopy(gym.make('FrozenLake-v1')); env.reset(); env.step(0)", "copies"),
+        ("env = gym.make('CartPole-v1'); env.reset()", "CartPole-v1 is not watched"),
+    ],
+)
+def test_a_program_of_which_nothing_was_seen_is_told_why(tmp_path: Path, text: str, note: str) -> None:
+    log = watched(script_in(tmp_path, f"import gymnasium as gym\n{text}\n"))
+
+    assert (log.recording.count, log.error, len(log.notes)) == (0, None, 1)
+    assert note in log.notes[0]
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import pickle
 from collections.abc import Mapping
 from pathlib import Path
 from textwrap import dedent, indent
@@ -16,7 +16,7 @@ from rl_tui.lab.programs.program_log import ProgramLog
 pytestmark = pytest.mark.process
 
 _ENVIRONMENT = """
-import json, sys
+import pickle, sys
 import numpy as np, gymnasium as gym
 from gymnasium import spaces
 
@@ -43,14 +43,14 @@ for t in range({steps}):
     if done:
         s, _ = env.reset()
     a = env.action_space.sample()
-    log.append(["table", {flat}])
+    log.append(["table", np.array({flat}, float)])
     s2, r, te, tr, _ = env.step(a)
     log.append(["step", {number_s}, int(a) - {first}, float(r), {number_s2}, bool(te), bool(tr)])
     best = max({get_s2})
 {update}
     s, done = s2, te or tr
-log.append(["table", {flat}])
-open(sys.argv[1], "w").write(json.dumps(log))
+log.append(["table", np.array({flat}, float)])
+open(sys.argv[1], "wb").write(pickle.dumps(log))
 """
 _ROWS = "[[float(x) for x in row] for row in {}]"
 _LAKE = "env = gym.make('FrozenLake-v1')\n"
@@ -226,10 +226,10 @@ def _script(name: str, steps: int = 700) -> str:
 
 @pytest.mark.parametrize("name", list(_CASES))
 def test_every_step_and_every_change_is_told_at_its_step(tmp_path: Path, name: str) -> None:
-    log = watched(script_in(tmp_path, _script(name)), str(tmp_path / "log.json"))
+    log = watched(script_in(tmp_path, _script(name)), str(tmp_path / "log"))
 
     assert log.error is None
-    _assert_as_written(log, json.loads((tmp_path / "log.json").read_text()))
+    _assert_as_written(log, _written(tmp_path))
 
 
 @pytest.mark.parametrize("name", ["array", "lists", "dict of arrays", "dict of pairs"])
@@ -246,16 +246,16 @@ def test_a_table_of_a_function_is_followed_through_its_calls(tmp_path: Path, nam
         number_s2="int(s2)",
     )
     body = body.replace("log = []\n", "").replace(
-        'open(sys.argv[1], "w").write(json.dumps(log))', "del log[-1]"
+        'open(sys.argv[1], "wb").write(pickle.dumps(log))', "del log[-1]"
     )
     text = _ENVIRONMENT + "log = []\ndef learn(log):\n" + indent(body, "    ")
-    text += "for _ in range(3): learn(log)\nopen(sys.argv[1], 'w').write(json.dumps(log))\n"
+    text += "for _ in range(3): learn(log)\nopen(sys.argv[1], 'wb').write(pickle.dumps(log))\n"
 
-    log = watched(script_in(tmp_path, text), str(tmp_path / "log.json"))
+    log = watched(script_in(tmp_path, text), str(tmp_path / "log"))
 
     assert log.error is None
     assert len(log.recording.rebound) == 2
-    _assert_as_written(log, json.loads((tmp_path / "log.json").read_text()))
+    _assert_as_written(log, _written(tmp_path))
 
 
 def test_two_environments_share_a_table(tmp_path: Path) -> None:
@@ -269,22 +269,63 @@ def test_two_environments_share_a_table(tmp_path: Path) -> None:
             done = False
             while not done:
                 a = here.action_space.sample()
-                log.append(["table", q.tolist()])
+                log.append(["table", q.copy()])
                 s2, r, te, tr, _ = here.step(a)
                 log.append(["step", int(s), int(a), float(r), int(s2), te, tr])
                 if here is env:
                     q[s, a] += .1 * (r - .01 + .9 * q[s2].max() - q[s, a])
                 s, done = s2, te or tr
-        open(sys.argv[1], "w").write(json.dumps(log))
+        open(sys.argv[1], "wb").write(pickle.dumps(log))
         """
     )
 
-    log = watched(script_in(tmp_path, text), str(tmp_path / "log.json"))
+    log = watched(script_in(tmp_path, text), str(tmp_path / "log"))
 
-    _assert_as_written(log, json.loads((tmp_path / "log.json").read_text()))
+    _assert_as_written(log, _written(tmp_path))
     steps = log.recording.steps
     assert [each.number for each in log.environments] == [0, 1]
     np.testing.assert_array_equal(steps.environment, steps.episode % 3 == 2)
+
+
+@pytest.mark.parametrize(
+    ("table", "flat"),
+    [
+        ("{i: [0.0] * 4 for i in range(48)}", "[*q.values()]"),
+        ("{i: np.zeros(4) for i in range(48)}", "[row.tolist() for row in q.values()]"),
+        ("[[0.0] * 4 for _ in range(48)]", "q"),
+    ],
+)
+def test_what_changes_at_the_end_of_an_episode_belongs_to_its_last_step(
+    tmp_path: Path, table: str, flat: str
+) -> None:
+    text = f"""
+        import copy, pickle, sys, numpy as np, gymnasium as gym
+        env = gym.make("CliffWalking-v1")
+        q, tables = {table}, []
+        for episode in range(260):  # short ones, after which nobody would look for long ones
+            s, _ = env.reset()
+            past = []
+            for _ in range(2 if episode < 230 else 12):
+                a = env.action_space.sample()
+                tables.append(copy.deepcopy({flat}))
+                past.append((s, a))
+                s, r, *_ = env.step(a)
+            for s, a in past:
+                q[s][a] += .1 * (-len(past) - q[s][a])
+        tables.append({flat})
+        open(sys.argv[1], "wb").write(pickle.dumps([["table", np.array(each)] for each in tables]))
+        """
+
+    log = watched(script_in(tmp_path, text), str(tmp_path / "log"))
+
+    assert log.error is None
+    _assert_tables_as_written(log, _written(tmp_path))
+
+
+def _written(folder: Path) -> list[list[object]]:
+    """Return what a script itself wrote into the file whose name it was given."""
+    written: list[list[object]] = pickle.loads((folder / "log").read_bytes())
+    return written
 
 
 def _assert_as_written(log: ProgramLog, written: list[list[object]]) -> None:
@@ -300,7 +341,11 @@ def _assert_as_written(log: ProgramLog, written: list[list[object]]) -> None:
         strict=True,
     )
     assert [list(each) for each in told] == own
-    tables = [np.array(each[1], float).ravel() for each in written if each[0] == "table"]
+    _assert_tables_as_written(log, written)
+
+
+def _assert_tables_as_written(log: ProgramLog, written: list[list[object]]) -> None:
+    tables = [np.ravel(each[1]) for each in written if each[0] == "table"]
     assert log.recording.found_at == 0
     for step, table in enumerate(tables):
         np.testing.assert_array_equal(log.recording.table_at(step), table, err_msg=f"before step {step}")

@@ -31,7 +31,8 @@ def main(said: dict[str, Any]) -> None:
     if said["memory"] is not None:
         bound_memory(said["memory"])
     surround(note)
-    Making(recorder, said["seed"]).install()
+    making = Making(recorder, said["seed"])
+    making.install()
     seed_all(said["seed"])
     try:
         if said["agent"] is None:
@@ -41,6 +42,7 @@ def main(said: dict[str, Any]) -> None:
             from rl_tui.lab.programs.child.agent import run_agent
 
             run_agent(said, channel.message)
+        making.tell_what_was_missed()
     except BaseException as error:
         channel.message(MessageKind.ERROR, **described(error))
     recorder.end()

@@ -57,6 +57,10 @@ def _text(path: Path) -> str:
     try:
         if path.is_dir():
             raise UserError(f"{name}: is a folder; expected a Python file")
+        if path.suffix == ".ipynb":
+            raise UserError(
+                f"{name}: is a notebook; expected a Python file: jupyter nbconvert --to script writes one"
+            )
         if not path.exists():
             raise UserError(f"{name}: no such file; expected a Python file")
         if not path.is_file() or path.stat().st_size > LARGEST_FILE:

@@ -21,7 +21,13 @@ MOST_STATES: Final = 20_000
 _WITHDRAWN: Final = (gymnasium.error.DeprecatedEnv, gymnasium.error.VersionNotFound)
 _KNOWN: Final = ("gymnasium.", "rl_tui.")
 _VECTORS: Final = (
-    "gymnasium.make_vec makes several environments at once; rl-tui watches one made by gymnasium.make"
+    "a vector environment takes several steps at once; rl-tui watches environments made by gymnasium.make, "
+    "a step at a time"
+)
+_NO_ENVIRONMENT: Final = "no environment was made by gymnasium.make, and no other is watched"
+_NO_STEP: Final = (
+    "no step was seen: those of env.unwrapped, of copies of an environment and of other processes are "
+    "not watched"
 )
 
 
@@ -31,6 +37,7 @@ class Making:
     def __init__(self, recorder: Recorder, seed: int) -> None:
         self._recorder, self._seed = recorder, seed
         self._made = 0
+        self._was_asked = False
         self._original: Make = registration.make
         self._is_inside = False
 
@@ -40,9 +47,17 @@ class Making:
             for name, other in (("make", self.make), ("make_vec", self._refuse_vectors)):
                 if hasattr(module, name):
                     setattr(module, name, other)
+        for vector in (gymnasium.vector.SyncVectorEnv, gymnasium.vector.AsyncVectorEnv):
+            vector.__init__ = self._refuse_vectors
+
+    def tell_what_was_missed(self) -> None:
+        """Tell why nothing was seen of a program that is over, where that is so."""
+        if self._recorder.count == 0 and not (self._was_asked and self._made == 0):
+            self._note(_NO_STEP if self._made else _NO_ENVIRONMENT)
 
     def make(self, *arguments: Any, **more: Any) -> Any:
         """Make an environment as Gymnasium does; what it withdrew is made in its newest version."""
+        self._was_asked = True
         if more.get("render_mode") == "human":
             more["render_mode"] = None
             self._note('render_mode="human" is None here: rl-tui shows the world itself')

@@ -41,7 +41,7 @@ class PairTable(StoredTable):
 
     def differences(self, table: Any, states: Iterable[int]) -> list[float]:
         """Return what differs now in the rows of ``states``, and what is new."""
-        if len(table) != len(self._cells):
+        if self.is_compared_whole or dict.__len__(table) != len(self._cells):
             return self.all_differences(table)
         found: list[float] = []
         numbers, get, first = self._numbers, dict.get, self.numbering.first_action
@@ -52,11 +52,11 @@ class PairTable(StoredTable):
                 if each is not None and each != numbers[begin + action]:
                     self._note(begin + action, each, found)
                     self._kept[self._place[begin + action]] = each
-        return found + self.all_differences(table) if self.is_compared_whole else found
+        return found
 
     def all_differences(self, table: Any) -> list[float]:
         """Return what differs now anywhere."""
-        if len(table) != len(self._cells):
+        if dict.__len__(table) != len(self._cells):
             self._read_keys(table)
             self._kept = []
         now = list(dict.values(table))

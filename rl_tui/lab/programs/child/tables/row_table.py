@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from itertools import compress
+from operator import ne
 from typing import Any
 
 import numpy as np
@@ -29,6 +31,7 @@ class RowTable(StoredTable):
     def __init__(self, numbering: Numbering, name: str) -> None:
         super().__init__(numbering)
         self.name = name
+        self._length = dict.__len__ if name == "dict-of-arrays" else len  # not one of the user's
 
     def take(self, table: Any) -> None:
         """Take the content of ``table`` for what was last seen."""
@@ -47,17 +50,19 @@ class RowTable(StoredTable):
 
     def differences(self, table: Any, states: Iterable[int]) -> list[float]:
         """Return what differs now in the rows of ``states``, and what is new."""
-        if type(table) is np.ndarray or len(table) != len(self._kept):
+        is_array = type(table) is np.ndarray
+        if self.is_compared_whole or is_array or self._length(table) != len(self._kept):
             return self.all_differences(table)
         found: list[float] = []
+        is_dict = self.name == "dict-of-arrays"
         for state in states:
             key = self._key(state)
             place = self._place.get(key)
             if place is not None:
-                row = dict.get(table, key) if issubclass(type(table), dict) else table[place]
+                row = dict.get(table, key) if is_dict else table[place]
                 if raw_row(row) != self._kept[place]:
                     self._note(key, place, row, found)
-        return found + self.all_differences(table) if self.is_compared_whole else found
+        return found
 
     def all_differences(self, table: Any) -> list[float]:
         """Return what differs now anywhere."""
@@ -69,8 +74,7 @@ class RowTable(StoredTable):
             kept = self._kept
         if now != kept:
             keys = list(self._place)
-            changed = [place for place, (new, old) in enumerate(zip(now, kept, strict=True)) if new != old]
-            for place in changed:
+            for place in list(compress(range(len(now)), map(ne, now, kept))):
                 self._note(keys[place], place, rows[place], found)
         return found
 

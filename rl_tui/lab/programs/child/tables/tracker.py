@@ -31,6 +31,7 @@ class TableTracker:
         self._since_whole, self._spacing, self._ends_left, self._quiet = 0, 1.0, _PATIENCE, 0
         self._peeked: dict[int, object] = {}
         self._changes_seen = 0
+        self._visited: set[int] = set()  # since the last reset
         self.form.take(self.table)
 
     @property
@@ -44,7 +45,7 @@ class TableTracker:
         """Return what changed since the last call, three numbers for each cell: cell, before, after.
 
         ``frame`` is what called ``step`` or ``reset``, None at the end of the program; ``states`` are those
-        of the last steps, whose rows are always compared.
+        of the last steps. Their rows are always compared, and at a reset those of the whole episode.
         """
         self._calls += 1
         table = self._read(frame)
@@ -52,6 +53,10 @@ class TableTracker:
         if self.is_another:
             return self._bind(table)
         form = self.form
+        if not form.is_compared_whole:
+            self._visited.update(states)
+            if at_reset:  # what learns at the end of an episode changes rows of all its states
+                states, self._visited = self._visited, set()
         found = form.differences(table, states)
         if not form.is_compared_whole:
             self._since_whole += 1
