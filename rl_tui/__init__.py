@@ -6,7 +6,7 @@ return figures and arrays. What the user can mend is raised as :class:`Error`, i
 imported before it is needed.
 """
 
-from rl_tui.common.after_import import import_after
+from rl_tui.common.after_import import after_import
 
 # typing itself takes longer to import than all of this
 TYPE_CHECKING = False
@@ -26,7 +26,12 @@ _PLACES = {
     "train": ("rl_tui.python.training", "train"),
 }
 
-import_after("gymnasium", "rl_tui.worlds.environments.registration")
+
+def _register_scenarios(_: object) -> None:
+    import rl_tui.worlds.environments.registration  # noqa: F401
+
+
+after_import("gymnasium", _register_scenarios)
 
 
 def __getattr__(name: str) -> object:

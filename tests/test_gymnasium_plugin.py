@@ -48,6 +48,15 @@ def test_an_id_may_name_the_module_to_import() -> None:
     assert "ScenarioEnv<rl_tui/cliff-v0>" in in_a_fresh_process(code)
 
 
+def test_several_are_made_at_once() -> None:
+    code = """
+import gymnasium, rl_tui
+envs = gymnasium.make_vec("rl_tui/frozenlake-v0", num_envs=2, max_episode_steps=3)
+print(envs.reset(seed=1)[0].tolist(), gymnasium.make_vec("rl_tui/taxi-v0", 2).spec.max_episode_steps)
+"""
+    assert in_a_fresh_process(code).split() == ["[0,", "0]", "200"]
+
+
 def test_registering_reads_no_scenario() -> None:
     code = """
 import gymnasium, rl_tui, sys

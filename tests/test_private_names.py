@@ -36,7 +36,10 @@ WHY: Final = {
     "_playback": "the making of a snapshot is timed alone",
     "_position": "an episode of ten million steps, and a choice that is taken back",
 }
-PUBLIC: Final = {"_asdict", "_exit", "_field_defaults", "_fields", "_make", "_replace"}  # Python says so
+PUBLIC: Final = {
+    *("_asdict", "_exit", "_field_defaults", "_fields", "_make", "_replace"),  # Python says so
+    "_repr_html_",  # and IPython: by it a notebook asks any object how it looks
+}
 BY_NAME: Final = {"delattr", "getattr", "hasattr", "setattr"}
 PRIVATE: Final = re.compile(r"_(?!_)\w+")
 

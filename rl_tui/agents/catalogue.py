@@ -199,7 +199,7 @@ OWN_PROGRAM: Final = Algorithm(
     source="",
     module="",
     parameters=(),
-    update=UpdateTerms(bootstrap="", waiting="the program changed nothing"),
+    update=UpdateTerms(bootstrap="", waiting="your program changed nothing"),
 )
 """What stands for the algorithm of a program of somebody else's; nobody can choose it."""
 

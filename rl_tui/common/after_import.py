@@ -1,4 +1,4 @@
-"""A module of ours that is to be imported as soon as another package is, but not before."""
+"""What is to be done as soon as a module of somebody else has been imported, but not before."""
 
 from __future__ import annotations
 
@@ -7,47 +7,63 @@ import sys
 # typing itself takes longer to import than all of this
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
     from importlib.machinery import ModuleSpec
     from types import ModuleType
+    from typing import Any
+
+    OnImport = Callable[[ModuleType], object]
 
 
-def import_after(package: str, module: str) -> None:
-    """Import ``module`` once ``package`` has been imported: at once where it is there already.
+def after_import(name: str, do: OnImport) -> None:
+    """Call ``do`` with the module ``name`` once it has been imported: at once where it is there already.
 
-    ``package`` itself is not imported for it.
+    It is not imported for that. Of one that is imported again ``do`` is called again.
     """
-    if package in sys.modules:
-        __import__(module)
+    module = sys.modules.get(name)
+    if module is None:
+        sys.meta_path.insert(0, _AfterImport(name, do))
     else:
-        sys.meta_path.insert(0, _ImportAfter(package, module))
+        do(module)
 
 
-class _ImportAfter:
-    """Finds the one package where the other finders do, and adds the module to what its import does."""
+class _AfterImport:
+    """Finds one module where the finders behind this one do."""
 
-    def __init__(self, package: str, module: str) -> None:
-        self._package = package
-        self._module = module
+    def __init__(self, name: str, do: OnImport) -> None:
+        self._name = name
+        self._do = do
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Return where the package is, None for any other."""
-        if fullname != self._package:
+        """Return how the module is imported, None for any other."""
+        if fullname != self._name:
             return None
-        others = (each for each in sys.meta_path if not isinstance(each, _ImportAfter))
-        found = (each.find_spec(fullname, path, target) for each in others)
+        behind = sys.meta_path[sys.meta_path.index(self) + 1 :]
+        found = (each.find_spec(fullname, path, target) for each in behind)
         spec = next((each for each in found if each is not None), None)
-        if spec is None or spec.loader is None:
-            return spec
-        execute = spec.loader.exec_module
-
-        def execute_and_import(module: ModuleType) -> None:
-            execute(module)
-            # where it is being imported itself, and asked for the package, it goes on after this
-            __import__(self._module)
-
-        # a loader is made for one spec: who only asks where the package is runs neither
-        spec.loader.exec_module = execute_and_import  # type: ignore[method-assign]
+        if spec is not None and hasattr(spec.loader, "exec_module"):
+            spec.loader = _Loader(spec.loader, self._do)  # type: ignore[assignment]
         return spec
+
+
+class _Loader:
+    """Is ``loader`` in all but that ``do`` is called after it; once a module is loaded nothing is left of it.
+
+    The loader itself is left as it is: it may load other modules too.
+    """
+
+    def __init__(self, loader: Any, do: OnImport) -> None:
+        self._loader = loader
+        self._do = do
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._loader, name)
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Fill ``module``, and do what is to be done."""
+        assert module.__spec__ is not None
+        module.__spec__.loader = module.__loader__ = self._loader
+        self._loader.exec_module(module)
+        self._do(module)

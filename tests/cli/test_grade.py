@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import json
+import os
+import time
 from pathlib import Path
 from typing import Any
 
 import pytest
 from click.testing import CliRunner, Result
-from lab.programs.course_agents import OF_STYLE, UDACITY, agent_in
+from lab.programs.course_agents import UDACITY, agent_in
 
 from rl_tui.cli.main import program
+from rl_tui.lab.detective.detective import verdict_of
+from rl_tui.lab.detective.verdict import ProgramVerdict
+from rl_tui.lab.grading.grade import Grading
 from rl_tui.lab.grading.share import yardstick_of
+from rl_tui.lab.grading.submissions import submissions_in
+from rl_tui.lab.programs.program_log import ProgramLog
 from rl_tui.lab.run.library import recipe_named
 from rl_tui.lab.run.recipe import begin
 
@@ -70,9 +77,8 @@ def script(slippery: bool = False, best_next: str = RIGHT) -> str:
 
 
 @pytest.mark.process
-@pytest.mark.parametrize("style", OF_STYLE)
-def test_an_agent_of_a_course_passes(style: str, tmp_path: Path) -> None:
-    path = agent_in(tmp_path, OF_STYLE[style])
+def test_an_agent_passes(tmp_path: Path) -> None:
+    path = agent_in(tmp_path, UDACITY)
     answer = document(path, "--scenario", "frozenlake", "--seeds", 2, "--episodes", 600)
     assert (answer["scenario"], answer["seeds"], answer["best_expected_return"]) == ("frozenlake", 2, 1.0)
     assert answer["submissions"] == [
@@ -90,6 +96,7 @@ def test_an_agent_of_a_course_passes(style: str, tmp_path: Path) -> None:
 def test_a_folder_is_graded_to_its_end_whatever_is_in_it(tmp_path: Path) -> None:
     for name, text in {
         "agent.py": UDACITY,
+        "away.py": UDACITY.replace("goal = reward if", "__import__('os')._exit(0)\n        goal = reward if"),
         "broken.py": "x = (",
         "crash.py": f"import gymnasium\n{LAKE}.reset()\n1 / 0\n",
         "killed.py": "import os\nos.kill(os.getpid(), 9)\n",
@@ -109,6 +116,7 @@ def test_a_folder_is_graded_to_its_end_whatever_is_in_it(tmp_path: Path) -> None
     assert [name for name, each in graded.items() if each["passed"]] == ["agent.py", "script.py"]
     errors = {name: each["runs"][0]["error"] or "" for name, each in graded.items()}
     for name, said in {
+        "away.py": "of 500 episodes",
         "broken.py": "line 1",
         "crash.py": "crash.py, line 3: ZeroDivisionError: division by zero",
         "killed.py": "SIGKILL",
@@ -165,19 +173,81 @@ def test_of_several_agents_one_can_be_named(tmp_path: Path) -> None:
     assert "several agents (Agent, Better)" in answer["submissions"][0]["runs"][0]["error"]
 
 
+@pytest.mark.process
+def test_what_cannot_be_read_fails_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def wrong(log: ProgramLog) -> ProgramVerdict:
+        if log.table is None:
+            raise IndexError("out of range")
+        return verdict_of(log)
+
+    monkeypatch.setattr("rl_tui.lab.grading.grade.verdict_of", wrong)
+    (tmp_path / "first.py").write_text("print('nothing')\n")
+    agent_in(tmp_path, UDACITY, "second.py")
+    answer = document(tmp_path, "--scenario", "frozenlake", "--seeds", 1, "--episodes", 600)
+    first, second = answer["submissions"]
+    assert first["runs"][0]["error"] == "what came of it cannot be read (IndexError: out of range)"
+    assert second["passed"]
+
+
+@pytest.mark.process
+def test_an_interrupt_ends_what_still_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rl_tui.lab.grading.grade.cores", lambda: 2)
+    begun = tmp_path / "begun"
+    (tmp_path / "first.py").write_text("print('over')\n")
+    (tmp_path / "second.py").write_text(
+        f"import os, time\nopen({str(begun)!r}, 'w').write(str(os.getpid()))\nwhile True: time.sleep(9)\n"
+    )
+    deadline = time.monotonic() + 60.0
+
+    def interrupted(done: int, wanted: int) -> None:
+        if done:
+            while not (begun.exists() and begun.read_text()) and time.monotonic() < deadline:
+                time.sleep(0.02)
+            raise KeyboardInterrupt
+
+    grading = Grading(recipe_named("frozenlake"), 1, 10, 0.95)
+    with pytest.raises(KeyboardInterrupt):
+        grading.grade(submissions_in(str(tmp_path)).submissions, interrupted)
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(begun.read_text()), 0)
+
+
+@pytest.mark.parametrize("threshold", ["nan", "-inf", "1.01", "much"])
+def test_a_threshold_is_a_number_of_at_most_1(threshold: str) -> None:
+    result = run("mine.py", "--scenario", "frozenlake", "--threshold", threshold)
+    assert result.exit_code == 2
+    assert f"{threshold} is not a number in" in result.stderr
+
+
 @pytest.mark.parametrize(
     ("args", "said"),
     [
+        (("{folder}/none.py", "--scenario", "frozenlake"), "found no such file"),
         (("{folder}", "--scenario", "frozenlake"), "found no submission in this folder"),
         (("{folder}", "--scenario", "frozn"), "did you mean"),
-        (("mine.py", "--scenario", "cartpole"), "no table"),
-        (("mine.py", "--scenario", "bandit-drifting"), "no table that stays"),
+        (("{file}", "--scenario", "cartpole"), "no table"),
+        (("{file}", "--scenario", "bandit-drifting"), "no table that stays"),
     ],
 )
 def test_what_cannot_be_graded_at_all(args: tuple[str, ...], said: str, tmp_path: Path) -> None:
-    result = run(*(each.format(folder=tmp_path) for each in args))
+    folder = tmp_path / "empty"
+    folder.mkdir()
+    file = agent_in(tmp_path, UDACITY)
+    result = run(*(each.format(folder=folder, file=file) for each in args))
     assert result.exit_code == 1
     assert said in result.stderr.splitlines()[-1]
+
+
+def test_a_threshold_that_the_optimal_policy_does_not_reach_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "broken.py"
+    path.write_text("x = (")
+    said = "has itself only 0.9450 of the best return in frozenlake-8x8-slippery"
+    for threshold, is_said in ((0.95, True), (0.94, False)):
+        result = run(
+            path, "--scenario", "frozenlake-8x8-slippery", "--seeds", 1, "--threshold", threshold, "--json"
+        )
+        assert (said in result.stderr) == is_said
+        json.loads(result.stdout)
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from samples import lake
+from samples import lake, look
+from seams import sized
 from snapshots import changed
 
 from rl_tui.agents.catalogue import OWN_PROGRAM
@@ -20,6 +21,9 @@ from rl_tui.lab.detective.verdict import (
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.programs.program_log import FoundTable, OutputLine, ProgramError
+from rl_tui.tui.panels.program.findings import FindingsPanel
+from rl_tui.tui.panels.program.output import OutputPanel
+from rl_tui.tui.panels.program.program import ProgramPanel
 
 SOURCE = """import gymnasium as gym
 import numpy as np
@@ -120,3 +124,18 @@ def failed() -> Snapshot:
         "    q[s, a] += 0.1 * (r + 0.99 * q[s2].max() - q[s, a])\nIndexError: index 16 is out of bounds",
     )
     return watched(program(error=error, ended=True))
+
+
+def drawn(
+    kind: type[ProgramPanel | FindingsPanel | OutputPanel],
+    snapshot: Snapshot | None,
+    width: int = 56,
+    height: int = 20,
+    **options: Any,
+) -> str:
+    """What a panel of a program draws of ``snapshot``, row by row."""
+    panel = sized(kind(look(**options)), width, height)
+    panel.snapshot = snapshot
+    rows = panel.picture(snapshot, width, height)
+    assert [row.cell_length for row in rows] == [width] * height
+    return "\n".join(row.text.rstrip() for row in rows)

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import pytest
-from program_samples import AFTER_END, KNOWN, SOURCE, TABLE, TIES, failed, program, unknown, watched
+from program_samples import AFTER_END, KNOWN, TABLE, TIES, drawn, failed, program, unknown, watched
 from samples import lake, look
-from seams import sized
 from snapshots import changed
 
 from rl_tui.agents.catalogue import OWN_PROGRAM
@@ -24,32 +22,19 @@ from rl_tui.lab.detective.verdict import (
 from rl_tui.lab.last_step.story import story_of
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.programs.program_log import OutputLine
+from rl_tui.lab.programs.program_log import FoundTable, OutputLine
 from rl_tui.tui.draw.pieces import length
 from rl_tui.tui.panels.last_step.last_step import last_step_lines
 from rl_tui.tui.panels.microscope.microscope import page
-from rl_tui.tui.panels.program.findings import NOTHING, FindingsPanel
-from rl_tui.tui.panels.program.output import MOST_LINES, NOTHING_WRITTEN, OutputPanel
+from rl_tui.tui.panels.program.findings import (
+    FindingsPanel,
+)
+from rl_tui.tui.panels.program.output import OutputPanel
 from rl_tui.tui.panels.program.program import UNKNOWN, ProgramPanel
-from rl_tui.tui.panels.program.source import safe_line, source_lines
-from rl_tui.tui.panels.program.words import IN_SHORT, is_own, ranked, share_text, update_texts
+from rl_tui.tui.panels.program.words import IN_SHORT, ranked, share_text, update_texts
 from rl_tui.tui.panels.status_line import PROGRAM_ENDED, status_line
 
 BOTH = ProgramVerdict(update=KNOWN, findings=(TIES, AFTER_END))
-
-
-def drawn(
-    kind: type[ProgramPanel | FindingsPanel | OutputPanel],
-    snapshot: Snapshot | None,
-    width: int = 56,
-    height: int = 20,
-    **options: Any,
-) -> str:
-    panel = sized(kind(look(**options)), width, height)
-    panel.snapshot = snapshot
-    rows = panel.picture(snapshot, width, height)
-    assert [row.cell_length for row in rows] == [width] * height
-    return "\n".join(row.text.rstrip() for row in rows)
 
 
 def story(snapshot: Snapshot, width: int = 56, height: int = 8) -> str:
@@ -99,6 +84,11 @@ def test_without_a_table_it_says_what_was_looked_for() -> None:
     view = program(table=None, verdict=ProgramVerdict(), looked_for=("an array of 16×4", "a dict"))
     text = " ".join(drawn(ProgramPanel, watched(view), 80, 4).split())
     assert "an array of 16×4; a dict" in text
+
+
+def test_a_dictionary_has_no_shape_for_it_grows() -> None:
+    view = program(table=FoundTable("agent.q", "dict-of-arrays", (1,), ""))
+    assert " FrozenLake-v1 · table agent.q: dict of arrays\n" in drawn(ProgramPanel, watched(view))
 
 
 def test_other_tables_are_named_with_the_key_that_chooses() -> None:
@@ -196,129 +186,6 @@ def test_the_worst_comes_first() -> None:
     assert ranked([TIES, later, declared, AFTER_END]) == [AFTER_END, later, declared, TIES]
 
 
-# Findings
-
-
-def test_the_chosen_finding_shows_line_evidence_and_correction() -> None:
-    text = drawn(FindingsPanel, watched(program(verdict=BOTH)), 100)
-    for said in (
-        "▸ fault: bootstraps after the end   line 15",
-        AFTER_END.text,
-        "proven, 34 steps speak for it, none against; enter goes to the first, step 812",
-        " ▸ 15 ",
-        SOURCE[14],
-        "Instead: after a terminal step the target is r alone",
-        "  risk: takes the first of equals   line 13",
-    ):
-        assert said in text
-    assert TIES.text not in text
-
-
-def test_the_cursor_goes_to_the_next_finding() -> None:
-    panel = sized(FindingsPanel(look()), 80, 20)
-    panel.show(watched(program(verdict=BOTH)))
-    assert panel.chosen == AFTER_END
-    panel.action_choose(1)
-    assert panel.chosen is TIES
-    panel.action_choose(1)
-    assert panel.chosen is TIES
-    panel.action_choose(-1)
-    assert panel.chosen is AFTER_END
-
-
-def test_the_finding_chosen_is_in_view_where_there_is_little_room() -> None:
-    panel = sized(FindingsPanel(look()), 34, 6)
-    panel.show(watched(program(verdict=BOTH)))
-    panel.action_choose(1)
-    assert "risk: takes the first" in panel.picture(panel.snapshot, 34, 6)[0].text
-
-
-def test_a_finding_in_another_file_shows_no_source_of_this_one() -> None:
-    elsewhere = replace(AFTER_END, file="/home/someone/agent.py")
-    text = drawn(FindingsPanel, watched(program(verdict=ProgramVerdict(findings=(elsewhere,)))), 80)
-    assert "agent.py, line 15" in text
-    assert SOURCE[14].strip() not in text
-
-
-@pytest.mark.parametrize(
-    ("path", "file", "is_own_one"),
-    [
-        ("agent.py", "/home/someone/agent.py", True),
-        ("../work/agent.py", "/home/work/agent.py", True),
-        ("/home/someone/agent.py", "/home/someone/agent.py", True),
-        ("/home/someone/agent.py", "/home/other/agent.py", False),
-        ("agent.py", "/home/someone/helper.py", False),
-        ("agent.py", "", True),
-    ],
-)
-def test_the_file_of_a_program_may_be_given_as_people_do(path: str, file: str, is_own_one: bool) -> None:
-    assert is_own(file, program(path=path)) is is_own_one
-
-
-def test_nothing_found_says_what_that_rests_on() -> None:
-    text = " ".join(drawn(FindingsPanel, watched()).split())
-    assert f"{NOTHING}: 12,400 steps and 1,033 ends of episodes were examined, 1,204 of them" in text
-    assert "nothing could be examined" in " ".join(drawn(FindingsPanel, watched(program(table=None))).split())
-
-
-def test_declared_is_said() -> None:
-    declared = replace(AFTER_END, certainty="declared", fault=CodeFault.GAMMA_TWICE)
-    text = drawn(FindingsPanel, watched(program(verdict=ProgramVerdict(findings=(declared,)))), 80)
-    assert "rests on a number read from your code" in text
-    assert "proven" not in text
-
-
-# Source and output
-
-
-def test_source_is_data() -> None:
-    assert safe_line("\ta = 1\x1b[31m\n") == "    a = 1\\u001b[31m"
-    lines = source_lines(["a = '[bold]'", "b", "c"], 1, look(), 30)
-    assert "".join(piece.text for piece in lines[0]) == " ▸ 1 a = '[bold]'"
-    assert source_lines(["a"], 2, look(), 30) == source_lines([], 1, look(), 30) == []
-
-
-def test_the_line_that_is_meant_is_shown_whole() -> None:
-    lines = source_lines(SOURCE, 15, look(), 30)
-    code = "".join(piece.text for line in lines for piece in line if piece.style == look().palette.strong)
-    assert "".join(code.split()) == "".join(SOURCE[14].split())
-
-
-def test_the_last_lines_are_in_view_until_somebody_scrolls_up() -> None:
-    lines = tuple(OutputLine(step, "out", f"line {step}") for step in range(30))
-    panel = OutputPanel(look())
-
-    def last(*more: OutputLine) -> str:
-        return panel.picture(watched(program(output=(*lines, *more))), 40, 5)[-1].text
-
-    assert "line 29" in last()
-    panel.action_scroll_rows(-10)
-    assert "line 19" in last(OutputLine(30, "out", "line 30"))
-    panel.action_scroll_rows(999)
-    assert "line 31" in last(OutputLine(31, "out", "line 31"))
-
-
-def test_stderr_is_marked_and_steps_stand_before_the_lines() -> None:
-    text = drawn(OutputPanel, watched(), 80)
-    assert " 1,200 │ episode 100 return 0.0" in text
-    assert " 2,410 ! UserWarning: a warning of some library" in text
-
-
-def test_an_exception_stands_at_the_end_with_traceback_and_line() -> None:
-    lines = drawn(OutputPanel, failed(), 80).splitlines()
-    assert " Traceback (most recent call last):" in lines
-    assert " ■ IndexError: index 16 is out of bounds for axis 0 with size 16 (line 15)" in lines
-    assert any(line.startswith(" ▸ 15 ") for line in lines)
-    assert sum("IndexError" in line for line in lines) == 1
-
-
-def test_floods_are_bounded_and_silence_is_said() -> None:
-    flood = tuple(OutputLine(step, "out", "x" * 5_000) for step in range(2_000))
-    panel = OutputPanel(look())
-    assert len(panel.rows(watched(program(output=flood)), 40, 10)) <= 8 * MOST_LINES
-    assert NOTHING_WRITTEN in drawn(OutputPanel, watched(program(output=())))
-
-
 # What other panels say of a program
 
 
@@ -336,7 +203,7 @@ def test_a_step_whose_update_is_not_known_tells_only_what_moved() -> None:
     assert last is not None
     text = story(picture, 80)
     assert "your program moved Q(6,←) from " in text
-    assert "the update is not known yet: several cells moved in most steps" in text
+    assert "the update is not known: several cells moved in most steps" in text
     for invented in ("target", "α", "γ", "δ"):
         assert invented not in text
     assert "your program moved" in story(picture, 80, 1)
@@ -386,7 +253,7 @@ def test_a_step_that_changed_nothing() -> None:
     same = changed(picture, last_step=replace(last, before=last.after))
     assert "stays" in story(same, 80)
     none = changed(picture, last_step=replace(last, updated_pair=-1))
-    assert "the program changed nothing" in story(none, 80)
+    assert "your program changed nothing" in story(none, 80)
 
 
 def test_without_a_table_nothing_is_said_of_what_was_learned() -> None:
@@ -404,7 +271,7 @@ def test_the_microscope_has_the_update_that_fits_and_invents_nothing() -> None:
     assert "fits 99.93 % of steps" in text
     assert "departs at step 812" in text
     text = "\n".join(row.text for row in page(unknown("no step tells it"), 0, look(), 120, 20))
-    assert "which estimates your program looked up is not" in text
+    assert "which estimates your program read is not known" in text
     assert "your program moved" in text
     for invented in ("sampled", "expected", "α", "max Q", "G₀"):
         assert invented not in text

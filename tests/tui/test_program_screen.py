@@ -20,6 +20,10 @@ from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.catalogue import CONTROLS, FINDINGS, OUTPUT, PROGRAM, TABLE
+from rl_tui.tui.panels.discount.discount import DiscountPanel
+from rl_tui.tui.panels.q_table.layers import Layer
+from rl_tui.tui.panels.q_table.titles import NO_TABLE
+from rl_tui.tui.panels.side_by_side import DIFFERS
 from rl_tui.tui.screens.playground.actions.program import FIRST_KEYS
 from rl_tui.tui.screens.playground.board import NO_PROGRAM
 
@@ -95,41 +99,61 @@ async def test_it_stands_at_its_beginning_and_says_how_to_go_on(script: Path) ->
         assert notes(pilot.app) == []
 
 
-@pytest.mark.parametrize("key", ["a", "p", "t", "i", "1", "4", "o"])
-async def test_what_the_program_decides_is_said_so(script: Path, key: str) -> None:
+DECIDED = "your program decides that: change it in cliff.py and save"
+REFUSED = {
+    **dict.fromkeys("apti14o", DECIDED),
+    "y": "takes its own steps",
+    "n": "--seed",
+    "x": "cliff.py",
+    "w": "cliff.py",
+    "M": "rl-tui grade cliff.py",
+    "E": "no sweeps",
+    "I": "no sweeps",
+    "W": "+ and −",
+    "Y": "c puts one",
+    "j": "b, B and g",
+    "l": "z shows",
+    "left_square_bracket": "esc goes there",
+    "right_square_bracket": "esc goes there",
+}
+"""The keys that cannot be pressed here, and what is said of each."""
+
+
+async def test_what_cannot_be_done_says_what_to_do_instead(script: Path) -> None:
     async with watching(script) as pilot:
-        before = playground(pilot).link.sent
-        await press(pilot, key)
-        (said,) = notes(pilot.app)
-        assert "your program decides that: change it in cliff.py and save" in said
+        screen, before = pilot.app.screen, playground(pilot).link.sent
+        for key, instead in REFUSED.items():
+            await press(pilot, key)
+            said = notes(pilot.app)
+            assert len(said) == 1, key
+            assert instead in said[0], key
+        assert pilot.app.screen is screen
         assert playground(pilot).link.sent == before
 
 
-@pytest.mark.parametrize(
-    ("key", "instead"),
-    [
-        ("y", "takes its own steps"),
-        ("n", "--seed"),
-        ("x", "cliff.py"),
-        ("w", "cliff.py"),
-        ("M", "rl-tui grade cliff.py"),
-        ("E", "no sweeps"),
-        ("I", "no sweeps"),
-        ("W", "+ and −"),
-        ("Y", "c puts one"),
-        ("j", "b, B and g"),
-        ("l", "z shows"),
-        ("left_square_bracket", "esc goes there"),
-        ("right_square_bracket", "esc goes there"),
-    ],
-)
-async def test_what_cannot_be_done_says_what_to_do_instead(script: Path, key: str, instead: str) -> None:
-    async with watching(script) as pilot:
-        screen = pilot.app.screen
-        await press(pilot, key)
+async def test_how_to_begin_is_not_said_any_more_once_it_has_begun(script: Path) -> None:
+    async with watching(script, (80, 24)) as pilot:
+        assert notes(pilot.app) == [FIRST_KEYS]
+        await train(pilot, 3)
+        assert notes(pilot.app) == []
+
+
+async def test_without_a_table_a_flip_sets_no_gamma_and_no_greedy_policy_has_a_return(tmp_path: Path) -> None:
+    path = tmp_path / "lake.py"
+    path.write_text(dedent(WALK).replace("CliffWalking-v1", "FrozenLake-v1"), encoding="utf-8")
+    async with watching(path) as pilot:
+        await train(pilot, 200)
+        text = screen_text(pilot.app)
+        assert "no greedy line: no table was found" in text
+        for claim in ("may never end", "0.00", "greedy, exact", "not tried"):
+            assert claim not in text
+        await press(pilot, "G", "up")
+        assert "enter" not in playground(pilot).board.query_one(DiscountPanel).footing
+        gamma = snapshot(pilot).agent.hyperparameters.gamma
+        await press(pilot, "enter")
         (said,) = notes(pilot.app)
-        assert instead in said
-        assert pilot.app.screen is screen
+        assert "your program decides that: change it in lake.py" in said
+        assert snapshot(pilot).agent.hyperparameters.gamma == gamma
 
 
 async def test_its_keys_stand_on_the_key_line_and_those_of_ours_do_not(script: Path) -> None:
@@ -194,6 +218,9 @@ async def test_another_table_can_be_chosen(script: Path) -> None:
         assert program.table is not None
         assert program.table.others
         await press(pilot, "T")
+        asked = screen_text(pilot.app)
+        assert "array 48×4, float64" in asked
+        assert program.table.other_forms == ("array",)
         await choose(pilot, "1")
         assert snapshot(pilot).counters.step == 0
         await train(pilot, 50)
@@ -211,8 +238,16 @@ async def test_without_a_table_nothing_looks_like_an_estimate(tmp_path: Path) ->
         assert snapshot(pilot).program.table is None  # type: ignore[union-attr]
         assert snapshot(pilot).agent.visits.any()
         assert "0.00" not in "".join(playground(pilot).board.table.render_line(y).text for y in range(1, 12))
-        assert "no table found yet" in screen_text(pilot.app)
-        assert "no table was found, so no change is seen" in screen_text(pilot.app)
+        text = screen_text(pilot.app)
+        assert "looked for: an array" in text
+        assert "no table was found, so no change is seen" in text
+        assert f"Q · {NO_TABLE}" in text
+        assert "may never end" not in text
+        table = playground(pilot).board.table
+        assert table.layer_choices == (Layer.Q, Layer.OPTIMAL, Layer.VISITS)
+        table.shown_layer = Layer.VISITS
+        shown = "".join(table.render_line(y).text for y in range(1, 12))
+        assert any(str(count) in shown for count in range(1, 9))
 
 
 async def test_an_agent_of_ours_beside_it(script: Path) -> None:
@@ -226,6 +261,19 @@ async def test_an_agent_of_ours_beside_it(script: Path) -> None:
         assert beside.counters.step == 60
         assert playground(pilot).board.is_paired
         assert "cliff.py" in screen_text(pilot.app)
+        await press(pilot, "c")
+        assert "One seed decides nothing; rl-tui grade runs your program" in screen_text(pilot.app)
+
+
+async def test_without_a_table_it_is_not_compared_with_ours(tmp_path: Path) -> None:
+    path = tmp_path / "random_walk.py"
+    path.write_text(dedent(WALK), encoding="utf-8")
+    async with watching(path) as pilot:
+        await train(pilot, 60)
+        await press(pilot, "c")
+        await choose(pilot, "sarsa")
+        assert playground(pilot).board.is_paired
+        assert DIFFERS not in screen_text(pilot.app)
 
 
 async def test_it_starts_again_and_it_ends(script: Path) -> None:
@@ -235,9 +283,10 @@ async def test_it_starts_again_and_it_ends(script: Path) -> None:
         while not snapshot(pilot).program.ended:  # type: ignore[union-attr]
             await train(pilot, 4_000)
         assert "your program has ended" in screen_text(pilot.app)
-        await press(pilot, "space")
-        (said,) = notes(pilot.app)
-        assert "r starts it again" in said
+        for key in ("space", "s", "e"):
+            await press(pilot, key)
+            (said,) = notes(pilot.app)
+            assert "r starts it again" in said
         await press(pilot, "escape")
         assert "your program then ends" in notes(pilot.app)[0]
 

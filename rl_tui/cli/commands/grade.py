@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import os
-
 import click
 
-from rl_tui.cli.options.numbers import Whole
+from rl_tui.cli.options.numbers import Real, Whole
 from rl_tui.cli.options.run import allow_module_option, json_option, seed_option
 from rl_tui.cli.output import complain, print_json
 from rl_tui.cli.program import FAILED
 from rl_tui.cli.progress import progress
-from rl_tui.common.errors import UserError
 
 MOST: int = 10**15
 MOST_SEEDS: int = 10_000
@@ -32,7 +29,7 @@ WARNING = (
 )
 @click.option(
     "--threshold",
-    type=click.FloatRange(max=1.0),
+    type=Real(high=1.0),
     default=0.95,
     show_default=True,
     help="the mean share of the best return that passes",
@@ -57,15 +54,17 @@ def command(
 ) -> None:
     """Grade an agent or a script, or every one in a folder.
 
-    What counts is the exact return of the greedy policy of its table, ties shared evenly, as a share of the
-    best: 1 for the best policy, and less by each point of return that is lost, in parts of all that an
-    episode of the best policy pays and costs. It has passed where the mean over the seeds is the threshold or
-    more, and no seed failed. The exit status is 0 if all have passed, else 1.
-    """
-    from rl_tui.terminal.driver_choice import IN_BROWSER
+    What counts is the exact return of the greedy policy of its table, ties shared evenly. Its share of the
+    best is 1 - (best - return) / stake: 1 for the best policy, and the same less for each point of return
+    that is lost. The stake is what an episode of the best policy earns and pays, added up without signs. So
+    where there are only rewards, the share is return / best.
 
-    if os.environ.get("TEXTUAL_DRIVER") == IN_BROWSER:
-        raise UserError("grade runs what stands in files, and so does nothing where the program is served")
+    A submission has passed where the mean share over the seeds is the threshold or more, and no seed failed.
+    The exit status is 0 if all have passed, else 1.
+    """
+    from rl_tui.cli.screen import refuse_where_served
+
+    refuse_where_served()
     complain(WARNING)
     from rl_tui.lab.grading.grade import Grading, GradingLimits, grade_report
     from rl_tui.lab.grading.submissions import submissions_in
@@ -76,6 +75,13 @@ def command(
         complain(f"left out: {', '.join(found.left_out)}")
     limits = GradingLimits(float(seconds), memory * 2**20)
     grading = Grading(recipe, seeds, episodes or episodes_of(recipe.scenario), threshold, limits)
+    share_of_optimal = grading.yardstick.share(grading.yardstick.of_optimal)
+    if share_of_optimal is not None and share_of_optimal < threshold:
+        complain(
+            f"the optimal policy for γ = {recipe.hyperparameters.gamma:g} has itself only "
+            f"{share_of_optimal:.4f} of the best return in {recipe.scenario.id}: a --threshold above that is "
+            "too much to ask"
+        )
     with progress(f"{target} in {recipe.scenario.id}") as bar:
         graded = grading.grade(found.submissions, bar)
     if as_json:

@@ -132,12 +132,14 @@ def _train_agent(
     """Let the agent ``name`` learn, and print what came of it."""
     from rl_tui.cli.reports.own_agent import update_in_words
     from rl_tui.cli.reports.training import agent_run, several_runs
+    from rl_tui.cli.screen import refuse_where_served
     from rl_tui.lab.experiments.curve_file import write_curve
     from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
     from rl_tui.lab.experiments.whole_file import file_or_stream
     from rl_tui.lab.grading.agent_request import place_of_agent
     from rl_tui.lab.grading.agent_training import AgentRuns, train_agent, train_agent_often
 
+    refuse_where_served()
     warn_of_agent(given)
     seeded, title = AgentRuns(name, place_of_agent(name), recipe, given), recipe.scenario.title
     with nullcontext() if curve is None else file_or_stream(curve) as points, progress(name.path.name) as bar:

@@ -58,6 +58,22 @@ class Whole(OptionValue):
         return number
 
 
+class Real(OptionValue):
+    """A finite number from ``low`` to ``high``."""
+
+    name = "NUMBER"
+
+    def __init__(self, low: float = -math.inf, high: float = math.inf) -> None:
+        self.range = Range(low, high)
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Return the number; fails naming the range."""
+        number = number_in(value)
+        if number is None or not math.isfinite(number) or number not in self.range:
+            self.fail(f"{value} is not a number in {self.range}", param, ctx)
+        return number
+
+
 class ChangeValue(OptionValue):
     """A change on the way, STEP:NAME=VALUE."""
 

@@ -15,7 +15,8 @@ def update_in_words(verdict: ProgramVerdict) -> str:
         for symbol, value in (("α", update.alpha), ("γ", update.gamma))
         if value is not None
     ]
-    settings = f" with {', '.join(known)}" if known else ""
-    what = "its update is not known" if update.rule == Rule.UNKNOWN else f"its update is {update.rule.value}"
+    is_known = update.rule != Rule.UNKNOWN
+    what = f"its update is {update.rule.value}" if is_known else "which update it makes is not known"
+    settings = f"{' with' if is_known else ';'} {', '.join(known)}" if known else ""
     faults = (f"{each.kind}: {each.fault.value}: {each.text}" for each in verdict.findings)
     return "\n".join((f"{what}{settings}", *map(printable, faults)))

@@ -23,6 +23,7 @@ from rl_tui.lab.experiments.seeded_runs import FIGURES
 from rl_tui.lab.experiments.training import Goal, OnProgress, no_progress
 from rl_tui.lab.grading.agent_request import agent_request
 from rl_tui.lab.grading.episode_recording import EpisodeRecording
+from rl_tui.lab.grading.watch_report import error_of
 from rl_tui.lab.own_agents.loading import AgentName, AgentPlace
 from rl_tui.lab.programs.program_log import ProgramError, ProgramLog
 from rl_tui.lab.programs.to_the_end import watched_to_the_end
@@ -116,10 +117,9 @@ class AgentRuns:
         start = time.perf_counter()
         watched_to_the_end(request, tell, log=run.log)
         run.seconds = time.perf_counter() - start
-        if run.log.error is not None:
-            raise UserError(f"seed {run.seed}: {error_in_a_line(self.name.path, run.log.error)}")
-        if run.log.refused:
-            raise UserError(f"seed {run.seed}: {one_line(run.log.refused, _LONGEST_ERROR)}")
+        error = error_of_agent(run.log, goal)
+        if error is not None:
+            raise UserError(f"seed {run.seed}: {error_in_a_line(self.name.path, error)}")
         run.verdict = verdict_of(run.log)
 
     def exact(self, run: AgentRun) -> GreedyFigures:
@@ -201,6 +201,20 @@ def estimates_of(log: ProgramLog, space: FiniteSpace) -> FloatArray | None:
     cells = space.pair_state * actions + space.pair_action
     estimates: FloatArray = np.nan_to_num(recording.table_at(recording.count))[cells]
     return estimates
+
+
+def error_of_agent(log: ProgramLog, goal: Goal) -> ProgramError | None:
+    """Return what the agent of ``log`` raised, or why it could not be watched, or that it ended too early."""
+    error = error_of(log)
+    if error is not None:
+        return error
+    for name, taken, wanted in (
+        ("steps", log.recording.count, goal.steps),
+        ("episodes", log.episodes, goal.episodes),
+    ):
+        if wanted is not None and taken < wanted:
+            return ProgramError("Ended", f"the agent ended its process after {taken:,} of {wanted:,} {name}")
+    return None
 
 
 def error_in_a_line(path: Path, error: ProgramError) -> str:

@@ -20,13 +20,14 @@ from rl_tui.lab.detective.verdict import CodeFault, CodeFinding
 from rl_tui.lab.experiments.patience import cores
 from rl_tui.lab.experiments.training import Goal
 from rl_tui.lab.grading.agent_request import agent_request
-from rl_tui.lab.grading.agent_training import error_in_a_line, estimates_of
+from rl_tui.lab.grading.agent_training import error_in_a_line, error_of_agent, estimates_of
 from rl_tui.lab.grading.share import Yardstick, yardstick_of
 from rl_tui.lab.grading.submissions import Submission, agent_of
 from rl_tui.lab.grading.watch_report import environment_of, error_of, finding_as_json
 from rl_tui.lab.programs.program_log import ProgramEnvironment, ProgramLog
 from rl_tui.lab.programs.program_process import ProgramRequest
 from rl_tui.lab.programs.program_world import world_of_program
+from rl_tui.lab.programs.recording import Recording
 from rl_tui.lab.programs.to_the_end import watched_to_the_end
 from rl_tui.lab.run.figures import MOST_STATES
 from rl_tui.lab.run.recipe import Recipe, begin
@@ -35,6 +36,8 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 _LONGEST_ERROR: Final = 400
 _LONGEST_ID: Final = 80
+_MOST_STEPS: Final = 1_000_000
+"""The last steps that are kept to look for faults in; several submissions are in memory at once."""
 _NO_TABLE: Final = "no table of values was found in it"
 _SAME_ARRAYS: Final = ("first_pair", "pair_action", "first_outcome", "next_state", "terminated")
 _SAME_NUMBERS: Final = ("probability", "reward", "reward_std")
@@ -113,10 +116,10 @@ class Grading:
         threshold: float,
         limits: GradingLimits | None = None,
     ) -> None:
-        self.recipe, self.seeds, self.episodes, self.threshold = recipe, seeds, episodes, threshold
+        self.recipe, self.seeds, self.threshold = recipe, seeds, threshold
+        self._goal = Goal(episodes=episodes)
         self.mdp, self.yardstick = _measured(recipe)
         self._limits = limits or GradingLimits()
-        self._lock = threading.Lock()
 
     def grade(
         self, submissions: Sequence[Submission], on_progress: Callable[[int, int], None]
@@ -127,10 +130,12 @@ class Grading:
         """
         wanted, done = len(submissions) * self.seeds, 0
 
+        counting, given_up = threading.Lock(), threading.Event()
+
         def graded(submission: Submission, seed: int) -> GradedRun:
             nonlocal done
-            run = self._graded(submission, seed)
-            with self._lock:
+            run = self._graded(submission, seed, given_up)
+            with counting:
                 done += 1
                 on_progress(done, wanted)
             return run
@@ -148,39 +153,43 @@ class Grading:
                 for each, runs in zip(submissions, futures, strict=True)
             ]
         finally:
-            self._given_up = True
+            given_up.set()  # before all are done only where an exception passes, as at ctrl+c
             pool.shutdown(wait=True, cancel_futures=True)
 
-    _given_up = False
-
-    def _graded(self, submission: Submission, seed: int) -> GradedRun:
+    def _graded(self, submission: Submission, seed: int, given_up: threading.Event) -> GradedRun:
+        """Return what one seed of ``submission`` came to; whatever goes wrong with it is said there."""
         try:
             is_agent = agent_of(submission) is not None
-            log = self._watched(submission, seed, is_agent=is_agent)
+            log = self._watched(submission, seed, given_up, is_agent=is_agent)
             findings = verdict_of(log).findings
-            error = error_of(log)
+            error = error_of_agent(log, self._goal) if is_agent else error_of(log)
             if error is not None:
                 said = error_in_a_line(submission.agent.path, error)
                 return GradedRun(seed, error=said, findings=findings)
             q = self._q_of_agent(log) if is_agent else self._q_of_script(log)
         except (UserError, OSError) as fault:
             return GradedRun(seed, error=one_line(str(fault), _LONGEST_ERROR))
+        except Exception as fault:  # what a submission sends may be anything, and others are still to come
+            said = f"what came of it cannot be read ({type(fault).__name__}: {fault})"
+            return GradedRun(seed, error=one_line(said, _LONGEST_ERROR))
         value = expected_return(self.mdp, greedy_policy(self.mdp, q, "random"))
         return GradedRun(seed, value, self.yardstick.share(value), findings=findings)
 
-    def _watched(self, submission: Submission, seed: int, *, is_agent: bool) -> ProgramLog:
+    def _watched(
+        self, submission: Submission, seed: int, given_up: threading.Event, *, is_agent: bool
+    ) -> ProgramLog:
         """Return all that one seed of ``submission`` told, which may be an error."""
         request = ProgramRequest(submission.agent.path, seed=seed, memory=self._limits.memory)
         if is_agent:
-            recipe, goal = replace(self.recipe, seed=seed), Goal(episodes=self.episodes)
-            request = agent_request(submission.agent, recipe, {}, goal, self._limits.memory)
+            recipe = replace(self.recipe, seed=seed)
+            request = agent_request(submission.agent, recipe, {}, self._goal, self._limits.memory)
             request = replace(request, scenario_seed=self.recipe.seed)  # all seeds learn in one world
 
         def check(_: ProgramLog) -> None:
-            if self._given_up:
+            if given_up.is_set():
                 raise UserError("given up")
 
-        return watched_to_the_end(request, check, self._limits.seconds)
+        return watched_to_the_end(request, check, self._limits.seconds, ProgramLog(Recording(_MOST_STEPS)))
 
     def _q_of_agent(self, log: ProgramLog) -> FloatArray:
         q = estimates_of(log, self.mdp)

@@ -21,10 +21,14 @@ class Yardstick:
     point of return that is lost. The stake, above 0, is all that an episode of the best policy pays and costs
     together. So where there are only rewards the share is return / best, and where there are only costs it
     is 1 less the extra costs as a share of the least ones: −17 on a cliff of −13 is a share of 0.69.
+
+    ``of_optimal`` is the return of the optimal policy for the world's γ, None where that is not known. It may
+    be less than the best, which does not discount, and may look at the clock.
     """
 
     best: float
     stake: float
+    of_optimal: float | None = None
 
     def share(self, value: float | None) -> float | None:
         """Return the share of the best of a policy that returns ``value``; None where that has no return."""
@@ -40,18 +44,19 @@ def yardstick_of(mdp: TabularMDP, gamma: float) -> Yardstick | None:
     best = best_expected_return(mdp)
     if best is None:
         return None
-    stake = max(abs(best), _turnover(mdp, gamma))
+    of_optimal, turnover = _of_optimal_policy(mdp, gamma)
+    stake = max(abs(best), turnover or 0.0)
     if stake == 0.0:
         at_random = expected_return(mdp, uniform_policy(mdp))
         stake = best - at_random if at_random is not None and at_random < best else 1.0
-    return Yardstick(best, stake)
+    return Yardstick(best, stake, of_optimal)
 
 
-def _turnover(mdp: TabularMDP, gamma: float) -> float:
-    """Return what an episode of the best policy is expected to pay and cost together, 0 if unknown."""
+def _of_optimal_policy(mdp: TabularMDP, gamma: float) -> tuple[float | None, float | None]:
+    """Return the return of the optimal policy, and what an episode of it pays and costs together."""
     try:
         policy = uniform_over(mdp, solve(mdp, gamma).greedy)
     except NoExactAnswer:
-        return 0.0
+        return None, None
     unsigned = replace(mdp, reward=np.abs(mdp.reward))
-    return expected_return(unsigned, policy) or 0.0
+    return expected_return(mdp, policy), expected_return(unsigned, policy)

@@ -38,7 +38,10 @@ def submissions_in(target: str) -> FoundSubmissions:
     """
     folder = Path(target)
     if not folder.is_dir():
-        return FoundSubmissions([Submission(target, AgentName.read(target))], [])
+        agent = AgentName.read(target)
+        if not agent.path.exists():
+            raise UserError(f"{shown(target)}: found no such file or folder")
+        return FoundSubmissions([Submission(target, agent)], [])
     try:
         files = sorted(each for each in folder.iterdir() if each.suffix == _SUFFIX and each.is_file())
     except OSError as error:

@@ -10,7 +10,7 @@ from rl_tui.agents.update_terms import Lookup, UpdateTerms
 from rl_tui.lab.detective.verdict import UpdateFound, UpdateTarget
 from rl_tui.lab.live.program_view import ProgramView
 
-NO_CHANGE: Final = "the program changed nothing"
+NO_CHANGE: Final = "your program changed nothing"
 NO_TABLE: Final = "no table was found, so no change is seen"
 _OF_THE_BOOK: Final = {
     Lookup.BEST: UpdateTarget.BEST,

@@ -34,7 +34,7 @@ def learn(
     cannot be bound, or returns what is no action, and whatever it raises itself.
     """
     random.seed(settings.seed)
-    np.random.seed(settings.seed)
+    np.random.seed(settings.small_seed)
     env.action_space.seed(settings.seed)
     agent, player, unused = ready_agent(built, place, env, settings)
     for name in sorted(unused):

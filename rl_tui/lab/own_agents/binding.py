@@ -30,11 +30,11 @@ NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     "action_space": ("action_space",),
     "observation_space": ("observation_space", "obs_space"),
     "actions": (
-        *("na", "n_actions", "num_actions", "action_size", "n_action", "action_dim", "number_of_actions"),
+        *("n_actions", "na", "num_actions", "action_size", "n_action", "action_dim", "number_of_actions"),
         *("no_of_actions", "action_space_size", "action_n"),
     ),
     "states": (
-        *("ns", "n_states", "num_states", "state_size", "n_state", "state_dim", "number_of_states"),
+        *("n_states", "ns", "num_states", "state_size", "n_state", "state_dim", "number_of_states"),
         *("no_of_states", "observation_size", "state_space_size", "n_observations", "state_n"),
     ),
     "legal_actions": ("actionfn", "action_fn"),
@@ -52,9 +52,9 @@ NAMES: Final[Mapping[str, tuple[str, ...]]] = {
     "initial_q": ("initial_q", "initial_value", "q_init", "init_q"),
     "seed": ("seed", "random_seed", "random_state"),
     "generator": ("rng", "generator", "random_generator"),
-    "episodes": ("numtraining", "num_training", "n_episodes", "num_episodes", "episodes", "max_episodes"),
+    "episodes": ("n_episodes", "num_training", "numtraining", "num_episodes", "episodes", "max_episodes"),
 }
-"""What each role is called in small letters; where two underscores may stand, one is enough."""
+"""What each role may be called, in small letters, the clearest name first; underscores may be left out."""
 
 _ROLE_OF: Final = {name: role for role, names in NAMES.items() for name in names}
 _WITHOUT_UNDERSCORES: Final = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from random import Random
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -170,16 +171,19 @@ class FunctionPlayer:
         left_to_defaults = {"alpha", "gamma"}.difference(given)
         self._roles = tuple(bound_roles(update, name, FUNCTION.roles[""], left_to_defaults).items())
         self._looks_ahead = any(role == "next_action" for _, role in self._roles)
-        self._update, self._numbers, self._random = update, numbers, np.random.default_rng([seed, 1])
+        self._update, self._numbers, self._random = update, numbers, Random(f"{seed} policy")
+        self._all = range(shape[1])
         self._epsilon = numbers["epsilon"]
 
     def begin(self, state: int, mask: Mask) -> int:
         """Return an action, ε-greedy."""
-        legal = np.arange(self._shape[1]) if mask is None or not mask.any() else np.flatnonzero(mask)
+        legal = self._all if mask is None or not mask.any() else np.flatnonzero(mask).tolist()
         if self._random.random() < self._epsilon:
-            return int(self._random.choice(legal))
-        row = np.asarray(self.q[state], float)[legal]
-        return int(self._random.choice(legal[row == row.max()]))
+            return self._random.choice(legal)
+        row = np.asarray(self.q[state], float).tolist()
+        best = max(row[action] for action in legal)
+        ties = [action for action in legal if row[action] == best] or legal  # none where one is no number
+        return self._random.choice(ties)
 
     def after(self, step: Happened) -> Any:
         """Let it learn, and return the next action."""

@@ -38,6 +38,11 @@ class GivenSettings:
     seed: int
 
     @property
+    def small_seed(self) -> int:
+        """The seed in 32 bits: NumPy's legacy generators, which many agents use, take no more."""
+        return self.seed % 2**32
+
+    @property
     def numbers(self) -> dict[str, float]:
         """What holds by role for who has no default of its own."""
         return {**self.defaults, **self.given}
@@ -70,7 +75,7 @@ def ready_agent(built: Any, place: AgentPlace, env: Any, settings: GivenSettings
         "states": sizes[0],
         "actions": sizes[1],
         "legal_actions": legal,
-        "seed": settings.seed,
+        "seed": settings.small_seed,
         "generator": np.random.default_rng(settings.seed),
         "episodes": settings.episodes or 0,
         "agent_info": _agent_info(sizes, settings),
@@ -105,5 +110,5 @@ def _agent_info(sizes: tuple[int, int], settings: GivenSettings) -> dict[str, fl
         "epsilon": numbers["epsilon"],
         "step_size": numbers["alpha"],
         "discount": numbers["gamma"],
-        "seed": settings.seed,
+        "seed": settings.small_seed,
     }

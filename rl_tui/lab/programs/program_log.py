@@ -89,6 +89,8 @@ class FoundTable:
     dtype: str
     """As NumPy calls it; empty where it is Python's own numbers."""
     others: tuple[str, ...] = ()
+    other_forms: tuple[str, ...] = ()
+    """The form of each of ``others``."""
     file: str = ""
     line: int | None = None
     """Where it was made, if that is known."""
@@ -230,12 +232,15 @@ class ProgramLog:
                     )
                 )
             case MessageKind.TABLE:
+                if len(said["others"]) != len(said["other_forms"]):
+                    raise ValueError("no tables of ours")
                 self.table = FoundTable(
                     said["name"],
                     said["form"],
                     tuple(said["shape"]),
                     said["dtype"],
                     tuple(said["others"]),
+                    tuple(said["other_forms"]),
                     said.get("file", ""),
                     said.get("line"),
                 )

@@ -8,8 +8,9 @@ from rl_tui.tui.actions.action import Action, Group
 
 ORDINALS: Final = ("first", "second", "third", "fourth")
 
-_DECIDES: Final = "your program decides that: change it in {file} and save, and it starts again"
-_SWEEPS: Final = "your program takes steps, and has no sweeps of a planner"
+DECIDES: Final = "your program decides that: change it in {file} and save, and it starts again"
+"""Why no setting of somebody's program can be changed; ``{file}`` is its file."""
+_SWEEPS: Final = "your program has no sweeps, which are a planner's: s takes a step, e runs an episode"
 
 PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
     Action(
@@ -142,7 +143,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         Group.AGENT,
         rank=9,
         needs_world=True,
-        not_for_program=_DECIDES,
+        not_for_program=DECIDES,
     ),
     Action(
         "agent.choose_policy",
@@ -152,7 +153,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         Group.AGENT,
         rank=13,
         needs_world=True,
-        not_for_program=_DECIDES,
+        not_for_program=DECIDES,
     ),
     Action(
         "agent.next_ties",
@@ -161,7 +162,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         "Break ties between equal best actions at random, or take the first.",
         Group.AGENT,
         rank=20,
-        not_for_program=_DECIDES,
+        not_for_program=DECIDES,
     ),
     Action(
         "agent.ask_initial_q",
@@ -170,7 +171,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         "Set what every estimate starts from, and start again.",
         Group.AGENT,
         rank=21,
-        not_for_program=_DECIDES,
+        not_for_program=DECIDES,
     ),
     Action(
         "agent.ask_seed",
@@ -179,7 +180,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         "Set the seed, and start again.",
         Group.AGENT,
         rank=22,
-        not_for_program="the seed is that of the start: rl-tui watch {file} --seed N",
+        not_for_program="the seed is set at the start: rl-tui watch {file} --seed N",
     ),
     *(
         Action(
@@ -189,7 +190,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
             f"Go to the {ordinal} slider: arrows move it; enter, a number, enter set it; esc leaves it.",
             Group.AGENT,
             command=f"agent.focus_slider({number})",
-            not_for_program=_DECIDES,
+            not_for_program=DECIDES,
         )
         for number, ordinal in enumerate(ORDINALS, start=1)
     ),
@@ -201,7 +202,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         Group.AGENT,
         rank=14,
         aliases="alpha gamma epsilon lambda tau discount exploration hyper-parameters parameters settings",
-        not_for_program=_DECIDES,
+        not_for_program=DECIDES,
     ),
     Action(
         "why.explain",
@@ -221,7 +222,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         Group.AGENT,
         rank=8,
         needs_world=True,
-        not_for_program="your program takes its own steps: here nobody can act in its place",
+        not_for_program="your program takes its own steps; esc leads to scenarios in which you can act",
     ),
     Action(
         "drawing.toggle",
@@ -264,7 +265,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         "next lane",
         "Lead the next of the runs side by side.",
         Group.VIEW,
-        not_for_program="your program is the one that is led; z shows it alone, or both side by side",
+        not_for_program="keys are about your program here; z shows it alone, or both side by side",
     ),
     Action("lanes.one_lane", "z", "one lane", "Show one lane alone, or two side by side.", Group.VIEW),
     Action("turn_legends", "L", "legends", "Hide or show what panels and their signs mean.", Group.VIEW),

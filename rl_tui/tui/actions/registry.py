@@ -12,8 +12,8 @@ from rl_tui.tui.actions.action import Action, Group, Place
 from rl_tui.tui.actions.playground_actions import PLAYGROUND_ACTIONS
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
 
-_KEPT: Final = "nothing of this need be kept: {file} and its seed make the same run again"
-_STAYS: Final = "this is your program, in no row of the catalogue: esc goes there"
+_KEPT: Final = "there is nothing to save: {file} and its seed make the same run again"
+_STAYS: Final = "your program stands in no row of the catalogue: esc goes there"
 
 _CATALOGUE_ACTIONS: Final[tuple[Action, ...]] = (
     Action(
@@ -57,7 +57,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         rank=10,
         for_the_owner=True,
         needs_world=True,
-        not_for_program="x writes runs of our agents; your program is written already: {file}",
+        not_for_program="x writes down runs of our agents; your program stands in {file} already",
     ),
     Action(
         "previous_scenario",

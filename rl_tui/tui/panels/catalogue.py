@@ -216,8 +216,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "in it, and the update that it makes, worked out from how the table moves: rule, step size and "
         "discount, the share of steps that they fit, and the first that departs. Informative are the steps "
         "on which the value of the next state matters: only they tell γ. Nothing is guessed: what no step "
-        "decides is said to be open. Below stand what is wrong with it, which F shows, and notes. It stands "
-        "where the sliders are else: here your file decides, and saving it starts the program again.",
+        "decides is said to be open. Below stands what is wrong with it, which F shows, and notes. Our "
+        "agents have their sliders here; of your program its file decides, and saving it starts it again.",
         caption="your own code, watched",
         terms=("program", "finding", "informative-step", "departs", "alpha", "gamma", "target"),
         of_program=True,
@@ -316,7 +316,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "they stand on the slider of γ too, and, while this panel is open, all others as │. Dots with ● "
         "stand at the γ in force. The list says what the optimal policy earns just below and just above, "
         "undiscounted, and which states turn. The arrows choose a flip, and enter sets γ beyond it; on the "
-        "slider { and } do so. Flip points are "
+        "slider { and } do so. A program of your own sets γ in its file. Flip points are "
         "worked out for worlds of up to 100 states.",
         caption="where the best policy turns",
         terms=("gamma", "flip-point", "turns-the-way", "optimal-values-by-gamma", "earned-at-flip", "q-star"),

@@ -172,5 +172,6 @@ def _greedy(
     q = agent.q[pairs]
     best = np.maximum.reduceat(q, first)
     knows = (np.maximum.reduceat(agent.visits[pairs], first) > 0) | (best != np.minimum.reduceat(q, first))
+    knows &= ~np.isnan(best)  # of a program without a table nothing is
     is_greedy = agent.policy[pairs] > 0.0 if len(agent.policy) else q == np.repeat(best, count)
     return is_greedy, knows

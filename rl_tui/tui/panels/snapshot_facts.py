@@ -37,12 +37,17 @@ def is_secret(snapshot: Snapshot) -> bool:
     return snapshot.answers.is_hidden and snapshot.playback.phase is not Phase.SPENT
 
 
+def has_estimates(snapshot: Snapshot) -> bool:
+    """Return whether estimates are known: of a program in which no table was found by its steps none are."""
+    return snapshot.program is None or snapshot.program.table is not None or not snapshot.counters.step
+
+
 def as_learned(snapshot: Snapshot) -> Snapshot:
     """Return ``snapshot`` as world and table show it: a program without a table has estimated nothing."""
-    if snapshot.program is None or snapshot.program.table is not None:
+    if has_estimates(snapshot):
         return snapshot
-    unvisited = np.zeros_like(snapshot.agent.visits)
-    return replace(snapshot, agent=replace(snapshot.agent, visits=unvisited))
+    unknown = np.full_like(snapshot.agent.q, np.nan)
+    return replace(snapshot, agent=replace(snapshot.agent, q=unknown))
 
 
 def hides_means(snapshot: Snapshot) -> bool:

@@ -18,7 +18,7 @@ from rl_tui.tui.panels.model.bellman import SECRET
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.q_table.layers import Layer, exact_q, other_lane, policy_q
 from rl_tui.tui.panels.q_table.q_table import QTable
-from rl_tui.tui.panels.snapshot_facts import hides_means, is_secret
+from rl_tui.tui.panels.snapshot_facts import has_estimates, hides_means, is_secret
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
@@ -76,14 +76,18 @@ def _of_world(view: WorldView, look: Look, at: Offset | None) -> NumberHere | No
 
 
 def number_of_pair(snapshot: Snapshot, pair: int, layer: Layer, look: Look) -> NumberHere | None:
-    """Return the number of ``pair`` in ``layer`` of the table; None where the snapshot does not hold it."""
-    return _Teller(snapshot, look).of_pair(pair, layer) if snapshot.agent.holds(pair) else None
+    """Return the number of ``pair`` in ``layer`` of the table; None where the snapshot does not hold it.
+
+    None as well where it is one of an estimate, and none is known.
+    """
+    is_known = has_estimates(snapshot) or layer in (Layer.VISITS, Layer.POLICY)
+    return _Teller(snapshot, look).of_pair(pair, layer) if is_known and snapshot.agent.holds(pair) else None
 
 
 def number_of_state(snapshot: Snapshot, state: int, look: Look) -> NumberHere | None:
-    """Return V of ``state``; None where the snapshot does not hold it."""
+    """Return V of ``state``; None where the snapshot does not hold it, or no estimate is known."""
     pairs = snapshot.world.space.pairs_of(state)
-    held = not pairs or snapshot.agent.holds(pairs.start)
+    held = not pairs or (has_estimates(snapshot) and snapshot.agent.holds(pairs.start))
     return _Teller(snapshot, look).of_state(state) if held else None
 
 

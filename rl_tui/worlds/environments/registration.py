@@ -28,13 +28,18 @@ class ScenarioSpec(EnvSpec):  # type: ignore[misc]
     _limit: int | None = None
     _limit_is_known = False
 
+    def __post_init__(self) -> None:
+        """Keep which scenario it is: ``make_vec`` hands ``kwargs`` on in another way, and empties it here."""
+        super().__post_init__()
+        self._scenario = self.kwargs["scenario"]
+
     @property
     def max_episode_steps(self) -> int | None:
         """The number of steps after which an episode is truncated, None for never."""
         if not self._limit_is_known:
             from rl_tui.worlds.environments.scenario_env import time_limit_of_scenario
 
-            self._limit = time_limit_of_scenario(self.kwargs["scenario"])
+            self._limit = time_limit_of_scenario(self._scenario)
             self._limit_is_known = True
         return self._limit
 

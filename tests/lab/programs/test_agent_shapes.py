@@ -72,11 +72,29 @@ def test_what_is_given_by_name_is_what_it_learns_with(tmp_path: Path) -> None:
     assert (update.alpha, update.gamma) == pytest.approx((0.5, 0.8))
 
 
-@pytest.mark.parametrize("style", ["gymnasium", "berkeley", "function"])
-def test_the_same_seed_is_the_same_run(style: str, tmp_path: Path) -> None:
-    path = agent_in(tmp_path, OF_STYLE[style])
+BY_CHANCE = """
+import random
+import numpy as np
+
+class Agent:
+    def __init__(self, env, rng, seed):
+        own = np.random.RandomState(seed), rng, np.random.default_rng()
+        self.draw = [random.random, np.random.rand, own[0].rand, own[1].random, own[2].random]
+        self.env, self.q = env, np.zeros((16, 4))
+
+    def get_action(self, obs):
+        return (self.env.action_space.sample() + int(sum(draw() for draw in self.draw) * 4)) % 4
+
+    def update(self, obs, action, reward, terminated, next_obs):
+        self.q[obs, action] += reward
+"""
+
+
+@pytest.mark.parametrize("text", [BY_CHANCE, FUNCTION], ids=["every source of chance", "function"])
+def test_the_same_seed_is_the_same_run(text: str, tmp_path: Path) -> None:
+    path = agent_in(tmp_path, text)
     first, again, other = (
-        learned(path, "frozenlake-slippery", 20, seed).recording.steps for seed in (5, 5, 6)
+        learned(path, "frozenlake-slippery", 20, seed).recording.steps for seed in (2**40, 2**40, 6)
     )
     for one, two in zip(first, again, strict=True):
         np.testing.assert_array_equal(one, two)
@@ -223,6 +241,51 @@ def test_what_an_agent_does_wrong_is_told_with_its_place(
     assert said in error.text
     assert error.line == place
     assert place is None or error.file == str(path)
+
+
+def test_a_table_that_has_come_to_no_numbers_still_lives(tmp_path: Path) -> None:
+    log = learned(
+        agent_in(tmp_path, "def update(q, s, a, r, s_next):\n    q[s] = float('nan')\n"), episodes=5
+    )
+    assert log.error is None
+    assert log.recording.steps.episode[-1] == 4
+
+
+def test_what_berkeleys_course_has_is_there_without_its_files(tmp_path: Path) -> None:
+    text = """
+import random, util
+from game import *
+from learningAgents import ReinforcementAgent
+from featureExtractors import *
+
+class QLearningAgent(ReinforcementAgent):
+    def __init__(self, **args):
+        ReinforcementAgent.__init__(self, **args)
+        self.values = util.Counter()
+
+    def getAction(self, state):
+        legal = self.getLegalActions(state)
+        if util.flipCoin(self.epsilon):
+            return random.choice(legal)
+        counts = util.Counter()
+        for action in legal:
+            counts[action] = self.values[(state, action)]
+        return counts.argMax()
+
+    def update(self, state, action, nextState, reward):
+        ahead = [self.values[(nextState, each)] for each in self.getLegalActions(nextState)]
+        target = reward + self.discount * max(ahead, default=0.0)
+        self.values[(state, action)] += self.alpha * (target - self.values[(state, action)])
+"""
+    log = learned(agent_in(tmp_path, text), "student", 100)
+    assert log.error is None, log.error
+    assert verdict_of(log).update.rule == Rule.Q_LEARNING
+
+
+def test_a_file_called_as_its_base_class_s_is_not_its_own_base(tmp_path: Path) -> None:
+    text = RL_GLUE.replace("from rl_glue.agent", "from agent")
+    log = learned(agent_in(tmp_path, text, "agent.py"), episodes=2)
+    assert log.error is None, log.error
 
 
 def test_where_not_all_actions_are_legal(tmp_path: Path) -> None:

@@ -22,6 +22,7 @@ from made_recordings import Learner, Step, recorded
 from rl_tui.lab.detective.detective import verdict_of
 from rl_tui.lab.detective.evidence import Evidence
 from rl_tui.lab.detective.findings import findings_of
+from rl_tui.lab.detective.source.code_names import CodeNames
 from rl_tui.lab.detective.verdict import (
     CodeFault,
     CodeFinding,
@@ -30,6 +31,7 @@ from rl_tui.lab.detective.verdict import (
     UpdateFound,
     UpdateTarget,
 )
+from rl_tui.lab.grading.watch_report import finding_as_json
 from rl_tui.lab.programs.messages import StepFlag
 from rl_tui.lab.programs.program_log import FoundTable, ProgramEnvironment, ProgramLog
 from rl_tui.worlds.mdp.space import FloatArray
@@ -335,6 +337,20 @@ def test_a_finding_that_rests_on_a_name_says_so() -> None:
     holds_gamma(log)
     (finding,) = found(log, Q_LEARNING)
     assert finding.certainty == "declared"
+    assert finding.correction.endswith("agent.gamma * max(Q[s2])")
+
+
+def test_people_count_steps_from_1() -> None:
+    (finding,) = found(recorded(done_is_done), Q_LEARNING)
+    log = recorded(done_is_done)
+    assert log.recording.steps.truncated[finding.step]
+    assert finding.text.startswith(f"at step {finding.step + 1:,} the time limit")
+    assert finding_as_json(finding)["step"] == finding.step + 1
+
+
+def test_the_correction_of_shared_rows_is_of_the_form_of_the_table() -> None:
+    assert CodeNames(form="lists").rows(3) == "[[0.0] * 3 for state in range(states)]"
+    assert CodeNames(form="dict-of-arrays").rows(3) == "{state: [0.0] * 3 for state in range(states)}"
 
 
 @pytest.mark.parametrize("dtype", ["float64", "float32"])

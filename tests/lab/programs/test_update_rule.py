@@ -92,8 +92,10 @@ def test_sample_averages_are_found_in_a_table_that_is_found_late() -> None:
 
 
 @pytest.mark.parametrize("rule", ["q", "sarsa"])
-def test_a_step_size_that_falls_with_the_episodes_is_found(rule: str) -> None:
-    update = found(3000, rule=rule, alpha=lambda _, episode: 0.5 * 0.99**episode)
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_a_step_size_that_falls_with_the_episodes_is_found(rule: str, dtype: Any) -> None:
+    update = found(3000, rule=rule, dtype=dtype, alpha=lambda _, episode: 0.5 * 0.99**episode)
+    assert update.fits == 1.0
     assert (update.rule, update.alpha, update.alpha_schedule) == (NAMES[rule], None, "by-episode")
     assert update.gamma == pytest.approx(0.9, rel=1e-6)
 

@@ -103,6 +103,6 @@ def proof_of_sharing(evidence: Evidence, shared_at: int | None, names: CodeNames
         0,
         f"rows of the table are one and the same: at {step_text(step[first])} the rows of states {one} "
         f"and {other} moved alike; so at {len(steps):,} steps",
-        f"make a row for each state: {names.table} = [[0.0] * {actions} for state in range(states)]",
+        f"make a row for each state: {names.table} = {names.rows(actions)}",
         CodePlace.TABLE,
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -42,7 +43,7 @@ def proof_of_gamma_twice(
         evidence.number[readings.at[seen.one]],
         int(seen.other.sum()),
         f"the table moves with γ {written(gamma)}; your `{name}` is {root}, and {root}² = {written(gamma)}",
-        f"discount once: {names.target()}",
+        f"discount once: {replace(names, gamma=name).target()}",
         certainty="declared",
         neither=int(seen.neither.sum()),
     )

@@ -143,9 +143,10 @@ def _seen(predictions: Predictions, ends: _Ends, which: BoolArray, what: str) ->
     state, action = divmod(int(predictions.moved_cell[at]), evidence.actions)
     value = _value_taken(ends, first)
     bootstrapped = _nearest(ends.with_next[first], readings.after[first])
+    before, after = written(readings.before[first]), written(readings.after[first])
+    moved = f"stayed {after}" if before == after else f"went from {before} to {after}"
     return (
-        f"at {step_text(evidence.number[at])} {what} Q({state}, {action}) went from "
-        f"{written(readings.before[first])} to {written(readings.after[first])}, with γ · "
+        f"at {step_text(evidence.number[at])} {what} Q({state}, {action}) {moved}, with γ · "
         f"{written(value)} it would be {written(bootstrapped)}, without it "
         f"{written(ends.without[first, 0])}; so at all {int(which.sum()):,} such steps that tell it"
     )

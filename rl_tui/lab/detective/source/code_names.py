@@ -63,6 +63,12 @@ class CodeNames:
         between = "][" if is_nested else ", "
         return f"{self.table}[{self.state}{between}{self.action}]"
 
+    def rows(self, actions: int) -> str:
+        """Return a table with a row of its own for each state."""
+        if self.form == "dict-of-arrays":
+            return f"{{state: [0.0] * {actions} for state in range(states)}}"
+        return f"[[0.0] * {actions} for state in range(states)]"
+
     def best(self) -> str:
         """Return the value of the next state."""
         if self.form == "dict-of-pairs":

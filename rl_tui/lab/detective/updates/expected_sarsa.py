@@ -44,8 +44,10 @@ def _solved(sample: Sample, mean: FloatArray, triples: IntArray) -> FloatArray:
     columns = np.stack((sample.reward - sample.old, sample.best, mean - sample.best), axis=-1)
     matrix, change = columns[triples], sample.change[triples]
     size = np.abs(matrix).max(1, keepdims=True)
-    good = np.abs(np.linalg.det(matrix / size)) > _SINGULAR
-    answer = np.linalg.solve(matrix[good], change[good][..., None])[..., 0]
+    matrix /= size
+    good = np.flatnonzero(np.isfinite(matrix).all((1, 2)) & np.isfinite(change).all(1))
+    good = good[np.abs(np.linalg.det(matrix[good])) > _SINGULAR]
+    answer = np.linalg.solve(matrix[good], change[good][..., None])[..., 0] / size[good, 0]
     return np.column_stack((answer[:, 0], answer[:, 1] / answer[:, 0], answer[:, 2] / answer[:, 1]))
 
 

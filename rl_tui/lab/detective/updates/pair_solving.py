@@ -82,10 +82,13 @@ def refined(
     """
     weight = 1.0 / slack[within]
     matrix = np.column_stack([column[within] * weight for column in columns])
+    wanted = change[within] * weight
+    finite = np.isfinite(matrix).all(1) & np.isfinite(wanted)  # LAPACK writes of others to the screen
+    matrix, wanted = matrix[finite], wanted[finite]
     size = np.abs(matrix).max(0, initial=0.0)
     if len(matrix) < matrix.shape[1] or np.any(size == 0.0):
         return None
-    answer, _, rank, _ = np.linalg.lstsq(matrix / size, change[within] * weight, rcond=1e-9)
+    answer, _, rank, _ = np.linalg.lstsq(matrix / size, wanted, rcond=1e-9)
     return [float(each) for each in answer / size] if rank == matrix.shape[1] else None
 
 

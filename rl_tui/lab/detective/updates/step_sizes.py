@@ -44,7 +44,8 @@ def by_episode(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float
         if np.any(value) and np.sum(shown) < FEWEST_INFORMATIVE:
             continue  # each step alone explains itself, with any γ
         if np.sum(telling) >= _FEWEST_PAIRS and np.mean(equal[telling]) > SHARE and varied:
-            ruling = _first_of_each(sample.evidence.episode[sample.at], alpha, reliable)
+            weight = np.where(reliable & ~sample.ended, np.abs(sample.change) / sample.slack, 0.0)
+            ruling = _clearest_of_each(sample.evidence.episode[sample.at], alpha, weight)
             return Trial(sample, target, sample.reward, value, ruling, each, schedule="by-episode")
     return None
 
@@ -107,12 +108,11 @@ def _near(sample: Sample) -> float:
     return 1e-6 if sample.evidence.precision < EXACT else 3e-2
 
 
-def _first_of_each(group: IntArray, numbers: FloatArray, known: BoolArray) -> FloatArray:
-    """Return for each place the first known number of its group, [n]; NaN where it has none."""
-    result = np.full(len(group), np.nan)
-    places = np.flatnonzero(known)
-    groups, first = np.unique(group[places], return_index=True)
-    if len(groups):
-        at = np.searchsorted(groups, group).clip(0, len(groups) - 1)
-        result = np.where(groups[at] == group, numbers[places[first[at]]], np.nan)
+def _clearest_of_each(group: IntArray, numbers: FloatArray, weight: FloatArray) -> FloatArray:
+    """Return for each place the number with the largest ``weight`` in its group, [n]; NaN if all weigh 0."""
+    order = np.lexsort((-weight, group))
+    begins = np.flatnonzero(np.diff(group[order], prepend=-1))
+    clearest = np.where(weight > 0.0, numbers, np.nan)[order[begins]]
+    result: FloatArray = np.empty(len(group))
+    result[order] = np.repeat(clearest, np.diff(np.append(begins, len(order))))
     return result

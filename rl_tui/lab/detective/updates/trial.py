@@ -24,6 +24,8 @@ _DIGITS: Final = 6
 _AT_A_TIME: Final = 200
 SHARE: Final = 0.97
 """What an update must explain more than."""
+_OWN_SHARE: Final = 0.99
+"""The same with a reward of the program's own, which is fitted to the steps itself."""
 _WEIGHTY: Final = 100.0
 """A value matters on a step if it moves the cell by so many times what a prediction may be off."""
 
@@ -93,10 +95,11 @@ class Trial:
         inner = self.counted & ~self.sample.ended
         if np.sum(inner) < FEWEST:
             inner = self.counted
-        if np.sum(inner) < FEWEST or np.mean(self.explained[inner]) <= SHARE:
+        share = _OWN_SHARE if self.own_reward else SHARE
+        if np.sum(inner) < FEWEST or np.mean(self.explained[inner]) <= share:
             return False
         telling = self.informative
-        return not telling.any() or bool(np.mean(self.explained[telling]) > SHARE)
+        return not telling.any() or bool(np.mean(self.explained[telling]) > share)
 
     @property
     def tells_gamma(self) -> bool:

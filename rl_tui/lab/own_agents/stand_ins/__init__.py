@@ -43,7 +43,13 @@ class _StandIn(MetaPathFinder, Loader):
         module.__dict__.update(public)
 
 
-def offer_stand_ins(style: Style) -> None:
-    """Let modules of the course of ``style`` be imported where there are none of their names."""
-    if style in _MODULES:
-        sys.meta_path.append(_StandIn(_MODULES[style]))
+def offer_stand_ins(style: Style, own_name: str) -> None:
+    """Let modules of the course of ``style`` be imported where there are none of their names.
+
+    One that is called ``own_name``, as the agent's own file, is not that file: no agent imports itself.
+    """
+    modules = _MODULES.get(style, {})
+    if own_name in modules:
+        sys.meta_path.insert(0, _StandIn({own_name: modules[own_name]}))
+        import_module(own_name)
+    sys.meta_path.append(_StandIn(modules))

@@ -18,6 +18,10 @@ class Counter(dict[Any, float]):
     def __missing__(self, key: Any) -> float:
         return 0.0
 
+    def argMax(self) -> Any:
+        """Return the first key with the largest value, None where there is none."""
+        return max(self, key=self.__getitem__, default=None)
+
 
 def flipCoin(p: float) -> bool:
     """Return true with probability ``p``."""

@@ -25,7 +25,7 @@ def run_agent(said: Mapping[str, Any], tell: Callable[..., None]) -> None:
     path = Path(said["path"])
     script = read_script(path)
     place = the_agent(script.tree, path, said["agent"])
-    offer_stand_ins(place.style)
+    offer_stand_ins(place.style, path.stem)
     sys.argv = [said["path"], *said["arguments"]]
     built = getattr(load_module(script.code, path), place.name)
     shape = SHAPE_OF[place.style]

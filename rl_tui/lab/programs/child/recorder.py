@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import sys
-import threading
 from collections.abc import Mapping, Sequence
+from threading import get_ident
 from types import FrameType
 from typing import Any, Final, NoReturn
 
@@ -18,7 +18,7 @@ from rl_tui.lab.programs.child.faults import is_users_file
 from rl_tui.lab.programs.child.gate import Gate
 from rl_tui.lab.programs.child.line_trace import TRACED_AT_FIRST, LineTrace, Place
 from rl_tui.lab.programs.child.stopping import StepSeen, StopConditions
-from rl_tui.lab.programs.child.tables.search import candidates
+from rl_tui.lab.programs.child.tables.search import TableCandidate, candidates
 from rl_tui.lab.programs.child.tables.tracker import TableTracker
 from rl_tui.lab.programs.messages import MessageKind
 
@@ -72,7 +72,7 @@ class Recorder:
 
         ``frame`` is what called ``method``.
         """
-        if threading.get_ident() != self._thread:
+        if get_ident() != self._thread:
             self._check_thread()
         if method not in self._called:
             self._tell_caller(frame, method)
@@ -139,7 +139,7 @@ class Recorder:
             self.refuse(_FORKED)
         if self._thread is not None:
             self.refuse(_MANY_THREADS)
-        self._thread = threading.get_ident()
+        self._thread = get_ident()
 
     def _take_changes(self, frame: FrameType | None, numbering: Numbering, *, at_reset: bool) -> list[float]:
         tracker = self._tracker
@@ -172,10 +172,10 @@ class Recorder:
         if found:
             others = candidates(frame, numbering, None) if self._wanted is not None else found
             self._tracker = TableTracker(found[0], self._wanted)
-            self._tell_table([each.way.name() for each in others if each.value is not found[0].value])
+            self._tell_table([each for each in others if each.value is not found[0].value])
             self._tell_numbers(frame)
 
-    def _tell_table(self, others: list[str]) -> None:
+    def _tell_table(self, others: list[TableCandidate]) -> None:
         tracker = self._tracker
         assert tracker is not None
         numbering, table = tracker.numbering, tracker.table
@@ -188,7 +188,8 @@ class Recorder:
             shape=_shape_of(table, numbering.actions),
             dtype=str(table.dtype) if type(table) is np.ndarray else "",
             actions=numbering.actions,
-            others=others,
+            others=[each.way.name() for each in others],
+            other_forms=[each.form.name for each in others],
             shared=self._is_shared,
         )
         self.channel.table(tracker.form.values())

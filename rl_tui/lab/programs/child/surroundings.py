@@ -14,11 +14,11 @@ import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from importlib import import_module
-from importlib.abc import Loader, MetaPathFinder
-from importlib.machinery import ModuleSpec
 from io import TextIOWrapper
 from types import ModuleType
 from typing import Any, Final, NoReturn
+
+from rl_tui.common.after_import import after_import
 
 _NO_WINDOW: Final = ".*is non-interactive, and thus cannot be shown"
 _INPUT: Final = (
@@ -64,17 +64,13 @@ def surround(note: Callable[[str], None]) -> None:
     sys.modules.setdefault("pickle5", pickle)  # it was the pickle of Python 3.8, for older ones
     warnings.filterwarnings("ignore", message=_NO_WINDOW)
     _tell_of_workers(note)
-    sys.meta_path.insert(
-        0,
-        _AfterImport(
-            {
-                "matplotlib": _draw_into_memory,
-                "matplotlib.pyplot": _show_nothing,
-                "tqdm.notebook": _draw_bars_as_text,
-                "gym": lambda _: note(_OLD_GYM),
-            }
-        ),
-    )
+    for name, change in {
+        "matplotlib": _draw_into_memory,
+        "matplotlib.pyplot": _show_nothing,
+        "tqdm.notebook": _draw_bars_as_text,
+        "gym": lambda _: note(_OLD_GYM),
+    }.items():
+        after_import(name, change)
 
 
 def _tell_of_workers(note: Callable[[str], None]) -> None:
@@ -122,42 +118,3 @@ def _draw_bars_as_text(notebook: ModuleType) -> None:
         setattr(notebook, name, plain.tqdm)
     for name in ("trange", "tnrange"):
         setattr(notebook, name, plain.trange)
-
-
-class _AfterImport(MetaPathFinder):
-    """Calls a function with each of some modules as soon as it was imported."""
-
-    def __init__(self, changes: dict[str, Callable[[ModuleType], None]]) -> None:
-        self._changes = changes
-
-    def find_spec(self, name: str, path: Any, target: ModuleType | None = None) -> ModuleSpec | None:
-        """Return how the module is imported by others, with what is to be called afterwards."""
-        if name not in self._changes:
-            return None
-        for finder in sys.meta_path:
-            spec = None if finder is self else finder.find_spec(name, path, target)
-            if spec is not None:
-                if spec.loader is not None:
-                    spec.loader = _ThenChanged(spec.loader, self._changes[name])
-                return spec
-        return None
-
-
-class _ThenChanged(Loader):
-    """Loads a module as ``loader`` does, and then calls ``change`` with it."""
-
-    def __init__(self, loader: Any, change: Callable[[ModuleType], None]) -> None:
-        self._loader, self._change = loader, change
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._loader, name)
-
-    def create_module(self, spec: ModuleSpec) -> ModuleType | None:
-        """Return the module that ``loader`` makes, None for an ordinary one."""
-        made: ModuleType | None = self._loader.create_module(spec)
-        return made
-
-    def exec_module(self, module: ModuleType) -> None:
-        """Fill the module, and change it."""
-        self._loader.exec_module(module)
-        self._change(module)

@@ -18,7 +18,7 @@ from rl_tui.tui.panels.curve.smoothing import smoothed
 from rl_tui.tui.panels.model.reward_range import reward_range
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.policies.studied import studied_answer
-from rl_tui.tui.panels.snapshot_facts import hides_means, is_secret
+from rl_tui.tui.panels.snapshot_facts import has_estimates, hides_means, is_secret
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
 
@@ -72,7 +72,8 @@ class CurveData:
     undiscounted return of the policy that is best for the γ in force.
 
     All this is of the run shown; ``lanes`` are the runs side by side, itself among them, none if it is alone.
-    ``seeds`` is what many seeds say of the same runs, none while that is not known.
+    ``seeds`` is what many seeds say of the same runs, none while that is not known. ``has_estimates`` is
+    false for a program without a table, which has no greedy policy.
     """
 
     finished: int
@@ -95,6 +96,7 @@ class CurveData:
     is_studying: bool = False
     lanes: tuple[LaneLine, ...] = ()
     seeds: tuple[SeedBand, ...] = ()
+    has_estimates: bool = True
 
     @property
     def has_both_units(self) -> bool:
@@ -192,6 +194,7 @@ def curve_data(snapshot: Snapshot) -> CurveData:
             for number, lane in enumerate(snapshot.run_group.lanes, 1)
         ),
         seeds=seed_bands(snapshot),
+        has_estimates=has_estimates(snapshot),
     )
 
 

@@ -265,6 +265,8 @@ def gap_note(data: CurveData, plot: Plot) -> tuple[str, ...]:
     later = Steps(*(each[1:] for each in greedy))  # before anything is learned there is nothing to say
     if not data.furthest or not np.isnan(later.low[:-1]).any() or not plot.has_gap(later):
         return ()
+    if not data.has_estimates:
+        return "no greedy line: no table was found in your program", "no table: no greedy line", "no table"
     return (
         "no greedy line where that policy may never end: it has no return there",
         "no greedy line where it may never end",

@@ -140,7 +140,10 @@ class DiscountPanel(Panel, can_focus=True):
             return strips_of(lines, width, height, self.look)
         state = self._state(snapshot)
         name = state_name(snapshot.world, state, self.look.glyphs)
-        self.footing = self.fitting(_keys(snapshot.answers.flips.flips, is_ranked=self._is_ranked), width)
+        keys = _keys(
+            snapshot.answers.flips.flips, is_ranked=self._is_ranked, may_set=snapshot.program is None
+        )
+        self.footing = self.fitting(keys, width)
         gamma, answer = snapshot.agent.hyperparameters.gamma, snapshot.answers.flips
         stance = self._chosen, self._is_ranked, self.is_explained
         what = answer, state, gamma, stance, self.look, width, height
@@ -278,12 +281,22 @@ def _range_in_words(view: range, all_of_them: int) -> str:
     return f"{first if first == view.stop else f'{first}–{view.stop}'} of {all_of_them}"
 
 
-def _keys(flips: Sequence[Flip], *, is_ranked: bool) -> tuple[str, ...]:
-    """Return the ways to say what the keys do, the longest first; v by what it turns to."""
+def _keys(flips: Sequence[Flip], *, is_ranked: bool, may_set: bool) -> tuple[str, ...]:
+    """Return the ways to say what the keys do, the longest first; v by what it turns to.
+
+    Where enter does not set γ, as beside somebody's program, it is not named.
+    """
     in_full, short = ("v: Q*", "v: Q*") if is_ranked else (f"v: {_RANKED}", "v: ranks")
     if not flips:
         return f"{in_full} · {_CLOSE}", f"{short} · {_CLOSE}", _CLOSE
     choose = "↑ ↓: flip"
+    if not may_set:
+        return (
+            f"{choose} · {in_full} · {_CLOSE}",
+            f"{choose} · {short} · {_CLOSE}",
+            f"{choose} · {_CLOSE}",
+            _CLOSE,
+        )
     return (
         f"{choose} · enter: γ beyond it · {in_full} · {_CLOSE}",
         f"{choose} · enter: γ beyond it · {short} · {_CLOSE}",

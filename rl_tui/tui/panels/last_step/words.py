@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.agents.last_step import LastStep
+from rl_tui.lab.detective.verdict import Rule
 from rl_tui.lab.last_step.story import StepStory
 from rl_tui.tui.draw import names, numbers
-from rl_tui.tui.panels.last_step.program_words import change_text, choice_texts, why_no_equation
+from rl_tui.tui.draw.precision import agrees, figure, leading_zeros, parsed
 from rl_tui.tui.panels.last_step.state_backup_text import BackupText, backup_text
 from rl_tui.tui.panels.last_step.update_text import UpdateText, setting, update_text
+from rl_tui.tui.panels.program.words import clause
 from rl_tui.tui.theme.glyphs import Glyphs
 
 _TABLES = ("", "₁", "₂")
+_NOT_KNOWN: Final = "the update is not known"
+_FEWEST: Final = 2  # decimals of an estimate
+_MORE: Final = 6  # decimals beyond those that show its first digit
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +87,7 @@ def words_of(story: StepStory, glyphs: Glyphs) -> StepWords:
     if story.has_equation:
         update = update_text(last, story.step_size, glyphs, bootstraps=story.bootstraps)
     else:
-        update = change_text(last, glyphs)
+        update = _change_text(last, glyphs)
     reward = numbers.brief(last.reward, glyphs, decimals=4)
 
     def action(number: int | None) -> str:
@@ -105,7 +113,7 @@ def words_of(story: StepStory, glyphs: Glyphs) -> StepWords:
         others=_others(story),
         update=update,
         backup=None if story.state_backup is None else backup_text(world, story.state_backup, glyphs),
-        why_no_equation=() if story.has_equation else why_no_equation(story),
+        why_no_equation=() if story.has_equation else _why_no_equation(story),
     )
 
 
@@ -148,7 +156,7 @@ def _choices(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
     if last.by_hand:
         return "you chose it", "by you"
     if story.program is not None:
-        return choice_texts(last.pair, best)
+        return _choice_texts_of_program(last.pair, best)
     if not story.policy.explores_by_epsilon:
         return _chosen_by_policy(story, glyphs)
     epsilon = setting(last.epsilon, glyphs)
@@ -173,3 +181,57 @@ def _chosen_by_policy(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
     if story.last.explored:
         return f"{full}, not the greedy one", f"{policy.name}, not greedy"
     return f"{full}, the greedy one", f"{policy.name}, greedy"
+
+
+def _choice_texts_of_program(pair: int, best: Sequence[int]) -> Sequence[str]:
+    """Return how a program chose ``pair``, in full and in short; ``best`` are greedy, none if not known.
+
+    How it explores is not known, so an action that is not greedy is not called a random one.
+    """
+    if not best:
+        return "your program chose it", "its choice"
+    if pair not in best:
+        return "your program chose it: not greedy", "not greedy"
+    if len(best) > 1:
+        return f"your program chose it: greedy, one of {len(best)} equal", f"greedy, {len(best)} equal"
+    return "your program chose it: greedy", "greedy"
+
+
+def _change_text(last: LastStep, glyphs: Glyphs) -> UpdateText:
+    """Write the estimate before and after ``last`` and their difference, and nothing that is not known.
+
+    There are as many decimals as show the change, and let the printed difference come out.
+    """
+    before = 0.0 if math.isnan(last.before) else last.before
+    difference, first = last.after - before, _FEWEST + leading_zeros(before, last.after)
+    texts = ["", "", ""]
+    for decimals in range(first, first + _MORE):
+        texts = [figure(each, decimals, glyphs) for each in (before, last.after, difference)]
+        between = parsed(texts[1], glyphs) - parsed(texts[0], glyphs)
+        shows = texts[0] != texts[1] or not difference
+        if shows and agrees(between, texts[2], glyphs, decimals, digits=0.5):
+            break
+    sign = "+" if difference > 0.0 else ""
+    return UpdateText(texts[0], "", "", "", "", "", sign + texts[2], texts[1])
+
+
+def _why_no_equation(story: StepStory) -> Sequence[str]:
+    """Return why no more is said of the update of a program, the longest form first."""
+    last, program = story.last, story.program
+    if last.others:
+        cells = f"{last.others + 1:,} cells"
+        return (
+            f"this step moved {cells}; an update of one cell does not explain that",
+            f"moved {cells}",
+        )
+    update = None if program is None else program.verdict.update
+    if update is None or update.rule is Rule.UNKNOWN:
+        reason = "" if update is None else clause(update.reason)
+        forms = (f"{_NOT_KNOWN}: {reason}", reason) if reason else ()
+        return (*forms, f"{_NOT_KNOWN} yet", "not known yet")
+    if update.rule is Rule.MONTE_CARLO:
+        return (
+            "Monte Carlo: at the end of an episode, from the return of its steps",
+            "at the end, from returns",
+        )
+    return "this step departs from the update that fits the others", "departs from its update", "departs"

@@ -21,7 +21,7 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
 
 BACKUP_HEADING: Final = "The backup"
-NOT_KNOWN: Final = "which estimates your program looked up is not known, or is not as in the book"
+NOT_KNOWN: Final = "which estimates your program read is not known, or they are not those of the book"
 MOST_LEAVES: Final = 8
 TARGET_ROWS: Final = 4
 _HEAD_ROWS: Final = 3

@@ -60,7 +60,7 @@ def _taken(words: StepWords) -> dict[str, list[_Form]]:
 def _update(words: StepWords) -> list[_Form]:
     waiting = words.story.terms.waiting
     if not words.estimate:
-        return _remarks(f"none: {waiting}", waiting)
+        return _remarks(f"none: {waiting}", waiting, "none")
     change = f" {words.update.before} → {words.update.after}"
     return [(words.estimate, change, remark) for remark in (words.story.algorithm.name, "")]
 

@@ -5,15 +5,17 @@ from __future__ import annotations
 from typing import Final
 
 from rl_tui.agents.update_terms import Lookup, UpdateTerms
+from rl_tui.lab.last_step.story import StepStory
 from rl_tui.tui.draw import names, numbers
 from rl_tui.tui.draw.action_order import shown_pairs
-from rl_tui.tui.draw.pieces import Line, Piece
+from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, wrapped
 from rl_tui.tui.draw.precision import column_figure, comes_to, parsed
+from rl_tui.tui.draw.to_ascii import separated
 from rl_tui.tui.panels.last_step.equation import bracketed, equation, error_piece
 from rl_tui.tui.panels.last_step.words import StepWords
-from rl_tui.tui.panels.microscope.program_update import change_lines, evidence_lines
 from rl_tui.tui.panels.microscope.return_text import terms_of
 from rl_tui.tui.panels.microscope.section import MicroscopeSection, columns_of, flowed
+from rl_tui.tui.panels.program.words import fit_texts, open_text, update_texts
 from rl_tui.tui.theme.look import Look
 
 UPDATE_HEADING: Final = "The update"
@@ -29,10 +31,10 @@ def update_section(words: StepWords, look: Look, width: int) -> MicroscopeSectio
     """Return the update in numbers and where each comes from; of a planner also what becomes of the state."""
     terms = words.story.terms
     if not words.estimate:
-        waiting = flowed([[Piece(f" {terms.waiting}", look.palette.text)]], width, look)
+        waiting = list(wrapped(terms.waiting, width, look.palette.text, look, " ", " "))
         return MicroscopeSection(UPDATE_HEADING, waiting, update_rows(terms))
     if not words.story.has_equation:
-        return MicroscopeSection(UPDATE_HEADING, change_lines(words, look, width), update_rows(terms))
+        return MicroscopeSection(UPDATE_HEADING, _change_lines(words, look, width), update_rows(terms))
     writer = _Writer(words, look)
     groups = ((writer.equation(), 4), (writer.terms(), 1), (writer.mixture(), 4), (writer.gathered(width), 4))
     lines = [line for group, indent in groups for line in flowed(group, width, look, indent)]
@@ -42,13 +44,51 @@ def update_section(words: StepWords, look: Look, width: int) -> MicroscopeSectio
         lines += flowed(bellman, width, look, 4)
     for remark in ([TABLES] if words.story.last.table else []) + [*words.others[:1]]:
         lines += flowed([[Piece(f" {remark}", look.palette.dim)]], width, look)
-    lines += evidence_lines(words.story, look, width)
+    lines += _evidence_lines(words.story, look, width)
     return MicroscopeSection(UPDATE_HEADING, lines, update_rows(terms))
 
 
 def update_rows(terms: UpdateTerms) -> int:
     """Return how many rows an update of these ``terms`` mostly takes."""
     return _LEAST_ROWS + (terms.lookup in (Lookup.MEAN, Lookup.OTHER) or not terms.one_step)
+
+
+def _change_lines(words: StepWords, look: Look, width: int) -> list[Line]:
+    """Return which cell moved from what to what, why nothing else is said, and what fits other steps."""
+    palette, update = look.palette, words.update
+    moved: list[Line] = [
+        [Piece(" your program moved", palette.dim)],
+        [Piece(f" {words.estimate}", palette.strong)],
+        [Piece(" from ", palette.dim), Piece(update.before, palette.updated)],
+        [Piece(" to ", palette.dim), Piece(update.after, palette.updated)],
+        [Piece(" (", palette.dim), error_piece(words, look), Piece(")", palette.dim)],
+    ]
+    if words.changes_nothing:
+        moved = [
+            [Piece(" your program changed nothing:", palette.dim)],
+            [Piece(f" {words.estimate} stays ", palette.text), Piece(update.after, palette.updated)],
+        ]
+    lines = flowed(moved, width, look)
+    if words.why_no_equation:
+        lines += wrapped(words.why_no_equation[0], width, palette.text, look, " ", " ")
+    return [*lines, *_evidence_lines(words.story, look, width)]
+
+
+def _evidence_lines(story: StepStory, look: Look, width: int) -> list[Line]:
+    """Return the update that fits a program, its α and γ, and the share of steps; nothing for ours."""
+    if story.program is None:
+        return []
+    update, palette = story.program.verdict.update, look.palette
+    equations = update_texts(update, look.glyphs)[:-1]  # without the rule alone, which stands below
+    if not equations:
+        return []
+    is_open, texts = open_text(update, look.glyphs), fit_texts(update)
+    fits = [" " + " · ".join(filter(None, (each, is_open))) for each in texts or ("",)]
+    fitting = (each for each in equations if columns_of(each, look) < width)
+    return [
+        *wrapped(next(fitting, equations[1]), width, palette.dim, look, " ", "    "),
+        first_that_fits([[Piece(separated(each, look.glyphs), palette.dim)] for each in fits], width, look),
+    ]
 
 
 class _Writer:

@@ -21,7 +21,7 @@ from rl_tui.tui.panels.last_step.update_text import setting
 from rl_tui.tui.panels.model.bellman import SECRET, bellman_lines, decimals_of
 from rl_tui.tui.panels.model.outcomes import outcome_lines
 from rl_tui.tui.panels.model.reward_range import reward_range
-from rl_tui.tui.panels.snapshot_facts import hides_means, is_secret
+from rl_tui.tui.panels.snapshot_facts import has_estimates, hides_means, is_secret
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FiniteSpace, IntArray
@@ -90,6 +90,8 @@ def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int) -> list[Li
     ]
     taken = int(snapshot.agent.visits[pair])
     learned = _learned(snapshot, pair, look) if taken else "not yet visited"
+    if taken and not has_estimates(snapshot):
+        learned = "not known, no table was found in your program"
     if not snapshot.agent.holds(pair):  # the next snapshot of a large world will have it
         learned = glyphs.ellipsis
     estimate: Line = [

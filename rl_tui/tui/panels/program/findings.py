@@ -11,10 +11,10 @@ from textual.message import Message
 from textual.strip import Strip
 
 from rl_tui.common.findings import one_line
-from rl_tui.lab.detective.verdict import CodeFinding
+from rl_tui.lab.detective.verdict import CodeFinding, Rule, step_number
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, strips_of, wrapped
+from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, length, spelled, strips_of, wrapped
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.program.source import source_lines
 from rl_tui.tui.panels.program.words import (
@@ -25,11 +25,19 @@ from rl_tui.tui.panels.program.words import (
     notes_of,
     place_text,
     ranked,
+    sentence,
 )
 from rl_tui.tui.panels.scrolled_panel import ScrolledPanel, scroll_bindings
 from rl_tui.tui.theme.look import Look
 
-NOTHING: Final = "nothing found that is wrong"
+NOTHING: Final = "nothing wrong found"
+NO_STEP_YET: Final = "no step yet: space runs your program, and what is wrong with it stands here"
+EXAMINED: Final = (
+    "Examined: the target, the ends of episodes, the table, which cells move, and the choice of actions."
+)
+EXAMINED_WITHOUT_RULE: Final = (
+    "Examined: the table, which cells move, and the choice of actions; the target was not."
+)
 _INDENT: Final = "   "
 
 
@@ -79,7 +87,7 @@ class FindingsPanel(ScrolledPanel):
     def action_go_to_step(self) -> None:
         """Ask for the step that the finding under the cursor was first seen at, once it was taken."""
         if self.chosen is not None:
-            self.post_message(self.StepWanted(self.chosen.step + 1))
+            self.post_message(self.StepWanted(step_number(self.chosen.step)))
 
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return all rows of the page."""
@@ -106,7 +114,13 @@ class FindingsPanel(ScrolledPanel):
         """Return the keys of the panel."""
         if not self._findings:
             return ("F: close",)
-        return "enter: go to its step · F: close", "enter: its step · F: close", "F: close"
+        return (
+            "enter: go to its step · F: close",
+            "enter: its step · F: close",
+            "enter: step · F: close",
+            "enter · F: close",
+            "F: close",
+        )
 
 
 def finding_lines(
@@ -122,10 +136,13 @@ def finding_lines(
     head = first_that_fits([[name, *where], [name]], width, look)
     if not is_chosen:
         return [head]
-    said = one_line(finding.text, LONGEST_SENTENCE)
+    said = sentence(finding.text)
     if place and len(head) == 1:  # there was no room for it
         said = f"{place}: {said}"
-    lines = [head, *_paragraph(said, look, width)]
+    heads: list[Line] = [head]
+    if length(spelled(head, look)) > width:
+        heads = list(wrapped(name.text.lstrip(), width, style, look, " ", _INDENT))
+    lines = [*heads, *_paragraph(said, look, width)]
     lines += _paragraph(evidence_text(finding), look, width, is_dim=True)
     code = _code(finding, program, look, width)
     if code:
@@ -138,18 +155,16 @@ def finding_lines(
 def evidence_text(finding: CodeFinding) -> str:
     """Return how certain a finding is: how many steps speak for it, and which is the first."""
     if finding.certainty == "declared":
-        certain = "declared: it rests on a number read from your code"
+        certain = "Declared: it rests on a number read from your code"
     elif finding.kind == "risk":
-        certain = "a risk: by good luck it does no harm"
+        certain = "A risk: with good luck it does no harm"
     else:
-        certain = "proven"
+        certain = "Proven"
     steps = ""
     if finding.steps_for:
         against = f"{finding.steps_against:,}" if finding.steps_against else "none"
-        verb = "speaks" if finding.steps_for == 1 else "speak"
-        noun = "step" if finding.steps_for == 1 else "steps"
-        steps = f", {finding.steps_for:,} {noun} {verb} for it, {against} against"
-    return f"{certain}{steps}; enter goes to the first, step {finding.step + 1:,}"
+        steps = f"; steps for it: {finding.steps_for:,}, against it: {against}"
+    return f"{certain}{steps}. Enter goes to the first, step {step_number(finding.step):,}."
 
 
 def _code(finding: CodeFinding, program: ProgramView, look: Look, width: int) -> list[Line]:
@@ -160,18 +175,29 @@ def _code(finding: CodeFinding, program: ProgramView, look: Look, width: int) ->
 
 
 def _nothing_found(snapshot: Snapshot, program: ProgramView, look: Look, width: int) -> list[Line]:
-    """Return that there is no finding, and what that rests on."""
+    """Return that there is no finding, and what was examined; without a table what was looked for."""
     counters, update = snapshot.counters, program.verdict.update
+    if not counters.step and not program.ended:
+        return _paragraph(NO_STEP_YET, look, width)
     if program.table is None:
-        text = "no table was found in your program, so nothing could be examined"
+        lines = _paragraph("no table was found in your program, so nothing was examined", look, width)
+        if program.looked_for:
+            lines += _paragraph("looked for:", look, width)
+            for each in program.looked_for:
+                text = one_line(each, LONGEST_SENTENCE)
+                lines += wrapped(text, width, look.palette.text, look, f"{_INDENT}- ", f"{_INDENT}  ")
+        return lines
+    text = f"{NOTHING} in {counters.step:,} steps and {counters.episodes:,} ends of episodes."
+    if update.rule is Rule.UNKNOWN:
+        reason = f": {clause(update.reason)}" if update.reason else ""
+        text += f" The update is not known{reason}. {EXAMINED_WITHOUT_RULE}"
+    elif update.rule is Rule.MONTE_CARLO:
+        text += f" {EXAMINED_WITHOUT_RULE}"
     else:
-        seen = f"{counters.step:,} steps and {counters.episodes:,} ends of episodes were examined"
-        if update.fits is not None:
-            seen += f", {update.informative:,} of them informative"
-        else:
-            reason = f": {clause(update.reason)}" if update.reason else ""
-            seen += f"; its update is not known{reason}"
-        text = f"{NOTHING}: {seen}"
+        text += (
+            f" {EXAMINED} On {update.informative:,} steps the next state had a value that was not 0: "
+            "only those are informative, for they tell γ and which value is looked up."
+        )
     return _paragraph(text, look, width)
 
 

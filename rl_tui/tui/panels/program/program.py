@@ -36,9 +36,9 @@ from rl_tui.tui.panels.program.words import (
 from rl_tui.tui.theme.look import Look
 
 LOOKED_FOR_LATER: Final = "its table is looked for as it learns"
-NO_TABLE: Final = "no table found yet"
-UNKNOWN: Final = "update not known yet"
-_GAMMA_FROM: Final = {"declared": "read from your code", "usual": "the usual one, yours is open"}
+NO_TABLE: Final = "no table found"
+UNKNOWN: Final = "update not known"
+_GAMMA_FROM: Final = {"declared": "read from your code", "usual": "a usual one, yours is not known"}
 _NEWS_ROWS: Final = 2
 _WORTH_SAYING: Final = 100  # steps, before which nothing could be found wrong
 _HINTS: Final = ("F: findings · O: output", "F O")
@@ -110,6 +110,7 @@ class _Writer:
             return
         yield _Part(4, self._news())
         yield _Part(5, self._table())
+        yield _Part(6, self._looked_for())
         yield _Part(2, self._update())
         yield _Part(6, self._fit())
         yield _Part(1 if program.verdict.findings else 3, self._findings())
@@ -149,10 +150,9 @@ class _Writer:
             later = (f" {environment} · {LOOKED_FOR_LATER}", f" {LOOKED_FOR_LATER}")
             return [self._fitting(later, self._palette.text)]
         if program.table is None:
-            looked = "; ".join(one_line(each, LONGEST_SENTENCE) for each in program.looked_for)
             start = f" {environment} · {NO_TABLE}" if environment else f" {NO_TABLE}"
-            text = f"{start}; looked for: {looked}" if looked else start
-            return self._wrapped(separated(text, self._look.glyphs), self._palette.text)
+            looked = f"{start}: F says what was looked for" if program.looked_for else start
+            return [self._fitting((looked, start, f" {NO_TABLE}"), self._palette.text)]
         tables = table_texts(program.table)
         forms = (
             f" {environment} · {tables[0]}",
@@ -160,6 +160,13 @@ class _Writer:
             *(f" {each}" for each in tables),
         )
         return [self._fitting(forms, self._palette.text)]
+
+    def _looked_for(self) -> list[Line]:
+        """Return what was looked for where no table was found: all of it stands in the findings as well."""
+        looked = "; ".join(one_line(each, LONGEST_SENTENCE) for each in self._program.looked_for)
+        if not looked or not self._steps or self._program.table is not None:
+            return []
+        return self._wrapped(f" looked for: {looked}", self._palette.dim)
 
     def _update(self) -> list[Line]:
         update = self._program.verdict.update
@@ -170,7 +177,7 @@ class _Writer:
             return []
         reason = f": {clause(update.reason)}" if update.reason else ""
         numbers = fitting_numbers(update, self._look.glyphs)
-        known = f"update known in part, {numbers}" if numbers else UNKNOWN
+        known = f"update known in part, {numbers}" if numbers else UNKNOWN if reason else f"{UNKNOWN} yet"
         return self._wrapped(f" {known}{reason}", self._palette.text)[:2]
 
     def _fit(self) -> list[Line]:
@@ -212,7 +219,15 @@ class _Writer:
             return []
         found = f" nothing wrong found in {self._steps:,} steps"
         is_open = self._program.verdict.update.rule is Rule.UNKNOWN
-        forms = (f"{found}, as far as can be told", found) if is_open else (found,)
+        in_part = f"{found}, as far as can be told"
+        forms = (
+            *(
+                (f"{in_part}   F says how far", in_part)
+                if is_open
+                else (f"{found}   F says what was examined",)
+            ),
+            found,
+        )
         return [self._fitting(forms, self._palette.dim)]
 
     def _choices(self) -> list[Line]:

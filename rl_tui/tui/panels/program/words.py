@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os.path
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
@@ -14,6 +15,7 @@ from rl_tui.lab.detective.verdict import (
     Rule,
     UpdateFound,
     UpdateTarget,
+    step_number,
 )
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.programs.program_log import FoundTable
@@ -70,12 +72,21 @@ def name_of(program: ProgramView) -> str:
 
 
 def table_texts(table: FoundTable) -> tuple[str, ...]:
-    """Return the table in words, the longest form first: ``table q: array 16×4, float64``."""
+    """Return the table in words, the longest form first: ``table q: array 16×4, float64``.
+
+    A dictionary has no shape: it grows with the states that are met.
+    """
     name = one_line(table.name, LONGEST_NAME)
-    form = _FORMS.get(table.form, one_line(table.form, LONGEST_NAME))
-    shape = "×".join(map(str, table.shape[:4]))
+    form = form_text(table.form)
+    grows = table.form.startswith("dict")
+    shape = "" if grows else " " + "×".join(map(str, table.shape[:4]))
     dtype = f", {one_line(table.dtype, LONGEST_NAME)}" if table.dtype else ""
-    return f"table {name}: {form} {shape}{dtype}", f"table {name}: {form} {shape}", f"table {name} {shape}"
+    return f"table {name}: {form}{shape}{dtype}", f"table {name}: {form}{shape}", f"table {name}{shape}"
+
+
+def form_text(form: str) -> str:
+    """Return the ``form`` of a table in words: ``list of lists``."""
+    return _FORMS.get(form, one_line(form, LONGEST_NAME))
 
 
 def update_texts(update: UpdateFound, glyphs: Glyphs) -> tuple[str, ...]:
@@ -105,6 +116,12 @@ def clause(sentence: str) -> str:
     text = one_line(sentence, LONGEST_SENTENCE).removesuffix(".")
     is_word = text[:1].isupper() and (text[1:2].islower() or text[1:2] == " ")
     return text[:1].lower() + text[1:] if is_word else text
+
+
+def sentence(text: str) -> str:
+    """Return ``text`` with a full stop; it may begin with a name, so its first letter stays."""
+    line = one_line(text, LONGEST_SENTENCE)
+    return line if line.endswith((".", "…")) else f"{line}."
 
 
 def notes_of(program: ProgramView) -> list[str]:
@@ -157,7 +174,7 @@ def fit_texts(update: UpdateFound) -> tuple[str, ...]:
     fits = f"fits {share_text(update.fits)} of steps"
     ruled = f"{_RULES[update.rule]} {fits}" if update.rule in _RULES else fits
     informative = f"{update.informative:,} informative"
-    departs = [] if update.departs_at is None else [f"departs at step {update.departs_at + 1:,}"]
+    departs = [] if update.departs_at is None else [f"departs at step {step_number(update.departs_at):,}"]
     return (
         " · ".join([ruled, informative, *departs]),
         " · ".join([ruled, *departs]),
@@ -187,7 +204,7 @@ def counted(findings: Sequence[CodeFinding]) -> str:
 
 def is_own(file: str, program: ProgramView) -> bool:
     """Return whether ``file`` is that of ``program``, whose path may be written as a person gave it."""
-    given = [part for part in Path(program.path).parts if part != ".."]
+    given = [part for part in Path(os.path.normpath(program.path)).parts if part != ".."]
     return not file or list(Path(file).parts[-len(given) :]) == given
 
 

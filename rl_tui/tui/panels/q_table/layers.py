@@ -17,7 +17,7 @@ from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
 from rl_tui.tui.panels.numbers_in_common import ends, finite, lanes_in_view
 from rl_tui.tui.panels.policies.studied import shown_actions, studied_answer
-from rl_tui.tui.panels.snapshot_facts import is_secret, passes_too_fast
+from rl_tui.tui.panels.snapshot_facts import has_estimates, is_secret, passes_too_fast
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
@@ -99,6 +99,7 @@ def layer_choices(snapshot: Snapshot | None) -> tuple[Layer, ...]:
     """Return the layers there are: where the answer is hidden those that give nothing away.
 
     The difference from another run is there while runs are side by side, and a policy's while it is studied.
+    Without estimates there is nothing to compare.
     """
     missing: set[Layer] = set()
     if snapshot is None or other_lane(snapshot) is None:
@@ -107,6 +108,8 @@ def layer_choices(snapshot: Snapshot | None) -> tuple[Layer, ...]:
         missing.add(Layer.POLICY)
     if snapshot is not None and hides_exact(snapshot):
         missing.update(EXACT_LAYERS)
+    if snapshot is not None and not has_estimates(snapshot):
+        missing.update((Layer.ERROR, Layer.LANES))
     return tuple(layer for layer in Layer if layer not in missing)
 
 
@@ -149,6 +152,7 @@ class Figures:
         self._values: npt.NDArray[np.float64] | npt.NDArray[np.int64] = _values(snapshot, layer, exact)
         window = snapshot.agent.part if is_learned else None
         self._held = None if window is None else window.held
+        self._is_unknown = layer is Layer.Q and not has_estimates(snapshot)
         self.numbers = _numbers(snapshot, layer, exact)
         self.low, self.high = ends(self.numbers)
         self._total_visits: int | None = None
@@ -156,12 +160,12 @@ class Figures:
         self._forms: dict[int, NumberForm] = {}
 
     def text(self, pair: int, width: int) -> str:
-        """Return the number of ``pair`` in at most ``width`` cells; a dot for what was never updated."""
+        """Return the number of ``pair`` in at most ``width`` cells; a dot for what has none yet."""
         if not self.holds(pair):
             return ""
         x = self._values[pair].item()
         glyphs = self._look.glyphs
-        if x == 0 and self._is_new(pair) and self.layer is not Layer.ERROR:
+        if self._is_unknown or (x == 0 and self._is_new(pair) and self.layer is not Layer.ERROR):
             return "." if glyphs.name == "ascii" else "·"
         if self.layer is Layer.VISITS:
             return numbers.count(int(x), width)
@@ -196,7 +200,7 @@ class Figures:
             return palette.updated
         if pair in self._sources:
             return palette.source
-        return palette.unvisited if self._is_new(pair) else None
+        return palette.unvisited if self._is_unknown or self._is_new(pair) else None
 
     def share(self, pair: int) -> float:
         """Return how much of all visits went to ``pair``, 0 to 1."""

@@ -46,7 +46,7 @@ from rl_tui.tui.panels.q_table.titles import (
 )
 from rl_tui.tui.panels.q_table.world import NO_ROW, TableWorld
 from rl_tui.tui.panels.scrolling import Scrolled
-from rl_tui.tui.panels.snapshot_facts import hides_means, is_new_run
+from rl_tui.tui.panels.snapshot_facts import has_estimates, hides_means, is_new_run
 from rl_tui.tui.theme.look import Look
 
 WAITING: Final = "the estimates Q(s, a) come with the first step"
@@ -203,6 +203,8 @@ class QTable(Panel, can_focus=True):
         is_learned = self.shown_layer not in LEARNED_NOT
         greedy = GREEDY_IN_FULL if is_learned else ""  # of Q* it is best
         framed = "likeliest" if self.shown_layer is Layer.POLICY else "greedy"
+        if self.shown_layer is Layer.Q and not has_estimates(snapshot):
+            return ()
         return (
             LegendSign(frame, framed, palette.greedy, greedy),
             *([no_value_sign(self.look)] if lacks_values(snapshot, self.shown_layer) else []),

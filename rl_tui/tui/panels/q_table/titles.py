@@ -14,6 +14,7 @@ from rl_tui.tui.panels.q_table.form import Scene
 from rl_tui.tui.panels.q_table.layers import Layer, other_lane
 from rl_tui.tui.panels.q_table.list import ListForm
 from rl_tui.tui.panels.q_table.sheet import Form
+from rl_tui.tui.panels.snapshot_facts import has_estimates
 from rl_tui.tui.theme.glyphs import Glyphs
 
 FOLLOWS: Final = "follows the agent"
@@ -32,6 +33,7 @@ _CAPTIONS: Final = {
     Layer.POLICY: "exact",
     Layer.VISITS: "how often each was tried",
 }
+NO_TABLE: Final = "no table found in your program"
 _KEY: Final = "v:"
 EXACT_KEY: Final = "h: Q*"
 
@@ -51,6 +53,8 @@ def headings(snapshot: Snapshot, layer: Layer, size: str, panel: Panel, lane: st
         if layer is Layer.POLICY and studied is not None:
             title = f"Q of {POLICY_NAMES[studied].of}"
         captions = panel.captioned(title, _CAPTIONS.get(layer, ""))
+        if layer is Layer.Q and not has_estimates(snapshot):
+            size, captions = NO_TABLE, ()
         forms = (*(f"{each} · {size}" for each in captions), *captions, f"{title} · {size}", title)
         return tuple(f"{lane} · {each}" for each in forms) if lane else forms
     title, own = f"Q − Q of {other.name}", snapshot.run_group.lanes[snapshot.run_group.shown].name

@@ -200,8 +200,9 @@ class Playground(ActionScreen):
 
     @on(DiscountPanel.GammaWanted)
     def set_gamma(self, event: DiscountPanel.GammaWanted) -> None:
-        """Set γ on the other side of a flip."""
-        self.agent.set_parameter("gamma", event.gamma)
+        """Set γ on the other side of a flip, where that is ours to set."""
+        if not self.program.sets_itself():
+            self.agent.set_parameter("gamma", event.gamma)
 
     @on(Slider.Refused)
     def tell_refusal(self, event: Slider.Refused) -> None:

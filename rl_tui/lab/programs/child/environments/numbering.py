@@ -51,9 +51,12 @@ class Numbering:
 
     def action(self, action: Any) -> int:
         """Return the number of an action from 0. Raises TypeError or ValueError where there is none such."""
-        number = (
-            int(action) if getattr(action, "shape", None) == (1,) else index(action)
-        ) - self.first_action
+        try:
+            number = index(action) - self.first_action
+        except TypeError:  # an array of one number, which indexes as well
+            if getattr(action, "shape", None) != (1,):
+                raise
+            number = int(action[0]) - self.first_action
         if 0 <= number < self.actions:
             return number
         raise ValueError("an action outside of its space")

@@ -50,15 +50,11 @@ class ArrayTable(StoredTable):
                 self._compare(state, table[self.numbering.place(state)].tobytes(), found)
             return found
         now = table.tobytes()
-        if now == kept:
-            return found
-        for state in states:  # mostly the first of them is all that changed
+        for state in states:  # mostly these are all that changed
             begin = state * width
             if now[begin : begin + width] != kept[begin : begin + width]:
                 self._compare(state, now[begin : begin + width], found)
-                if now == kept:
-                    return found
-        return found + self._compare_all(now)
+        return found if now == kept else found + self._compare_all(now)
 
     def all_differences(self, table: Any) -> list[float]:
         """Return what differs now anywhere."""

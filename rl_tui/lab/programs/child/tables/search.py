@@ -66,8 +66,9 @@ class Way:
         """Return what is there now, :data:`MISSING` where nothing is."""
         scope = self.scope if self.frame is None else self.frame.f_locals
         value = scope.get(self.names[0], MISSING)
-        for name in self.names[1:]:
-            value = attributes(value).get(name, MISSING)
+        if len(self.names) > 1:
+            for name in self.names[1:]:
+                value = attributes(value).get(name, MISSING)
         return value
 
     def name(self) -> str:

@@ -41,7 +41,9 @@ _HINTS: Final = {
     "branch": "this run as it went on that branch; each lane is changed by itself from now on",
     ALGORITHM: "another way to learn, or to plan",
 }
-_ONE_SEED: Final = "One seed decides nothing: M counts many."
+_ONE_SEED: Final = "One seed decides nothing"
+_COUNTS: Final = ": M counts many."
+_GRADES: Final = "; rl-tui grade runs your program under many."
 _HIDDEN: Final = " –: hidden until h."
 _MANY_SEEDS: Final = "Below each: mean ± standard error of many seeds."
 _LEAST_SYMBOL: Final = 12
@@ -53,7 +55,7 @@ class Compare(Dialog[Answer]):
     ``beside`` is the one that stands beside it, None without one. ``recipe`` is what is in force in the one
     shown. Of a bandit that is ``hidden`` nothing exact is shown. ``study`` is what many seeds say of these
     lanes, None where that is not known. ``branches`` of the one shown can stand beside it, in words by their
-    numbers: the last few are offered.
+    numbers: the last few are offered. ``is_program`` says that one of them is somebody's program.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -72,6 +74,7 @@ class Compare(Dialog[Answer]):
         beside: int | None = None,
         study: SeedStudy | None = None,
         branches: Mapping[int, str] | None = None,
+        is_program: bool = False,
     ) -> None:
         super().__init__()
         self._look = look
@@ -82,6 +85,7 @@ class Compare(Dialog[Answer]):
         self._hidden = hidden
         self._study = study
         self._branches = branches or {}
+        self._one_seed = _ONE_SEED + (_GRADES if is_program else _COUNTS)
 
     def compose(self) -> ComposeResult:
         """Yield the list and the sentence about the entry under the cursor."""
@@ -196,7 +200,7 @@ class Compare(Dialog[Answer]):
                 text.append(f"\n{row.of_seeds}", "not bold")
             yield Option(text, id=f"{_LANE}{number}")
         if len(rows) > 1 or self._study is not None:
-            said = _ONE_SEED if self._study is None else _MANY_SEEDS
+            said = self._one_seed if self._study is None else _MANY_SEEDS
             if self._hidden and len(said) + len(_HIDDEN) <= self._room:
                 said += _HIDDEN
             yield Option(to_ascii(said, self._look.glyphs), disabled=True)

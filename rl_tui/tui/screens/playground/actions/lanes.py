@@ -42,6 +42,7 @@ class LaneActions(Subject):
             beside=snapshot.run_group.beside,
             study=current_study(snapshot),
             branches=branches_beside(snapshot),
+            is_program=snapshot.program is not None,
         )
         self.ask(dialog, self._compared)
 

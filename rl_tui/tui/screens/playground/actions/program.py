@@ -12,6 +12,8 @@ from rl_tui.lab.live.commands import ChooseTable
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.actions.action import Action
+from rl_tui.tui.actions.playground_actions import DECIDES
+from rl_tui.tui.panels.program.words import form_text, table_texts
 from rl_tui.tui.screens.dialogs.choice import Candidate, Choice
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
@@ -51,6 +53,12 @@ class ProgramActions(Subject):
         self.screen.tell(why.format(file=file_name(program)))
         return True
 
+    def sets_itself(self) -> bool:
+        """Say that a program sets its own hyper-parameters, if one is watched; return whether that is so."""
+        if self.program is not None:
+            self.screen.tell(DECIDES.format(file=file_name(self.program)))
+        return self.program is not None
+
     def choose_table(self) -> None:
         """Choose which of several tables is the one that learns."""
         program = self.program
@@ -64,8 +72,11 @@ class ProgramActions(Subject):
             )
         else:
             names = (program.table.name, *program.table.others)
+            in_full = table_texts(program.table)[0].partition(": ")[2]
+            forms = (in_full, *map(form_text, program.table.other_forms))
             candidates = [
-                Candidate(str(place), one_line(name, _LONGEST_NAME)) for place, name in enumerate(names)
+                Candidate(str(place), one_line(name, _LONGEST_NAME), (form,))
+                for place, (name, form) in enumerate(zip(names, forms, strict=True))
             ]
             choice = Choice("The table that learns: the program starts again", candidates, "0", self.glyphs)
             self.ask(choice, lambda place: self._take_table(names[int(place)]))
@@ -82,6 +93,8 @@ class ProgramActions(Subject):
         is_first = was is None or (before is not None and before.playback.phase is Phase.PREPARING)
         if is_first and not now.counters.step and not program.ended and not program.refused:
             self.screen.tell(FIRST_KEYS, timeout=_UNTIL_READ)
+        if before is not None and not before.counters.step and now.counters.step:
+            self.screen.app.clear_notifications()  # how to begin
         if program.reloaded and (was is None or was.reloaded != program.reloaded):
             self.screen.tell(one_line(program.reloaded, _LONGEST_NEWS), timeout=_UNTIL_READ)
 

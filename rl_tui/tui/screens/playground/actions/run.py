@@ -72,6 +72,10 @@ class RunActions(Subject):
                 return False
         return True
 
+    def _tells_end_of_program(self) -> bool:
+        """Say that somebody's program takes no further step; return whether that is so."""
+        return self.snapshot is not None and self.snapshot.program is not None and self._tell_end()
+
     def rest(self) -> None:
         """Pause a run that goes on while no key is pressed."""
         if self.is_under_way:
@@ -80,11 +84,13 @@ class RunActions(Subject):
 
     def step(self) -> None:
         """Take one step."""
-        self.link.send(Step())
+        if not self._tells_end_of_program():
+            self.link.send(Step())
 
     def episode(self) -> None:
         """Run to the end of the episode."""
-        self.link.send(RunEpisode())
+        if not self._tells_end_of_program():
+            self.link.send(RunEpisode())
 
     def evaluate(self) -> None:
         """Run to the end of a sweep that evaluates the policy of policy iteration."""
