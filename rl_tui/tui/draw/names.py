@@ -78,7 +78,7 @@ def landmark(world: World, state: int) -> str:
     if isinstance(world.drawing, Grid) and not is_word(world.space.state_names[state]):
         kind = world.drawing.kinds[world.drawing.cell_of_state[state]]
         if kind in (CellKind.HOLE, CellKind.CLIFF, CellKind.GOAL):
-            return kind.value
+            return str(kind)
     return ""
 
 

@@ -121,13 +121,13 @@ class GridMap:
         self.ends: dict[CellKind, str] = {}
         for cell in idle.tolist():
             kind = grid.kinds[cell]
-            self.ends[kind] = kind.value if kind in self.ends else self._end_name(cell)
+            self.ends[kind] = str(kind) if kind in self.ends else self._end_name(cell)
 
     def _end_name(self, cell: int) -> str:
         """Return what the only end of its kind is called: its state's name where that is a word."""
         state = self._states[divmod(cell, self.grid.columns)]
         name = "" if state == NO_STATE else self._space.state_names[state]
-        return name if is_word(name) else self.grid.kinds[cell].value
+        return name if is_word(name) else str(self.grid.kinds[cell])
 
     @cached_property
     def action_kinds(self) -> ActionKinds:
