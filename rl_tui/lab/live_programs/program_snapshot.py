@@ -200,6 +200,7 @@ def program_view(playback: ProgramPlayback) -> ProgramView:
         notes=tuple(log.notes),
         error=log.error,
         ended=program.is_over,
+        stands_at=None if log.stands_at is None else log.stands_at[1],
         refused=log.refused,
         reloaded=playback.restarts.words,
         source=playback.restarts.file.source,

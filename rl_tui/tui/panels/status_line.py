@@ -107,7 +107,10 @@ def status_line(
     """
     palette, glyphs = look.palette, look.glyphs
     if unanswered:
-        who = "the environment" if snapshot is None or snapshot.program is None else "your program"
+        program = None if snapshot is None else snapshot.program
+        who = "the environment" if program is None else "your program"
+        if program is not None and program.stands_at is not None:
+            who += f", in line {program.stands_at},"
         text = f"{who} has not answered for {unanswered:,} s; esc leaves it"
         if snapshot is None:
             return [Piece(shortened(f" {text}", width, glyphs.ellipsis), palette.accent)]
