@@ -31,6 +31,22 @@ _COUNTED: Final = (0, 2, 5, 6, 7)
 """The columns of steps that are whole numbers, other than states."""
 _STATES: Final = (1, 4)
 _EPISODE: Final = 6
+_COUNTS: Final = ("number", "actions", "time_limit", "heard")
+_WHOLE: Final = ("first_action", "step", "line", "status")
+_TEXTS: Final = (
+    "id",
+    "name",
+    "form",
+    "dtype",
+    "text",
+    "type",
+    "file",
+    "traceback",
+    "method",
+    "stream",
+    "style",
+)
+_MAY_BE_NULL: Final = ("line", "status", "stopped")
 _NONE_OF_OURS: Final = (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError)
 
 
@@ -197,8 +213,11 @@ class ProgramLog:
         self.waiting_at = None
 
     def _take_message(self, said: Mapping[str, Any]) -> None:
+        _check_types(said)
         match said["kind"]:
             case MessageKind.ENVIRONMENT:
+                if len(said["states"]) != len(said["first_state"]) or min(said["states"], default=0) < 1:
+                    raise ValueError("no observations of ours")
                 self.environments.append(
                     ProgramEnvironment(
                         said["number"],
@@ -297,6 +316,34 @@ def _death_in_words(status: int) -> str:
         name = str(-status)
     reason = "; where nobody sent it, memory may have run out" if name == "SIGKILL" else ""
     return f"the program was ended by the signal {name}{reason}"
+
+
+def _check_types(said: Mapping[str, Any]) -> None:
+    """Raise TypeError where a message holds something else than ours do: a program may write anything."""
+    for name, value in said.items():
+        is_unknown_step = name == "step" and said["kind"] == MessageKind.OUTPUT
+        if value is None and (name in _MAY_BE_NULL or is_unknown_step):
+            continue
+        if name in _COUNTS:
+            fits = _is_whole(value) and value >= 0
+        elif name in _WHOLE:
+            fits = _is_whole(value)
+        elif name in (*_TEXTS, "stopped"):
+            fits = isinstance(value, str)
+        elif name in ("states", "shape", "first_state"):
+            fits = isinstance(value, list) and all(_is_whole(each) for each in value)
+        elif name in ("others", "wrappers"):
+            fits = isinstance(value, list) and all(isinstance(each, str) for each in value)
+        elif name == "numbers":
+            fits = isinstance(value, dict) and all(isinstance(each, int | float) for each in value.values())
+        else:
+            continue
+        if not fits:
+            raise TypeError(f"no message of ours: {name}")
+
+
+def _is_whole(value: object) -> bool:
+    return isinstance(value, int) and -NO_LIMIT <= value <= NO_LIMIT
 
 
 def _is_within(numbers: npt.NDArray[np.float64], end: int) -> bool:
