@@ -173,7 +173,7 @@ async def test_the_step_back_is_told_as_it_was(script: Path) -> None:
         then = screen_text(pilot.app)
         await press(pilot, "s", "b")
         assert snapshot(pilot).counters.step == 30
-        assert "only shown" in screen_text(pilot.app)
+        assert "past, only shown" in screen_text(pilot.app)
         last = [line[62:] for line in then.splitlines() if "environment" in line or "target" in line]
         assert last
         assert all(line in screen_text(pilot.app) for line in last)
