@@ -269,7 +269,7 @@ def _state(snapshot: Snapshot, look: Look, most: int, *, is_manual: bool) -> _Fi
         if snapshot.playback.paused_by:
             return _long_state(f"{glyphs.paused} {snapshot.playback.paused_by}", look, most)
         if snapshot.timeline.in_past:
-            past = "the past" if snapshot.program is None else "only shown"
+            past = "the past" if snapshot.program is None else "past, only shown"
             text = f"{glyphs.past} {past}"
             return _Field(text, max(_STATE_COLUMNS, cell_len(to_ascii(text, glyphs))), palette.accent)
         if is_manual:
