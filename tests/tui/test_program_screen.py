@@ -165,6 +165,8 @@ async def test_its_keys_stand_on_the_key_line_and_those_of_ours_do_not(script: P
             assert there in line
         for gone in ("algorithm", "policy", "eval", "you", "save"):
             assert gone not in line
+        await press(pilot, "question_mark")
+        assert "T chooses another of its tables" in " ".join(screen_text(pilot.app).split())
 
 
 async def test_the_step_back_is_told_as_it_was(script: Path) -> None:
@@ -243,6 +245,7 @@ async def test_without_a_table_nothing_looks_like_an_estimate(tmp_path: Path) ->
         assert "looked for: an array" in text
         assert "no table was found, so no change is seen" in text
         assert f"Q · {NO_TABLE}" in text
+        assert "– no table" in text
         assert "may never end" not in text
         table = playground(pilot).board.table
         assert table.layer_choices == (Layer.Q, Layer.OPTIMAL, Layer.VISITS)

@@ -120,13 +120,12 @@ def status_line(
         title = shortened(separated(scenario, glyphs), max(0, room), glyphs.ellipsis)
         return [Piece(f" {title} " if title else "", palette.strong), Piece(f" {WAITING}", palette.dim)]
     if snapshot.playback.phase is Phase.STOPPED:
-        stopped = "" if snapshot.program is not None else "stopped: "
-        message = shortened(
-            to_ascii(f" {glyphs.stopped} {stopped}{snapshot.playback.message}", glyphs),
-            width,
-            glyphs.ellipsis,
-        )
-        return [Piece(message, palette.bad)]
+        said = snapshot.playback.message
+        # of a program what it raised is worth more than that it stopped, which the sign says
+        forms = (f"stopped: {said}",) if snapshot.program is None else (said, said.partition(": ")[2] or said)
+        texts = [to_ascii(f" {glyphs.stopped} {each}", glyphs) for each in forms]
+        fitting = next((each for each in texts if cell_len(each) <= width), texts[-1])
+        return [Piece(shortened(fitting, width, glyphs.ellipsis), palette.bad)]
     if snapshot.playback.phase is Phase.PREPARING:
         whole = f"preparing: {snapshot.playback.message}"
         fits = cell_len(to_ascii(whole, glyphs)) < width
