@@ -15,6 +15,7 @@ from rl_tui.lab.programs.program_process import ProgramProcess, ProgramRequest
 from rl_tui.lab.programs.program_world import ProgramWorld, world_of_program
 
 _LOOK: Final = 0.05
+_TRACED: Final = 40  # changes
 _LONGEST: Final = 300
 
 
@@ -100,6 +101,11 @@ class WatchedProgram:
         self._asked = wanted
         if self.stopped_by is None:
             self._process.ask({"stop": wanted})
+
+    def trace(self) -> None:
+        """Have it tell the lines of its next changes, for a while at a fifth of its speed."""
+        if not self.is_over:
+            self._process.ask({"trace": _TRACED})
 
     def hold(self) -> None:
         """Let it take no step beyond the one it is in."""

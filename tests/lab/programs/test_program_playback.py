@@ -237,6 +237,21 @@ def test_while_the_update_is_unknown_the_program_stands_for_it(tmp_path: Path) -
     assert snapshot.agent.row is OWN_PROGRAM
 
 
+def test_lines_are_looked_at_again_once_something_is_found(tmp_path: Path) -> None:
+    text = LEARNS.replace("epsilon = 0.1,", "epsilon = 1.5,")
+    with watched(written(tmp_path, text)) as watcher:
+        found = watcher.do(commands.Train(2_000))
+        lines = watcher.playback.program.log.lines
+        assert found.program is not None
+        assert found.program.verdict.findings
+        at_first = sum(lines.values())
+        watcher.do(commands.Train(3_000))
+        assert sum(lines.values()) >= at_first + 40
+        again = sum(lines.values())
+        watcher.do(commands.Train(4_000))
+        assert sum(lines.values()) == again  # for the same finding once
+
+
 def test_started_again_it_does_the_same_again(tmp_path: Path) -> None:
     with watched(written(tmp_path)) as watcher:
         first = figures(watcher.do(commands.Train(400)))
