@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.common.errors import UserError
+from rl_tui.lab.detective.verdict import CodeFault
 from rl_tui.lab.live.commands import LOOKING, MOVES, Command
 from rl_tui.lab.live.player import START_SPEED
 from rl_tui.lab.live.record import LearnedTable, Record
@@ -58,6 +59,7 @@ class ProgramPlayback:
         self.restarts = Restarts(ProgramFile(program.request.path, clock), self._go_over_to)
         """Starts it again."""
         self.verdicts = Verdicts(on_exact, automatic=automatic)
+        self._traced: set[CodeFault] = set()  # for which the lines were asked for again
         """What the detective says of it."""
         self._is_closed = False
         self._set_up()
@@ -170,12 +172,20 @@ class ProgramPlayback:
         transport = self.transport
         wait = transport.work()
         self.verdicts.look(self.program.log, is_still=transport.is_still and self.program.is_settled)
+        self._trace_findings()
         step, beside = self.history.shown.step, self.beside
         if beside.runs and beside.follow(step, CHUNK):
             transport.changed = True
         if wait is None and beside.is_behind(step):
             return 0.0
         return LOOKS if wait is None and self.automatic else wait
+
+    def _trace_findings(self) -> None:
+        """Have lines told again once something new was found: the first changes may be of another part."""
+        found = {each.fault for each in self.verdicts.newest.findings}
+        if not found <= self._traced:
+            self._traced |= found
+            self.program.trace()
 
     def snapshot(self) -> Snapshot:
         """Return the newest picture."""
@@ -217,6 +227,7 @@ class ProgramPlayback:
             program.world = before
         else:
             self.transport.breakpoints = Breakpoints()
+        self._traced.clear()
         self.verdicts.forget()
         self.transport.go_over_to(program)
         if not is_same:

@@ -155,9 +155,24 @@ class ProgramLog:
     """What it met there, None where it may simply go no further."""
     heard: int = 0
     """How many lines it had heard of the watching side when it last said that it waits."""
+    started: bool = False
+    """Whether the program's own code has begun to run."""
+    stands_at: tuple[str, int] | None = None
+    """The line (file, number) where it has stood for long without a step, None where it goes on."""
     ended: bool = False
     is_garbled: bool = False
     """Whether something came that is none of ours."""
+
+    @property
+    def table_now(self) -> FoundTable | None:
+        """The table, its shape as it is now: a dict grows. ``(rows, actions)`` where a row is a state's."""
+        table, actions = self.table, self.recording.actions
+        if table is None or not table.form.startswith("dict") or not actions:
+            return table
+        is_there = ~np.isnan(self.recording.table_at(self.recording.count)).reshape(-1, actions)
+        rows = int(is_there.any(axis=1).sum())
+        by_pair = table.form == "dict-of-pairs"
+        return replace(table, shape=(int(is_there.sum()),) if by_pair else (rows, actions))
 
     def frozen(self) -> ProgramLog:
         """Return it as it is now, without output, which another thread may read while this one grows."""
@@ -210,7 +225,7 @@ class ProgramLog:
             raise ValueError("no changes of ours")
         self.episodes = max(self.episodes, 1 + int(steps[:, _EPISODE].max(initial=-1)))
         self.recording.add(steps, changes)
-        self.waiting_at = None
+        self.waiting_at = self.stands_at = None
 
     def _take_message(self, said: Mapping[str, Any]) -> None:
         _check_types(said)
@@ -268,8 +283,14 @@ class ProgramLog:
             case MessageKind.OUTPUT:
                 self._take_output(said)
             case MessageKind.NOTE:
-                self.notes.append(said["text"])
+                if said["text"] not in self.notes:  # once, however often the program does it
+                    self.notes.append(said["text"])
+            case MessageKind.STARTED:
+                self.started = True
+            case MessageKind.STANDS:
+                self.stands_at = (str(said["file"]), int(said["line"]))
             case MessageKind.WAITING:
+                self.stands_at = None
                 self.waiting_at, self.stopped_by = said["step"], said["stopped"]
                 self.heard = said["heard"]
             case MessageKind.REFUSED:
@@ -299,11 +320,19 @@ class ProgramLog:
         if not (self.ended or self.error or self.refused):
             if text or status is None:
                 self.error = ProgramError("Ended", text)
+            elif status > 0 and not self.started:
+                self.error = ProgramError("NotStarted", self._why_not_started())
             elif status:
                 self.error = ProgramError("Died", _death_in_words(status))
             else:
                 self.notes.append("the program ended at once, by os._exit(0)")
         self.ended = True
+
+    def _why_not_started(self) -> str:
+        """Return why our own side in the process failed, by the last that it wrote."""
+        written = [line.text for line in self.output if line.stream == "err" and line.text.strip()]
+        why = f": {written[-1].strip()}" if written else ""
+        return f"rl-tui could not start its own part of the process, which is no fault of the script{why}"
 
 
 def _death_in_words(status: int) -> str:
