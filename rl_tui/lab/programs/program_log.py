@@ -235,7 +235,8 @@ class ProgramLog:
             case MessageKind.NUMBERS:
                 self.numbers.update(said["numbers"])
             case MessageKind.CALLED:
-                self.called[said["method"]] = (said["file"], said["line"])
+                if self.agent is None:  # else the loop is ours
+                    self.called[said["method"]] = (said["file"], said["line"])
             case MessageKind.TRANSITIONS:
                 self.environments[said["number"]] = replace(
                     self.environments[said["number"]], transitions=said["P"], start=said["start"]
@@ -249,7 +250,8 @@ class ProgramLog:
             case MessageKind.OUTPUT:
                 self._take_output(said)
             case MessageKind.NOTE:
-                self.notes.append(said["text"])
+                if said["text"] not in self.notes:  # an environment may be made many times
+                    self.notes.append(said["text"])
             case MessageKind.WAITING:
                 self.waiting_at, self.stopped_by = said["step"], said["stopped"]
                 self.heard = said["heard"]
