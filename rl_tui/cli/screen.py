@@ -7,7 +7,8 @@ import gc
 import os
 import shlex
 import sys
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -19,6 +20,7 @@ from rl_tui.cli.kiosk import confine
 from rl_tui.cli.output import complain
 from rl_tui.cli.program import USAGE
 from rl_tui.common.errors import UserError
+from rl_tui.common.findings import printable
 from rl_tui.common.kiosk import in_kiosk
 from rl_tui.terminal.driver_choice import IN_BROWSER
 from rl_tui.tui.app.display import Display
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
     from rl_tui.tui.theme.glyphs import Glyphs
 
 
+WORTH_TELLING: Final = 3.0  # seconds without an environment
 _ARENA_MAX: Final = -8  # M_ARENA_MAX in glibc's malloc.h
 
 
@@ -85,10 +88,37 @@ def started(request: ProgramRequest) -> Iterator[WatchedProgram]:
     refuse_where_served()
     program = WatchedProgram(request)
     try:
-        program.wait_for_environment()
+        with _waiting_told(program) as go_on:
+            program.wait_for_environment(go_on)
         yield program
     finally:
         program.end()
+
+
+@contextmanager
+def _waiting_told(program: WatchedProgram) -> Iterator[Callable[[], bool]]:
+    """Yield what is called while one waits for an environment; it says so on stderr, a line that goes again.
+
+    What it returns is always true.
+    """
+    begun, told = time.monotonic(), 0
+
+    def go_on() -> bool:
+        nonlocal told
+        waited = int(time.monotonic() - begun)
+        if waited > told and waited >= WORTH_TELLING:
+            told = waited
+            at = "" if program.log.stands_at is None else f", now in line {program.log.stands_at[1]}"
+            name = printable(program.request.path.name)
+            text = f"{name} has not made an environment yet ({waited} s{at}); ctrl+c ends it"
+            click.echo(f"\r\x1b[K{text}", err=True, nl=False)
+        return True
+
+    try:
+        yield go_on
+    finally:
+        if told:
+            click.echo("\r\x1b[K", err=True, nl=False)
 
 
 def refuse_where_served() -> None:

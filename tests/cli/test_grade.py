@@ -42,7 +42,8 @@ for episode in range(600):
 LAKE = "gymnasium.make('FrozenLake-v1', is_slippery=False)"
 RIGHT = "(not terminated) * q[s2].max()"
 UNFILLED = BERKELEY[: BERKELEY.index("    def update")] + (
-    "    def update(self, state, action, nextState, reward):\n        best = self.computeValueFromQValues(nextState)\n"
+    "    def update(self, state, action, nextState, reward):\n"
+    "        best = self.computeValueFromQValues(nextState)\n"
 )
 DEAD_END = """
 title = "For ever"

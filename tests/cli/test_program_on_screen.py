@@ -103,3 +103,15 @@ def test_in_a_kiosk_no_code_of_others_runs(tmp_path: Path, monkeypatch: pytest.M
     request = ProgramRequest(Path(written(tmp_path, SCRIPT)))
     with pytest.raises(UserError, match="kiosk"), started(request):
         pass
+
+
+def test_a_program_that_makes_no_environment_for_long_is_told_of(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("rl_tui.cli.screen.WORTH_TELLING", 1.0)
+    text = "import gymnasium, time\ntime.sleep(2)\ngymnasium.make('CartPole-v1')\n"
+    request = ProgramRequest(Path(written(tmp_path, text)))
+    why = "CartPole-v1 is not watched: it has Box observations"
+    with pytest.raises(UserError, match=why), started(request):
+        pass
+    assert "has not made an environment yet (1 s" in capsys.readouterr().err

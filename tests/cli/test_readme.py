@@ -87,5 +87,6 @@ def test_the_scenario_in_it_has_no_fault(tmp_path: Path) -> None:
 
 def test_every_option_they_name_exists() -> None:
     option = re.compile(r"(?<![\w-])--[a-z][a-z-]+")
-    helps = output_of("--help") + "".join(output_of(name, "--help") for name in RlTui.modules)
+    commands = [(), *((name,) for name in RlTui.modules), ("agent", "new")]
+    helps = "".join(output_of(*names, "--help") for names in commands)
     assert set(option.findall(README + DOCS)) - set(option.findall(helps)) == set()

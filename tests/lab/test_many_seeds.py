@@ -27,7 +27,6 @@ from rl_tui.lab.experiments.many_runs import many_runs
 from rl_tui.lab.experiments.seeded_runs import SeededRuns
 from rl_tui.lab.experiments.training import Goal, train
 from rl_tui.lab.live.commands import (
-    WHILE_SEEKING,
     AddLane,
     Apply,
     ChooseBranch,
@@ -42,6 +41,7 @@ from rl_tui.lab.live.commands import (
     StudySeeds,
     Take,
     Train,
+    is_taken_while_seeking,
 )
 from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.live.player import Player
@@ -190,7 +190,7 @@ def test_finished_runs_of_a_large_world_do_not_stay_in_memory(monkeypatch: pytes
 
 
 def test_it_waits_until_the_run_is_where_it_stood() -> None:
-    assert StudySeeds not in WHILE_SEEKING
+    assert not is_taken_while_seeking(StudySeeds(), None)
 
 
 def test_there_is_none_of_a_world_too_large(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from colour_vision import contrast
@@ -11,6 +13,7 @@ from rich.style import Style
 from samples import bandit, lake, look, student
 from snapshots import changed
 
+from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.results import Curve, Marks
 from rl_tui.tui.draw.scale import Scale
@@ -125,6 +128,9 @@ def test_a_line_below_the_axis_is_marked_where_it_leaves_it() -> None:
     assert not any(character == "↓" for row in rows[:-3] for character, _ in row)
     assert "↓ greedy, once −65,375" in drawn(snapshot)[0]
     assert "v greedy, once" in drawn(snapshot, ascii=True)[0]
+    beside_program = drawn(replace(snapshot, program=ProgramView("student.py", "FrozenLake-v1")))[0]
+    assert "↓ below the axis: greedy and episodes" in beside_program
+    assert "65,375" not in beside_program
 
 
 @pytest.mark.parametrize("height", range(1, 9))

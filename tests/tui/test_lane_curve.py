@@ -57,6 +57,9 @@ def test_every_lane_is_named_with_its_mean() -> None:
     assert "beside names: last 100 episodes, one seed; M counts many" in text
     assert widget.heading == "Return per episode · 4 lanes, ▸2 α 0.5"
     assert widget.footing == ""
+    lanes = tuple(replace(lane, episodes=1) for lane in lane_views(2))
+    text = "\n".join(drawn(changed(side_by_side(2), lanes=lanes, episodes=1))[0])
+    assert "beside names: last episode, one seed; M counts many" in text
 
 
 def test_where_there_is_room_the_others_tell_their_greedy_return_too() -> None:

@@ -20,6 +20,7 @@ from rl_tui.lab.run.library import recipe_for
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.draw.names import landmark
 from rl_tui.tui.panels.catalogue import CONTROLS, CURVE, LAST_STEP, PANELS, TABLE, WORLD
 from rl_tui.tui.panels.curve.curve import ReturnCurve
 from rl_tui.tui.panels.last_step.last_step import ENDED, LastStepPanel
@@ -29,6 +30,7 @@ from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.world.arms.arms import ArmsView
 from rl_tui.tui.panels.world.graph.graph import GraphView
 from rl_tui.tui.panels.world.grid.grid import GridView
+from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.files.catalogue import find
 
 CAPTIONS = {row.id: row.caption for row in PANELS}
@@ -116,6 +118,20 @@ def test_only_what_occurs_in_the_scenario_has_a_sign() -> None:
     assert legend(table) == ["▌▐ greedy", "lit just updated", "◉ last pull", "· not tried"]
     assert legend(explained(LastStepPanel(look()), bandit(400), 58, 12)) == ["δ TD error"]
     assert "p probability" in legend(explained(LastStepPanel(look()), lake(), 58, 12))
+
+
+def test_an_end_whose_name_is_a_word_is_called_so() -> None:
+    picture = lake()
+    world, space = picture.world, picture.world.space
+    assert isinstance(world.drawing, Grid)
+    kinds = [world.drawing.kinds[cell] for cell in world.drawing.cell_of_state]
+    hole, goal = kinds.index(CellKind.HOLE), kinds.index(CellKind.GOAL)
+    names = [{hole: "lost", goal: "won"}.get(place, name) for place, name in enumerate(space.state_names)]
+    cards = replace(world, space=replace(space, state_names=names))
+    shown = legend(explained(GridView(cards, look()), replace(picture, world=cards), 60, 13))
+    assert {"● hole", "★ won"} <= set(shown)  # there are several holes
+    assert [landmark(world, each) for each in (hole, goal)] == ["hole", "goal"]
+    assert [landmark(cards, each) for each in (hole, goal)] == ["", ""]
 
 
 def test_ties_have_a_sign_where_arrows_have_no_room() -> None:

@@ -25,6 +25,8 @@ from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.programs.program_log import FoundTable, OutputLine
 from rl_tui.tui.draw.pieces import length
 from rl_tui.tui.panels.last_step.last_step import last_step_lines
+from rl_tui.tui.panels.microscope.backup_tree import AFTER_END as AFTER_THE_END
+from rl_tui.tui.panels.microscope.backup_tree import NOT_KNOWN
 from rl_tui.tui.panels.microscope.microscope import page
 from rl_tui.tui.panels.program.findings import (
     FindingsPanel,
@@ -41,6 +43,11 @@ def story(snapshot: Snapshot, width: int = 56, height: int = 8) -> str:
     lines = last_step_lines(snapshot, look(), width, height)
     assert all(length(line) <= width for line in lines[1:])
     return "\n".join("".join(piece.text for piece in line).rstrip() for line in lines)
+
+
+def microscope(snapshot: Snapshot) -> str:
+    """What the microscope says in one column, without its line breaks."""
+    return " ".join(" ".join(row.text for row in page(snapshot, 0, look(), 90, 20)).split())
 
 
 # The panel where the sliders stand
@@ -101,7 +108,28 @@ def test_what_is_cut_off_ends_with_a_sign() -> None:
         verdict=ProgramVerdict(update=KNOWN, notes=("a note that is longer than one row of it has room for",))
     )
     lines = drawn(ProgramPanel, watched(view), 40, 5).splitlines()
-    assert lines[-1].endswith("…")
+    assert lines[-1].endswith("… F shows it")
+    reason = replace(KNOWN, rule=Rule.UNKNOWN, reason="a reason that takes more than two rows " * 3)
+    lines = drawn(ProgramPanel, watched(program(verdict=ProgramVerdict(update=reason))), 60, 3).splitlines()
+    assert lines[1].endswith("…")
+
+
+def test_what_it_raised_stands_there_whole_and_comes_before_that_it_stopped() -> None:
+    text = drawn(ProgramPanel, failed(), 40, 8)
+    assert "index 16 is out of bounds for axis 0 with size 16" in " ".join(text.split())
+    said = "your program stopped: line 15: IndexError: index 16 is out of bounds for axis 0"
+    picture = changed(failed(), phase=Phase.STOPPED, message=said)
+    row = "".join(piece.text for piece in status_line(picture, look(), 80))
+    assert row.endswith("line 15: IndexError: index 16 is out of bounds for axis 0")
+
+
+@pytest.mark.parametrize("reason", ["", "Too few numbers of the table have moved yet."])
+def test_as_long_as_the_update_is_open_nothing_is_judged(reason: str) -> None:
+    view = program(verdict=ProgramVerdict(update=UpdateFound(reason=reason)))
+    for kind in (ProgramPanel, FindingsPanel):
+        text = drawn(kind, watched(view), 80)
+        assert "nothing can be judged yet" in text
+        assert "nothing wrong" not in text
 
 
 @pytest.mark.parametrize(
@@ -270,8 +298,8 @@ def test_the_microscope_has_the_update_that_fits_and_invents_nothing() -> None:
     assert "Q-learning:  Q(s,a) ←" in text or "Q(s,a) ← Q(s,a) + .1·(r + .99·max Q(s′,·) − Q(s,a))" in text
     assert "fits 99.93 % of steps" in text
     assert "departs at step 812" in text
-    text = "\n".join(row.text for row in page(unknown("no step tells it"), 0, look(), 120, 20))
-    assert "which estimates your program read is not known" in text
+    text = microscope(unknown("no step tells it"))
+    assert NOT_KNOWN in text
     assert "your program moved" in text
     for invented in ("sampled", "expected", "α", "max Q", "G₀"):
         assert invented not in text
@@ -286,6 +314,29 @@ def test_what_a_fault_puts_into_the_target_is_written_as_it_is() -> None:
     assert found is not None
     assert found.sources == {}
     assert found.backup is None
+    assert "your program looked up max Q(·,a)" in "\n".join(
+        row.text for row in page(picture, 0, look(), 120, 20)
+    )
+
+
+def test_after_the_end_of_an_episode_there_is_nothing_to_look_up() -> None:
+    text = microscope(unknown(terminated=True))
+    assert AFTER_THE_END in text
+    assert NOT_KNOWN not in text
+
+
+def test_an_action_that_is_one_of_all_equal_ones_is_not_called_greedy() -> None:
+    picture = unknown()
+    last = picture.counters.last_step
+    assert last is not None
+    pairs, q = picture.world.space.pairs_of(last.state), picture.agent.q.copy()
+    q[pairs.start : pairs.stop] = last.before
+    q[last.updated_pair] = last.after
+    text = story(changed(picture, q=q), 80)
+    assert "your program chose it: all 4 equal" in text
+    assert "greedy" not in text
+    q[next(each for each in pairs if each != last.pair)] = last.before - 1.0
+    assert "greedy, one of 3 equal" in story(changed(picture, q=q), 80)
 
 
 def test_a_mean_over_actions_is_taken_apart_only_with_the_epsilon_that_is_known() -> None:

@@ -14,6 +14,7 @@ from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.player import Player
+from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.live_programs.watched_program import WatchedProgram
 from rl_tui.lab.programs.program_process import ProgramRequest
 from rl_tui.tui.app.app import RlTuiApp
@@ -164,6 +165,8 @@ async def test_its_keys_stand_on_the_key_line_and_those_of_ours_do_not(script: P
             assert there in line
         for gone in ("algorithm", "policy", "eval", "you", "save"):
             assert gone not in line
+        await press(pilot, "question_mark")
+        assert "T chooses another of its tables" in " ".join(screen_text(pilot.app).split())
 
 
 async def test_the_step_back_is_told_as_it_was(script: Path) -> None:
@@ -172,7 +175,7 @@ async def test_the_step_back_is_told_as_it_was(script: Path) -> None:
         then = screen_text(pilot.app)
         await press(pilot, "s", "b")
         assert snapshot(pilot).counters.step == 30
-        assert "only shown" in screen_text(pilot.app)
+        assert "past, only shown" in screen_text(pilot.app)
         last = [line[62:] for line in then.splitlines() if "environment" in line or "target" in line]
         assert last
         assert all(line in screen_text(pilot.app) for line in last)
@@ -242,6 +245,7 @@ async def test_without_a_table_nothing_looks_like_an_estimate(tmp_path: Path) ->
         assert "looked for: an array" in text
         assert "no table was found, so no change is seen" in text
         assert f"Q · {NO_TABLE}" in text
+        assert "– no table" in text
         assert "may never end" not in text
         table = playground(pilot).board.table
         assert table.layer_choices == (Layer.Q, Layer.OPTIMAL, Layer.VISITS)
@@ -283,12 +287,22 @@ async def test_it_starts_again_and_it_ends(script: Path) -> None:
         while not snapshot(pilot).program.ended:  # type: ignore[union-attr]
             await train(pilot, 4_000)
         assert "your program has ended" in screen_text(pilot.app)
+        keys = screen_text(pilot.app).splitlines()[-1]
+        assert "r reset" in keys
+        assert "s step" not in keys
         for key in ("space", "s", "e"):
             await press(pilot, key)
             (said,) = notes(pilot.app)
             assert "r starts it again" in said
+        assert "s step" in (await _keys_after(pilot, "b"))  # forward again through what was recorded
+        assert (await press(pilot, "s")).playback.phase is Phase.SPENT
         await press(pilot, "escape")
         assert "your program then ends" in notes(pilot.app)[0]
+
+
+async def _keys_after(pilot: Pilot[UserError], key: str) -> str:
+    await press(pilot, key)
+    return screen_text(pilot.app).splitlines()[-1]
 
 
 async def test_without_a_program_these_keys_say_how_to_watch_one() -> None:

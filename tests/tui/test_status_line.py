@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import pytest
+from program_samples import program, watched
 from samples import bandit, lake, look, planning, student
 
 from rl_tui.lab.live.playback import PREPARING
@@ -270,3 +271,10 @@ def test_an_environment_that_does_not_answer(width: int) -> None:
     line.show_unanswered(0)
     (row,) = line.picture(lake(phase=Phase.RUNNING), width, 1)
     assert "answered" not in row.text
+
+
+def test_a_program_that_does_not_answer_has_the_line_where_it_stands() -> None:
+    line = StatusLine(look())
+    line.show_unanswered(12)
+    (row,) = line.picture(watched(program(stands_at=7)), 100, 1)
+    assert "your program, in line 7, has not answered for 12 s; esc leaves it" in row.text

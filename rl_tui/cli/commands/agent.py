@@ -13,7 +13,7 @@ from rl_tui.lab.own_agents.shapes import Style
 
 @click.group("agent")
 def command() -> None:
-    """Begin an agent of your own, to be seen learning and to be graded."""
+    """Begin an agent of your own."""
 
 
 @command.command("new")

@@ -35,7 +35,7 @@ def watch_report(script: str, log: ProgramLog, verdict: ProgramVerdict) -> dict[
         {
             "script": script,
             "environment": None if environment is None else _environment(environment),
-            "table": None if log.table is None else _table(log.table),
+            "table": None if log.table_now is None else _table(log.table_now),
             "steps": log.recording.count,
             "episodes": episodes_of(log),
             "expected_return": learned.expected_return,

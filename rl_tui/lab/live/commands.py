@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.until import Until
 from rl_tui.lab.live.viewport import Viewport
 from rl_tui.lab.run.recipe import Change, Recipe, Setting
+
+if TYPE_CHECKING:
+    from rl_tui.lab.timeline.seek import Seek
 
 
 class Command:
@@ -245,11 +248,23 @@ LOOKING: Final = (*_AT_ANY_TIME, StudySeeds)
 MOVES: Final = (Play, WatchLearning, Pause, Step, RunEpisode, RunUntil, Take, Train)
 """Commands that mean nothing where a run takes no further step."""
 
-WHILE_SEEKING: Final = (
+_WHILE_SEEKING: Final = (
     *(StepBack, GoTo, Pause, DropLane, DrawAction, ClearDrawing, HideAnswer),
     *_AT_ANY_TIME,
 )
 """Commands that replace a seek under way, or leave it alone."""
 
-FROM_HERE: Final = (StepBack, EpisodeBack, ChooseBranch)
+_FROM_HERE: Final = (StepBack, EpisodeBack, ChooseBranch)
 """Commands that need to know where the run shown is to stand, but not where the others are."""
+
+
+def is_taken_while_seeking(command: Command, seek: Seek | None) -> bool:
+    """Return True if ``command`` need not wait until runs are where they have to be.
+
+    ``seek`` is the way of the run shown; None where that is there already, and others have to catch up.
+    """
+    kind = type(command)
+    if seek is None and kind in _FROM_HERE:
+        return True
+    knows_where = seek is not None and seek.target.step is not None
+    return kind in _WHILE_SEEKING and (knows_where or kind is not StepBack)

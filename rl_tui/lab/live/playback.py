@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import FROM_HERE, LOOKING, MOVES, WHILE_SEEKING, Command, Restart, StepBack
+from rl_tui.lab.live.commands import LOOKING, MOVES, Command, Restart, is_taken_while_seeking
 from rl_tui.lab.live.compilation import LOOK_AGAIN, Compilation
 from rl_tui.lab.live.handlers import HANDLERS
 from rl_tui.lab.live.questions import Questions
@@ -24,7 +24,6 @@ from rl_tui.lab.timeline.branches import RunRecord
 
 if TYPE_CHECKING:
     from rl_tui.lab.live.speed.transport import Transport
-    from rl_tui.lab.run.run import Run
     from rl_tui.lab.timeline.run_group import RunGroup
 
 PREPARING: Final = "building the world"
@@ -109,13 +108,7 @@ class Playback:
         """Return True if ``command`` need not wait."""
         if self.state in BUSY or (not self._automatic and self.state in UNFINISHED):
             return False
-        if self.state is not State.SEEKING:
-            return True
-        seek, kind = self.group.current.seek, type(command)
-        if seek is None and kind in FROM_HERE:
-            return True  # the run shown is there; others have to catch up
-        knows_where = seek is not None and seek.target.step is not None
-        return kind in WHILE_SEEKING and (knows_where or kind is not StepBack)
+        return self.state is not State.SEEKING or is_taken_while_seeking(command, self.group.current.seek)
 
     @property
     def record(self) -> Record:
@@ -286,15 +279,11 @@ class Playback:
     def end_if_over(self) -> bool:
         """Rest for good where the run shown is over and stays where it is; return whether it is so."""
         run = self.group.current.run
-        is_over = run.over and self.state not in PASSING
-        if is_over:
-            self._end(run)
-        return is_over
-
-    def _end(self, run: Run) -> None:
-        """Rest for good, since the run shown is over."""
+        if not run.over or self.state in PASSING:
+            return False
         self.rest()
         self._enter(State.DONE if run.learner.converged else State.SPENT if run.spent else State.STOPPED)
+        return True
 
     def watch(self) -> None:
         """Let the run shown stop by itself where it should."""
@@ -313,8 +302,7 @@ class Playback:
         self.transport.measure_anew()
         if self._next in ENDED:
             self._enter(State.PAUSED)  # what was changed may give a planner something to do again
-            if self.group.current.run.over:
-                self._end(self.group.current.run)
+            self.end_if_over()
 
     # What is done in each state
 

@@ -44,5 +44,7 @@ class ProgramView:
     """The γ of the exact answers."""
     gamma_source: str = ""
     """Where that γ is from: "found" (the update), "declared" (a number in the code), "usual" (neither)."""
+    stands_at: int | None = None
+    """The line of the code where it has stood for a second or longer without a step."""
     is_agent: bool = False
     """Whether it is an agent without a loop, in one of our scenarios."""

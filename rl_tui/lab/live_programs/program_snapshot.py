@@ -15,8 +15,9 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.detective.source.code_names import declared_discount
 from rl_tui.lab.detective.verdict import MovedCell, Rule, UpdateFound
 from rl_tui.lab.live.program_view import ProgramView
-from rl_tui.lab.live.snapshot import AgentView, PlaybackView, Snapshot
+from rl_tui.lab.live.snapshot import AgentView, Phase, PlaybackView, Snapshot
 from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
+from rl_tui.lab.live.state import ENDED
 from rl_tui.lab.live.stop_condition import until_in_words
 from rl_tui.lab.live.viewport import PartCopier
 from rl_tui.lab.live_programs.step_view import StepView
@@ -173,9 +174,10 @@ class ProgramSnapshots:
 def view_of(playback: ProgramPlayback) -> PlaybackView:
     """Return what ``playback`` is doing, and what was asked of it."""
     transport, world = playback.transport, playback.history.shown.world.world
-    stop = transport.stop
+    stop, is_shown_of_past = transport.stop, playback.history.in_past
     return PlaybackView(
-        phase=transport.phase,
+        # the end of the program is no part of its past
+        phase=Phase.PAUSED if is_shown_of_past and transport.state in ENDED else transport.phase,
         message=transport.message,
         speed=transport.speed,
         steps_per_second=transport.meter.steps_per_second,
@@ -201,6 +203,7 @@ def program_view(playback: ProgramPlayback) -> ProgramView:
         notes=tuple(log.notes),
         error=log.error,
         ended=program.is_over,
+        stands_at=None if log.stands_at is None else log.stands_at[1],
         refused=log.refused,
         reloaded=playback.restarts.words,
         source=playback.restarts.file.source,

@@ -14,6 +14,7 @@ from rl_tui.lab.live.stop_condition import until_in_words
 from rl_tui.lab.live.until import Breakpoints, Event, Until
 from rl_tui.lab.live_programs.history_of_program import ProgramHistory
 from rl_tui.lab.live_programs.program_stop import ProgramStop, asked_for, met_breakpoint
+from rl_tui.lab.live_programs.replay import recorded_step
 from rl_tui.lab.live_programs.watched_program import WatchedProgram, error_in_words
 from rl_tui.lab.programs.messages import NO_LIMIT
 
@@ -151,12 +152,14 @@ class ProgramTransport:
             self.meter.clear()
 
     def take_steps(self, steps: int) -> None:
-        """Pause, and take ``steps`` more steps."""
+        """Pause, and take ``steps`` more steps; in the past show the moment so many steps later."""
+        if self.history.in_past:
+            self.show(self.history.shown.step + steps)
+            return
         owed = self._owed
-        if self.state is not State.PAUSED or self.history.in_past:
+        if self.state is not State.PAUSED:
             self.rest()
             owed = 0
-        self.go_on_here()
         if self.state in ENDED:
             return
         self.paused_by = ""
@@ -179,8 +182,15 @@ class ProgramTransport:
         self.history.show(step)
 
     def run_until(self, until: Until) -> None:
-        """Run as fast as it goes until something happens. Raises UserError where it cannot happen."""
+        """Run as fast as it goes until something happens. Raises UserError where it cannot happen.
+
+        In the past that is shown where it was recorded; else the program goes on where it is.
+        """
         self.rest()
+        recorded = recorded_step(until, self.history) if self.history.in_past else None
+        if recorded is not None:
+            self.history.show(recorded)
+            return
         self.go_on_here()
         if self.state in ENDED:
             return
@@ -207,6 +217,7 @@ class ProgramTransport:
         old.end()
         self.message, self.changed = "", True
         self._forget_goal()
+        self.meter.clear()
         self._enter(State.PAUSED)
         self.take_in()
         self._arm()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rl_tui.common.words import counted
 from rl_tui.lab.live_programs.watched_program import WatchedProgram
 
 if TYPE_CHECKING:
@@ -24,7 +25,8 @@ class Reload:
         """Whether it has taken the place of the run until now."""
         self._program = WatchedProgram(request)
         results = before.newest.results
-        self._step, self._return = before.newest.step, results.greedy_return
+        self._step, self._episodes = before.newest.step, before.newest.episodes
+        self._return = results.greedy_return
         self._mean = results.return_last_100
 
     def is_ready(self) -> bool:
@@ -44,25 +46,30 @@ class Reload:
         return self._program
 
     def compared(self, now: ProgramHistory, *, is_over: bool) -> str:
-        """Return what became better or worse after as many steps as before; empty before that."""
-        if not self._step:
+        """Return what became better or worse; empty as long as it has not come as far as before.
+
+        That is as many episodes, since a better agent takes fewer steps; as many steps where none had ended.
+        """
+        newest, episodes = now.newest, self._episodes
+        has_come_as_far = newest.episodes >= episodes if episodes else newest.step >= self._step
+        if not self._step or not (has_come_as_far or is_over):
             return ""
-        if now.newest.step < self._step:
-            ended = f"it ended at step {now.newest.step:,}, before the step {self._step:,} to compare it at"
-            return f"started again from its seed: {ended}" if is_over else ""
-        moment = now.newest
-        if now.newest.step > self._step:
+        results, mine, before = newest.results, "", ""
+        if has_come_as_far:
             kept = now.shown
-            now.show(self._step)
-            moment, now.shown = now.shown, kept
-        results = moment.results
-        which, before, after = "the greedy policy's exact return", self._return, results.greedy_return
-        if before is None or after is None:
-            which, before, after = "the mean of the last 100 returns", self._mean, results.return_last_100
-        if before is None or after is None:
-            return f"started again from its seed: {self._step:,} steps, nothing to compare"
-        word = "better" if after > before else "worse" if after < before else "the same"
-        return f"{word} than before at step {self._step:,}: {which} is {after:.4g}, it was {before:.4g}"
+            now.show(now.begin_of_episode(episodes + 1) if episodes else self._step)
+            results, now.shown = now.shown.results, kept
+            where = f"after {counted(episodes, 'episode')}" if episodes else f"at step {self._step:,}"
+        else:
+            where, mine = "at its end", f" after {counted(newest.episodes, 'episode')}"
+            before = f" after {counted(episodes, 'episode')}" if episodes else f" at step {self._step:,}"
+        which, then, after = "the greedy policy's exact return", self._return, results.greedy_return
+        if then is None or after is None:
+            which, then, after = "the mean of the last 100 returns", self._mean, results.return_last_100
+        if then is None or after is None:
+            return f"started again from its seed: {where}{mine} there is nothing to compare"
+        word = "better than" if after > then else "worse than" if after < then else "the same as"
+        return f"{word} before {where}: {which} is {after:.4g}{mine}, it was {then:.4g}{before}"
 
     def close(self) -> None:
         """End it, unless it is somebody else's by now."""

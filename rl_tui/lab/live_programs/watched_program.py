@@ -108,11 +108,11 @@ class WatchedProgram:
 
     def listen(self, seconds: float = 0.0) -> bool:
         """Take in what it tells, waiting for at most so many seconds; return whether there was anything."""
-        found = False
+        found, stood_at = False, self.log.stands_at
         for letter, payload in self._process.frames(seconds):
             self.log.take(letter, payload)
             found = True
-        if found:
+        if found and self.log.stands_at in (None, stood_at):  # where it stands is told in its stead
             self.heard_at = time.monotonic()
         return found
 
@@ -144,10 +144,8 @@ def _why_nothing_is_shown(log: ProgramLog) -> str:
         return one_line(log.refused, _LONGEST)
     if log.error is not None:
         return error_in_words(log.error)
-    return (
-        "it ended without an environment that can be watched: expected gymnasium.make, with discrete "
-        "observations and actions"
-    )
+    why = "; ".join(log.notes) or "expected gymnasium.make, with discrete observations and actions"
+    return one_line(f"it ended without an environment that can be watched: {why}", _LONGEST)
 
 
 def error_in_words(error: ProgramError) -> str:

@@ -68,6 +68,10 @@ class StepFlag(IntFlag):
 class MessageKind:
     """The kinds of JSON messages, with what else they hold."""
 
+    STARTED: Final = "started"
+    """The user's code runs from now on: what fails before is no fault of it."""
+    STANDS: Final = "stands"
+    """file, line: where the program has stood for a second or longer without a step."""
     ENVIRONMENT: Final = "environment"
     """number, id, kwargs (null where they are no plain data), states (the sizes of the observation's parts),
     first_state (what each part counts from), actions, first_action, time_limit, wrappers (class names)"""

@@ -31,6 +31,22 @@ _COUNTED: Final = (0, 2, 5, 6, 7)
 """The columns of steps that are whole numbers, other than states."""
 _STATES: Final = (1, 4)
 _EPISODE: Final = 6
+_COUNTS: Final = ("number", "actions", "time_limit", "heard")
+_WHOLE: Final = ("first_action", "step", "line", "status")
+_TEXTS: Final = (
+    "id",
+    "name",
+    "form",
+    "dtype",
+    "text",
+    "type",
+    "file",
+    "traceback",
+    "method",
+    "stream",
+    "style",
+)
+_MAY_BE_NULL: Final = ("line", "status", "stopped")
 _NONE_OF_OURS: Final = (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError)
 
 
@@ -139,9 +155,24 @@ class ProgramLog:
     """What it met there, None where it may simply go no further."""
     heard: int = 0
     """How many lines it had heard of the watching side when it last said that it waits."""
+    started: bool = False
+    """Whether the program's own code has begun to run."""
+    stands_at: tuple[str, int] | None = None
+    """The line (file, number) where it has stood for long without a step, None where it goes on."""
     ended: bool = False
     is_garbled: bool = False
     """Whether something came that is none of ours."""
+
+    @property
+    def table_now(self) -> FoundTable | None:
+        """The table, its shape as it is now: a dict grows. ``(rows, actions)`` where a row is a state's."""
+        table, actions = self.table, self.recording.actions
+        if table is None or not table.form.startswith("dict") or not actions:
+            return table
+        is_there = ~np.isnan(self.recording.table_at(self.recording.count)).reshape(-1, actions)
+        rows = int(is_there.any(axis=1).sum())
+        by_pair = table.form == "dict-of-pairs"
+        return replace(table, shape=(int(is_there.sum()),) if by_pair else (rows, actions))
 
     def frozen(self) -> ProgramLog:
         """Return it as it is now, without output, which another thread may read while this one grows."""
@@ -194,11 +225,14 @@ class ProgramLog:
             raise ValueError("no changes of ours")
         self.episodes = max(self.episodes, 1 + int(steps[:, _EPISODE].max(initial=-1)))
         self.recording.add(steps, changes)
-        self.waiting_at = None
+        self.waiting_at = self.stands_at = None
 
     def _take_message(self, said: Mapping[str, Any]) -> None:
+        _check_types(said)
         match said["kind"]:
             case MessageKind.ENVIRONMENT:
+                if len(said["states"]) != len(said["first_state"]) or min(said["states"], default=0) < 1:
+                    raise ValueError("no observations of ours")
                 self.environments.append(
                     ProgramEnvironment(
                         said["number"],
@@ -250,9 +284,14 @@ class ProgramLog:
             case MessageKind.OUTPUT:
                 self._take_output(said)
             case MessageKind.NOTE:
-                if said["text"] not in self.notes:  # an environment may be made many times
+                if said["text"] not in self.notes:  # once, however often the program does it
                     self.notes.append(said["text"])
+            case MessageKind.STARTED:
+                self.started = True
+            case MessageKind.STANDS:
+                self.stands_at = (str(said["file"]), int(said["line"]))
             case MessageKind.WAITING:
+                self.stands_at = None
                 self.waiting_at, self.stopped_by = said["step"], said["stopped"]
                 self.heard = said["heard"]
             case MessageKind.REFUSED:
@@ -282,11 +321,19 @@ class ProgramLog:
         if not (self.ended or self.error or self.refused):
             if text or status is None:
                 self.error = ProgramError("Ended", text)
+            elif status > 0 and not self.started:
+                self.error = ProgramError("NotStarted", self._why_not_started())
             elif status:
                 self.error = ProgramError("Died", _death_in_words(status))
             else:
                 self.notes.append("the program ended at once, by os._exit(0)")
         self.ended = True
+
+    def _why_not_started(self) -> str:
+        """Return why our own side in the process failed, by the last that it wrote."""
+        written = [line.text for line in self.output if line.stream == "err" and line.text.strip()]
+        why = f": {written[-1].strip()}" if written else ""
+        return f"rl-tui could not start its own part of the process, which is no fault of the script{why}"
 
 
 def _death_in_words(status: int) -> str:
@@ -299,6 +346,34 @@ def _death_in_words(status: int) -> str:
         name = str(-status)
     reason = "; where nobody sent it, memory may have run out" if name == "SIGKILL" else ""
     return f"the program was ended by the signal {name}{reason}"
+
+
+def _check_types(said: Mapping[str, Any]) -> None:
+    """Raise TypeError where a message holds something else than ours do: a program may write anything."""
+    for name, value in said.items():
+        is_unknown_step = name == "step" and said["kind"] == MessageKind.OUTPUT
+        if value is None and (name in _MAY_BE_NULL or is_unknown_step):
+            continue
+        if name in _COUNTS:
+            fits = _is_whole(value) and value >= 0
+        elif name in _WHOLE:
+            fits = _is_whole(value)
+        elif name in (*_TEXTS, "stopped"):
+            fits = isinstance(value, str)
+        elif name in ("states", "shape", "first_state"):
+            fits = isinstance(value, list) and all(_is_whole(each) for each in value)
+        elif name in ("others", "wrappers"):
+            fits = isinstance(value, list) and all(isinstance(each, str) for each in value)
+        elif name == "numbers":
+            fits = isinstance(value, dict) and all(isinstance(each, int | float) for each in value.values())
+        else:
+            continue
+        if not fits:
+            raise TypeError(f"no message of ours: {name}")
+
+
+def _is_whole(value: object) -> bool:
+    return isinstance(value, int) and -NO_LIMIT <= value <= NO_LIMIT
 
 
 def _is_within(numbers: npt.NDArray[np.float64], end: int) -> bool:

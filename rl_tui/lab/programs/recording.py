@@ -18,7 +18,7 @@ MOST_STEPS: Final = 4_000_000
 
 _CHANGES_OF_A_STEP: Final = 4  # that are kept for each step, on an average
 _ROOM_FOR_A_BATCH: Final = 200_000  # steps, of which a batch rarely has more
-_BETWEEN_KEYFRAMES: Final = 100_000  # changes
+BETWEEN_KEYFRAMES: Final = 100_000  # changes
 _STEP_TYPES: Final = (*[np.int64] * 3, np.float64, np.int64, np.bool_, np.bool_, np.int64, np.int64)
 _CHANGE_TYPES: Final = (np.int64, np.int64, np.float64, np.float64)
 
@@ -139,7 +139,7 @@ class Recording:
         if self.initial is not None:
             self._latest[cell] = after
             last = self._keyframes[-1][0] if self._keyframes else 0
-            if len(self._changes) - last >= max(_BETWEEN_KEYFRAMES, 8 * len(self._latest)):
+            if len(self._changes) - last >= max(BETWEEN_KEYFRAMES, 8 * len(self._latest)):
                 self._keyframes.append((len(self._changes), self._latest.copy()))
 
     def _forget(self) -> None:

@@ -41,7 +41,10 @@ def watched_to_the_end(
     finally:
         process.end()
     if not (log.ended or _has_taken(log, request.steps)):
-        log.error = ProgramError(TIME_LIMIT, f"the program was ended after {seconds:g} seconds")
+        file, line = log.stands_at or ("", None)
+        log.error = ProgramError(TIME_LIMIT, f"the program was ended after {seconds:g} seconds", file, line)
+    elif not log.ended and log.stands_at is not None:
+        log.notes.append(f"after the last step the program stayed in line {log.stands_at[1]}, and was ended")
     return log
 
 

@@ -65,9 +65,17 @@ def place(world: World, state: int) -> str:
     return f"row {row}, column {column}{COUNTED}"
 
 
+def is_word(name: str) -> bool:
+    """Return whether the ``name`` of a state is a word: ``lost``."""
+    return len(name) > 1 and name.isalpha()
+
+
 def landmark(world: World, state: int) -> str:
-    """Return ``hole``, ``cliff`` or ``goal`` where ``state`` is one on a grid; empty elsewhere."""
-    if isinstance(world.drawing, Grid):
+    """Return ``hole``, ``cliff`` or ``goal`` where ``state`` is one on a grid; empty elsewhere.
+
+    A state whose name is a word, as in a game of cards, is what that says.
+    """
+    if isinstance(world.drawing, Grid) and not is_word(world.space.state_names[state]):
         kind = world.drawing.kinds[world.drawing.cell_of_state[state]]
         if kind in (CellKind.HOLE, CellKind.CLIFF, CellKind.GOAL):
             return kind.value

@@ -214,10 +214,11 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "Program",
         "A program of your own, watched (rl-tui watch SCRIPT.py): its environment, the table that was found "
         "in it, and the update that it makes, worked out from how the table moves: rule, step size and "
-        "discount, the share of steps that they fit, and the first that departs. Informative are the steps "
-        "on which the value of the next state matters: only they tell γ. Nothing is guessed: what no step "
-        "decides is said to be open. Below stands what is wrong with it, which F shows, and notes. Our "
-        "agents have their sliders here; of your program its file decides, and saving it starts it again.",
+        "discount, the share of steps that they fit, and the first that departs. Only steps on which the "
+        "value of the next state is not 0 tell γ: so many there were. Nothing is guessed: what no step "
+        "decides is said to be open. Below stands what is wrong with it, which F shows, and notes; O shows "
+        "what it wrote, and T chooses another of its tables. Our agents have their sliders here; of your "
+        "program its file decides, and saving it starts it again.",
         caption="your own code, watched",
         terms=("program", "finding", "informative-step", "departs", "alpha", "gamma", "target"),
         of_program=True,

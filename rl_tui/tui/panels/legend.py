@@ -50,6 +50,11 @@ def no_value_sign(look: Look) -> LegendSign:
     return LegendSign(numbers.missing(look.glyphs), "none", look.palette.text, "no value: may never end")
 
 
+def no_table_sign(look: Look) -> LegendSign:
+    """Return how a state is marked that has no value, since no table of the program is known."""
+    return LegendSign(numbers.missing(look.glyphs), "no table", look.palette.text, "no table, so no value")
+
+
 @lru_cache(_MOST_KEPT)
 def legend_rows(signs: Legend, width: int, most: int, look: Look) -> tuple[Strip, ...]:
     """Return ``signs`` in as many rows of ``width`` cells as they take, ``most`` of them."""

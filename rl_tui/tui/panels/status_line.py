@@ -107,7 +107,10 @@ def status_line(
     """
     palette, glyphs = look.palette, look.glyphs
     if unanswered:
-        who = "the environment" if snapshot is None or snapshot.program is None else "your program"
+        program = None if snapshot is None else snapshot.program
+        who = "the environment" if program is None else "your program"
+        if program is not None and program.stands_at is not None:
+            who += f", in line {program.stands_at},"
         text = f"{who} has not answered for {unanswered:,} s; esc leaves it"
         if snapshot is None:
             return [Piece(shortened(f" {text}", width, glyphs.ellipsis), palette.accent)]
@@ -117,13 +120,12 @@ def status_line(
         title = shortened(separated(scenario, glyphs), max(0, room), glyphs.ellipsis)
         return [Piece(f" {title} " if title else "", palette.strong), Piece(f" {WAITING}", palette.dim)]
     if snapshot.playback.phase is Phase.STOPPED:
-        stopped = "" if snapshot.program is not None else "stopped: "
-        message = shortened(
-            to_ascii(f" {glyphs.stopped} {stopped}{snapshot.playback.message}", glyphs),
-            width,
-            glyphs.ellipsis,
-        )
-        return [Piece(message, palette.bad)]
+        said = snapshot.playback.message
+        # of a program what it raised is worth more than that it stopped, which the sign says
+        forms = (f"stopped: {said}",) if snapshot.program is None else (said, said.partition(": ")[2] or said)
+        texts = [to_ascii(f" {glyphs.stopped} {each}", glyphs) for each in forms]
+        fitting = next((each for each in texts if cell_len(each) <= width), texts[-1])
+        return [Piece(shortened(fitting, width, glyphs.ellipsis), palette.bad)]
     if snapshot.playback.phase is Phase.PREPARING:
         whole = f"preparing: {snapshot.playback.message}"
         fits = cell_len(to_ascii(whole, glyphs)) < width
@@ -266,7 +268,7 @@ def _state(snapshot: Snapshot, look: Look, most: int, *, is_manual: bool) -> _Fi
         if snapshot.playback.paused_by:
             return _long_state(f"{glyphs.paused} {snapshot.playback.paused_by}", look, most)
         if snapshot.timeline.in_past:
-            past = "the past" if snapshot.program is None else "only shown"
+            past = "the past" if snapshot.program is None else "past, only shown"
             text = f"{glyphs.past} {past}"
             return _Field(text, max(_STATE_COLUMNS, cell_len(to_ascii(text, glyphs))), palette.accent)
         if is_manual:

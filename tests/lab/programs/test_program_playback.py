@@ -128,8 +128,33 @@ def test_back_and_episode_back_and_on_from_the_newest_step(tmp_path: Path) -> No
         assert earlier.counters.episodes == began.counters.episodes - 1
         third = watcher.do(commands.GoTo(episode=3))
         assert (third.counters.episodes, third.counters.episode_step) == (2, 0)
-        on = watcher.do(commands.Step())
-        assert (on.counters.step, on.timeline.in_past) == (201, False)
+        on = watcher.do(commands.GoTo(step=190), commands.Play(), commands.Pause())
+        assert (on.counters.step, on.timeline.in_past) == (200, False)
+
+
+def test_forward_through_the_past_and_on_where_the_recording_ends(tmp_path: Path) -> None:
+    with watched(written(tmp_path)) as watcher:
+        first = [watcher.do(commands.RunEpisode()).counters.step for _ in range(20)]
+        rewarded = watcher.do(commands.RunUntil(Until(Event.REWARD))).counters.step
+        newest = watcher.do(commands.Train(5)).counters.step
+        watcher.do(commands.GoTo(step=3))
+        assert [watcher.do(commands.Step()).counters.step for _ in range(2)] == [4, 5]
+        watcher.do(commands.GoTo(step=0))
+        again = [watcher.do(commands.RunEpisode()) for _ in range(20)]
+        assert [shown.counters.step for shown in again] == first
+        assert all(shown.timeline.in_past and shown.playback.steps_per_second is None for shown in again)
+        for until, expected in (
+            (Until(Event.REWARD), rewarded),
+            (Until(Event.STEP, newest - 1), newest - 1),
+            (Until(Event.EPISODE, 5), first[3]),
+            (Until(Event.EPISODE_END, 2), first[2]),
+            (Until(Event.STEP, newest + 3), newest + 3),
+        ):
+            watcher.do(commands.GoTo(step=0))
+            assert watcher.do(commands.RunUntil(until)).counters.step == expected
+        shown = watcher.do(commands.GoTo(step=newest + 2), commands.Step())
+        assert (shown.counters.step, shown.timeline.in_past) == (newest + 3, False)
+        assert watcher.do(commands.Step()).counters.step == newest + 4
 
 
 def test_its_end_is_said_and_all_stays_on_screen(tmp_path: Path) -> None:
@@ -327,7 +352,7 @@ def test_the_file_saved_again_starts_it_again_and_says_what_became_better(tmp_pa
         path.write_text(LEARNS.replace("EPISODES", "300"))
         _until(watcher, lambda: playback.history.newest.step == 0)
         playback.handle(commands.Train(1_600))
-        _until(watcher, lambda: "better" in playback.restarts.words)
+        _until(watcher, lambda: "better than before after" in playback.restarts.words)
         assert "it was 0" in playback.restarts.words
     finally:
         playback.close()
@@ -343,8 +368,12 @@ def _until(watcher: Watcher, is_there: Callable[[], bool]) -> None:
 def test_on_from_the_past_of_one_that_has_ended_is_its_last_moment(tmp_path: Path) -> None:
     with watched(written(tmp_path, episodes=3)) as watcher:
         ended = watcher.do(commands.Train(10_000))
+        last = ended.counters.step - 1
         for command in (commands.Step(), commands.Play(), commands.RunEpisode(), commands.Train(5)):
-            assert watcher.do(commands.GoTo(step=3)).timeline.in_past
+            past = watcher.do(commands.GoTo(step=last))
+            assert past.timeline.in_past
+            # no episode ended there, so that the screen has to count the one under way, as the last step does
+            assert past.playback.phase is Phase.PAUSED
             on = watcher.do(command)
             assert figures(on) == figures(ended)
             assert on.playback.phase is Phase.SPENT
@@ -437,12 +466,14 @@ def test_what_is_saved_may_be_worse_shorter_or_broken(tmp_path: Path) -> None:
     playback = editor.playback
     try:
         editor.trained(1_200)
+        episodes = playback.history.newest.episodes
         editor.playback.handle(commands.GoTo(step=100))  # while the past is shown
         editor.saved(LEARNS.replace("EPISODES", "300").replace("= 0.1,", "= 0.0,"), "from its seed")
         assert (playback.history.in_past, playback.history.newest.step) == (False, 0)
-        editor.trained(1_300, "worse than before at step 1,200")
+        editor.trained(5_000, f"worse than before after {episodes} episodes")
         editor.saved(LEARNS.replace("EPISODES", "2"), "from its seed")
-        editor.trained(1_300, "it ended at step")
+        editor.trained(1_300, "before at its end")
+        assert "after 2 episodes" in playback.restarts.words
         ended = playback.history.newest.step
         editor.saved("import gymnasium\nraise ValueError('no more')\n", "ValueError")
         assert "line 2" in playback.restarts.words

@@ -33,7 +33,7 @@ def _batches(
 def test_the_table_of_any_moment_is_that_of_a_plain_replay(
     monkeypatch: pytest.MonkeyPatch, most: int, each: int
 ) -> None:
-    monkeypatch.setattr(of_recording, "_BETWEEN_KEYFRAMES", 20)
+    monkeypatch.setattr(of_recording, "BETWEEN_KEYFRAMES", 20)
     recording = Recording(most)
     recording.find_table(0, 2, np.zeros(CELLS))
     came: list[list[float]] = []

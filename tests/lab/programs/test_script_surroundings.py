@@ -9,6 +9,8 @@ from watched_scripts import LOOP, lines_of, lives, script_in, wait_until, watche
 
 pytestmark = pytest.mark.process
 
+NO_ENVIRONMENT = "no environment was made by gymnasium.make, and no other is watched"
+
 
 def test_it_runs_as_python_runs_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
@@ -180,7 +182,7 @@ def test_a_traceback_of_any_depth_is_bounded(tmp_path: Path) -> None:
 def test_an_exit_is_an_end(tmp_path: Path, code: str, note: str | None) -> None:
     log = watched(script_in(tmp_path, code + "\n"))
     assert (log.ended, log.error) == (True, None)
-    assert log.notes == ([] if note is None else [note])
+    assert log.notes == [*([] if note is None else [note]), *([] if "_exit" in code else [NO_ENVIRONMENT])]
 
 
 @pytest.mark.parametrize(
@@ -296,7 +298,7 @@ def test_plots_open_no_window(tmp_path: Path) -> None:
 
 def test_the_old_gym_is_told_of_where_it_is_installed(tmp_path: Path) -> None:
     (tmp_path / "gym.py").write_text("")
-    (note,) = watched(script_in(tmp_path, "import gym\n")).notes
+    note, _ = watched(script_in(tmp_path, "import gym\n")).notes
     assert "write `import gymnasium as gym`" in note
 
 
@@ -324,7 +326,10 @@ def test_threads_that_the_script_leaves_are_waited_for(tmp_path: Path) -> None:
     )
     log = watched(script_in(tmp_path, text))
     assert lines_of(log) == ["late"]
-    assert log.notes == ["the script starts threads: the same seed need not give the same run"]
+    assert log.notes == [
+        "the script starts threads: the same seed need not give the same run",
+        NO_ENVIRONMENT,
+    ]
 
 
 def test_processes_that_the_script_forks_work_and_are_told_of(tmp_path: Path) -> None:

@@ -29,6 +29,8 @@ class Gate:
         self._unread = b""
         self._heard = 0
         self._is_held = False
+        self.is_waiting = False
+        """Whether the program waits for leave to go on."""
 
     def wait(self, count: int, met: str | None) -> None:
         """Wait until more than ``count`` steps are allowed, and for a new "stop" where it ``met`` something.
@@ -36,10 +38,12 @@ class Gate:
         The process ends where nobody asks any more.
         """
         self._is_held = met is not None
+        self.is_waiting = True
         while self._is_held or count >= self.allowed[0]:
             stopped = met if self._is_held else None
             self._channel.message(MessageKind.WAITING, step=count, stopped=stopped, heard=self._heard)
             self._hear()
+        self.is_waiting = False
         self.listen()  # what was asked before it was allowed counts from the next step on
 
     def listen(self) -> None:
@@ -50,7 +54,7 @@ class Gate:
     def _hear(self) -> None:
         heard = os.read(self._asked, _AT_ONCE)
         if not heard:
-            os._exit(0)
+            self._channel.leave(0)
         *lines, self._unread = (self._unread + heard).split(b"\n")
         for line in lines:
             said = json.loads(line)

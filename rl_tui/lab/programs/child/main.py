@@ -14,15 +14,15 @@ from rl_tui.lab.programs.child.recorder import Recorder
 from rl_tui.lab.programs.child.script import run_script
 from rl_tui.lab.programs.child.source import read_script
 from rl_tui.lab.programs.child.surroundings import bound_memory, end_with, surround
+from rl_tui.lab.programs.child.watchman import Watchman, flush_at_exit
 from rl_tui.lab.programs.messages import MessageKind
 
 
 def main(said: dict[str, Any]) -> None:
     """Run what was ``said`` (program_process.py), and tell of it until it is over."""
     channel = Channel(said["reports"])
-    recorder = Recorder(
-        channel, Gate(channel, said["asked"], said["shared"]), most=said["steps"], wanted=said["table"]
-    )
+    gate = Gate(channel, said["asked"], said["shared"])
+    recorder = Recorder(channel, gate, most=said["steps"], wanted=said["table"])
 
     def note(text: str) -> None:
         channel.message(MessageKind.NOTE, text=text)
@@ -34,6 +34,9 @@ def main(said: dict[str, Any]) -> None:
     making = Making(recorder, said["seed"])
     making.install()
     seed_all(said["seed"])
+    flush_at_exit(recorder)
+    Watchman(channel, gate, recorder).begin()
+    channel.message(MessageKind.STARTED)
     try:
         if said["agent"] is None:
             path = Path(said["path"])

@@ -18,7 +18,7 @@ from rl_tui.lab.programs.child.faults import is_users_file
 from rl_tui.lab.programs.child.gate import Gate
 from rl_tui.lab.programs.child.line_trace import TRACED_AT_FIRST, LineTrace, Place
 from rl_tui.lab.programs.child.stopping import StepSeen, StopConditions
-from rl_tui.lab.programs.child.tables.search import TableCandidate, candidates
+from rl_tui.lab.programs.child.tables.search import TableCandidate, candidates, turned_table
 from rl_tui.lab.programs.child.tables.tracker import TableTracker
 from rl_tui.lab.programs.messages import MessageKind
 
@@ -54,7 +54,7 @@ class Recorder:
         self._met: str | None = None
         self._thread: int | None = None
         self._called: set[str] = set()
-        self._is_shared = False
+        self._is_shared = self._turned_is_told = False
         self._traces_left = _MOST_TRACES
         self._trace = LineTrace(self._content, self._tell_lines)
         gate.on_asked["stop"] = self._set_stop
@@ -104,21 +104,25 @@ class Recorder:
     def end(self) -> None:
         """Tell what changed since the last step, and that the program is over."""
         self._trace.stop()
-        if self.count and self._last_numbering is not None:
-            self._take_changes(None, self._last_numbering, at_reset=True)
-        main = sys.modules.get("__main__")
-        self.channel.message(MessageKind.NUMBERS, numbers=numbers_in(None, vars(main) if main else {}))
+        self.tell_rest()
         if self._tracker is None and self._wanted is not None and self.count:
             text = f"no table is called {self._wanted} where env.step was called"
             self.channel.message(MessageKind.NOTE, text=text)
         self.channel.message(MessageKind.END, step=self.count)
+
+    def tell_rest(self) -> None:
+        """Tell the last steps, and what changed since."""
+        if self.count and self._last_numbering is not None:
+            self._take_changes(None, self._last_numbering, at_reset=True)
+        main = sys.modules.get("__main__")
+        self.channel.message(MessageKind.NUMBERS, numbers=numbers_in(None, vars(main) if main else {}))
 
     def end_at_once(self) -> NoReturn:
         """End the program where it stands, which it cannot prevent."""
         self.end()
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
-        os._exit(0)
+        self.channel.leave(0)
 
     def refuse(self, why: str) -> NoReturn:
         """End the program, which cannot be watched."""
@@ -129,7 +133,7 @@ class Recorder:
 
             self.channel.from_a_fork(MessageKind.REFUSED, text=why)
             os.kill(self._process, signal.SIGKILL)
-        os._exit(0)
+        self.channel.leave(0)
 
     def _after_fork(self) -> None:
         self._thread = None
@@ -174,6 +178,17 @@ class Recorder:
             self._tracker = TableTracker(found[0], self._wanted)
             self._tell_table([each for each in others if each.value is not found[0].value])
             self._tell_numbers(frame)
+        elif not self._turned_is_told:
+            self._tell_turned(frame, numbering)
+
+    def _tell_turned(self, frame: FrameType | None, numbering: Numbering) -> None:
+        """Tell of an array that would be the table if its axes were changed over."""
+        turned = turned_table(frame, numbering)
+        if turned is not None:
+            self._turned_is_told = True
+            name, (rows, columns) = turned
+            text = f"{name} is {rows}×{columns}: did you mean {columns}×{rows} (states × actions)?"
+            self.channel.message(MessageKind.NOTE, text=text)
 
     def _tell_table(self, others: list[TableCandidate]) -> None:
         tracker = self._tracker

@@ -120,6 +120,8 @@ class ReturnCurve(Panel, can_focus=True):
                 plot_columns(plot.scale, look, width),
                 counts_seeds=snapshot.program is None,
             )
-        below = below_note(data, plot, look.glyphs, decimals, with_figures=with_figures)
+        # beside somebody's program a figure in the note would be taken for one of its figures now
+        tells_how_far = with_figures and snapshot.program is None
+        below = below_note(data, plot, look.glyphs, decimals, with_figures=tells_how_far)
         heads = lane_titles(data, heads, look.glyphs) if data.lanes else heads
         return heads, words, below

@@ -100,12 +100,15 @@ def lane_remark(data: CurveData, look: Look, room: int, *, counts_seeds: bool = 
             f"mean of the {recent}; planners: exact",
             f"mean of the {recent}, or exact",
         )
+    recent_return, recent_ones = f"mean of the {recent} {what}", f"{recent} {what}"
+    if recent == recent_name(1):
+        recent_return, recent_ones = f"return of the last {what[:-1]}", f"last {what[:-1]}"
     best = "the best arm" if data.is_bandit else "γ-best"
     one_seed = _ONE_SEED + _COUNTS if counts_seeds else _ONE_SEED
     return (
-        f"beside names: mean of the {recent} {what} of {one_seed}",
+        f"beside names: {recent_return} of {one_seed}",
         *((f"{one_seed} · h adds {best}",) if data.hides_optimum else ()),
-        f"beside names: {recent} {what}, {one_seed}",
+        f"beside names: {recent_ones}, {one_seed}",
         f"{recent} of {one_seed}",
         *((f"{recent}, one seed; M: many",) if counts_seeds else ()),
         one_seed,

@@ -156,7 +156,7 @@ def _choices(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
     if last.by_hand:
         return "you chose it", "by you"
     if story.program is not None:
-        return _choice_texts_of_program(last.pair, best)
+        return _choice_texts_of_program(last.pair, best, len(story.world.space.pairs_of(last.state)))
     if not story.policy.explores_by_epsilon:
         return _chosen_by_policy(story, glyphs)
     epsilon = setting(last.epsilon, glyphs)
@@ -183,15 +183,19 @@ def _chosen_by_policy(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
     return f"{full}, the greedy one", f"{policy.name}, greedy"
 
 
-def _choice_texts_of_program(pair: int, best: Sequence[int]) -> Sequence[str]:
+def _choice_texts_of_program(pair: int, best: Sequence[int], count: int) -> Sequence[str]:
     """Return how a program chose ``pair``, in full and in short; ``best`` are greedy, none if not known.
 
-    How it explores is not known, so an action that is not greedy is not called a random one.
+    How it explores is not known, so an action that is not greedy is not called a random one, and one of
+    ``count`` that are all equal not a greedy one.
     """
     if not best:
         return "your program chose it", "its choice"
     if pair not in best:
         return "your program chose it: not greedy", "not greedy"
+    if len(best) == count > 1:
+        equal = "both equal" if count == 2 else f"all {count} equal"
+        return f"your program chose it: {equal}", equal
     if len(best) > 1:
         return f"your program chose it: greedy, one of {len(best)} equal", f"greedy, {len(best)} equal"
     return "your program chose it: greedy", "greedy"

@@ -21,7 +21,8 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
 
 BACKUP_HEADING: Final = "The backup"
-NOT_KNOWN: Final = "which estimates your program read is not known, or they are not those of the book"
+AFTER_END: Final = "the episode has ended: after its end there is nothing to look up"
+NOT_KNOWN: Final = "which estimates your program looked up is not known"
 MOST_LEAVES: Final = 8
 TARGET_ROWS: Final = 4
 _HEAD_ROWS: Final = 3
@@ -32,13 +33,25 @@ def backup_section(words: StepWords, look: Look, width: int, *, secret: bool) ->
     """Return the tree over all outcomes and the targets below it; ``secret`` hides true rewards."""
     world, backup = words.story.world, words.story.backup
     if backup is None:
-        text = words.story.terms.waiting if words.story.reads_by_the_book else NOT_KNOWN
+        text = _why_none(words)
         waiting = wrapped(text, width, look.palette.dim, look, " ", " ")
         return MicroscopeSection(BACKUP_HEADING, waiting, 1)
     lines = _tree(world, backup, look, width, secret=secret)
     lines += [[Piece("", look.palette.text)]] * (_HEAD_ROWS + _leaf_rows(world) - len(lines))
     lines += target_lines(words, backup, look, width, secret=secret)
     return MicroscopeSection(BACKUP_HEADING, lines, backup_rows(world), _remarks(world, backup))
+
+
+def _why_none(words: StepWords) -> str:
+    """Return why there is no backup: nothing was looked up, it is not known what, or it is not the book's."""
+    story = words.story
+    if story.program is None or story.program.table is None or story.reads_by_the_book:
+        return story.terms.waiting
+    if story.last.terminated and not story.bootstraps:
+        return AFTER_END
+    if story.has_equation and words.bootstrap:
+        return f"your program looked up {words.bootstrap}: the book has no such backup"
+    return NOT_KNOWN  # the update says why
 
 
 def backup_rows(world: World) -> int:

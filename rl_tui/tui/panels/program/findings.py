@@ -21,6 +21,7 @@ from rl_tui.tui.panels.program.words import (
     IN_SHORT,
     LONGEST_SENTENCE,
     clause,
+    is_early,
     is_own,
     notes_of,
     place_text,
@@ -31,6 +32,9 @@ from rl_tui.tui.panels.scrolled_panel import ScrolledPanel, scroll_bindings
 from rl_tui.tui.theme.look import Look
 
 NOTHING: Final = "nothing wrong found"
+NO_JUDGEMENT: Final = "nothing can be judged yet"
+WORTH_SAYING: Final = 100
+"""Steps before which nothing could be found wrong."""
 NO_STEP_YET: Final = "no step yet: space runs your program, and what is wrong with it stands here"
 EXAMINED: Final = (
     "Examined: the target, the ends of episodes, the table, which cells move, and the choice of actions."
@@ -187,8 +191,11 @@ def _nothing_found(snapshot: Snapshot, program: ProgramView, look: Look, width: 
                 text = one_line(each, LONGEST_SENTENCE)
                 lines += wrapped(text, width, look.palette.text, look, f"{_INDENT}- ", f"{_INDENT}  ")
         return lines
-    text = f"{NOTHING} in {counters.step:,} steps and {counters.episodes:,} ends of episodes."
-    if update.rule is Rule.UNKNOWN:
+    is_open = update.rule is Rule.UNKNOWN
+    is_too_early = is_early(update) or (is_open and counters.step < WORTH_SAYING)
+    head = f"{NO_JUDGEMENT}: no fault was seen" if is_too_early else NOTHING
+    text = f"{head} in {counters.step:,} steps and {counters.episodes:,} ends of episodes."
+    if is_open:
         reason = f": {clause(update.reason)}" if update.reason else ""
         text += f" The update is not known{reason}. {EXAMINED_WITHOUT_RULE}"
     elif update.rule is Rule.MONTE_CARLO:
@@ -196,7 +203,7 @@ def _nothing_found(snapshot: Snapshot, program: ProgramView, look: Look, width: 
     else:
         text += (
             f" {EXAMINED} On {update.informative:,} steps the next state had a value that was not 0: "
-            "only those are informative, for they tell γ and which value is looked up."
+            "only those tell γ, and which value is looked up."
         )
     return _paragraph(text, look, width)
 

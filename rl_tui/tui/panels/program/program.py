@@ -16,6 +16,7 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, length, spelled, strips_of, wrapped
 from rl_tui.tui.draw.to_ascii import separated
 from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.program.findings import NO_JUDGEMENT, WORTH_SAYING
 from rl_tui.tui.panels.program.words import (
     IN_SHORT,
     LONGEST_NAME,
@@ -24,6 +25,7 @@ from rl_tui.tui.panels.program.words import (
     counted,
     fit_texts,
     fitting_numbers,
+    is_early,
     name_of,
     notes_of,
     number_text,
@@ -39,16 +41,22 @@ LOOKED_FOR_LATER: Final = "its table is looked for as it learns"
 NO_TABLE: Final = "no table found"
 UNKNOWN: Final = "update not known"
 _GAMMA_FROM: Final = {"declared": "read from your code", "usual": "a usual one, yours is not known"}
+_ALL_NOTES: Final = " F shows it"
 _NEWS_ROWS: Final = 2
-_WORTH_SAYING: Final = 100  # steps, before which nothing could be found wrong
+_ERROR_ROWS: Final = 3
+_REASON_ROWS: Final = 2
 _HINTS: Final = ("F: findings · O: output", "F O")
 
 
 class _Part(NamedTuple):
-    """Some lines; where there is no room for all parts, those of the highest ``rank`` are left out."""
+    """Some lines; where there is no room for all parts, those of the highest ``rank`` are left out.
+
+    Behind lines that are cut off stands where there is ``more``.
+    """
 
     rank: int
     lines: list[Line]
+    more: str = ""
 
 
 class ProgramPanel(Panel):
@@ -80,16 +88,19 @@ def program_lines(
             break
         if len(part.lines) > room:
             part.lines[room:] = []
-            part.lines[-1] = _unfinished(part.lines[-1], look, width)
+            part.lines[-1] = _unfinished(part.lines[-1], look, width, part.more)
         kept.append(part)
         room -= len(part.lines)
     return [line for part in parts if part in kept for line in part.lines]
 
 
-def _unfinished(line: Line, look: Look, width: int) -> Line:
-    """Return ``line`` with a sign at its end that there is more."""
+def _unfinished(line: Line, look: Look, width: int, more: str = "") -> Line:
+    """Return ``line`` with a sign at its end that there is more, and where, if there is room for that."""
     *whole, last = spelled(line, look)
     room = max(0, width - length(whole) - 1)
+    if 2 * cell_len(more) < room:
+        text = set_cell_size(last.text, min(cell_len(last.text), room - cell_len(more))).rstrip()
+        return [*whole, Piece(text + look.glyphs.ellipsis + more, last.style)]
     text = set_cell_size(last.text, min(cell_len(last.text), room)).rstrip()
     return [*whole, Piece(text + look.glyphs.ellipsis, last.style)]
 
@@ -116,7 +127,7 @@ class _Writer:
         yield _Part(1 if program.verdict.findings else 3, self._findings())
         yield _Part(7, self._gamma())
         yield _Part(7, self._choices())
-        yield _Part(8, self._notes())
+        yield _Part(8, self._notes(), _ALL_NOTES)
 
     def _end(self) -> list[Line]:
         """Return why the program goes no further, if it does not for a reason that is to be seen at once."""
@@ -130,18 +141,12 @@ class _Writer:
         place = place_text(error.file, error.line, program)
         at = f" ({place})" if place else ""
         text = one_line(error.text, LONGEST_SENTENCE)
-        forms = (f"{stopped}{what}{at}: {text}", f"{stopped}{what}{at}")
-        return [
-            self._fitting(forms, self._palette.bad) if len(forms[0]) <= self._width else self._cut(forms[0])
-        ]
+        return self._at_most(_ERROR_ROWS, self._wrapped(f"{stopped}{what}{at}: {text}", self._palette.bad))
 
     def _news(self) -> list[Line]:
         """Return what the file that was saved last has changed."""
         news = one_line(self._program.reloaded, LONGEST_SENTENCE)
-        lines = self._wrapped(f" {news}", self._palette.accent) if news else []
-        return (
-            lines if len(lines) <= _NEWS_ROWS else [lines[0], _unfinished(lines[1], self._look, self._width)]
-        )
+        return self._at_most(_NEWS_ROWS, self._wrapped(f" {news}", self._palette.accent) if news else [])
 
     def _table(self) -> list[Line]:
         program = self._program
@@ -178,7 +183,8 @@ class _Writer:
         reason = f": {clause(update.reason)}" if update.reason else ""
         numbers = fitting_numbers(update, self._look.glyphs)
         known = f"update known in part, {numbers}" if numbers else UNKNOWN if reason else f"{UNKNOWN} yet"
-        return self._wrapped(f" {known}{reason}", self._palette.text)[:2]
+        lines = self._wrapped(f" {known}{reason}", self._palette.text)
+        return self._at_most(_REASON_ROWS, lines)
 
     def _fit(self) -> list[Line]:
         update = self._program.verdict.update
@@ -215,8 +221,11 @@ class _Writer:
 
     def _nothing_wrong(self) -> list[Line]:
         """Return over how many steps nothing wrong was found, where anything could be."""
-        if self._steps < _WORTH_SAYING or self._program.table is None:
+        if self._steps < WORTH_SAYING or self._program.table is None:
             return []
+        if is_early(self._program.verdict.update):
+            early = f" {NO_JUDGEMENT}"
+            return [self._fitting((f"{early}   F says what was examined", early), self._palette.dim)]
         found = f" nothing wrong found in {self._steps:,} steps"
         is_open = self._program.verdict.update.rule is Rule.UNKNOWN
         in_part = f"{found}, as far as can be told"
@@ -247,6 +256,12 @@ class _Writer:
         count = f" note 1 of {len(notes):,}: " if len(notes) > 1 else " note: "
         return self._wrapped(f"{count}{notes[0]}", self._palette.dim)
 
+    def _at_most(self, rows: int, lines: list[Line]) -> list[Line]:
+        """Return the first ``rows`` of ``lines``, with a sign where there are more."""
+        if len(lines) <= rows:
+            return lines
+        return [*lines[: rows - 1], _unfinished(lines[rows - 1], self._look, self._width)]
+
     def _wrapped(self, text: str, style: Style) -> list[Line]:
         start = text[: len(text) - len(text.lstrip(" "))]
         return list(wrapped(text.lstrip(" "), self._width, style, self._look, start, "   "))
@@ -255,6 +270,3 @@ class _Writer:
         return first_that_fits(
             [[Piece(separated(form, self._look.glyphs), style)] for form in forms], self._width, self._look
         )
-
-    def _cut(self, text: str) -> Line:
-        return [Piece(text, self._palette.bad)]

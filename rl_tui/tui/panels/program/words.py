@@ -146,6 +146,13 @@ def fitting_numbers(update: UpdateFound, glyphs: Glyphs) -> str:
     return ", ".join(f"{sign} {number_text(x, glyphs)}" for sign, x in known if x is not None)
 
 
+def is_early(update: UpdateFound) -> bool:
+    """Return whether so little is known of an update yet that nothing can be judged by it."""
+    reason = update.reason.removesuffix(".")
+    is_open = update.rule is Rule.UNKNOWN and update.alpha is None and update.gamma is None
+    return is_open and (not reason or reason.endswith(" yet"))
+
+
 def open_text(update: UpdateFound, glyphs: Glyphs) -> str:
     """Return what the equation does not hold: a step size that varies, a γ that is open, the ε of a mean."""
     parts = []
@@ -173,10 +180,10 @@ def fit_texts(update: UpdateFound) -> tuple[str, ...]:
         return ()
     fits = f"fits {share_text(update.fits)} of steps"
     ruled = f"{_RULES[update.rule]} {fits}" if update.rule in _RULES else fits
-    informative = f"{update.informative:,} informative"
+    telling = f"{update.informative:,} {'tells' if update.informative == 1 else 'tell'} γ"
     departs = [] if update.departs_at is None else [f"departs at step {step_number(update.departs_at):,}"]
     return (
-        " · ".join([ruled, informative, *departs]),
+        " · ".join([ruled, telling, *departs]),
         " · ".join([ruled, *departs]),
         " · ".join([fits, *departs]),
         fits,

@@ -9,7 +9,14 @@ from rich.style import Style
 
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.panels.legend import GREEDY_IN_FULL, POLICY_IN_FULL, Legend, LegendSign, no_value_sign
+from rl_tui.tui.panels.legend import (
+    GREEDY_IN_FULL,
+    POLICY_IN_FULL,
+    Legend,
+    LegendSign,
+    no_table_sign,
+    no_value_sign,
+)
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.policies.studied import studied_kind, study_headings
 from rl_tui.tui.panels.snapshot_facts import is_new_run
@@ -75,12 +82,23 @@ class PolicyPicture(Panel):
         return valueless if has_actions else (*valueless, *self.value_signs())
 
     def value_signs(self) -> Legend:
-        """Return the sign of V(s), which is a colour; none where there are no colours."""
+        """Return the sign of V(s), which is a colour; none where there are no colours.
+
+        Where a program has no table it is that of a value that is missing.
+        """
         palette, studied = self.look.palette, self.studied is not None
+        if self.lacks_table:
+            return (no_table_sign(self.look),)
         if not palette.tints:
             return ()
         name, in_full = ("Vπ", "value Vπ(s)") if studied else ("V", "value V(s)")
         return (LegendSign(" tint ", name, palette.value(1.0), in_full),)
+
+    @property
+    def lacks_table(self) -> bool:
+        """Whether a program is watched of which no table is known."""
+        program = None if self.snapshot is None else self.snapshot.program
+        return program is not None and program.table is None and self.studied is None
 
     @property
     def shows_kept_policy(self) -> bool:

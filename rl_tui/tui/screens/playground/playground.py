@@ -376,8 +376,10 @@ class Playground(ActionScreen):
 
     def help_screen(self, *, at_keys: bool = False) -> HelpScreen:
         """Return the help, with the notes of the scenario."""
-        notes = self.recipe.scenario.notes
-        return HelpScreen(self.look, self.actions, self.panel_rows, notes, at_keys=at_keys)
+        notes, panels = self.recipe.scenario.notes, self.panel_rows
+        if self.program.program is not None:  # what is of programs alone is what a person asks for
+            panels = sorted(panels, key=lambda row: not row.of_program)
+        return HelpScreen(self.look, self.actions, panels, notes, at_keys=at_keys)
 
     def action_turn_legends(self) -> None:
         """Hide captions and legends, or show them again."""

@@ -118,6 +118,16 @@ def candidates(
     return sorted(found, key=lambda each: _rank(each.way.names[-1], each.value))
 
 
+def turned_table(frame: types.FrameType | None, numbering: Numbering) -> tuple[str, tuple[int, ...]] | None:
+    """Return the name and the shape of an array of actions × states, which is no table; None without one."""
+    turned = (numbering.actions, numbering.states)
+    for way, value in _ways(frame):
+        is_turned = type(value) is np.ndarray and value.shape == turned and turned[0] != turned[1]
+        if is_turned and not _NO_TABLE.search(way.names[-1]):
+            return way.name(), turned
+    return None
+
+
 def _ways(frame: types.FrameType | None) -> Iterator[tuple[Way, Any]]:
     seen: set[int] = set()
     while frame is not None:

@@ -326,7 +326,7 @@ class GridView(WorldView):
         yield from end_signs(self._map, self.look)
         if CellKind.START in self._kinds:
             yield LegendSign(START, "start", palette.start)
-        if actions is None and has_arrows:
+        if actions is None and has_arrows and not self.lacks_table:
             greedy = ([each for each in signs if isinstance(each, tuple)] or signs)[-1]
             yield self.policy_sign(sign_text(greedy, self.look), palette.strong)
         if CellKind.WALL in self._kinds:

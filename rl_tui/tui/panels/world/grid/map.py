@@ -11,6 +11,7 @@ import numpy as np
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import NO_STATE, first_state_of_cells, pairs_of_states
 from rl_tui.tui.draw.action_order import order_of
+from rl_tui.tui.draw.names import is_word
 from rl_tui.tui.panels.world.drawn import AT_RANDOM, drawn_actions, is_off_way
 from rl_tui.tui.panels.world.grid.action_form import ActionKinds, action_kinds
 from rl_tui.tui.panels.world.grid.reach import unreached_cells
@@ -98,8 +99,8 @@ class GridMap:
     """A map and its states. Reading a part of it costs the same in a map of any size.
 
     ``signs`` are those of the actions, in their order: a direction, else the first letter of the name.
-    ``ends`` are the kinds of cells in which nothing can be done, ``rewards`` the different ones of cells,
-    ``unreached`` the cells that no way leads to.
+    ``ends`` are the kinds of cells in which nothing can be done, each with what it is called, ``rewards`` the
+    different ones of cells, ``unreached`` the cells that no way leads to.
     """
 
     def __init__(self, space: FiniteSpace, grid: Grid) -> None:
@@ -117,7 +118,16 @@ class GridMap:
         acting = np.append(np.diff(space.first_pair) > 0, False)  # NO_STATE is the last one
         idle = np.flatnonzero(~acting[self._states.ravel()])
         self.unreached = unreached_cells(space, grid)
-        self.ends = frozenset(grid.kinds[cell] for cell in idle.tolist())
+        self.ends: dict[CellKind, str] = {}
+        for cell in idle.tolist():
+            kind = grid.kinds[cell]
+            self.ends[kind] = kind.value if kind in self.ends else self._end_name(cell)
+
+    def _end_name(self, cell: int) -> str:
+        """Return what the only end of its kind is called: its state's name where that is a word."""
+        state = self._states[divmod(cell, self.grid.columns)]
+        name = "" if state == NO_STATE else self._space.state_names[state]
+        return name if is_word(name) else self.grid.kinds[cell].value
 
     @cached_property
     def action_kinds(self) -> ActionKinds:

@@ -55,7 +55,7 @@ def end_signs(of: GridMap, look: Look) -> Iterator[LegendSign]:
         (CellKind.CLIFF, glyphs.cliff, palette.cliff),
         (CellKind.GOAL, glyphs.goal, palette.goal),
     )
-    yield from (LegendSign(sign, kind.value, style) for kind, sign, style in ends if kind in of.ends)
+    yield from (LegendSign(sign, of.ends[kind], style) for kind, sign, style in ends if kind in of.ends)
 
 
 def reward_signs(rewards: Sequence[CellReward], texts: Sequence[str], look: Look) -> Iterator[LegendSign]:

@@ -18,6 +18,9 @@ from rl_tui.tui.screens.dialogs.choice import Candidate, Choice
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
 FIRST_KEYS: Final = "space runs your program, s takes one of its steps"
+_ENDED: Final = (Phase.SPENT, Phase.STOPPED)
+_MOVES: Final = frozenset({"run.run_or_pause", "run.step", "run.episode", "run.faster"})
+"""Actions that mean nothing once a program has ended."""
 _LONGEST_NAME: Final = 40
 _LONGEST_NEWS: Final = 300
 _UNTIL_READ: Final = 15.0
@@ -38,9 +41,10 @@ class ProgramActions(Subject):
     def idle_keys(self) -> frozenset[str]:
         """The ids of the actions that mean nothing here: the key line leaves them out."""
         is_program = self.program is not None
+        has_ended = is_program and self.snapshot is not None and self.snapshot.playback.phase in _ENDED
         return frozenset(
             each.id for each in self.actions if (each.not_for_program if is_program else each.of_program)
-        )
+        ) | (_MOVES if has_ended else frozenset())
 
     def refuses(self, command: str) -> bool:
         """Say why ``command`` cannot be done to a program, if that is so; return whether it is."""
