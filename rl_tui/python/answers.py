@@ -21,7 +21,7 @@ _SUFFIX: Final = ".json"
 
 
 @advice_kept()
-def scenarios() -> list[ScenarioInfo]:
+def scenarios() -> ScenarioList:
     """Return the scenarios there are, in teaching order, then the user's own; broken files are left out.
 
     The list prints as a table, a row for each.

@@ -9,6 +9,7 @@ import numpy as np
 
 from rl_tui.common.findings import one_line
 from rl_tui.lab.detective.evidence import Evidence
+from rl_tui.lab.detective.faults.proof import FEWEST_STEPS, step_text
 from rl_tui.lab.detective.source.code_names import declared_discount
 from rl_tui.lab.detective.verdict import MovedCell, Rule, UpdateFound, UpdateTarget
 from rl_tui.lab.programs.program_log import ProgramLog
@@ -56,6 +57,8 @@ def _notes(
         yield _without_discount(evidence, *discount)
     elif update.reason:
         yield update.reason
+    if update.rule is Rule.UNKNOWN:
+        yield from _few_of_the_next_state(evidence)
     if update.rule in (Rule.UNKNOWN, Rule.MONTE_CARLO):
         yield "What is done at the end of an episode cannot be told without a known update."
         return
@@ -85,3 +88,17 @@ def _without_discount(evidence: Evidence, name: str, gamma: float) -> str:
             "was always 0 here."
         )
     return text
+
+
+def _few_of_the_next_state(evidence: Evidence) -> Iterator[str]:
+    """Yield a sentence where less steps than prove it moved the row of the next state, and none their own."""
+    cell = evidence.only_change[0]
+    at = np.flatnonzero((cell >= 0) & (evidence.state != evidence.next_state))
+    moved = evidence.next_state[at] * evidence.actions + evidence.action[at]
+    if 0 < len(at) < FEWEST_STEPS and np.array_equal(cell[at], moved):
+        first = evidence.number[at[0]]
+        yield (
+            f"At {step_text(first)} it was Q(s′, a) that moved, not Q(s, a): {len(at)} such "
+            f"{'step' if len(at) == 1 else 'steps'} so far, {FEWEST_STEPS} would prove that the state "
+            "is moved on before the update."
+        )

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from correct_learners import ALPHA, moved, q_learning
-from made_recordings import Step, recorded
+from made_recordings import Learner, Step, recorded
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.detective.detective import verdict_of
@@ -41,6 +41,11 @@ def nothing(table: FloatArray, step: Step) -> None:
 def without_next(table: FloatArray, step: Step) -> None:
     """Leaves the next state out."""
     moved(table, step, step.reward)
+
+
+def after_moving(table: FloatArray, step: Step) -> None:
+    """Updates the row of the next state."""
+    table[step.next_state, step.action] += ALPHA * step.reward
 
 
 def agent(folder: Path, body: str) -> ProgramLog:
@@ -122,3 +127,14 @@ def test_a_discount_that_moves_nothing_is_told(rewards: tuple[float, ...], by_co
     ):
         found = found_of(update, numbers, Hyperparameters())
         assert (found.hyperparameters.gamma, found.gamma_source) == (gamma, source)
+
+
+@pytest.mark.parametrize("learner", [after_moving, without_next])
+def test_a_few_steps_that_move_the_next_state_are_a_note(learner: Learner) -> None:
+    log = recorded(learner, initial="zeros", rewards=(1.0,), steps=2)
+    verdict, steps = verdict_of(log), log.recording.steps
+    assert verdict.findings == ()
+    assert "Too few numbers of the table have moved yet: 2 steps moved one, 2 rewards came." in verdict.notes
+    told = [note for note in verdict.notes if "moved, not Q(s, a)" in note]
+    assert len(told) == (learner is after_moving and bool((steps.state != steps.next_state).any()))
+    assert (steps.state != steps.next_state).any()
