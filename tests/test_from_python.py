@@ -143,6 +143,11 @@ def test_every_scenario_is_listed() -> None:
     assert set(SHIPPED) <= set(found)
     assert (found["cliff"].states, found["cliff"].actions, found["cliff"].kind) == (48, 4, "gymnasium")
     assert found["cliff"].defaults["algorithm"]
+    listed = rl_tui.scenarios()
+    lines = str(listed).splitlines()
+    assert (repr(listed), len(lines)) == (str(listed), len(listed) + 2)
+    assert [line.split()[0] for line in lines[2:]] == [each.id for each in listed]
+    assert listed._repr_html_().count("<tr>") == len(listed) + 1
 
 
 def test_every_hyper_parameter_can_be_given() -> None:

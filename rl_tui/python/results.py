@@ -240,3 +240,26 @@ class ScenarioInfo(ShortTable):
             ("algorithm", str(self.defaults["algorithm"])),
             ("episodes", figure(self.defaults["episodes"])),
         ]
+
+
+class ScenarioList(ShortTable, list[ScenarioInfo]):
+    """Scenarios, which print as one table."""
+
+    def _caption(self) -> str:
+        return f"{len(self):,} scenarios"
+
+    def _rows(self) -> Sequence[Sequence[str]]:
+        head = ("id", "title", "states", "actions", "algorithm")
+        return [
+            head,
+            *(
+                (
+                    each.id,
+                    each.title,
+                    figure(each.states),
+                    figure(each.actions),
+                    str(each.defaults["algorithm"]),
+                )
+                for each in self
+            ),
+        ]

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner, Result
-from lab.programs.course_agents import UDACITY, agent_in
+from lab.programs.course_agents import BERKELEY, UDACITY, agent_in
 
 from rl_tui.cli.main import program
 from rl_tui.lab.detective.detective import verdict_of
@@ -41,6 +41,10 @@ for episode in range(600):
 """
 LAKE = "gymnasium.make('FrozenLake-v1', is_slippery=False)"
 RIGHT = "(not terminated) * q[s2].max()"
+UNFILLED = BERKELEY[: BERKELEY.index("    def update")] + (
+    "    def update(self, state, action, nextState, reward):\n"
+    "        best = self.computeValueFromQValues(nextState)\n"
+)
 DEAD_END = """
 title = "For ever"
 [mdp]
@@ -105,15 +109,23 @@ def test_a_folder_is_graded_to_its_end_whatever_is_in_it(tmp_path: Path) -> None
         "script.py": script(),
         "test_of_mine.py": "1 / 0",
         "_helper.py": "1 / 0",
+        "parts.py": "import gymnasium\nN = 4\n",
+        "unfilled.py": UNFILLED,
+        "whole.py": script().replace("import numpy as np", "import numpy as np\nimport parts"),
     }.items():
         (tmp_path / name).write_text(text)
     result = run(tmp_path, "--scenario", "frozenlake", "--seeds", 1, "--episodes", 500, "--json")
     assert result.exit_code == 1
-    first, second = result.stderr.splitlines()
+    first, second, *results = result.stderr.splitlines()
     assert "no sandbox: a submission can read, write and send what you can" in first
-    assert second == "left out: _helper.py, test_of_mine.py"
+    assert second == "left out: _helper.py, parts.py (imported by others), test_of_mine.py"
+    assert results[:2] == ["agent.py: passed, 1.0000 of the best", "away.py: not passed, failed in 1 seed"]
     graded = {each["file"]: each for each in json.loads(result.stdout)["submissions"]}
-    assert [name for name, each in graded.items() if each["passed"]] == ["agent.py", "script.py"]
+    assert [name for name, each in graded.items() if each["passed"]] == ["agent.py", "script.py", "whole.py"]
+    assert len(results) == len(graded)
+    [missing] = graded["unfilled.py"]["findings"]
+    assert "the update is missing" in missing["correction"]
+    assert (missing["fault"], graded["unfilled.py"]["runs"][0]["error"]) == ("loses-update", None)
     errors = {name: each["runs"][0]["error"] or "" for name, each in graded.items()}
     for name, said in {
         "away.py": "of 500 episodes",
@@ -143,13 +155,15 @@ def test_a_fault_is_told_once_with_how_many_seeds_show_it(tmp_path: Path) -> Non
 
 
 @pytest.mark.process
-def test_what_takes_too_long_or_too_much_is_ended(tmp_path: Path) -> None:
+def test_what_takes_too_long_or_too_much_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rl_tui.lab.grading.grade.cores", lambda: 1)
     (tmp_path / "for_ever.py").write_text("while True: pass\n")
     (tmp_path / "huge.py").write_text("x = bytearray(3 * 2**30)\n")
-    answer = document(tmp_path, "--scenario", "frozenlake", "--seeds", 1, "--seconds", 3, "--memory", 1024)
+    answer = document(tmp_path, "--scenario", "frozenlake", "--seeds", 2, "--seconds", 3, "--memory", 1024)
     slow, huge = (each["runs"][0]["error"] for each in answer["submissions"])
     assert "ended after 3 seconds" in slow
     assert "MemoryError" in huge
+    assert "not run" in answer["submissions"][0]["runs"][1]["error"]
 
 
 @pytest.mark.process
@@ -226,6 +240,7 @@ def test_a_threshold_is_a_number_of_at_most_1(threshold: str) -> None:
         (("{folder}", "--scenario", "frozenlake"), "found no submission in this folder"),
         (("{folder}", "--scenario", "frozn"), "did you mean"),
         (("{file}", "--scenario", "cartpole"), "no table"),
+        (("{file}", "--scenario", "blackjack"), "blackjack-table has one"),
         (("{file}", "--scenario", "bandit-drifting"), "no table that stays"),
     ],
 )

@@ -28,6 +28,7 @@ from rl_tui.tui.panels.last_step.last_step import last_step_lines
 from rl_tui.tui.panels.microscope.backup_tree import AFTER_END as AFTER_THE_END
 from rl_tui.tui.panels.microscope.backup_tree import NOT_KNOWN
 from rl_tui.tui.panels.microscope.microscope import page
+from rl_tui.tui.panels.microscope.return_text import return_section
 from rl_tui.tui.panels.program.findings import (
     FindingsPanel,
 )
@@ -303,6 +304,14 @@ def test_the_microscope_has_the_update_that_fits_and_invents_nothing() -> None:
     assert "your program moved" in text
     for invented in ("sampled", "expected", "α", "max Q", "G₀"):
         assert invented not in text
+    open_update = unknown("no step tells it")
+    assert open_update.program is not None
+    declared = replace(open_update.program, gamma=0.95, gamma_source="declared")
+    told = story_of(replace(open_update, program=declared))
+    assert told is not None
+    section = return_section(replace(told, rewards=(1.0,)), look(), 200)
+    text = " ".join(piece.text for line in section.lines for piece in line)
+    assert "no step has decided it yet; exact answers are for 0.95, read from your code" in text
 
 
 def test_what_a_fault_puts_into_the_target_is_written_as_it_is() -> None:

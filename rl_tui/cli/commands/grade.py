@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import click
 
 from rl_tui.cli.options.numbers import Real, Whole
@@ -66,7 +68,8 @@ def command(
 
     refuse_where_served()
     complain(WARNING)
-    from rl_tui.lab.grading.grade import Grading, GradingLimits, grade_report
+    from rl_tui.cli.reports.grading import grades, result_line
+    from rl_tui.lab.grading.grade import GradedSubmission, Grading, GradingLimits, grade_report
     from rl_tui.lab.grading.submissions import submissions_in
     from rl_tui.lab.run.library import episodes_of, recipe_named
 
@@ -83,12 +86,25 @@ def command(
             "too much to ask"
         )
     with progress(f"{target} in {recipe.scenario.id}") as bar:
-        graded = grading.grade(found.submissions, bar)
+
+        def on_graded(each: GradedSubmission) -> None:
+            if sys.stderr.isatty():
+                bar.say(result_line(each))
+            elif len(found.submissions) > 1:
+                complain(result_line(each))
+            finished.append(each)
+
+        finished: list[GradedSubmission] = []
+        try:
+            graded = grading.grade(found.submissions, bar, on_graded)
+        except KeyboardInterrupt:
+            complain(f"interrupted: {len(finished):,} of {len(found.submissions):,} submissions were graded")
+            if finished:
+                complain(grades(grading, finished))
+            raise
     if as_json:
         print_json(grade_report(grading, graded))
     else:
-        from rl_tui.cli.reports.grading import grades
-
         click.echo(grades(grading, graded))
     if not all(each.passed for each in graded):
         click.get_current_context().exit(FAILED)

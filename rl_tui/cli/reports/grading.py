@@ -29,6 +29,15 @@ def grades(grading: Grading, graded: Sequence[GradedSubmission]) -> str:
     return "\n".join(parts)
 
 
+def result_line(each: GradedSubmission) -> str:
+    """Return what ``each`` came to, in a line."""
+    name, verdict, mean, *_, failed = _row(each, 0.0)
+    share = "" if each.mean_share is None else f", {mean} of the best"
+    return f"{name}: {verdict}{share}" + (
+        f", failed in {counted(int(failed.replace(',', '')), 'seed')}" if failed else ""
+    )
+
+
 def _row(each: GradedSubmission, best: float) -> tuple[str, ...]:
     returns = [run.expected_return for run in each.runs if run.expected_return is not None]
     failed = len(each.runs) - len(returns)

@@ -14,7 +14,11 @@ from rl_tui.lab.detective.faults.cells import proof_of_cell, proof_of_sharing
 from rl_tui.lab.detective.faults.choices import risk_of_choices
 from rl_tui.lab.detective.faults.constants import proof_of_gamma_twice, proof_of_step_size
 from rl_tui.lab.detective.faults.ends import proofs_at_ends
-from rl_tui.lab.detective.faults.lost_updates import proof_of_no_update, proof_of_rounding
+from rl_tui.lab.detective.faults.lost_updates import (
+    proof_of_missing_update,
+    proof_of_no_update,
+    proof_of_rounding,
+)
 from rl_tui.lab.detective.faults.predictions import Predictions, by_the_environment
 from rl_tui.lab.detective.faults.proof import CodePlace, Proof
 from rl_tui.lab.detective.faults.rewards import reward_used
@@ -62,7 +66,16 @@ def _found(
     enough = [proof for proof in proofs if proof is not None and proof.is_enough]
     hidden = frozenset().union(*(_HIDDEN_BY.get(proof.fault, frozenset()) for proof in enough))
     findings = tuple(_finding(proof, code) for proof in enough if proof.fault not in hidden)
-    return findings, notes_on(evidence, predictions.update, table.dtype)
+    return findings, notes_on(evidence, predictions.update, table.dtype, log.numbers)
+
+
+def findings_without_table(log: ProgramLog) -> tuple[CodeFinding, ...]:
+    """Return what may be told of an agent in which no table was found."""
+    if log.agent is None:
+        return ()
+    code = ProgramCode(log)
+    proof = proof_of_missing_update(log, code)
+    return () if proof is None else (_finding(proof, code),)
 
 
 def _without_a_rule(
@@ -72,7 +85,7 @@ def _without_a_rule(
     writes = code.always_writes
     yield proof_of_sharing(evidence, log.shared_at, names)
     yield proof_of_rounding(evidence, table.dtype, log.numbers, names, writes=writes)
-    yield proof_of_no_update(evidence, names, writes=writes, is_over=log.ended)
+    yield proof_of_no_update(evidence, names, code, is_over=log.ended)
     yield proof_of_cell(evidence, names)
     yield risk_of_choices(evidence, log, names)
 

@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from rl_tui.common.words import counted
 from rl_tui.lab.detective.evidence import Evidence
 from rl_tui.lab.detective.updates.expected_sarsa import expected_trial
 from rl_tui.lab.detective.updates.monte_carlo import AT_ENDS, monte_carlo_update
@@ -175,7 +176,9 @@ def _undecided(trial: Trial) -> str:
 def _why_none(sample: Sample) -> str:
     """Return why no update explains ``sample``."""
     if int(np.sum(sample.change != 0.0)) < FEWEST:
-        return "Too few numbers of the table have moved yet."
+        moved = counted(int(np.sum(sample.evidence.changes_of > 0)), "step")
+        rewards = counted(int(np.count_nonzero(sample.evidence.reward)), "reward")
+        return f"Too few numbers of the table have moved yet: {moved} moved one, {rewards} came."
     if sample.evidence.whole_numbers:
         return "The table holds whole numbers only: what is put into it is cut off."
     return "Each step moves one number, but no update that is known explains by how much."

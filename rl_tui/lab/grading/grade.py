@@ -16,6 +16,7 @@ from rl_tui.agents.exact.policy_figures import expected_return
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.lab.detective.detective import verdict_of
+from rl_tui.lab.detective.source.code_places import ProgramCode
 from rl_tui.lab.detective.verdict import CodeFault, CodeFinding
 from rl_tui.lab.experiments.patience import cores
 from rl_tui.lab.experiments.training import Goal
@@ -28,8 +29,9 @@ from rl_tui.lab.programs.program_log import ProgramEnvironment, ProgramLog
 from rl_tui.lab.programs.program_process import ProgramRequest
 from rl_tui.lab.programs.program_world import world_of_program
 from rl_tui.lab.programs.recording import Recording
-from rl_tui.lab.programs.to_the_end import watched_to_the_end
+from rl_tui.lab.programs.to_the_end import TIME_LIMIT, watched_to_the_end
 from rl_tui.lab.run.figures import MOST_STATES
+from rl_tui.lab.run.library import recipe_named
 from rl_tui.lab.run.recipe import Recipe, begin
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
@@ -39,8 +41,10 @@ _LONGEST_ID: Final = 80
 _MOST_STEPS: Final = 1_000_000
 """The last steps that are kept to look for faults in; several submissions are in memory at once."""
 _NO_TABLE: Final = "no table of values was found in it"
+_NOT_RUN: Final = "not run, as an earlier seed took too long"
 _SAME_ARRAYS: Final = ("first_pair", "pair_action", "first_outcome", "next_state", "terminated")
 _SAME_NUMBERS: Final = ("probability", "reward", "reward_std")
+_WITH_TABLE: Final = "-table"
 _TOLERANCE: Final = 1e-9
 
 
@@ -122,19 +126,28 @@ class Grading:
         self._limits = limits or GradingLimits()
 
     def grade(
-        self, submissions: Sequence[Submission], on_progress: Callable[[int, int], None]
+        self,
+        submissions: Sequence[Submission],
+        on_progress: Callable[[int, int], None],
+        on_graded: Callable[[GradedSubmission], None] = lambda _: None,
     ) -> list[GradedSubmission]:
         """Return the grades, in order; one that crashes does not stop the others.
 
-        ``on_progress`` is called, one call at a time, with how many runs are done, and how many there are.
+        A submission that took too long once is not run with further seeds. ``on_progress`` is called, one
+        call at a time, with how many runs are done, and how many there are; ``on_graded`` with each
+        submission in order, as soon as it and those before it are done.
         """
         wanted, done = len(submissions) * self.seeds, 0
 
         counting, given_up = threading.Lock(), threading.Event()
+        slow = {each: threading.Event() for each in submissions}
 
         def graded(submission: Submission, seed: int) -> GradedRun:
             nonlocal done
-            run = self._graded(submission, seed, given_up)
+            if slow[submission].is_set():
+                run = GradedRun(seed, error=_NOT_RUN)
+            else:
+                run = self._graded(submission, seed, given_up, slow[submission])
             with counting:
                 done += 1
                 on_progress(done, wanted)
@@ -148,22 +161,31 @@ class Grading:
                 [pool.submit(graded, each, first + place) for place in range(self.seeds)]
                 for each in submissions
             ]
-            return [
-                GradedSubmission(each.name, tuple(future.result() for future in runs), self.threshold)
-                for each, runs in zip(submissions, futures, strict=True)
-            ]
+            grades = []
+            for each, runs in zip(submissions, futures, strict=True):
+                results = tuple(future.result() for future in runs)
+                grades.append(GradedSubmission(each.name, results, self.threshold))
+                on_graded(grades[-1])
+            return grades
         finally:
             given_up.set()  # before all are done only where an exception passes, as at ctrl+c
             pool.shutdown(wait=True, cancel_futures=True)
 
-    def _graded(self, submission: Submission, seed: int, given_up: threading.Event) -> GradedRun:
-        """Return what one seed of ``submission`` came to; whatever goes wrong with it is said there."""
+    def _graded(
+        self, submission: Submission, seed: int, given_up: threading.Event, slow: threading.Event
+    ) -> GradedRun:
+        """Return what one seed of ``submission`` came to; whatever goes wrong with it is said there.
+
+        ``slow`` is set where it took too long.
+        """
         try:
             is_agent = agent_of(submission) is not None
             log = self._watched(submission, seed, given_up, is_agent=is_agent)
             findings = verdict_of(log).findings
             error = error_of_agent(log, self._goal) if is_agent else error_of(log)
             if error is not None:
+                if error.type == TIME_LIMIT:
+                    slow.set()
                 said = error_in_a_line(submission.agent.path, error)
                 return GradedRun(seed, error=said, findings=findings)
             q = self._q_of_agent(log) if is_agent else self._q_of_script(log)
@@ -193,6 +215,8 @@ class Grading:
 
     def _q_of_agent(self, log: ProgramLog) -> FloatArray:
         q = estimates_of(log, self.mdp)
+        if q is None and log.table is None and ProgramCode(log).lacks_update:
+            return np.zeros(self.mdp.pairs)  # a dict into which nothing is ever written
         if q is None:
             raise UserError(_NO_TABLE)
         return q
@@ -240,13 +264,23 @@ def _measured(recipe: Recipe) -> tuple[TabularMDP, Yardstick]:
     """Return the table of the scenario, and what returns in it are measured by."""
     mdp, id_ = begin(recipe).world.mdp, recipe.scenario.id
     if mdp is None or mdp.drift_std > 0.0:
-        raise UserError(f"{id_} cannot be graded by: it has no table that stays, and so no exact answer")
+        said = f"{id_} cannot be graded by: it has no table that stays, and so no exact answer"
+        raise UserError(f"{said}; {id_}{_WITH_TABLE} has one" if _has_table_twin(id_) else said)
     if mdp.states > MOST_STATES:
         raise UserError(f"{id_} cannot be graded by: exact answers are left out above {MOST_STATES:,} states")
     measured = yardstick_of(mdp, recipe.hyperparameters.gamma)
     if measured is None:
         raise UserError(f"{id_} cannot be graded by: no policy in it has a best return")
     return mdp, measured
+
+
+def _has_table_twin(id_: str) -> bool:
+    """Return whether the same is there as a scenario with a table of transitions, as blackjack-table is."""
+    try:
+        recipe_named(f"{id_}{_WITH_TABLE}")
+    except UserError:
+        return False
+    return True
 
 
 def _as_made(environment: ProgramEnvironment) -> str:

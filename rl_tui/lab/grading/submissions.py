@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final, NamedTuple
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import shown
-from rl_tui.lab.own_agents.loading import AgentName, AgentPlace, agents_in, runs_when_imported, the_agent
+from rl_tui.lab.detective.source.syntax import imported_modules, parsed_file
+from rl_tui.lab.own_agents.loading import (
+    AgentName,
+    AgentPlace,
+    agents_in,
+    makes_environment,
+    runs_when_imported,
+    the_agent,
+)
 from rl_tui.lab.programs.child.source import read_script
 
 _SUFFIX: Final = ".py"
@@ -34,7 +43,8 @@ def submissions_in(target: str) -> FoundSubmissions:
     """Return what ``target``, ``FILE.py[:NAME]`` or a folder, has to grade.
 
     Of a folder it is every Python file that lies in it, but for those whose names begin with ``_``, ``.``,
-    ``test_`` or ``conftest``. Raises UserError where there is nothing.
+    ``test_`` or ``conftest``, and parts that others import and that are no submissions themselves. Raises
+    UserError where there is nothing.
     """
     folder = Path(target)
     if not folder.is_dir():
@@ -48,11 +58,33 @@ def submissions_in(target: str) -> FoundSubmissions:
         raise UserError(f"{shown(target)}: cannot be read ({error.strerror})") from error
     left_out = [each.name for each in files if each.name.startswith(_LEFT_OUT)]
     kept = [each for each in files if not each.name.startswith(_LEFT_OUT)]
+    parts = _parts_of_others(kept)
+    kept = [each for each in kept if each not in parts]
+    left_out = sorted([*left_out, *(f"{each.name} (imported by others)" for each in parts)])
     if not kept:
         raise UserError(f"{shown(target)}: found no submission in this folder; expected Python files")
     if len(kept) > _MOST:
         raise UserError(f"{shown(target)}: found {len(kept):,} Python files; expected at most {_MOST:,}")
     return FoundSubmissions([Submission(each.name, AgentName(each, "")) for each in kept], left_out)
+
+
+def _parts_of_others(files: Sequence[Path]) -> list[Path]:
+    """Return which of ``files`` others of them import, and have neither an agent nor an environment."""
+    trees = {each: parsed_file(str(each)) for each in files}
+    imported = {
+        name.partition(".")[0]
+        for file, tree in trees.items()
+        if tree is not None
+        for name in imported_modules(tree)
+        if name != file.stem
+    }
+    return [
+        each
+        for each, tree in trees.items()
+        if tree is not None
+        and each.stem in imported
+        and not (agents_in(tree, each.parent) or makes_environment(tree))
+    ]
 
 
 def agent_of(submission: Submission) -> AgentPlace | None:

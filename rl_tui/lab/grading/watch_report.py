@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from rl_tui.lab.detective.source.code_names import declared_discount
 from rl_tui.lab.detective.verdict import CodeFinding, ProgramVerdict, UpdateFound, step_number
 from rl_tui.lab.programs.program_log import FoundTable, ProgramEnvironment, ProgramError, ProgramLog
 from rl_tui.lab.run.figures import MOST_STATES, finite
@@ -15,7 +16,8 @@ class LearnedFigures:
     """What the greedy policy of a program's table is worth, exactly; None where nothing tells it.
 
     ``expected_return`` and ``best_expected_return`` are undiscounted and within the time limit, the best by
-    any policy; ``value_at_start`` is discounted by the γ that was found in the program.
+    any policy; ``value_at_start`` is discounted by the γ that was found in the program; where that
+    is 0, by the one in its code.
     """
 
     expected_return: float | None = None
@@ -25,7 +27,10 @@ class LearnedFigures:
 
 def watch_report(script: str, log: ProgramLog, verdict: ProgramVerdict) -> dict[str, Any]:
     """Return all that is said of the program that told ``log``, as JSON; ``script`` is what it is called."""
-    environment, learned = environment_of(log), learned_figures(log, verdict.update.gamma)
+    gamma, declared = verdict.update.gamma, declared_discount(log.numbers)
+    if gamma == 0.0 and declared is not None:  # the next state is left out: what counts is what is meant
+        gamma = declared[1]
+    environment, learned = environment_of(log), learned_figures(log, gamma)
     document: dict[str, Any] = finite(
         {
             "script": script,

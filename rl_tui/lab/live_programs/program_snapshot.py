@@ -12,6 +12,7 @@ from rl_tui.agents.catalogue import OWN_PROGRAM
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import Author
 from rl_tui.common.errors import UserError
+from rl_tui.lab.detective.source.code_names import declared_discount
 from rl_tui.lab.detective.verdict import MovedCell, Rule, UpdateFound
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import AgentView, Phase, PlaybackView, Snapshot
@@ -35,7 +36,6 @@ if TYPE_CHECKING:
     from rl_tui.lab.programs.program_world import ProgramWorld
     from rl_tui.worlds.mdp.space import FloatArray
 
-GAMMA_NAMES: Final = ("gamma", "discount", "discount_factor", "discount_rate", "df")
 SHOWN_OUTPUT: Final = 200
 """Lines of output in a snapshot."""
 _OURS: Final[Mapping[Rule, str]] = {
@@ -63,11 +63,12 @@ class Found(NamedTuple):
 
 def found_of(update: UpdateFound, numbers: Mapping[str, float], usual: Hyperparameters) -> Found:
     """Return how a program learns: by the update, else by the ``numbers`` of its code, else as ``usual``."""
-    declared = {name.lower().rsplit(".", 1)[-1]: value for name, value in numbers.items()}
+    declared = declared_discount(numbers)
     gamma, source = update.gamma, "found"
-    if gamma is None:
-        named = [declared[name] for name in GAMMA_NAMES if name in declared]
-        gamma, source = (named[0], "declared") if named else (usual.gamma, "usual")
+    if declared is not None and not gamma:  # with γ 0 the next state is left out
+        gamma, source = declared[1], "declared"
+    elif gamma is None:
+        gamma, source = usual.gamma, "usual"
     values = usual
     for name, value in (("gamma", gamma), ("alpha", update.alpha), ("epsilon", update.epsilon)):
         if value is not None and math.isfinite(value):

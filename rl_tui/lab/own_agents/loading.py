@@ -58,7 +58,7 @@ def agents_in(tree: ast.Module, folder: Path) -> list[AgentPlace]:
         for each in _classes(tree)
         if (style := _style(each, tree, folder)) is not None
     ]
-    if classes or _makes_environment(tree):
+    if classes or makes_environment(tree):
         return classes
     functions = (each for each in tree.body if isinstance(each, ast.FunctionDef))
     return [
@@ -95,10 +95,10 @@ def runs_when_imported(tree: ast.Module) -> bool:
     question for ``__name__`` does not run then.
     """
     run = [each for each in tree.body if not (isinstance(each, _DEFINITIONS) or _asks_for_name(each))]
-    if any(_makes_environment(each) for each in run):
+    if any(makes_environment(each) for each in run):
         return True
     loops = any(isinstance(each, (ast.For, ast.While)) for top in run for each in ast.walk(top))
-    return loops and _makes_environment(tree)
+    return loops and makes_environment(tree)
 
 
 def load_module(code: CodeType, path: Path) -> ModuleType:
@@ -207,6 +207,6 @@ def _asks_for_name(node: ast.stmt) -> bool:
     return isinstance(node, ast.If) and any(_last_name(each) == "__name__" for each in ast.walk(node.test))
 
 
-def _makes_environment(tree: ast.AST) -> bool:
+def makes_environment(tree: ast.AST) -> bool:
     """Return whether a ``make`` is called anywhere: ``gymnasium.make(…)`` or the name alone."""
     return any(_last_name(each.func) == "make" for each in ast.walk(tree) if isinstance(each, ast.Call))

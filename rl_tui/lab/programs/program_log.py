@@ -269,7 +269,8 @@ class ProgramLog:
             case MessageKind.NUMBERS:
                 self.numbers.update(said["numbers"])
             case MessageKind.CALLED:
-                self.called[said["method"]] = (said["file"], said["line"])
+                if self.agent is None:  # else the loop is ours
+                    self.called[said["method"]] = (said["file"], said["line"])
             case MessageKind.TRANSITIONS:
                 self.environments[said["number"]] = replace(
                     self.environments[said["number"]], transitions=said["P"], start=said["start"]

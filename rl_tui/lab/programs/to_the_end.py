@@ -10,6 +10,8 @@ from typing import Final
 from rl_tui.lab.programs.program_log import ProgramError, ProgramLog
 from rl_tui.lab.programs.program_process import ProgramProcess, ProgramRequest
 
+TIME_LIMIT: Final = "TimeLimit"
+"""The type of the error of a program that took too long."""
 _LOOK: Final = 0.1  # seconds
 _AFTER_THE_END: Final = 3.0
 """Seconds that a program may go on once its steps are taken, or it has said that it is over."""
@@ -40,7 +42,7 @@ def watched_to_the_end(
         process.end()
     if not (log.ended or _has_taken(log, request.steps)):
         file, line = log.stands_at or ("", None)
-        log.error = ProgramError("TimeLimit", f"the program was ended after {seconds:g} seconds", file, line)
+        log.error = ProgramError(TIME_LIMIT, f"the program was ended after {seconds:g} seconds", file, line)
     elif not log.ended and log.stands_at is not None:
         log.notes.append(f"after the last step the program stayed in line {log.stands_at[1]}, and was ended")
     return log

@@ -10,7 +10,9 @@ import numpy as np
 from rl_tui.lab.detective.evidence import Evidence
 from rl_tui.lab.detective.faults.proof import FEWEST_STEPS, CodePlace, Proof, some_of, step_text, written
 from rl_tui.lab.detective.source.code_names import CodeNames
+from rl_tui.lab.detective.source.code_places import ProgramCode
 from rl_tui.lab.detective.verdict import CodeFault
+from rl_tui.lab.programs.program_log import ProgramLog
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
 _MOST: Final = 2_000
@@ -30,7 +32,7 @@ def proof_of_rounding(
     Either numbers of the code explain what is kept as the whole part of an update, or nothing is kept at all
     of rewards though the code writes.
     """
-    never_moves = not evidence.recording.changes.step.size
+    never_moves = not evidence.changes.step.size
     if not dtype.startswith(("int", "uint")) or (never_moves and not writes):
         return None
     cut = _cut_off(evidence, numbers)
@@ -83,17 +85,23 @@ def _nothing_kept(evidence: Evidence) -> tuple[IntArray, str] | None:
     return at, f"nothing is kept of the reward {reward} at {step}"
 
 
-def proof_of_no_update(evidence: Evidence, names: CodeNames, *, writes: bool, is_over: bool) -> Proof | None:
-    """Return the proof that nothing ever moves, though rewards came and the code writes to the table."""
-    initial = evidence.recording.initial
-    if not writes or initial is None or evidence.recording.changes.step.size:
-        return None
-    if evidence.recording.first or len(np.unique(np.nan_to_num(initial))) > 1:
+def proof_of_no_update(
+    evidence: Evidence, names: CodeNames, code: ProgramCode, *, is_over: bool
+) -> Proof | None:
+    """Return the proof that nothing ever moves, though rewards came and the code writes to the table.
+
+    Or though they came to an agent whose update is not written yet.
+    """
+    lacks_update = code.lacks_update
+    if evidence.recording.first or evidence.changes.step.size or len(np.unique(evidence.initial)) > 1:
         return None  # what was learned earlier, or read from a file, is only used
-    rewarded = _tells(evidence, float(np.nan_to_num(initial).max(initial=0.0)))
+    if not (lacks_update or code.always_writes):
+        return None
+    rewarded = _tells(evidence, float(evidence.initial.max(initial=0.0)))
     at = np.flatnonzero(rewarded)
     is_long = len(at) >= _PATIENCE and np.ptp(evidence.episode) >= _PATIENT_EPISODES
-    if len(at) < _FEWEST_REWARDS or not (is_over or is_long):
+    is_long_enough = lacks_update or (len(at) >= _FEWEST_REWARDS and (is_over or is_long))
+    if not (len(at) and is_long_enough):
         return None
     first = at[0]
     return Proof(
@@ -102,8 +110,38 @@ def proof_of_no_update(evidence: Evidence, names: CodeNames, *, writes: bool, is
         0,
         f"{len(at):,} steps brought a reward, the first at {step_text(evidence.number[first])} "
         f"({written(evidence.reward[first])}), and no number of the table ever moved",
-        f"after each step put the new estimate into the table itself: {names.cell()} += "
-        f"{names.alpha} * (target - {names.cell()})",
+        _mend(evidence, at, names, code),
+        CodePlace.CALL,
+    )
+
+
+def _mend(evidence: Evidence, rewarded: IntArray, names: CodeNames, code: ProgramCode) -> str:
+    """Return what to do where no reward of the steps at the places ``rewarded`` came into the table."""
+    update = f"{names.cell()} += {names.alpha} * (target - {names.cell()})"
+    if code.lacks_update:
+        return f"the update is missing, the code only reads: {names.target()}; {update}"
+    left = code.left_before_update()
+    if left is not None and (evidence.terminated | evidence.truncated)[rewarded].all():
+        return (
+            f"line {left.line} leaves the loop before the update, so it is not reached at steps that end an "
+            f"episode, which brought every reward: update first, by {names.target()}"
+        )
+    return f"after each step put the new estimate into the table itself: {update}"
+
+
+def proof_of_missing_update(log: ProgramLog, code: ProgramCode) -> Proof | None:
+    """Return the proof that an agent without any table, in which none was found, lacks its update."""
+    steps, first = log.recording.steps, log.recording.first
+    at = np.flatnonzero(steps.reward != 0.0)
+    if not len(at) or not code.lacks_update:
+        return None
+    return Proof(
+        CodeFault.LOSES_UPDATE,
+        at + first,
+        0,
+        f"{len(at):,} steps brought a reward, the first at {step_text(int(at[0]) + first)} "
+        f"({written(steps.reward[at[0]])}), and no estimate was ever written",
+        "the update is missing, the code only reads: Q(S, A) ← Q(S, A) + α [R + γ max Q(S′, a) − Q(S, A)]",
         CodePlace.CALL,
     )
 

@@ -33,7 +33,11 @@ _USUAL: Final = {
     "terminated": ("terminated", "term", "terminal", "done"),
 }
 """The names that people give to them in an update, the commonest first."""
+_DISCOUNTS: Final = ("gamma", "discount", "discount_factor", "discount_rate", "df")
+"""What people call a γ, the commonest first."""
 _RETURNED: Final = ("next_state", "reward", "terminated")
+_AGENT: Final = "agent"
+"""What an agent without a loop of its own is called in ours."""
 _LONGEST: Final = 40
 """Characters of a name."""
 _NEAR: Final = 1e-9
@@ -104,7 +108,7 @@ def names_of(
         else UpdateTarget.BEST
     )
     found: dict[str, str] = {}
-    line = code.update_line()
+    line = code.call_line() if code.lacks_update else code.update_line()
     used = _used_at(code, line)
     for role, usual in _USUAL.items():
         found.update((role, each) for each in reversed(usual) if each in used)
@@ -113,8 +117,25 @@ def names_of(
         held = _held(numbers, number)
         if held is not None:
             found[role] = held
-    short = {role: one_line(name, _LONGEST) for role, name in found.items()}
-    return CodeNames(one_line(table.name, _LONGEST), form=table.form, value=value, **short)
+    short = {role: one_line(_as_written(name, used), _LONGEST) for role, name in found.items()}
+    name = one_line(_as_written(table.name, used), _LONGEST)
+    return CodeNames(name, form=table.form, value=value, **short)
+
+
+def declared_discount(numbers: Mapping[str, float]) -> tuple[str, float] | None:
+    """Return the name and the γ that the ``numbers`` of a program's code hold; None without any."""
+    named = {name.lower().rsplit(".", 1)[-1]: (name, value) for name, value in numbers.items()}
+    return next((named[name] for name in _DISCOUNTS if name in named), None)
+
+
+def _as_written(name: str, used: frozenset[str]) -> str:
+    """Return ``name`` of an agent, as ``agent.q``, as code with the names ``used`` has it: ``self.q``."""
+    head, _, attribute = name.partition(".")
+    if head != _AGENT or not attribute or _AGENT in used:
+        return name
+    if "self" in used:
+        return f"self.{attribute}"
+    return attribute if attribute in used else name
 
 
 def _used_at(code: ProgramCode, line: CodeLine | None) -> frozenset[str]:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
+from rl_tui.lab.detective.source.reading_only import only_reads
 from rl_tui.lab.detective.source.syntax import (
     assigned,
     calls_of_step,
@@ -26,6 +27,7 @@ from rl_tui.lab.detective.source.syntax import (
     parsed_file,
     targets_of,
 )
+from rl_tui.lab.own_agents.shapes import Style
 
 if TYPE_CHECKING:
     from rl_tui.lab.programs.program_log import ProgramLog
@@ -73,7 +75,7 @@ class ProgramCode:
 
     def __init__(self, log: ProgramLog) -> None:
         self._lines, self._called = log.lines, log.called
-        self._table = log.table
+        self._table, self._agent = log.table, log.agent
         self._name = "" if log.table is None else log.table.name.rpartition(".")[2]
 
     @cached_property
@@ -167,6 +169,37 @@ class ProgramCode:
         called = [self._functions.get(name_of(call.func)) for call in of_type(node, ast.Call)]
         bodies = [each[1].body for each in called if each is not None and depth > 0]
         return any(self._is_always_in(inner, writes, depth - 1) for inner in bodies)
+
+    @cached_property
+    def lacks_update(self) -> bool:
+        """Whether it is an agent whose method of the update only reads: nothing is written there yet."""
+        line = self.call_line()
+        function = None if line is None or self._agent is None else self.scope_of(line)
+        if not isinstance(function, _Function) or self._agent is None:
+            return False
+        may_return = self._agent.style != Style.FUNCTION.value
+        if not may_return and any(each.value is not None for each in of_type(function, ast.Return)):
+            return False  # it may be a new table
+        functions = {name: node for name, (_, node) in self._functions.items()}
+        return only_reads(function, functions, self._name)
+
+    def left_before_update(self) -> CodeLine | None:
+        """Return the ``if`` after the call of ``env.step`` that leaves the loop before the update."""
+        call = self.call_line()
+        if call is None or not self._writes:
+            return None
+        for each in self._statements:
+            body = [*inner_statements(each.node)] if isinstance(each.node, ast.For | ast.While) else []
+            lines = [inner.lineno for inner in body]
+            if each.file != call.file or call.line not in lines:
+                continue
+            later = body[lines.index(call.line) + 1 :]
+            writes = {id(write.node) for write in self._writes}
+            at = next((place for place, inner in enumerate(later) if id(inner) in writes), None)
+            for inner in later[:at] if at is not None else ():
+                if isinstance(inner, ast.If) and isinstance(inner.body[-1], ast.Break | ast.Continue):
+                    return CodeLine(each.file, inner.lineno)
+        return None
 
     @cached_property
     def sets_a_constant(self) -> bool:

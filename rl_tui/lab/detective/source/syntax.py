@@ -44,6 +44,18 @@ def _parsed(path: Path, changed: int) -> ast.Module | None:
         return None
 
 
+def imported_modules(tree: ast.Module) -> Iterator[str]:
+    """Yield the names of the modules that are imported anywhere in ``tree``, by full name."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (each.name for each in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            if node.module:
+                yield node.module
+            else:
+                yield from (each.name for each in node.names)  # from . import module
+
+
 def of_type(tree: ast.AST, kind: type[Node]) -> Iterator[Node]:
     """Yield the nodes of a kind in ``tree``, in the order of their lines."""
     found = [node for node in ast.walk(tree) if isinstance(node, kind)]
@@ -58,10 +70,14 @@ def name_of(node: ast.AST | None) -> str:
 
 
 def base_of(node: ast.expr) -> ast.expr:
-    """Return what is indexed, however often."""
-    while isinstance(node, ast.Subscript):
-        node = node.value
-    return node
+    """Return what is indexed, or copied and indexed, however often."""
+    while True:
+        if isinstance(node, ast.Subscript):
+            node = node.value
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "copy":
+            node = node.func.value
+        else:
+            return node
 
 
 def assigned(node: ast.AST) -> tuple[ast.expr | None, ast.expr | None]:

@@ -65,8 +65,16 @@ def _undiscounted(story: StepStory, look: Look, width: int) -> MicroscopeSection
     known = len(story.rewards) == story.steps
     start = "undiscounted " if known else f"of the last {len(story.rewards):,} steps, undiscounted "
     lines: list[Line] = [[Piece(f" {start}", look.palette.dim), Piece(amount, look.palette.strong)]]
-    lines += wrapped(OPEN_DISCOUNT, width, look.palette.dim, look, " ", " ")
+    lines += wrapped(_open_discount(story), width, look.palette.dim, look, " ", " ")
     return MicroscopeSection(RETURN_HEADING, lines, RETURN_ROWS, (f"t = {story.steps:,}",))
+
+
+def _open_discount(story: StepStory) -> str:
+    """Return that no step has decided γ, and by which one the exact answers go meanwhile."""
+    program = story.program
+    if program is None or program.gamma is None or program.gamma_source != "declared":
+        return OPEN_DISCOUNT
+    return f"{OPEN_DISCOUNT}; exact answers are for {program.gamma:g}, read from your code"
 
 
 def _meaning(story: StepStory) -> str:
