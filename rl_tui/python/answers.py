@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
 from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.python.results import EvaluateResult, ScenarioInfo, ScenarioList, SolveResult, TrainResult
+from rl_tui.python.results import EvaluateResult, ScenarioInfo, ScenarioTable, SolveResult, TrainResult
 from rl_tui.python.settings import checked, goal_of, recipe_of
 from rl_tui.worlds.gym.advice import advice_kept
 
@@ -21,14 +21,14 @@ _SUFFIX: Final = ".json"
 
 
 @advice_kept()
-def scenarios() -> ScenarioList:
+def scenarios() -> ScenarioTable:
     """Return the scenarios there are, in teaching order, then the user's own; broken files are left out.
 
     The list prints as a table, a row for each.
     """
     from rl_tui.lab.run.library import listing, read_catalogue
 
-    found = ScenarioList()
+    found = ScenarioTable()
     for scenario in read_catalogue().scenarios:
         try:
             row = listing(scenario)

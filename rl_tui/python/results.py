@@ -242,7 +242,7 @@ class ScenarioInfo(ShortTable):
         ]
 
 
-class ScenarioList(ShortTable, list[ScenarioInfo]):
+class ScenarioTable(ShortTable, list[ScenarioInfo]):
     """Scenarios, which print as one table."""
 
     def _caption(self) -> str:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rl_tui.lab.run.bandit import BanditFigures
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from rl_tui.lab.run.bandit import BanditFigures
 
 
 def _no_numbers() -> FloatArray:

@@ -376,9 +376,7 @@ class Playground(ActionScreen):
 
     def help_screen(self, *, at_keys: bool = False) -> HelpScreen:
         """Return the help, with the notes of the scenario."""
-        notes, panels = self.recipe.scenario.notes, self.panel_rows
-        if self.program.program is not None:  # what is of programs alone is what a person asks for
-            panels = sorted(panels, key=lambda row: not row.of_program)
+        notes, panels = self.recipe.scenario.notes, self.program.in_order_of_help(self.panel_rows)
         return HelpScreen(self.look, self.actions, panels, notes, at_keys=at_keys)
 
     def action_turn_legends(self) -> None:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import copy
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
 from rl_tui.lab.programs.child.environments.numbering import Numbering
-from rl_tui.lab.programs.child.recorder import Recorder
 from rl_tui.lab.programs.messages import MessageKind, StepFlag
+
+if TYPE_CHECKING:
+    from rl_tui.lab.programs.child.recorder import Recorder
 
 _TERMINATED, _TRUNCATED = int(StepFlag.TERMINATED), int(StepFlag.TRUNCATED)
 _STRANGE = "a step was left out: an observation or action outside of its space, or no five results"

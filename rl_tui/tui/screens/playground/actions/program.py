@@ -13,6 +13,7 @@ from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.actions.action import Action
 from rl_tui.tui.actions.playground_actions import DECIDES
+from rl_tui.tui.panels.catalogue import PanelRow
 from rl_tui.tui.panels.program.words import form_text, table_texts
 from rl_tui.tui.screens.dialogs.choice import Candidate, Choice
 from rl_tui.tui.screens.playground.actions.subject import Subject
@@ -45,6 +46,10 @@ class ProgramActions(Subject):
         return frozenset(
             each.id for each in self.actions if (each.not_for_program if is_program else each.of_program)
         ) | (_MOVES if has_ended else frozenset())
+
+    def in_order_of_help(self, panels: Sequence[PanelRow]) -> Sequence[PanelRow]:
+        """Return ``panels``, those of programs alone first where one is watched: they are what is new."""
+        return panels if self.program is None else sorted(panels, key=lambda row: not row.of_program)
 
     def refuses(self, command: str) -> bool:
         """Say why ``command`` cannot be done to a program, if that is so; return whether it is."""
