@@ -31,6 +31,11 @@ class Numbering:
         """How many observations there may be."""
         return prod(self.parts)
 
+    @property
+    def counts_from_0(self) -> bool:
+        """Whether the number of a state is its observation."""
+        return not self.is_tuple and self.first == (0,)
+
     def state(self, observation: Any) -> int:
         """Return the number of an observation: of a tuple its place in row-major order.
 

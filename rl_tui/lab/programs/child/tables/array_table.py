@@ -13,7 +13,7 @@ from rl_tui.lab.programs.child.tables.entries import (
 )
 from rl_tui.lab.programs.child.tables.stored_table import Doubles, StoredTable
 
-_SMALL: Final = 65_536  # bytes of an array that is compared as a whole at each step
+_SMALL: Final = 16_384  # bytes of an array that is compared as a whole at each step
 _CODES: Final = {"<f8": "d", "<f4": "f", "<i8": "q", "<i4": "i"}
 """How numbers of an array are written one by one."""
 
@@ -45,16 +45,23 @@ class ArrayTable(StoredTable):
         """Return what differs now in the rows of ``states``, and what is new."""
         found: list[float] = []
         kept, width = self._kept, self._width
-        if not self.is_compared_whole:
-            for state in states:
-                self._compare(state, table[self.numbering.place(state)].tobytes(), found)
-            return found
-        now = table.tobytes()
-        for state in states:  # mostly these are all that changed
+        if self.is_compared_whole:
+            now = table.tobytes()
+            if now == kept:
+                return found
+            for state in states:  # mostly these are all that changed
+                begin = state * width
+                row = now[begin : begin + width]
+                if row != kept[begin : begin + width]:
+                    self._take_row(state, row, found)
+            return found if now == kept else found + self._compare_all(now)
+        is_tuple, place = self.numbering.is_tuple, self.numbering.place
+        for state in states:
             begin = state * width
-            if now[begin : begin + width] != kept[begin : begin + width]:
-                self._compare(state, now[begin : begin + width], found)
-        return found if now == kept else found + self._compare_all(now)
+            row = table[place(state) if is_tuple else state].tobytes()
+            if row != kept[begin : begin + width]:
+                self._take_row(state, row, found)
+        return found
 
     def all_differences(self, table: Any) -> list[float]:
         """Return what differs now anywhere."""
@@ -65,13 +72,11 @@ class ArrayTable(StoredTable):
         """Return the row of ``state`` as it is now."""
         return table[self.numbering.place(state)].tobytes()
 
-    def _compare(self, state: int, now: bytes, found: list[float]) -> None:
-        begin = state * self._width
-        before = self._kept[begin : begin + self._width]
-        if now != before:
-            self._kept[begin : begin + self._width] = now
-            pairs = zip(self._numbers(before), self._numbers(now), strict=True)
-            add_differences(state * self.actions, pairs, found)
+    def _take_row(self, state: int, now: bytes, found: list[float]) -> None:
+        place = slice(state * self._width, (state + 1) * self._width)
+        before = self._numbers(self._kept[place])
+        self._kept[place] = now
+        add_differences(state * self.actions, zip(before, self._numbers(now), strict=True), found)
 
     def _compare_all(self, now: bytes) -> list[float]:
         before, after = self.values(), np.frombuffer(now, self._dtype).astype(np.float64)

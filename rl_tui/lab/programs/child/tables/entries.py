@@ -82,6 +82,12 @@ def cell_of(numbering: Numbering, key: Any) -> int:
     return -1
 
 
+def add_difference(cell: int, before: float, after: float, found: list[float]) -> None:
+    """Add to ``found`` what differs in one cell."""
+    if before != after and (before == before or after == after):  # two NaN do not differ
+        found += (cell, before, after)
+
+
 def add_differences(first_cell: int, pairs: Iterable[tuple[float, float]], found: list[float]) -> None:
     """Add to ``found`` what differs in ``pairs``, (before, after) of the cells from ``first_cell`` on."""
     for cell, (before, after) in enumerate(pairs, first_cell):

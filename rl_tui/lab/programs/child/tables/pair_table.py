@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from itertools import chain, compress
+from itertools import chain, compress, repeat
 from operator import is_not
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from rl_tui.lab.programs.child.tables.entries import (
     NAN,
-    add_differences,
+    add_difference,
     cell_of,
     number_of,
 )
@@ -27,6 +27,7 @@ class PairTable(StoredTable):
         """Take the content of ``table`` for what was last seen."""
         self._numbers = [NAN] * self.cells
         self._known: dict[object, int] = {}
+        self._row_keys: dict[int, list[object]] = {}
         self._read_keys(table)
         self._kept: list[object] = []
         self.all_differences(table)
@@ -44,14 +45,15 @@ class PairTable(StoredTable):
         if self.is_compared_whole or dict.__len__(table) != len(self._cells):
             return self.all_differences(table)
         found: list[float] = []
-        numbers, get, first = self._numbers, dict.get, self.numbering.first_action
+        numbers, actions = self._numbers, self.actions
         for state in states:
-            key, begin = self.numbering.key(state), state * self.actions
-            for action in range(self.actions):
-                each = get(table, (key, first + action))
-                if each is not None and each != numbers[begin + action]:
-                    self._note(begin + action, each, found)
-                    self._kept[self._place[begin + action]] = each
+            begin, row = state * actions, self.peek(table, state)
+            if row == numbers[begin : begin + actions]:  # quick where entries are the same objects
+                continue
+            for cell, each in enumerate(row, begin):
+                if each is not None and each != numbers[cell]:
+                    self._note(cell, each, found)
+                    self._kept[self._place[cell]] = each
         return found
 
     def all_differences(self, table: Any) -> list[float]:
@@ -76,15 +78,27 @@ class PairTable(StoredTable):
         self._kept = now
         return found
 
-    def peek(self, table: Any, state: int) -> object:
-        """Return the row of ``state`` as it is now."""
-        key, first = self.numbering.key(state), self.numbering.first_action
-        return [dict.get(table, (key, first + action)) for action in range(self.actions)]
+    def peek(self, table: Any, state: int) -> list[Any]:
+        """Return the row of ``state`` as it is now, None where it has no such entry."""
+        keys = self._row_keys.get(state) or self._keys_of_row(state)
+        return list(map(dict.get, repeat(table), keys))
 
     def _read_keys(self, table: Any) -> None:
         """Find the cell of each entry in their order, −1 for one that is none."""
         self._cells = [self._cell(key) for key in dict.keys(table)]
         self._place = {cell: place for place, cell in enumerate(self._cells)}
+        self._key_of = dict(zip(self._cells, dict.keys(table), strict=True))
+        self._row_keys.clear()
+
+    def _keys_of_row(self, state: int) -> list[object]:
+        """Return the keys of a row: the dict's own objects, by which an entry is found most quickly."""
+        observation, first = self.numbering.key(state), self.numbering.first_action
+        keys = [
+            self._key_of.get(state * self.actions + action, (observation, first + action))
+            for action in range(self.actions)
+        ]
+        self._row_keys[state] = keys
+        return keys
 
     def _cell(self, key: Any) -> int:
         if key not in self._known:
@@ -93,5 +107,5 @@ class PairTable(StoredTable):
 
     def _note(self, cell: int, now: object, found: list[float]) -> None:
         before, after = self._numbers[cell], number_of(now)
-        add_differences(cell, ((before, after),), found)
+        add_difference(cell, before, after, found)
         self._numbers[cell] = after

@@ -8,11 +8,12 @@ from operator import ne
 from typing import Any
 
 import numpy as np
+from numpy import ndarray
 
 from rl_tui.lab.programs.child.environments.numbering import Numbering
 from rl_tui.lab.programs.child.tables.entries import (
     NAN,
-    add_differences,
+    add_difference,
     number_of,
     plain_rows,
     raw_row,
@@ -31,7 +32,9 @@ class RowTable(StoredTable):
     def __init__(self, numbering: Numbering, name: str) -> None:
         super().__init__(numbering)
         self.name = name
-        self._length = dict.__len__ if name == "dict-of-arrays" else len  # not one of the user's
+        is_dict = name == "dict-of-arrays"
+        self._length = dict.__len__ if is_dict else len  # not one of the user's
+        self._are_keys_states = not is_dict or numbering.counts_from_0
 
     def take(self, table: Any) -> None:
         """Take the content of ``table`` for what was last seen."""
@@ -50,18 +53,20 @@ class RowTable(StoredTable):
 
     def differences(self, table: Any, states: Iterable[int]) -> list[float]:
         """Return what differs now in the rows of ``states``, and what is new."""
-        is_array = type(table) is np.ndarray
+        is_array = type(table) is ndarray
         if self.is_compared_whole or is_array or self._length(table) != len(self._kept):
             return self.all_differences(table)
         found: list[float] = []
-        is_dict = self.name == "dict-of-arrays"
+        kept, find = self._kept, self._place.get
+        is_dict, get = self.name == "dict-of-arrays", dict.get
+        are_keys_states, key_of = self._are_keys_states, self.numbering.key
         for state in states:
-            key = self._key(state)
-            place = self._place.get(key)
+            key = state if are_keys_states else key_of(state)
+            place = find(key)
             if place is not None:
-                row = dict.get(table, key) if is_dict else table[place]
-                if raw_row(row) != self._kept[place]:
-                    self._note(key, place, row, found)
+                row = get(table, key) if is_dict else table[place]
+                if (row.tobytes() if type(row) is ndarray else row) != kept[place]:
+                    self._note(state, place, row, found)
         return found
 
     def all_differences(self, table: Any) -> list[float]:
@@ -75,12 +80,12 @@ class RowTable(StoredTable):
         if now != kept:
             keys = list(self._place)
             for place in list(compress(range(len(now)), map(ne, now, kept))):
-                self._note(keys[place], place, rows[place], found)
+                self._note(self._state(keys[place]), place, rows[place], found)
         return found
 
     def peek(self, table: Any, state: int) -> object:
         """Return the row of ``state`` as it is now, None where there is none."""
-        if type(table) is np.ndarray:
+        if type(table) is ndarray:
             return table[self.numbering.place(state)].tolist()
         row = dict.get(table, self._key(state)) if issubclass(type(table), dict) else table[state]
         return list(row) if type(row) is list else raw_row(row)
@@ -96,7 +101,7 @@ class RowTable(StoredTable):
         return plain_rows(table)
 
     def _key(self, state: int) -> Any:
-        return self.numbering.key(state) if self.name == "dict-of-arrays" else state
+        return state if self._are_keys_states else self.numbering.key(state)
 
     def _state(self, key: Any) -> int | None:
         return key if self.name != "dict-of-arrays" else state_of(self.numbering, key)
@@ -104,7 +109,7 @@ class RowTable(StoredTable):
     def _find_places(self, table: Any, found: list[float]) -> None:
         """Find where in their order the rows stand, after some came or went."""
         keys = list(dict.keys(table)) if issubclass(type(table), dict) else range(len(table))
-        if type(table) is np.ndarray:
+        if type(table) is ndarray:
             keys = range(self.numbering.states)
         before = dict(zip(self._place, self._kept, strict=True))
         self._place = {key: place for place, key in enumerate(keys)}
@@ -114,16 +119,15 @@ class RowTable(StoredTable):
             if state is not None:
                 self._set_row(state, [NAN] * self.actions, found)
 
-    def _note(self, key: Any, place: int, row: Any, found: list[float]) -> None:
+    def _note(self, state: int | None, place: int, row: Any, found: list[float]) -> None:
         self._kept[place] = list(row) if type(row) is list else raw_row(row)
-        state = self._state(key)
         if state is not None and len(row) == self.actions:
-            entries = row.tolist() if type(row) is np.ndarray else row
-            now = [each if type(each) is float else number_of(each) for each in entries]
-            self._set_row(state, now, found)
+            self._set_row(state, row.tolist() if type(row) is ndarray else row, found)
 
-    def _set_row(self, state: int, now: list[float], found: list[float]) -> None:
-        begin = state * self.actions
-        before = self._numbers[begin : begin + self.actions]
-        add_differences(begin, zip(before, now, strict=True), found)
-        self._numbers[begin : begin + self.actions] = now
+    def _set_row(self, state: int, now: Iterable[Any], found: list[float]) -> None:
+        numbers = self._numbers
+        for cell, each in enumerate(now, state * self.actions):
+            before, after = numbers[cell], each if type(each) is float else number_of(each)
+            if before != after:
+                add_difference(cell, before, after, found)
+                numbers[cell] = after

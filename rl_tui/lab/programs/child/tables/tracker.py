@@ -53,17 +53,17 @@ class TableTracker:
         if self.is_another:
             return self._bind(table)
         form = self.form
-        if not form.is_compared_whole:
-            self._visited.update(states)
-            if at_reset:  # what learns at the end of an episode changes rows of all its states
-                states, self._visited = self._visited, set()
+        if form.is_compared_whole:
+            return form.differences(table, states)
+        self._visited.update(states)
+        if at_reset:  # what learns at the end of an episode changes rows of all its states
+            states, self._visited = self._visited, set()
         found = form.differences(table, states)
-        if not form.is_compared_whole:
-            self._since_whole += 1
-            if self._is_whole_due(at_reset) or frame is None:
-                outside = form.all_differences(table)
-                self._plan_next(bool(outside), at_reset)
-                found += outside
+        self._since_whole += 1
+        if self._since_whole >= self._spacing or frame is None or (at_reset and self._ends_left > 0):
+            outside = form.all_differences(table)
+            self._plan_next(bool(outside), at_reset)
+            found += outside
         return found
 
     def changes_seen(self, states: Iterable[int]) -> int:
@@ -81,11 +81,6 @@ class TableTracker:
     def rows_are_shared(self) -> bool:
         """Return whether rows of the table are one and the same object."""
         return self.form.rows_are_shared(self.table)
-
-    def _is_whole_due(self, at_reset: bool) -> bool:
-        if self._calls <= _CLOSELY or self._since_whole >= self._spacing:
-            return True
-        return at_reset and self._ends_left > 0
 
     def _plan_next(self, was_outside: bool, at_reset: bool) -> None:
         """Compare the whole table more often where it changes elsewhere, and more rarely where not."""
