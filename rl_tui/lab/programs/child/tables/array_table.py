@@ -51,16 +51,16 @@ class ArrayTable(StoredTable):
                 return found
             for state in states:  # mostly these are all that changed
                 begin = state * width
-                row = now[begin : begin + width]
-                if row != kept[begin : begin + width]:
-                    self._take_row(state, row, found)
+                before, row = kept[begin : begin + width], now[begin : begin + width]
+                if row != before:
+                    self._take_row(state, before, row, found)
             return found if now == kept else found + self._compare_all(now)
         is_tuple, place = self.numbering.is_tuple, self.numbering.place
         for state in states:
             begin = state * width
-            row = table[place(state) if is_tuple else state].tobytes()
-            if row != kept[begin : begin + width]:
-                self._take_row(state, row, found)
+            before, row = kept[begin : begin + width], table[place(state) if is_tuple else state].tobytes()
+            if row != before:
+                self._take_row(state, before, row, found)
         return found
 
     def all_differences(self, table: Any) -> list[float]:
@@ -72,11 +72,12 @@ class ArrayTable(StoredTable):
         """Return the row of ``state`` as it is now."""
         return table[self.numbering.place(state)].tobytes()
 
-    def _take_row(self, state: int, now: bytes, found: list[float]) -> None:
-        place = slice(state * self._width, (state + 1) * self._width)
-        before = self._numbers(self._kept[place])
-        self._kept[place] = now
-        add_differences(state * self.actions, zip(before, self._numbers(now), strict=True), found)
+    def _take_row(self, state: int, before: bytearray, now: bytes, found: list[float]) -> None:
+        begin = state * self._width
+        self._kept[begin : begin + self._width] = now
+        add_differences(
+            state * self.actions, zip(self._numbers(before), self._numbers(now), strict=True), found
+        )
 
     def _compare_all(self, now: bytes) -> list[float]:
         before, after = self.values(), np.frombuffer(now, self._dtype).astype(np.float64)
