@@ -88,7 +88,7 @@ def started(request: ProgramRequest) -> Iterator[WatchedProgram]:
     refuse_where_served()
     program = WatchedProgram(request)
     try:
-        with _waiting_told(program) as go_on:
+        with _waiting_said(program) as go_on:
             program.wait_for_environment(go_on)
         yield program
     finally:
@@ -96,18 +96,18 @@ def started(request: ProgramRequest) -> Iterator[WatchedProgram]:
 
 
 @contextmanager
-def _waiting_told(program: WatchedProgram) -> Iterator[Callable[[], bool]]:
+def _waiting_said(program: WatchedProgram) -> Iterator[Callable[[], bool]]:
     """Yield what is called while one waits for an environment; it says so on stderr, a line that goes again.
 
     What it returns is always true.
     """
-    begun, told = time.monotonic(), 0
+    begun, said = time.monotonic(), 0
 
     def go_on() -> bool:
-        nonlocal told
+        nonlocal said
         waited = int(time.monotonic() - begun)
-        if waited > told and waited >= WORTH_TELLING:
-            told = waited
+        if waited > said and waited >= WORTH_TELLING:
+            said = waited
             at = "" if program.log.stands_at is None else f", now in line {program.log.stands_at[1]}"
             name = printable(program.request.path.name)
             text = f"{name} has not made an environment yet ({waited} s{at}); ctrl+c ends it"
@@ -117,7 +117,7 @@ def _waiting_told(program: WatchedProgram) -> Iterator[Callable[[], bool]]:
     try:
         yield go_on
     finally:
-        if told:
+        if said:
             click.echo("\r\x1b[K", err=True, nl=False)
 
 

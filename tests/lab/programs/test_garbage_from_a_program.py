@@ -31,6 +31,7 @@ TABLE: dict[str, Any] = {
     "dtype": "float64",
     "actions": 4,
     "others": ["n"],
+    "other_forms": ["array"],
     "shared": False,
     "file": "a.py",
     "line": None,
@@ -45,7 +46,8 @@ ODD = [
     *((TABLE, "step", odd) for odd in (None, 10**30, "x")),
     *((TABLE, name, odd) for name in ("name", "form", "dtype") for odd in NO_TEXTS),
     *((TABLE, "shape", odd) for odd in (None, 16, ["x"])),
-    *((TABLE, "others", odd) for odd in (None, "x", [1])),
+    *((TABLE, name, odd) for name in ("others", "other_forms") for odd in (None, "xy")),
+    (TABLE, "others", [1]),
 ]
 
 

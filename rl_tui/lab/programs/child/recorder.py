@@ -54,7 +54,7 @@ class Recorder:
         self._met: str | None = None
         self._thread: int | None = None
         self._called: set[str] = set()
-        self._is_shared = self._turned_is_told = False
+        self._is_shared = self._turned_is_noted = False
         self._traces_left = _MOST_TRACES
         self._trace = LineTrace(self._content, self._tell_lines)
         gate.on_asked["stop"] = self._set_stop
@@ -180,14 +180,14 @@ class Recorder:
             self._tracker = TableTracker(found[0], self._wanted)
             self._tell_table([each for each in others if each.value is not found[0].value])
             self._tell_numbers(frame)
-        elif not self._turned_is_told:
+        elif not self._turned_is_noted:
             self._tell_turned(frame, numbering)
 
     def _tell_turned(self, frame: FrameType | None, numbering: Numbering) -> None:
         """Tell of an array that would be the table if its axes were changed over."""
         turned = turned_table(frame, numbering)
         if turned is not None:
-            self._turned_is_told = True
+            self._turned_is_noted = True
             name, (rows, columns) = turned
             text = f"{name} is {rows}×{columns}: did you mean {columns}×{rows} (states × actions)?"
             self.channel.message(MessageKind.NOTE, text=text)

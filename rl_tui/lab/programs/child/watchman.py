@@ -38,7 +38,7 @@ class Watchman:
         threading.Thread(target=self._watch, name="rl-tui", daemon=True).start()
 
     def _watch(self) -> None:
-        count, silent, told = -1, 0, None
+        count, silent, last_place = -1, 0, None
         while True:
             sleep(_LOOK)
             is_idle = self._recorder.count == count and not self._gate.is_waiting
@@ -46,11 +46,11 @@ class Watchman:
             if self._channel.is_late:
                 self._channel.flush(but_last=silent < _SILENT)
             if not silent:
-                told = None
+                last_place = None
             if silent and silent % _SILENT == 0:
                 place = _place_of(sys._current_frames().get(self._program))
-                if place is not None and place != told:
-                    told = place
+                if place is not None and place != last_place:
+                    last_place = place
                     self._channel.message(MessageKind.STANDS, file=place[0], line=place[1])
 
 

@@ -11,14 +11,14 @@ import numpy as np
 from rl_tui.lab.programs.child.tables.entries import (
     add_differences,
 )
-from rl_tui.lab.programs.child.tables.stored_table import Doubles, StoredTable
+from rl_tui.lab.programs.child.tables.held_table import Doubles, HeldTable
 
 _SMALL: Final = 16_384  # bytes of an array that is compared as a whole at each step
 _CODES: Final = {"<f8": "d", "<f4": "f", "<i8": "q", "<i4": "i"}
 """How numbers of an array are written one by one."""
 
 
-class ArrayTable(StoredTable):
+class ArrayTable(HeldTable):
     """An array S×A, of a tuple of observations with a dimension for each part."""
 
     name = "array"

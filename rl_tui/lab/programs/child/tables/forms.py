@@ -19,14 +19,14 @@ from rl_tui.lab.programs.child.tables.entries import (
     plain_rows,
     state_of,
 )
+from rl_tui.lab.programs.child.tables.held_table import HeldTable
 from rl_tui.lab.programs.child.tables.pair_table import PairTable
 from rl_tui.lab.programs.child.tables.row_table import RowTable
-from rl_tui.lab.programs.child.tables.stored_table import StoredTable
 
 MOST_CELLS: Final = 1_000_000
 
 
-def form_of(value: Any, numbering: Numbering) -> StoredTable | None:
+def form_of(value: Any, numbering: Numbering) -> HeldTable | None:
     """Return the form of a table for the states and actions of ``numbering`` that ``value`` has, if any."""
     if not 0 < numbering.states * numbering.actions <= MOST_CELLS:
         return None
@@ -45,7 +45,7 @@ def form_of(value: Any, numbering: Numbering) -> StoredTable | None:
     return None
 
 
-def _form_of_dict(value: dict[Any, Any], numbering: Numbering) -> StoredTable | None:
+def _form_of_dict(value: dict[Any, Any], numbering: Numbering) -> HeldTable | None:
     key, entry = next(iter(dict.items(value)), (None, None))
     if state_of(numbering, key) is not None and is_row(entry, numbering.actions):
         return RowTable(numbering, "dict-of-arrays")

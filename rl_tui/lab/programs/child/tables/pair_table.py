@@ -15,10 +15,10 @@ from rl_tui.lab.programs.child.tables.entries import (
     cell_of,
     number_of,
 )
-from rl_tui.lab.programs.child.tables.stored_table import Doubles, StoredTable
+from rl_tui.lab.programs.child.tables.held_table import Doubles, HeldTable
 
 
-class PairTable(StoredTable):
+class PairTable(HeldTable):
     """A dict of numbers by (observation, action)."""
 
     name = "dict-of-pairs"

@@ -20,10 +20,10 @@ from rl_tui.lab.programs.child.tables.entries import (
     raw_rows,
     state_of,
 )
-from rl_tui.lab.programs.child.tables.stored_table import Doubles, StoredTable
+from rl_tui.lab.programs.child.tables.held_table import Doubles, HeldTable
 
 
-class RowTable(StoredTable):
+class RowTable(HeldTable):
     """A row for each state: a list of rows, an array of objects, or a dict of rows by observation.
 
     Rows are kept by their key: the observation in a dict, else their place.

@@ -14,7 +14,7 @@ import numpy as np
 
 from rl_tui.lab.programs.child.environments.numbering import Numbering
 from rl_tui.lab.programs.child.tables.forms import form_of
-from rl_tui.lab.programs.child.tables.stored_table import StoredTable
+from rl_tui.lab.programs.child.tables.held_table import HeldTable
 
 MISSING: Final = object()
 _NO_TABLE: Final = re.compile(
@@ -82,7 +82,7 @@ class TableCandidate:
 
     way: Way
     value: Any
-    form: StoredTable
+    form: HeldTable
 
 
 def attributes(value: object) -> dict[str, Any]:

@@ -15,7 +15,7 @@ Doubles = npt.NDArray[np.float64]
 _FEW: Final = 64  # cells of a table that is so
 
 
-class StoredTable(ABC):
+class HeldTable(ABC):
     """One table as it was last seen: [S·A] numbers, NaN where it has no such entry.
 
     Differences are lists of numbers, three for each cell: the cell, what stood there and what stands there.
