@@ -5,9 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
-import textwrap
 from collections.abc import Sequence
-from shutil import get_terminal_size
 from typing import Any, Final
 
 import click
@@ -25,20 +23,8 @@ def print_json(document: Any) -> None:
 
 
 def complain(message: str) -> None:
-    """Print ``message`` on stderr; characters that a terminal might obey are written out.
-
-    A terminal would break long lines within words: there it is broken between them.
-    """
-    lines = list(map(printable, message.split("\n")))
-    if sys.stderr is not None and sys.stderr.isatty():
-        width = get_terminal_size().columns
-        lines = [part for line in lines for part in broken(line, width)]
-    click.echo("\n".join(lines), err=True)
-
-
-def broken(line: str, width: int) -> list[str]:
-    """Return ``line`` in parts of at most ``width`` characters, at least one; no word, no path, is broken."""
-    return textwrap.wrap(line, max(1, width), break_long_words=False, break_on_hyphens=False) or [""]
+    """Print ``message`` on stderr; characters that a terminal might obey are written out."""
+    click.echo("\n".join(map(printable, message.split("\n"))), err=True)
 
 
 def columns(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:

@@ -17,7 +17,6 @@ from rl_tui import __version__
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.cli import program as program_module
 from rl_tui.cli.main import RlTui, program
-from rl_tui.cli.output import complain
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.sessions.session import encoded
@@ -425,18 +424,3 @@ def test_an_option_that_nobody_uses_is_told() -> None:
     assert planned.stderr == "--epsilon has no effect: value-iteration does not use it\n"
     used = run("train", "frozenlake", "--episodes", "5", "--algorithm", "sarsa-lambda", "--lambda", "0.5")
     assert used.stderr == ""
-
-
-def test_a_terminal_does_not_break_a_message_within_its_words(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    message = "rl-tui: cart.py: expected gymnasium.make, with discrete observations and actions"
-    monkeypatch.setenv("COLUMNS", "40")
-    complain(message)
-    assert capsys.readouterr().err == f"{message}\n"
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    complain(f"{message}\nsecond line")
-    *parts, second = capsys.readouterr().err.splitlines()
-    assert " ".join(parts) == message
-    assert max(map(len, parts)) <= 40
-    assert second == "second line"
