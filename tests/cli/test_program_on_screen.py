@@ -42,7 +42,7 @@ class Agent:
         target = reward + (0 if done else 0.9 * self.Q[next_state].max())
         self.Q[state, action] += 0.1 * (target - self.Q[state, action])
 """
-pytestmark = [pytest.mark.process, pytest.mark.screen]
+pytestmark = pytest.mark.process
 
 
 def written(folder: Path, text: str) -> str:
