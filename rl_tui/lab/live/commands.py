@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.lab.answers.policy_kind import PolicyKind
+from rl_tui.lab.lessons.record import LessonRecord
 from rl_tui.lab.live.until import Until
 from rl_tui.lab.live.viewport import Viewport
 from rl_tui.lab.run.recipe import Change, Recipe, Setting
@@ -241,6 +242,13 @@ class ChooseTable(Command):
     name: str
 
 
+@dataclass(frozen=True, slots=True)
+class KeepLesson(Command):
+    """Keep with the runs how far the learner has come in a lesson, and judge the task of its open page."""
+
+    lesson: LessonRecord
+
+
 _AT_ANY_TIME: Final = (LookAt, FollowCell, MarkLane, EndStudy, SetSpeed, StudyPolicy, AskFlips, AskWhy)
 LOOKING: Final = (*_AT_ANY_TIME, StudySeeds)
 """Commands that leave nothing behind that is worth keeping."""
@@ -249,7 +257,7 @@ MOVES: Final = (Play, WatchLearning, Pause, Step, RunEpisode, RunUntil, Take, Tr
 """Commands that mean nothing where a run takes no further step."""
 
 _WHILE_SEEKING: Final = (
-    *(StepBack, GoTo, Pause, DropLane, DrawAction, ClearDrawing, HideAnswer),
+    *(StepBack, GoTo, Pause, DropLane, DrawAction, ClearDrawing, HideAnswer, KeepLesson),
     *_AT_ANY_TIME,
 )
 """Commands that replace a seek under way, or leave it alone."""

@@ -103,6 +103,10 @@ def _hide_answer(playback: Playback, command: commands.HideAnswer) -> None:
     playback.questions.is_hidden = command.is_hidden
 
 
+def _keep_lesson(playback: Playback, command: commands.KeepLesson) -> None:
+    playback.questions.lesson = command.lesson
+
+
 def _draw_action(playback: Playback, command: commands.DrawAction) -> None:
     space, state, action = playback.group.current.world.space, command.state, command.action
     if not 0 <= state < space.states or (action is not None and space.pair_of(state, action) is None):
@@ -176,6 +180,7 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.ClearDrawing: lambda playback, _: playback.questions.clear(),
     commands.HideAnswer: _hide_answer,
     commands.AskWhy: _ask_why,
+    commands.KeepLesson: _keep_lesson,
     commands.ToggleBreakpoint: _toggle_breakpoint,
     commands.ClearBreakpoints: lambda playback, _: playback.set_breakpoints(Breakpoints()),
     commands.StepBack: _step_back,

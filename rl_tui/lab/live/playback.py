@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from rl_tui.common.errors import UserError
@@ -122,6 +123,7 @@ class Playback:
             self.transport.speed,
             self.questions.drawn,
             self.questions.is_hidden,
+            self.questions.lesson,
         )
 
     @property
@@ -184,7 +186,7 @@ class Playback:
             preparing = PlaybackView(message=PREPARING, speed=self._record.speed)
             is_hidden = self.questions.hides_answer(self._recipe.scenario)
             before = self._builder.before(self._recipe, self._beginning.world, preparing, is_hidden=is_hidden)
-            return as_left(before, self._record)
+            return as_left(replace(before, lesson=self.questions.lesson_beside(None)), self._record)
         has_trail = shows_trail(self.state, self.transport.speed)
         if has_trail and not self._automatic:
             self.group.find_trails(math.inf)  # in pieces it would depend on the time

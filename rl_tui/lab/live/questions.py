@@ -12,6 +12,8 @@ from rl_tui.lab.answers.left_to_chance import LeftToChance
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.answers.policy_values import PolicyAnswer, PolicyAnswers
 from rl_tui.lab.answers.view import AnswersView
+from rl_tui.lab.lessons.judging.judge import TaskJudge
+from rl_tui.lab.lessons.view import LessonView
 from rl_tui.lab.many_seeds.seed_studies import SeedStudies
 from rl_tui.lab.run.exact_answers import RunAnswers
 
@@ -46,6 +48,9 @@ class Questions:
         """Whether a person wants the answer hidden; None: nobody has said."""
         self.drawn = record.drawn
         """The policy that a person drew."""
+        self.lesson = record.lesson
+        """The lesson that is taken beside the runs, None where there is none."""
+        self._judge = TaskJudge(on_exact, automatic=automatic)
         self.studied: PolicyKind | None = None
         """The policy whose values are asked for."""
         self._policies = PolicyAnswers(automatic=automatic)
@@ -73,7 +78,9 @@ class Questions:
         self.drawn = DrawnPolicy()
 
     def hides_answer(self, scenario: Scenario) -> bool:
-        """Return whether the answer is hidden: as a person has said, else as ``scenario`` says."""
+        """Return whether the answer is hidden: by a lesson, else as a person or ``scenario`` says."""
+        if self.lesson is not None and "answer" in self.lesson.hidden:
+            return True
         return scenario.hides_answer if self.is_hidden is None else self.is_hidden
 
     def hide_again(self) -> None:
@@ -87,6 +94,7 @@ class Questions:
         """End what is worked out in processes of their own, from any thread, and begin nothing any more."""
         self.seed_studies.close()
         self.flips.close()
+        self._judge.close()
 
     def answers(self, run: Run, *, is_still: bool) -> AnswersView:
         """Return what is known by now for ``run``, which takes steps unless it ``is_still``."""
@@ -105,6 +113,12 @@ class Questions:
             first_update=self._first_updates.of(run, is_asked=self.asks_why),
             flips=self.flips.of(run.world.mdp),
         )
+
+    def lesson_beside(self, run: Run | None) -> LessonView | None:
+        """Return how the lesson stands beside ``run``, None before that is there."""
+        if self.lesson is None:
+            return None
+        return LessonView(self.lesson) if run is None else self._judge.view(self.lesson, run)
 
     def work(self, group: RunGroup) -> bool:
         """Work out one answer that runs in view lack, all standing still; return whether there was one."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
+from rl_tui.lab.lessons.record import LessonRecord
 from rl_tui.lab.live.until import Breakpoints
 from rl_tui.lab.timeline.branches import RunRecord
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
@@ -41,6 +42,8 @@ class Record:
     """The policy that a person drew."""
     answer_is_hidden: bool | None = None
     """Whether what would give the answer away is hidden; None: as the scenario says."""
+    lesson: LessonRecord | None = None
+    """The lesson that is taken, and how far; None: there is none."""
     table: LearnedTable | None = field(default=None, compare=False)
     """What the run shown had learned where it was left, None where that is not known. It is shown until the
     run is there again; nothing is learned from it, and it need not fit the world."""

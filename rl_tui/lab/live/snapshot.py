@@ -14,6 +14,7 @@ from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import Author
 from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.lab.answers.view import AnswersView
+from rl_tui.lab.lessons.view import LessonView
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.state import ENDED, State
 from rl_tui.lab.live.until import Breakpoints
@@ -150,5 +151,7 @@ class Snapshot:
     """What many seeds say of these runs; None where nobody has asked."""
     trail: Trail = ()
     """The last steps of the episode up to the last one, oldest first; none where they are not known."""
+    lesson: LessonView | None = None
+    """The lesson that is taken beside the runs, None where there is none."""
     program: ProgramView | None = None
     """The program that takes the steps, where that is not rl-tui's own agent."""

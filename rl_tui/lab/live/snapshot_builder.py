@@ -80,6 +80,7 @@ class SnapshotBuilder:
             snapshot,
             cell=None if cell is None else current.cell_history(cell),
             study=questions.seed_studies.study_of(group),
+            lesson=questions.lesson_beside(current.run),
             beside=None
             if beside is None or view.beside is None
             else self.of_lane(

@@ -1,0 +1,1 @@
+"""Lessons: files that tell, ask and set tasks, and the judging of what was done."""

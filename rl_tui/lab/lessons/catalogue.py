@@ -1,0 +1,48 @@
+"""The lessons that are shipped."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Final
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import shown
+from rl_tui.common.kiosk import in_kiosk
+from rl_tui.lab.lessons.lesson import Lesson, read_lesson
+from rl_tui.worlds.files.shipped import SUFFIX, shipped_folder
+
+FOLDER: Final = "lessons"
+
+
+def lesson_folder() -> Path:
+    """Return the folder of the shipped lessons: beside that of the scenarios."""
+    return shipped_folder().parent / FOLDER
+
+
+def shipped_lessons() -> list[Lesson]:
+    """Return the shipped lessons in their order."""
+    found = [read_lesson(path) for path in sorted(lesson_folder().glob(f"*{SUFFIX}"))]
+    return sorted(found, key=lambda lesson: (lesson.order, lesson.id))
+
+
+def find_lesson(name_or_path: str, variant: str = "") -> Lesson:
+    """Return the lesson with this id, or that of a file where a path is given.
+
+    Raises ScenarioError where the file has faults, UserError with near names where there is no such lesson,
+    and in a kiosk for all but the shipped ones.
+    """
+    is_path = name_or_path.endswith(SUFFIX) or "/" in name_or_path or "\\" in name_or_path
+    if is_path:
+        if in_kiosk():
+            raise UserError(
+                "kiosk mode opens no files: only the shipped lessons, as rl-tui learn --list shows"
+            )
+        return read_lesson(name_or_path, variant)
+    path = lesson_folder() / f"{name_or_path}{SUFFIX}"
+    names = sorted(each.stem for each in lesson_folder().glob(f"*{SUFFIX}"))
+    if name_or_path not in names:
+        near = get_close_matches(name_or_path.lower(), names, n=3, cutoff=0.5)
+        hint = f"did you mean {' or '.join(near)}?" if near else f"there are {', '.join(names)}"
+        raise UserError(f"no lesson is called {shown(name_or_path)}: {hint}")
+    return read_lesson(path, variant)

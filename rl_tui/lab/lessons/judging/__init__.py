@@ -1,0 +1,1 @@
+"""Whether a task is solved: decided by the replay of a run alone."""

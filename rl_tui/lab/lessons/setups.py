@@ -1,0 +1,30 @@
+"""How a run of a lesson begins."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rl_tui.lab.lessons.lesson import Lesson
+from rl_tui.lab.run.library import find, recipe_for
+from rl_tui.lab.run.recipe import Recipe
+from rl_tui.worlds.files.scenario import Scenario, scenario_of
+from rl_tui.worlds.files.shipped import SUFFIX
+
+
+def recipe_of(lesson: Lesson, setup: str) -> Recipe:
+    """Return the recipe with which the setup of this name begins.
+
+    Raises UserError where its scenario cannot be found or played, or a setting does not fit.
+    """
+    table = lesson.setups[setup]
+    return recipe_for(scenario_for(lesson, setup), table.settings, table.seed)
+
+
+def scenario_for(lesson: Lesson, setup: str) -> Scenario:
+    """Return the scenario of a setup: by its id, in a file beside the lesson's, or written out in it."""
+    table = lesson.setups[setup]
+    if table.world:
+        return scenario_of(table.world, Path(f"{lesson.id}-{setup}{SUFFIX}"), ask_environment=False)
+    if table.scenario.endswith(SUFFIX):
+        return find(str(lesson.source.parent / table.scenario))
+    return find(table.scenario)
