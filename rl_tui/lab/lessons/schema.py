@@ -132,9 +132,10 @@ class Condition(FileSection):
     """One condition of a task: a ``measure`` of the run, and what it has to be.
 
     ``measure`` is a name of ``judging/measures``; ``state``, ``action``, ``actions`` and the like are its
-    arguments; ``at = "start"`` asks for the settings of the first step, not of the last. With ``seeds`` the run is begun again under so many seeds, 0 first, with the settings that it
-    began with, for ``episodes`` (or ``steps``), and the measure has to hold in ``hold`` of them; with
-    ``mean`` it is the mean over all that has to.
+    arguments; ``at = "start"`` asks for the settings of the first step, not of the last. With ``seeds`` the
+    run is begun again under so many seeds, 0 first, with the settings that it began with, for ``episodes``
+    (or ``steps``), and the measure has to hold in ``hold`` of them; with ``mean`` it is the mean over all
+    that has to.
     """
 
     text: Line
