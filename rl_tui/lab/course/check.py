@@ -63,7 +63,9 @@ def check_lesson(path: str | Path, *, quick: bool = False, on_checked: OnChecked
         file = f"{path} (variant {lesson.variant})" if lesson.variant else str(path)
         faults, warnings = _LessonCheck(lesson, counted, quick=quick).findings()
         report.faults += [
-            Fault(file, place(each.location), each.found, each.expected) for each in faults if each not in seen
+            Fault(file, place(each.location), each.found, each.expected)
+            for each in faults
+            if each not in seen
         ]
         report.warnings += [
             f"{place(each.location)}: found {each.found}; expected {each.expected}"

@@ -12,7 +12,7 @@ from rl_tui.lab.lessons.figures.figures import Figures
 from rl_tui.lab.lessons.figures.subject import Subject
 from rl_tui.lab.lessons.figures.written import in_digits_of
 from rl_tui.lab.lessons.judging.attempts import attempted_run, judged_claim
-from rl_tui.lab.lessons.judging.conditions import JudgedTask, Panels, Verdict, is_met, judged_task, verdict
+from rl_tui.lab.lessons.judging.conditions import Panels, Verdict, is_met, judged_task, verdict
 from rl_tui.lab.lessons.judging.measures import MEASURES
 from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
 from rl_tui.lab.lessons.lesson import Lesson
@@ -65,12 +65,16 @@ class TaskCheck:
         """Yield what a learner or a teacher will miss."""
         task = self._task
         if not task.hints:
-            yield Finding((*self._where, "hints"), "no hint", "one at least, for who does not know how to go on")
+            yield Finding(
+                (*self._where, "hints"), "no hint", "one at least, for who does not know how to go on"
+            )
         if not task.solution:
             yield Finding((*self._where, "solution"), "no solution", "what is shown after the last hint")
         if len(task.rejects) < LEAST_REJECTS:
             found = f"{len(task.rejects)} wrong attempts"
-            yield Finding((*self._where, "rejects"), found, f"{LEAST_REJECTS} or more that the task is held to")
+            yield Finding(
+                (*self._where, "rejects"), found, f"{LEAST_REJECTS} or more that the task is held to"
+            )
 
     def findings(self, figures: Figures, known: dict[Any, Any], on_attempt: OnAttempt) -> Iterator[Finding]:
         """Yield what is wrong with the task."""
@@ -117,7 +121,9 @@ class TaskCheck:
         if has_passed and where[-2] == "rejects":
             yield Finding(where, f"{shown(attempt.name)}, which passes", "an attempt that the task refuses")
         if where[-2] == "accepts" and not has_passed and not (self._quick and judged.is_undecided):
-            yield Finding(where, f"{shown(attempt.name)}, refused: {_why(judged.view)}", "an attempt that passes")
+            yield Finding(
+                where, f"{shown(attempt.name)}, refused: {_why(judged.view)}", "an attempt that passes"
+            )
 
     def _judged(self, attempt: Attempt, seed: int | None = None) -> _Judged:
         task = judged_task(self._lesson, self._page.id, seed)

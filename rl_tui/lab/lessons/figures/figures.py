@@ -15,7 +15,9 @@ from rl_tui.lab.lessons.figures.written import WrittenNumber, in_digits_of, writ
 from rl_tui.lab.lessons.lesson import Lesson
 from rl_tui.lab.lessons.schema import Figure
 
-OVER_SEEDS: Final = frozenset(("mean", "error_of_mean", "median", "least", "greatest", "share", "count", "ahead"))
+OVER_SEEDS: Final = frozenset(
+    ("mean", "error_of_mean", "median", "least", "greatest", "share", "count", "ahead")
+)
 """Functions whose work is many runs: what a quick check leaves out."""
 
 

@@ -114,7 +114,12 @@ def count(subject: Subject, measure: object, seeds: object, **arguments: Any) ->
 
 
 def ahead(
-    subject: Subject, measure: object, these: object, those: object, seeds: object = LEAST_SEEDS, **arguments: Any
+    subject: Subject,
+    measure: object,
+    these: object,
+    those: object,
+    seeds: object = LEAST_SEEDS,
+    **arguments: Any,
 ) -> float:
     """Return the share of seeds in which a measure is greater with settings ``these`` than with ``those``."""
     many = _many(seeds)
