@@ -13,7 +13,7 @@ from rl_tui.lab.lessons.figures.subject import Subject
 from rl_tui.lab.lessons.figures.written import in_digits_of
 from rl_tui.lab.lessons.judging.attempts import attempted_run, judged_claim
 from rl_tui.lab.lessons.judging.conditions import Panels, Verdict, is_met, judged_task, verdict
-from rl_tui.lab.lessons.judging.measures import MEASURES
+from rl_tui.lab.lessons.judging.measures import MEASURES, Gives, Measure
 from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
 from rl_tui.lab.lessons.lesson import Lesson
 from rl_tui.lab.lessons.schema import Attempt, Condition, Page, Proof, Task
@@ -152,6 +152,7 @@ class TaskCheck:
                 expected = f"the name of a measure{near(condition.measure, MEASURES)}"
                 yield Finding((*where, "measure"), shown(condition.measure), expected)
                 continue
+            yield from _value_findings(row, condition, where)
             for key in row.needs:
                 if not getattr(condition, key):
                     yield Finding(where, f"{condition.measure} without {key}", f"{key} = …")
@@ -163,6 +164,22 @@ class TaskCheck:
                 if action not in space.action_names:
                     expected = f"one of {', '.join(space.action_names)}{near(action, space.action_names)}"
                     yield Finding((*where, "action"), shown(action), expected)
+
+
+def _value_findings(row: Measure, condition: Condition, where: Location) -> Iterator[Finding]:
+    """Yield values that the measure never has."""
+    wanted = [*condition.one_of, *([] if condition.equals is None else [condition.equals])]
+    words = [each for each in wanted if isinstance(each, str)]
+    bounds = (condition.at_least, condition.at_most, condition.above, condition.below)
+    is_word = row.gives in (Gives.TEXT, Gives.TRUTH)
+    if (is_word and any(each is not None for each in bounds)) or (words and row.gives is Gives.NUMBER):
+        yield Finding(
+            where, f"{condition.measure} held against {shown(words[0]) if words else 'a bound'}", row.gives
+        )
+    for word in words if row.accepts else ():
+        if word not in row.accepts:
+            expected = f"one of {', '.join(row.accepts)}{near(word, row.accepts)}"
+            yield Finding((*where, "equals"), shown(word), expected)
 
 
 def _why(view: TaskView) -> str:

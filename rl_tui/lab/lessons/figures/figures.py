@@ -51,6 +51,10 @@ class Figures:
     def finding(self, name: str) -> Finding | None:
         """Return what is wrong with a figure; None where it is so."""
         figure = self._lesson.figures[name]
+        if plain_name(name) in SETTINGS and figure.by.strip() != name:
+            return Finding(
+                ("figures", name), shown(name), f"another name: {name} is the setting of that name"
+            )
         try:
             exact = self.value(name)
         except FigureError as fault:
