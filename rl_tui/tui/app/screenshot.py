@@ -20,6 +20,7 @@ from rl_tui.tui.actions.registry import ACTIONS
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
+from rl_tui.tui.screens.lessons.lessons import LessonsScreen
 from rl_tui.tui.screens.playground.playground import Playground
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ async def settle(pilot: Pilot[UserError]) -> None:
         await pilot.pause()
         sent = [each.link.sent for each in _playgrounds(pilot)]
         for screen in pilot.app.screen_stack:
-            if isinstance(screen, Playground | CatalogueScreen):
+            if isinstance(screen, Playground | CatalogueScreen | LessonsScreen):
                 await screen.settled()
         await pilot.pause()
         # a layout that comes late brings cells into view that were not asked for before, and some pictures
