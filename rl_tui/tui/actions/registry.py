@@ -20,7 +20,7 @@ _CATALOGUE_ACTIONS: Final[tuple[Action, ...]] = (
         "open",
         "enter",
         "open",
-        "Open the scenario, or go on with the session.",
+        "Open the scenario or the list of lessons, or go on with the session.",
         Group.SCENARIO,
         Place.CATALOGUE,
         rank=0,

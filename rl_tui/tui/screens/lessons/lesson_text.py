@@ -5,20 +5,18 @@ from __future__ import annotations
 from typing import Final
 
 from rich.console import Group, RenderableType
-from rich.table import Table
 from rich.text import Text
 
 from rl_tui.common.errors import ScenarioError
 from rl_tui.common.words import counted
 from rl_tui.lab.course.entries import LessonEntries, LessonEntry
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
-from rl_tui.tui.screens.catalogue.facts import labelled
+from rl_tui.tui.screens.catalogue.facts import bullets, labelled
 from rl_tui.tui.theme.look import Look
 
 DONE: Final = "✓"
 _NOT_BEGUN: Final = "not begun"
 _FINISHED: Final = f"{DONE} finished"
-_BULLET: Final = "–"
 
 
 def state_of(entry: LessonEntry) -> str:
@@ -42,16 +40,6 @@ def lesson_details(entry: LessonEntry, look: Look) -> RenderableType:
         Text(""),
         labelled(rows, look),
     )
-
-
-def bullets(lines: tuple[str, ...], look: Look) -> Table:
-    """Return ``lines``, each after a dash; where one is broken it goes on behind that."""
-    table = Table.grid(padding=(0, 1, 0, 0))
-    table.add_column(no_wrap=True, style=look.palette.dim)
-    table.add_column(style=look.palette.text)
-    for line in lines:
-        table.add_row(Text(to_ascii(_BULLET, look.glyphs)), Text(to_ascii(line, look.glyphs)))
-    return table
 
 
 def progress_line(found: LessonEntries) -> str:
