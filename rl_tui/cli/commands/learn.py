@@ -70,11 +70,10 @@ def _start_of(name: str, variant: int | None, *, again: bool) -> LessonRecord | 
     """
     from rl_tui.lab.lessons.catalogue import find_lesson
     from rl_tui.lab.lessons.record import begun
-    from rl_tui.lab.lessons.setups import recipe_of
+    from rl_tui.lab.lessons.setups import check_setups
 
     lesson = find_lesson(name, "" if variant is None else str(variant))
-    for setup in lesson.setups:
-        recipe_of(lesson, setup)
+    check_setups(lesson)
     return begun(lesson)
 
 

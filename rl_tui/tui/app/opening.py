@@ -101,7 +101,7 @@ class Opener:
         return catalogue
 
     def lessons(self, look: Look, start_at: str = "", fault: UserError | None = None) -> LessonsScreen:
-        """Return the list of lessons with its cursor on the one ``start_at``, an id; it tells the ``fault``."""
+        """Return the list of lessons with its cursor on the id ``start_at``; it tells the ``fault``."""
         from rl_tui.tui.screens.lessons.lessons import LessonsScreen
 
         lessons = LessonsScreen(look, start_at, fault, self.sessions)
