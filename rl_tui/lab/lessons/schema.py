@@ -25,6 +25,8 @@ from rl_tui.worlds.sections.schema import (
 LONGEST_LINE: Final = 300
 LONGEST_TEXT: Final = 6_000
 LONGEST_WORLD: Final = 100_000
+LONGEST_SHORT_LINE: Final = 60
+LONGEST_LESSON: Final = 1_000_000
 MOST_PAGES: Final = 60
 MOST_IN_A_LIST: Final = 60
 MOST_SEEDS: Final = 1_000
@@ -47,7 +49,7 @@ def _list(what: str, least: int = 0) -> Expect:
 
 # made here: in a table with a key of that name, text would be the key
 Line = Annotated[str, text(LONGEST_LINE)]
-ShortLine = Annotated[str, text(60)]
+ShortLine = Annotated[str, text(LONGEST_SHORT_LINE)]
 FileName = Annotated[str, text(400)]
 Expression = Annotated[str, text(500)]
 Prose = Annotated[str, markdown(LONGEST_TEXT)]

@@ -57,8 +57,10 @@ class StoredSession:
 
     @property
     def title(self) -> str:
-        """The name it was given; without one, the title of its scenario."""
-        return self.document.title or self.document.scenario.title or self.document.scenario.id
+        """The name it was given; without one, the title of its lesson or scenario."""
+        document = self.document
+        lesson = "" if document.lesson is None else document.lesson.title
+        return document.title or lesson or document.scenario.title or document.scenario.id
 
     @property
     def saved(self) -> datetime:
@@ -73,10 +75,18 @@ class StoredSession:
 
     @property
     def is_blank(self) -> bool:
-        """Whether there is nothing to go on with: no step was taken, nothing drawn, and it has no name."""
+        """Whether there is nothing to go on with: no step was taken, nothing drawn, and it has no name.
+
+        Of a lesson a session is begun only once something was done.
+        """
         document = self.document
         has_steps = any(branch.end for lane in document.lanes for branch in lane.branches)
-        return not (has_steps or document.drawn or document.kept or document.title)
+        return not (has_steps or document.drawn or document.title or self.stays)
+
+    @property
+    def stays(self) -> bool:
+        """Whether it is never pruned: a person saved it, or it is that of a lesson."""
+        return self.document.kept or self.document.lesson is not None
 
     @property
     def algorithm(self) -> str:
