@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -13,8 +14,8 @@ from rl_tui.cli.options.run import allow_module_option, json_option
 from rl_tui.cli.output import columns, complain, print_json
 
 if TYPE_CHECKING:
+    from rl_tui.lab.course.entries import LessonStart
     from rl_tui.lab.lessons.lesson import Lesson
-    from rl_tui.lab.lessons.record import LessonRecord
     from rl_tui.lab.sessions.session import StoredSession
 
 
@@ -63,18 +64,38 @@ def command(
     run_app(display_of(display), _start_of(lesson, variant, again=again))
 
 
-def _start_of(name: str, variant: int | None, *, again: bool) -> LessonRecord | StoredSession:
-    """Return what the lesson of this ``name`` goes on with.
+def _start_of(name: str, variant: int | None, *, again: bool) -> LessonStart | StoredSession:
+    """Return what the lesson of this ``name`` begins or goes on with.
 
     What is wrong with it is said before the screen is taken: raises UserError.
     """
+    from rl_tui.common.kiosk import in_kiosk
+    from rl_tui.lab.course.entries import start_of
+    from rl_tui.lab.course.progress import Progress
     from rl_tui.lab.lessons.catalogue import find_lesson
-    from rl_tui.lab.lessons.record import begun
     from rl_tui.lab.lessons.setups import check_setups
+    from rl_tui.lab.sessions.folder import session_folder
 
     lesson = find_lesson(name, "" if variant is None else str(variant))
+    lesson = replace(lesson, source=lesson.source.absolute())  # sessions of it are known by that
     check_setups(lesson)
-    return begun(lesson)
+    progress = None if again or in_kiosk() else Progress(session_folder()).of(lesson)
+    if progress is not None and not _goes_on(lesson, progress.session, is_of_variant=variant is not None):
+        progress = None
+    return start_of(lesson, progress)
+
+
+def _goes_on(lesson: Lesson, session: StoredSession, *, is_of_variant: bool) -> bool:
+    """Return whether ``lesson`` goes on in ``session``: not in that of another variant where one was asked for.
+
+    Nor does a file go on that says something else by now: who writes a lesson wants to see what it says.
+    """
+    from rl_tui.lab.lessons.catalogue import lesson_folder
+
+    stored = session.document.lesson
+    if stored is None or (is_of_variant and stored.variant != lesson.variant):
+        return False
+    return lesson.source.parent == lesson_folder() or stored.text == lesson.text
 
 
 def _print_list(as_json: bool) -> None:

@@ -82,13 +82,13 @@ def command(
     start = start_of(scenario, overrides, seed) if scenario is not None else None
     wanted = keys.split(",") if keys else []
     if lesson is not None:
+        from rl_tui.lab.course.entries import start_of as lesson_start_of
         from rl_tui.lab.lessons.catalogue import find_lesson
-        from rl_tui.lab.lessons.record import begun
         from rl_tui.lab.lessons.setups import check_setups
 
         found = find_lesson(lesson)
         check_setups(found)
-        svg = _picture(begun(found), size, wanted, display_of(display))
+        svg = _picture(lesson_start_of(found, None), size, wanted, display_of(display))
     elif watch is not None:
         from rl_tui.lab.programs.program_process import ProgramRequest
 

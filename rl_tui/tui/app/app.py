@@ -33,7 +33,7 @@ from rl_tui.tui.actions.bindings import bindings_everywhere
 from rl_tui.tui.app.bugs import bug_of
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.idleness import LOOKS, Idleness
-from rl_tui.tui.app.opening import MakePlayer, Opener, Start, live_player
+from rl_tui.tui.app.opening import MakePlayer, Opener, Start, beginning_of, live_player
 from rl_tui.tui.app.palette_entries import ActionProvider
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.catalogue import PANELS, PanelRow
@@ -50,6 +50,8 @@ from rl_tui.worlds.files.catalogue import scenarios
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+    from rl_tui.lab.lessons.record import LessonRecord
+    from rl_tui.lab.live.record import Record
     from rl_tui.lab.sessions.autosave import KeptSession
     from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
     from rl_tui.tui.screens.lessons.lessons import LessonsScreen
@@ -201,19 +203,24 @@ class RlTuiApp(LinkedApp[UserError]):
         self.switch_screen(self._opener.catalogue(self.look))
 
     def on_lessons_screen_opened(self, event: LessonsScreen.Opened) -> None:
-        """Go to the playground of a lesson whose run begins."""
+        """Go to the playground of a lesson."""
         try:
-            playground = self._opener.lesson(self.look, event.lesson, event.session)
+            playground = self._opener.first_screen(self.look, event.start)
         except UserError as fault:
             self.notify(str(fault), severity="error", timeout=15, markup=False)
             return
         self._start = None
         self.switch_screen(playground)
 
-    def on_lessons_screen_gone_on(self, event: LessonsScreen.GoneOn) -> None:
-        """Go on with a lesson where it was left."""
+    async def on_playground_setup_wanted(self, event: Playground.SetupWanted) -> None:
+        """Go to the setup of another page of the lesson; where that cannot be, the lesson stays where it is."""
+        try:
+            record = await asyncio.to_thread(_built, event.record)
+        except UserError as fault:
+            self.notify(str(fault), severity="error", timeout=15, markup=False)
+            return
         self._start = None
-        self.switch_screen(self._opener.resumed(self.look, event.session, event.record))
+        self.switch_screen(self._opener.other_setup(self.look, record))
 
     def on_playground_left(self, event: Playground.Left) -> None:
         """Go back to the catalogue; end where a fault meets the only run that was asked for."""
@@ -333,3 +340,15 @@ class RlTuiApp(LinkedApp[UserError]):
                 if hasattr(widget, "look"):
                     widget.look = look
                     widget.refresh()
+
+
+def _built(lesson: LessonRecord) -> Record:
+    """Return the beginning of the setup of the open page of ``lesson``, whose world was built to see it can be.
+
+    Raises UserError where it cannot. It may import Gymnasium.
+    """
+    from rl_tui.lab.run.recipe import begin
+
+    record = beginning_of(lesson)
+    begin(record.lanes[0].recipe)
+    return record

@@ -19,6 +19,7 @@ from rl_tui.tui.panels.catalogue import PanelRow
 from rl_tui.tui.theme.look import Look
 
 if TYPE_CHECKING:
+    from rl_tui.lab.course.entries import LessonStart
     from rl_tui.lab.lessons.record import LessonRecord
     from rl_tui.lab.live.playable import MakePlayable
     from rl_tui.lab.live.player import Player
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from rl_tui.tui.screens.playground.wanted import Wanted
 
 
-Start: TypeAlias = "Recipe | StoredSession | LessonRecord | WatchedProgram | Literal[Place.LESSONS] | None"
+Start: TypeAlias = "Recipe | StoredSession | LessonStart | WatchedProgram | Literal[Place.LESSONS] | None"
 """What the app begins with; LESSONS: the list of lessons, None: the catalogue."""
 
 
@@ -131,19 +132,19 @@ class Opener:
         return playground
 
     def first_screen(self, look: Look, start: Start) -> ActionScreen:
-        """Return the screen to begin with."""
+        """Return the screen that shows ``start``. Raises UserError where a lesson's run cannot be made."""
         if start is None:
             return self.catalogue(look)
         if isinstance(start, Place):
             return self.lessons(look)
         if isinstance(start, Recipe):
             return self.playground(look, start)
-        from rl_tui.lab.lessons.record import LessonRecord
+        from rl_tui.lab.course.entries import LessonStart
         from rl_tui.lab.sessions.session import StoredSession
 
         if isinstance(start, StoredSession):
             return self.resumed(look, start, start.record())
-        return self.lesson(look, start) if isinstance(start, LessonRecord) else self.watching(look, start)
+        return self.lesson(look, start) if isinstance(start, LessonStart) else self.watching(look, start)
 
     def resumed(self, look: Look, session: StoredSession, record: Record) -> Playground:
         """Return the playground in which ``session``, which holds ``record``, goes on."""
@@ -155,16 +156,25 @@ class Opener:
         playground.wanted.was_hidden_by_person = record.answer_is_hidden is True
         return playground
 
-    def lesson(self, look: Look, lesson: LessonRecord, session: StoredSession | None = None) -> Playground:
-        """Return the playground of the open page of ``lesson``: the run of its setup is about to begin.
+    def lesson(self, look: Look, start: LessonStart) -> Playground:
+        """Return the playground of a lesson whose open page begins its run.
 
-        It is kept in ``session``, where there is one. Raises UserError where that run cannot be made.
+        Raises UserError where that run cannot be made.
         """
         from rl_tui.lab.sessions.autosave import Autosave
 
-        record = _beginning(lesson)
-        autosave = None if self.sessions is None else Autosave(record, self.sessions, session)
+        record = beginning_of(start.record)
+        autosave = None if self.sessions is None else Autosave(record, self.sessions, start.session)
         return self._playground(look, record.lanes[0].recipe, autosave, record, record.speed)
+
+    def other_setup(self, look: Look, record: Record) -> Playground:
+        """Return the playground of another setup of the lesson in the newest one: ``record`` begins it.
+
+        The same session goes on.
+        """
+        if self.autosave is not None:
+            self.autosave.hand_over(record)
+        return self._playground(look, record.lanes[0].recipe, self.autosave, record, record.speed)
 
     def watching(self, look: Look, program: WatchedProgram) -> Playground:
         """Return the playground in which ``program`` takes the steps; it is kept in no session."""
@@ -204,13 +214,14 @@ class Opener:
         from rl_tui.tui.screens.legend_switch import LegendSwitch
         from rl_tui.tui.screens.playground.playground import Playground
 
-        if self.autosave is not None and self.autosave.has_something:
+        if self.autosave is not None and self.autosave is not autosave and self.autosave.has_something:
             self._earlier = self.autosave
         self.autosave = autosave
         self.lesson_id = record.lesson.lesson.id if record is not None and record.lesson is not None else ""
         if self.legends is None:
             self.legends = LegendSwitch(self.sessions)
-        self.player = self.make_player(recipe, record_sink=autosave, record=record, playable=playable)
+        sink = None if autosave is None else autosave.sink
+        self.player = self.make_player(recipe, record_sink=sink, record=record, playable=playable)
         screen = Playground.with_keys_of(self.panels)
         playground = screen(
             look,
@@ -230,8 +241,11 @@ class Opener:
         return playground
 
 
-def _beginning(lesson: LessonRecord) -> Record:
-    """Return the record of the setup of the open page of ``lesson``, before its first step."""
+def beginning_of(lesson: LessonRecord) -> Record:
+    """Return the record of the setup in which the open page of ``lesson`` stands, before its first step.
+
+    Raises UserError where its scenario cannot be found or played, or a setting does not fit.
+    """
     from rl_tui.lab.lessons.setups import recipe_of
     from rl_tui.lab.live.player import START_SPEED
     from rl_tui.lab.live.record import Record

@@ -20,13 +20,14 @@ _FINISHED: Final = f"{DONE} finished"
 
 
 def state_of(entry: LessonEntry) -> str:
-    """Return in two or three words how far one has come."""
-    record = entry.record
-    if record is None:
+    """Return in a few words how far one has come."""
+    progress = entry.progress
+    if progress is None:
         return _NOT_BEGUN
-    if record.finished:
+    if entry.is_at_end:
         return _FINISHED
-    return f"page {record.lesson.number_of(record.page) + 1} of {len(record.lesson.pages)}"
+    here = f"page {entry.lesson.number_of(progress.page) + 1} of {len(entry.lesson.pages)}"
+    return f"{DONE} {here}" if progress.finished else here
 
 
 def lesson_details(entry: LessonEntry, look: Look) -> RenderableType:
@@ -44,11 +45,11 @@ def lesson_details(entry: LessonEntry, look: Look) -> RenderableType:
 
 def progress_line(found: LessonEntries) -> str:
     """Return in a sentence how far one has come in all lessons together."""
-    records = [entry.record for entry in found.entries if entry.record is not None]
-    if not records:
+    begun = [entry.progress for entry in found.entries if entry.progress is not None]
+    if not begun:
         return "Begin with the first: enter. Nothing moves on by itself."
-    right = sum(record.predictions[0] for record in records)
-    made = sum(record.predictions[1] for record in records)
+    right = sum(progress.predictions_right for progress in begun)
+    made = sum(progress.predictions_made for progress in begun)
     finished = f"{found.finished} of {len(found.entries)} finished"
     return f"{finished} · {right} of {counted(made, 'prediction')} right" if made else finished
 
@@ -62,25 +63,17 @@ def lesson_faults(error: ScenarioError, look: Look) -> Text:
 
 
 def _lines(entry: LessonEntry) -> dict[str, str]:
-    lesson, record = entry.lesson, entry.record
+    lesson, progress = entry.lesson, entry.progress
     takes = f"about {counted(lesson.minutes, 'minute')} · {counted(len(lesson.pages), 'page')}"
-    if record is None:
-        return {
-            "takes": takes,
-            "tasks": f"{len(lesson.tasks)}" if lesson.tasks else "none",
-            "enter": "begins",
-        }
-    lesson = record.lesson  # as it was when it was begun
-    page = lesson.page(record.page)
-    right, made = record.predictions
-    passed = sum(record.has_passed(page.id) for page in lesson.tasks)
+    if progress is None:
+        return {"takes": takes, "tasks": f"{len(lesson.tasks) or 'none'}", "enter": "begins"}
+    made = progress.predictions_made
+    at_end = entry.is_at_end
     return {
         "takes": takes,
-        "stands at": _FINISHED if record.finished else f"{state_of(entry)}: {page.title}",
-        "tasks": f"{passed} of {len(lesson.tasks)} passed" if lesson.tasks else "none",
-        "predictions": f"{right} of {made} right" if made else "none so far",
-        "enter": "shows it from its first page, with all your answers"
-        if record.finished
-        else "goes on there",
+        "stands at": _FINISHED if at_end else f"{state_of(entry)}: {lesson.page(progress.page).title}",
+        "tasks": f"{progress.tasks_passed} of {progress.tasks} passed" if progress.tasks else "none",
+        "predictions": f"{progress.predictions_right} of {made} right" if made else "none so far",
+        "enter": "shows it from its first page, with all your answers" if at_end else "goes on there",
         "r": "begins it again; what you did stays among the sessions",
     }

@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Thread
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import ClassVar, Final
 
 from textual.binding import BindingType
 from textual.containers import Horizontal, VerticalScroll
@@ -19,8 +19,8 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from rl_tui.common.errors import ScenarioError, UserError
-from rl_tui.lab.course.entries import LessonEntries, LessonEntry, lesson_entries
-from rl_tui.lab.lessons.record import LessonRecord, begun
+from rl_tui.lab.course.entries import LessonEntries, LessonEntry, LessonStart, lesson_entries, start_of
+from rl_tui.lab.lessons.record import begun
 from rl_tui.lab.sessions.session import StoredSession
 from rl_tui.terminal.linked_app import LinkedApp
 from rl_tui.tui.actions.action import Place
@@ -31,9 +31,6 @@ from rl_tui.tui.screens.action_screen import ActionScreen
 from rl_tui.tui.screens.lessons.lesson_list import LessonList
 from rl_tui.tui.screens.lessons.lesson_text import lesson_details, lesson_faults, progress_line
 from rl_tui.tui.theme.look import Look
-
-if TYPE_CHECKING:
-    from rl_tui.lab.live.record import Record
 
 _NONE: Final = "No lessons are here: they stand beside the scenarios that come with rl-tui. Install it again."
 
@@ -51,17 +48,9 @@ class LessonsScreen(ActionScreen):
 
     @dataclass
     class Opened(Message):
-        """The user wants the run of a lesson's open page to begin, kept in ``session`` if there is one."""
+        """The user wants to begin a lesson, or to go on with it."""
 
-        lesson: LessonRecord
-        session: StoredSession | None = None
-
-    @dataclass
-    class GoneOn(Message):
-        """The user wants to go on with a lesson where it was left; ``record`` is what ``session`` says."""
-
-        session: StoredSession
-        record: Record
+        start: LessonStart | StoredSession
 
     @dataclass
     class Left(Message):
@@ -151,23 +140,16 @@ class LessonsScreen(ActionScreen):
     def action_open_lesson(self) -> None:
         """Begin the lesson under the cursor, go on with it, or open it as a reference."""
         entry = self._entry()
-        if entry is None:
-            return
-        if entry.record is None or entry.session is None:
-            self.post_message(self.Opened(begun(entry.lesson)))
-        elif entry.record.finished:
-            self.post_message(self.Opened(_as_reference(entry.record), entry.session))
-        else:
-            go_on = self._go_on(entry.session)
-            self.run_worker(go_on, name="go on with the lesson", exclusive=True, group="go on")
+        if entry is not None:
+            self.run_worker(self._open(entry), name="open the lesson", exclusive=True, group="open")
 
-    async def _go_on(self, session: StoredSession) -> None:
+    async def _open(self, entry: LessonEntry) -> None:
         try:
-            record = await asyncio.to_thread(session.record)  # may import Gymnasium
+            start = await asyncio.to_thread(start_of, entry.lesson, entry.progress)  # may import Gymnasium
         except UserError as fault:
             self.notify(str(fault), severity="error", timeout=15, markup=False)
         else:
-            self.post_message(self.GoneOn(session, record))
+            self.post_message(self.Opened(start))
 
     def action_begin_again(self) -> None:
         """Begin the lesson under the cursor again, once that is confirmed."""
@@ -176,13 +158,13 @@ class LessonsScreen(ActionScreen):
         entry = self._entry()
         if entry is None:
             return
-        if entry.record is None:
+        if entry.progress is None:
             self.action_open_lesson()
             return
 
         def begin(answer: bool | None) -> None:
             if answer:
-                self.post_message(self.Opened(begun(entry.lesson)))
+                self.post_message(self.Opened(LessonStart(begun(entry.lesson))))
 
         question = (
             f"Begin {entry.lesson.title} again, at its first page? What you did in it until now stays among "
@@ -208,7 +190,3 @@ class LessonsScreen(ActionScreen):
         from rl_tui.tui.screens.help import HelpScreen
 
         return HelpScreen(self.look, self.actions, at_keys=at_keys)
-
-
-def _as_reference(record: LessonRecord) -> LessonRecord:
-    return record.open(record.lesson.pages[0].id)
