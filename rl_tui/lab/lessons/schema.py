@@ -129,6 +129,13 @@ class Ask(FileSection):
             raise refused(f"{len(self.choices)} choices", "two or more, one of them with right = true")
         return self
 
+    def is_right(self, answer: float) -> bool:
+        """Return whether ``answer`` is right: the number within the tolerance, or the place of a choice."""
+        if self.choices:
+            return answer in range(len(self.choices)) and self.choices[int(answer)].right
+        rounding = 1e-9 * max(1.0, abs(answer))
+        return self.answer is not None and abs(answer - self.answer) <= self.tolerance + rounding
+
 
 class Condition(FileSection):
     """One condition of a task: a ``measure`` of the run, and what it has to be.

@@ -40,11 +40,12 @@ _LONGEST_FAULT: Final = 300
 
 
 class SessionError(UserError):
-    """A file that gives no session: its ``path``, what is wrong with it and what to do."""
+    """A file that gives no session: its ``path``, and the ``fault``: what is wrong with it, what to do."""
 
     def __init__(self, path: Path, fault: str) -> None:
         super().__init__(f"{one_line(str(path), 1000)}: {one_line(fault, _LONGEST_FAULT)}")
         self.path = path
+        self.fault = one_line(fault, _LONGEST_FAULT)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -43,7 +43,7 @@ def stored_lesson(record: LessonRecord) -> dict[str, Any]:
         "id": lesson.id,
         "title": lesson.title,
         "text": lesson.text,
-        "source": "" if _is_shipped(lesson.source) else str(lesson.source),
+        "source": stored_source(lesson),
         "variant": lesson.variant,
         "page": record.page,
         "given": [_stored_given(given) for given in record.given],
@@ -52,6 +52,11 @@ def stored_lesson(record: LessonRecord) -> dict[str, Any]:
         "hints": dict(record.hints),
         "finished": record.finished,
     }
+
+
+def stored_source(lesson: Lesson) -> str:
+    """Return where the file of ``lesson`` is; empty where it is shipped, as that is everywhere."""
+    return "" if lesson.source.parent == lesson_folder() else str(lesson.source)
 
 
 def _stored_given(given: Given) -> dict[str, Any]:
@@ -76,10 +81,6 @@ def _stored_passed(passed: Passed) -> dict[str, Any]:
         "claim": passed.claim,
         "program": passed.program,
     }
-
-
-def _is_shipped(source: Path) -> bool:
-    return source.parent == lesson_folder()
 
 
 # And back
