@@ -15,6 +15,7 @@ from textual.message import Message
 from textual.widget import Widget
 
 from rl_tui.common.errors import UserError
+from rl_tui.lab.lessons.record import LessonRecord
 from rl_tui.lab.live.commands import Command
 from rl_tui.lab.live.player import START_SPEED, Player
 from rl_tui.lab.live.snapshot import Phase, Snapshot
@@ -100,6 +101,12 @@ class Playground(ActionScreen):
 
         recipe: Recipe
         speed: float | None
+
+    @dataclass
+    class SetupWanted(Message):
+        """The open page of the lesson is of another setup than this run: it is to take its place."""
+
+        record: LessonRecord
 
     def __init__(
         self,
