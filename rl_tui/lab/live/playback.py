@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import LOOKING, MOVES, Command, Restart, is_taken_while_seeking
+from rl_tui.lab.live.commands import LOOKING, MOVES, TAKES_STEPS, Command, Restart, is_taken_while_seeking
 from rl_tui.lab.live.compilation import LOOK_AGAIN, Compilation
 from rl_tui.lab.live.handlers import HANDLERS
 from rl_tui.lab.live.questions import Questions
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.timeline.run_group import RunGroup
 
 PREPARING: Final = "building the world"
+PREDICTION_FIRST: Final = "your prediction comes first"
 
 
 class Playback:
@@ -144,6 +145,9 @@ class Playback:
         self.handled += 1
         self.touched = self.touched or kind not in LOOKING
         if self.state in ENDED and kind in MOVES:
+            return
+        if kind in TAKES_STEPS and self.questions.keeps_back("run"):
+            self.paused_by = PREDICTION_FIRST
             return
         try:
             HANDLERS[kind](self, command)
