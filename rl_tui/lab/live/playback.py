@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from rl_tui.lab.timeline.run_group import RunGroup
 
 PREPARING: Final = "building the world"
-PREDICTION_FIRST: Final = "your prediction comes first"
 
 
 class Playback:
@@ -144,10 +143,8 @@ class Playback:
         self.changed = True
         self.handled += 1
         self.touched = self.touched or kind not in LOOKING
-        if self.state in ENDED and kind in MOVES:
-            return
-        if kind in TAKES_STEPS and self.questions.keeps_back("run"):
-            self.paused_by = PREDICTION_FIRST
+        is_locked = kind in TAKES_STEPS and self.questions.keeps_back("run")
+        if is_locked or (self.state in ENDED and kind in MOVES):
             return
         try:
             HANDLERS[kind](self, command)

@@ -72,6 +72,14 @@ def hides_means(snapshot: Snapshot) -> bool:
     return is_secret(snapshot) and isinstance(snapshot.world.drawing, Arms)
 
 
+def hides_greedy(snapshot: Snapshot) -> bool:
+    """Return whether what the policies at work earn, exactly, must be hidden.
+
+    That of the greedy one may be the best there is: a lesson that keeps the answer back hides it too.
+    """
+    return hides_means(snapshot) or (is_secret(snapshot) and keeps_back(snapshot, "answer"))
+
+
 def current_study(snapshot: Snapshot) -> SeedStudy | None:
     """Return what many seeds say of the runs as they are; None where that is not known."""
     study = snapshot.study

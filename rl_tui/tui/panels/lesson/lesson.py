@@ -23,8 +23,7 @@ class LessonPanel(ScrolledPanel):
     """Draws the open page of the lesson in the newest snapshot; a new page begins at its top.
 
     What is new on it, such as an answer or a hint, comes into view. In one row it says how the page stands.
-    ``spotlight`` is the panel that the page says to look at; ``is_docked`` says that it stands beside the
-    world, and does not take turns with it.
+    ``spotlight`` is the panel that the page says to look at;
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -36,7 +35,6 @@ class LessonPanel(ScrolledPanel):
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)
         self.spotlight: Spotlight | None = None
-        self.is_docked = True
         self._shown: tuple[str, Stage | None, int] = ("", None, 0)
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
@@ -71,7 +69,7 @@ class LessonPanel(ScrolledPanel):
         """Return the key of what is to do next."""
         if snapshot is None or snapshot.lesson is None:
             return ("R: to the world",)
-        return next_keys(snapshot.lesson, snapshot, is_docked=self.is_docked)
+        return next_keys(snapshot.lesson, snapshot, has_focus=self.has_focus)
 
     def _footings(self, keys: Sequence[str], height: int) -> Sequence[str]:
         """Return ``keys`` behind how many rows there are below, the longest form first."""
@@ -87,6 +85,14 @@ class LessonPanel(ScrolledPanel):
             self._first = 0
         elif before != shown and not self._first <= news < rows <= self._first + height:
             self._first = max(0, min(news - 1, rows - height))
+
+    def on_focus(self) -> None:
+        """Name the keys that count now."""
+        self.redraw()
+
+    def on_blur(self) -> None:
+        """Name them again."""
+        self.redraw()
 
     def on_click(self, event: events.Click) -> None:
         """Read the page where its row was clicked."""

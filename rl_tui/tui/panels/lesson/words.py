@@ -64,25 +64,30 @@ def reply_to(ask: Ask, answer: float, *, is_right: bool) -> str:
     return nearest.reply if nearest is not None and distance <= max(ask.tolerance, 1e-9) else ""
 
 
-def next_keys(view: LessonView, snapshot: Snapshot, *, is_docked: bool) -> tuple[str, ...]:
-    """Return what to do next and its key, the longest form first."""
+def next_keys(view: LessonView, snapshot: Snapshot, *, has_focus: bool) -> tuple[str, ...]:
+    """Return what to do next and its key, the longest form first.
+
+    Where the page ``has_focus``, enter does each; elsewhere each has a key of its own.
+    """
     stage, record = stage_of(view, snapshot), view.record
-    world = "to the world" if not is_docked else "go to the world"
+    answer, turn = ("enter", "enter") if has_focus else ("A", ".")
+    leads = ("enter: to the world",) if has_focus else ()
     match stage:
         case Stage.TO_PREDICT:
-            return "enter: say what you expect", "enter: predict"
+            return f"{answer}: say what you expect", f"{answer}: predict"
         case Stage.TO_ANSWER:
-            return "enter: answer", "enter: answer"
+            return (f"{answer}: answer",)
         case Stage.TO_DO:
-            return f"enter: {world} · H: hint", f"enter: {world}", "enter: do it"
+            return (*leads, "enter: do it") if has_focus else ("R: read here",)
         case Stage.LOCKED:
             ask, given = open_page(record).prediction, record.given_on(record.page)
             steps = steps_to_truth(ask, given, snapshot) if ask is not None and given is not None else 1
-            return f"enter: {world}, {counted(steps, 'step')} to see it", f"enter: {world}", "enter: see it"
+            missing = f"s: {counted(steps, 'step')} to the truth"
+            return (*(f"{each} · {missing}" for each in leads), missing)
         case _ if is_last_page(record):
             return "the last page · esc: leave", "last page"
         case _:
-            return "enter: next page", "enter: next"
+            return f"{turn}: next page", f"{turn}: next"
 
 
 def summary_line(view: LessonView, snapshot: Snapshot, look: Look, width: int) -> Line:

@@ -74,8 +74,9 @@ class LessonPlace:
         self._board.set_class(self._board.is_paired or has_lines, _LINES)
         if snapshot.lesson is None:
             return
-        self.panel.is_docked = self.is_docked
         self.panel.set_class(self._arrangement.has_lesson_in_a_row(size), IN_A_ROW)
+        if self.reads and not self.is_docked and not self.panel.has_focus:
+            self.focus()
         self._point_at(open_page(snapshot.lesson.record).spotlight, size)
 
     def _point_at(self, wanted: str | None, size: Size) -> None:

@@ -45,7 +45,7 @@ from rl_tui.tui.screens.playground.actions.lesson.lesson import LessonActions
 from rl_tui.tui.screens.playground.actions.microscope import MicroscopeActions
 from rl_tui.tui.screens.playground.actions.modes.drawing import PolicyDrawing
 from rl_tui.tui.screens.playground.actions.modes.manual import ManualControl
-from rl_tui.tui.screens.playground.actions.modes.mode import MODE_BINDINGS, Modes
+from rl_tui.tui.screens.playground.actions.modes.mode import LEAVE, MODE_BINDINGS, Modes
 from rl_tui.tui.screens.playground.actions.policies import PolicyActions
 from rl_tui.tui.screens.playground.actions.program import ProgramActions
 from rl_tui.tui.screens.playground.actions.run import RunActions
@@ -154,7 +154,7 @@ class Playground(ActionScreen):
         self._left_after: int | None = None
         """The last deed when escape was pressed, None where it was not."""
         self._watches = watches
-        self._frames = Frames(self, fps)
+        self.frames = Frames(self, fps)
         self._settling = Settling(self.link, self.board, self.view.look_at, self.session.named)
         self._early_keys = EarlyKeys(self.known_actions)
 
@@ -199,7 +199,8 @@ class Playground(ActionScreen):
 
     def action_mode_key(self, key: str) -> None:
         """Do what ``key`` means in the mode that is on."""
-        self.modes.press(key)
+        if self.modes.current is not self.manual or key == LEAVE or not self.kept_back.refuses_to_act():
+            self.modes.press(key)
 
     @on(Pointed)
     @on(PartPointed)
@@ -239,6 +240,7 @@ class Playground(ActionScreen):
         keys.first = key_hints(self.focused)
         keys.is_running = self.run.is_under_way
         keys.idle = self.program.idle_keys | self.run.idle_keys | self.lesson.idle_keys
+        keys.idle |= self.kept_back.idle_keys
 
     @on(DescendantFocus)
     def ask_for_flips(self) -> None:
@@ -254,8 +256,7 @@ class Playground(ActionScreen):
     @on(FindingsPanel.StepWanted)
     def seek(self, event: TimelineBar.Sought | FindingsPanel.StepWanted) -> None:
         """Go where the timeline was pointed at, or where a finding was first seen."""
-        if not self.kept_back.refuses_step(event.step):
-            self.time.seek(event.step)
+        self.time.seek(event.step)
 
     @on(QTable.CursorMoved)
     def follow_cursor(self) -> None:
@@ -297,21 +298,16 @@ class Playground(ActionScreen):
 
     def _note_sent(self, command: Command) -> None:
         self.modes.note(command)
-        self._frames.hurry()
+        self.frames.hurry()
 
     def _start_to_follow(self) -> None:
         if self._watches:
             self.run.watch()
         self.run_worker(self._follow(), name="follow the player")
 
-    @property
-    def is_here(self) -> bool:
-        """Whether it is one of the screens still."""
-        return self._frames.is_here
-
     async def _follow(self) -> None:
         try:
-            await self._frames.follow(self.player.snapshots(), self._draw, self._settling.note_frame)
+            await self.frames.follow(self.player.snapshots(), self._draw, self._settling.note_frame)
         except UserError as fault:
             self.post_message(self.Left(self.recipe, self.session.named(fault)))
         finally:

@@ -19,10 +19,10 @@ STAYS: Final = "esc leaves the lesson; its progress is kept"
 _STEPS: Final = frozenset(
     {
         *("run.run_or_pause", "run.step", "run.episode", "run.evaluate", "run.improve", "run.watch"),
-        *("until.choose", "manual.toggle", "time.go_to", "time.show_branches", "lanes.compare"),
+        *("until.choose", "manual.toggle", "lanes.compare"),
     }
 )
-"""What takes steps, or shows some that lie ahead: refused while a prediction is open."""
+"""What takes steps, of this run or another: refused while a prediction is open."""
 
 _KEPT: Final[Mapping[str, tuple[str, ...]]] = {
     f"board.toggle('{POLICIES}')": ("policies",),
@@ -42,6 +42,9 @@ _PANELS_KEPT: Final = {
     DISCOUNT: ("flips", "answer"),
     MANY_SEEDS: ("many seeds",),
     MICROSCOPE: ("model",),
+}
+_ID_OF: Final = {
+    f"board.toggle('{panel}')": f"board.{panel}" for panel in (POLICIES, DISCOUNT, MANY_SEEDS, MICROSCOPE)
 }
 _LEAVES: Final = frozenset({"scenario.previous", "scenario.following"})
 _READING_GOES_ON: Final = ("lesson", "session", "export", "scenario", "why")
@@ -78,15 +81,23 @@ class KeptBack(Subject):
         self._show_world_for(command)
         return False
 
-    def refuses_step(self, step: int) -> bool:
-        """Say why the run does not go to ``step``, if a prediction is open and it lies ahead."""
-        record, snapshot = self.record, self.snapshot
-        if record is None or snapshot is None or "run" not in record.hidden:
-            return False
-        if step <= snapshot.counters.step:
-            return False
-        self.screen.tell(PREDICT_FIRST)
-        return True
+    def refuses_to_act(self) -> bool:
+        """Say that no step is taken, if a prediction is open; return whether that is so."""
+        is_open = self.record is not None and "run" in self.record.hidden
+        if is_open:
+            self.screen.tell(PREDICT_FIRST)
+        return is_open
+
+    @property
+    def idle_keys(self) -> frozenset[str]:
+        """The ids of the actions that are refused now: the key line leaves them out."""
+        record = self.record
+        if record is None:
+            return frozenset()
+        kept = {command for command, names in _KEPT.items() if record.hidden.intersection(names)}
+        if "run" in record.hidden:
+            kept |= _STEPS
+        return frozenset(kept | {_ID_OF.get(command, command) for command in kept})
 
     def _is_pause(self, command: str) -> bool:
         phase = None if self.snapshot is None else self.snapshot.playback.phase

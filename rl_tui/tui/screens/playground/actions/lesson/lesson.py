@@ -28,6 +28,7 @@ from rl_tui.tui.screens.playground.actions.subject import Subject
 NOT_DONE: Final = "this page is not done: . again skips it"
 LAST_PAGE: Final = "this is the last page; esc leaves the lesson"
 FIRST_PAGE: Final = "this is the first page"
+SEEN_BEFORE: Final = "the run has been further: go to its end with g, or set it up again with N"
 CAN_BE_DONE: Final = "it can be done: not so"
 _LONGEST_REPLY: Final = 15.0
 
@@ -164,6 +165,8 @@ class LessonActions(Subject):
             said = answer_text(page.asked, given.answer, self.glyphs)
             kept = "locked" if page.prediction is not None else "right"
             self.screen.tell(f"{kept}: you said {said}")
+        elif page.prediction is not None and self.snapshot is not None and self.snapshot.timeline.in_past:
+            self.screen.tell(SEEN_BEFORE)
         elif page.asked.choices:
             self._ask_choice(page.asked)
         else:
