@@ -72,7 +72,7 @@ def attempt(subject: Subject, page: object, name: object, measure: object, **arg
         raise FigureError(shown(called), f"the name of an attempt of that task{near(called, attempts)}")
     key = "attempt", id(lesson), wanted, called
     if key not in subject.known:
-        subject.known[key] = attempted_run(lesson, tasks[wanted], attempts[called])
+        subject.known[key] = attempted_run(lesson, wanted, attempts[called])
     return measured(subject.known[key], _name(measure), arguments)
 
 
