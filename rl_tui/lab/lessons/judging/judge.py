@@ -5,10 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from rl_tui.lab.lessons.record import LessonRecord, run_digest
+from rl_tui.common.errors import UserError
+from rl_tui.lab.lessons.judging.conditions import JudgedTask, judged_task, verdict
+from rl_tui.lab.lessons.judging.live_panels import LivePanels
+from rl_tui.lab.lessons.lesson import Lesson
+from rl_tui.lab.lessons.record import LessonRecord
 from rl_tui.lab.lessons.view import ConditionView, LessonView, TaskView
 
 if TYPE_CHECKING:
+    from rl_tui.lab.lessons.judging.moment import Kept
     from rl_tui.lab.run.run import Run
 
 
@@ -21,19 +26,45 @@ class TaskJudge:
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
         self._on_news = on_news
         self._automatic = automatic
+        self._panels = LivePanels(on_news, automatic=automatic)
+        self._kept: Kept | None = None
+        self._lesson: Lesson | None = None
+        self._page = ""
+        self._judged: JudgedTask | None = None
+        self._refused = ""
 
-    def view(self, lesson: LessonRecord, run: Run) -> LessonView:
-        """Return how ``lesson`` stands beside ``run`` at this step."""
-        names = run.world.space.action_names
-        return LessonView(
-            lesson, self._task(lesson, run), run_digest(run.recipe, run.journal, run.step, names)
-        )
-
-    def _task(self, lesson: LessonRecord, run: Run) -> TaskView | None:
-        task = lesson.lesson.page(lesson.page).task
-        if task is None:
-            return None
-        return TaskView(tuple(ConditionView(each.text, None) for each in task.conditions))
+    def view(self, record: LessonRecord, run: Run) -> LessonView:
+        """Return how the lesson of ``record`` stands beside ``run`` at this step."""
+        kept = self._kept = self._kept or self._new_kept()
+        kept.journal.read(run.recipe, run.journal, run.step, run.world.space.action_names)
+        return LessonView(record, self._task(record, run, kept), kept.journal.digest)
 
     def close(self) -> None:
         """End what is worked out in a process of its own, from any thread."""
+        self._panels.close()
+
+    def _new_kept(self) -> Kept:
+        from rl_tui.lab.lessons.judging.moment import Kept, exact_at_once
+        from rl_tui.lab.run.exact_answers import RunAnswers
+
+        return Kept(RunAnswers(self._on_news).at if self._automatic else exact_at_once)
+
+    def _task(self, record: LessonRecord, run: Run, kept: Kept) -> TaskView | None:
+        task = record.lesson.page(record.page).task
+        if task is None:
+            self._panels.end()
+            return None
+        if record.lesson is not self._lesson or record.page != self._page:
+            self._open(record.lesson, record.page)
+        if self._judged is None:
+            return TaskView(tuple(ConditionView(each.text, None, self._refused) for each in task.conditions))
+        return verdict(self._judged, run, self._panels, kept)
+
+    def _open(self, lesson: Lesson, page: str) -> None:
+        """Judge another task from here on."""
+        self._panels.end()
+        self._lesson, self._page, self._judged, self._refused = lesson, page, None, ""
+        try:
+            self._judged = judged_task(lesson, page)
+        except UserError as reason:
+            self._refused = str(reason)
