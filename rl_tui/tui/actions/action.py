@@ -26,7 +26,6 @@ class Group(StrEnum):
     VIEW = "View"
     SESSION = "Session"
     SCENARIO = "Scenario"
-    LESSON = "Lesson"
     PROGRAM = "Program"
 
 
