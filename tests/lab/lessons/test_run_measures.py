@@ -185,7 +185,6 @@ def test_a_world_without_a_table_has_no_exact_figures() -> None:
 
 def test_settings_that_differ_from_the_setup_are_counted() -> None:
 
-
     run = Run(recipe_in("student", epsilon=0.2, algorithm="sarsa"))
     run.apply(SetParameter("alpha", 0.7))
     run.advance(1)
