@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from task_samples import inline, task_text
+from lab.lessons.task_samples import inline, task_text
 
 from rl_tui.common.errors import ScenarioError
 from rl_tui.lab.lessons.judging.world_faults import reference_faults

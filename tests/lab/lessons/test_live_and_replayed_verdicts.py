@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from task_samples import condition, recipe_in
+from lab.lessons.task_samples import condition, recipe_in
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.lessons.judging.attempts import replayed
