@@ -145,7 +145,7 @@ class Moment:
         for entry in reversed(self.run.journal):
             if entry.step < step:
                 break
-            count += isinstance(entry.change, TakeAction) and entry.step < self.run.step
+            count += isinstance(entry.change, TakeAction)
         return count
 
     def state(self, name: str | None) -> int:
