@@ -1,4 +1,4 @@
-"""Figures of lessons: held against values of the literature, against commands, and told where they are not so."""
+"""Figures of lessons: values of the literature, those of commands, and what is told where they are not so."""
 
 from __future__ import annotations
 
