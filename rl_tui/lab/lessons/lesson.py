@@ -14,7 +14,7 @@ from rl_tui.common.text_file import UnreadableError, read_text
 from rl_tui.lab.lessons.figures.written import written_number
 from rl_tui.lab.lessons.judging.condition_faults import setting_findings, task_findings
 from rl_tui.lab.lessons.schema import Figure, LessonFile, Page, Setup
-from rl_tui.lab.lessons.variants import variant_text, variants_of
+from rl_tui.lab.lessons.variants import readable, variant_text, variants_of
 from rl_tui.worlds.files.toml_file import tables_in
 from rl_tui.worlds.sections.schema import is_plain, parsed
 
@@ -23,7 +23,7 @@ _LITERAL: Final = ("figures", "setups", "variants", "program", "skeleton")
 """Tables and keys in whose texts braces mean nothing."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class Lesson:
     """A lesson, its texts with the figures put in.
 
@@ -88,12 +88,12 @@ def lesson_of(text: str, path: Path, variant: str = "") -> Lesson:
     ``variant`` is one of :func:`variants_of`; empty: the first, where it has any. Raises ScenarioError.
     """
     try:
-        raw = tables_in(text)
+        raw = tables_in(readable(text))
         names = variants_of(raw)
         chosen = variant or next(iter(names), "")
         if names:
             text = variant_text(text, raw, chosen)
-            raw = tables_in(text)
+        raw = tables_in(text)
     except UnreadableError as reason:
         raise ScenarioError([Fault(str(path), reason.place, reason.found, reason.expected)]) from reason
     filled, findings = _filled(raw)

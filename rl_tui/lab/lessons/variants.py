@@ -29,6 +29,11 @@ def variants_of(raw: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(str(number) for number in range(1, lengths.pop() + 1))
 
 
+def readable(text: str) -> str:
+    """Return ``text`` with a number in place of each ``${name}``: TOML also where it stands for a number."""
+    return _NAMED.sub("0", text)
+
+
 def variant_text(text: str, raw: Mapping[str, Any], variant: str) -> str:
     """Return ``text`` with the values of ``variant`` put in. Raises UnreadableError where there is none."""
     known = variants_of(raw)
@@ -40,6 +45,7 @@ def variant_text(text: str, raw: Mapping[str, Any], variant: str) -> str:
     def put_in(match: re.Match[str]) -> str:
         if match[1] not in values:
             raise UnreadableError("", match[0], f"a name of [variants]{near(match[1], values)}")
-        return str(values[match[1]])
+        value = values[match[1]]
+        return str(value).lower() if isinstance(value, bool) else str(value)
 
     return _NAMED.sub(put_in, text)
