@@ -14,6 +14,7 @@ from click.testing import CliRunner, Result
 
 from rl_tui.cli.main import program
 from rl_tui.common.kiosk import VARIABLE
+from rl_tui.lab.course.entries import LessonStart
 from rl_tui.lab.lessons.catalogue import lesson_folder, shipped_lessons
 from rl_tui.lab.lessons.lesson import Lesson
 from rl_tui.lab.lessons.record import LessonRecord
@@ -79,8 +80,9 @@ def begun_by(started: list[Start], *args: str) -> LessonRecord:
     result = run(*args)
     assert (result.exit_code, result.stderr) == (0, "")
     (start,) = started
-    assert isinstance(start, LessonRecord)
-    return start
+    assert isinstance(start, LessonStart)
+    assert start.session is None
+    return start.record
 
 
 def test_the_list_has_every_shipped_lesson_in_its_order() -> None:
