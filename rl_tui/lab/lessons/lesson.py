@@ -12,6 +12,8 @@ from rl_tui.common.errors import Fault, ScenarioError
 from rl_tui.common.findings import Finding, in_file_order, near, place, shown
 from rl_tui.common.limits import MOST_FAULTS
 from rl_tui.common.text_file import UnreadableError, read_text
+from rl_tui.lab.lessons.figures.written import written_number
+from rl_tui.lab.lessons.judging.condition_faults import setting_findings, task_findings
 from rl_tui.lab.lessons.schema import (
     LONGEST_LESSON,
     LONGEST_SHORT_LINE,
@@ -176,12 +178,8 @@ def _filled(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Finding]]:
 
 def number_in(text: str) -> float | None:
     """Return the number that ``text`` writes, be it with commas, a real minus or a percent sign."""
-    plain = text.replace(",", "").replace("−", "-").replace("≈", "").strip()
-    share = plain.endswith("%")
-    try:
-        return float(plain.removesuffix("%")) / (100 if share else 1)
-    except ValueError:
-        return None
+    number = written_number(text)
+    return None if number is None else number.value
 
 
 def _reference_findings(file: LessonFile) -> Iterator[Finding]:
@@ -194,6 +192,8 @@ def _reference_findings(file: LessonFile) -> Iterator[Finding]:
         seen.add(page.id)
         if page.setup is not None and page.setup not in file.setups:
             yield Finding((*where, "setup"), shown(page.setup), f"one of {', '.join(file.setups)}")
+        if page.task is not None:
+            yield from (each.inside(*where, "task") for each in task_findings(page.task))
         proof = page.task.proof if page.task else None
         if page.task is not None and proof is not None:
             if proof.best not in file.figures:
@@ -203,6 +203,8 @@ def _reference_findings(file: LessonFile) -> Iterator[Finding]:
                 yield Finding(
                     (*where, "task", "proof", "condition"), found, "the place of a condition, from 0"
                 )
+    for name, setup in file.setups.items():
+        yield from (each.inside("setups", name, "settings") for each in setting_findings(setup.settings))
     for name, figure in file.figures.items():
         if figure.setup is not None and figure.setup not in file.setups:
             expected = f"one of {', '.join(file.setups)}"

@@ -1,0 +1,157 @@
+"""The expressions by which figures are worked out: arithmetic over names and calls, and nothing else.
+
+An expression is a text of a lesson file, so it is data: it is read by Python's parser, and evaluated here
+node by node. What is not listed is refused.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+from collections.abc import Callable, Mapping
+from typing import Any, Final
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import near, shown
+
+MOST_NODES: Final = 300
+MOST_DEPTH: Final = 20
+LARGEST: Final = 1e15
+"""Of the numbers that are written out in an expression."""
+
+Value = Any
+"""What an expression comes to: a number, a text, true or false; an argument may be a list or a table."""
+Call = Callable[[str, list[Value], dict[str, Value]], Value]
+"""Works out a function by its name, its arguments in order and those by name."""
+Look = Callable[[str], Value]
+"""Returns what a name stands for."""
+
+FORM: Final = "numbers, texts in quotes, names, calls, + − * / ** and brackets"
+_BINARY: Final[Mapping[type[ast.operator], Callable[[float, float], Any]]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+}
+
+
+class FigureError(UserError):
+    """A figure that cannot be worked out: what was found, and what was expected in its place."""
+
+    def __init__(self, found: str, expected: str) -> None:
+        self.found, self.expected = found, expected
+        super().__init__(f"found {found}; expected {expected}")
+
+
+def read_expression(text: str) -> ast.expr:
+    """Return ``text`` as a tree of the kinds that are known, bounded in size. Raises FigureError."""
+    plain = text.replace("−", "-").strip()
+    try:
+        tree = ast.parse(plain, mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        raise FigureError(shown(text), f"an expression of {FORM}") from error
+    if sum(1 for _ in ast.walk(tree)) > MOST_NODES:
+        raise FigureError("a very long expression", f"at most {MOST_NODES} numbers, names and signs")
+    _check(tree, 0)
+    return tree
+
+
+def evaluate(tree: ast.expr, look: Look, call: Call) -> Value:
+    """Return what ``tree`` comes to; ``look`` knows the names, ``call`` the functions. Raises FigureError."""
+    return _Evaluation(look, call).value(tree)
+
+
+def called_names(tree: ast.expr) -> tuple[str, ...]:
+    """Return the functions that an expression calls, in no order."""
+    return tuple(
+        each.func.id
+        for each in ast.walk(tree)
+        if isinstance(each, ast.Call) and isinstance(each.func, ast.Name)
+    )
+
+
+def _check(node: ast.expr, depth: int) -> None:
+    """Raise FigureError where there is anything that is not known."""
+    if depth > MOST_DEPTH:
+        raise FigureError("brackets within brackets, too deep", f"at most {MOST_DEPTH} within each other")
+    inner: list[ast.expr] = []
+    match node:
+        case ast.Constant(value=bool() | str()) | ast.Name():
+            pass
+        case ast.Constant(value=int() | float() as number) if abs(number) <= LARGEST:
+            pass
+        case ast.Constant(value=int() | float()):
+            raise FigureError("a number that is too large", f"numbers up to {LARGEST:g}")
+        case ast.UnaryOp(op=ast.USub() | ast.UAdd(), operand=operand):
+            inner = [operand]
+        case ast.BinOp(op=op, left=left, right=right) if type(op) in _BINARY:
+            inner = [left, right]
+        case ast.List(elts=elements) | ast.Tuple(elts=elements):
+            inner = elements
+        case ast.Dict(keys=keys, values=values) if all(isinstance(key, ast.Constant) for key in keys):
+            inner = [*(key for key in keys if key is not None), *values]
+        case ast.Call(func=ast.Name(), args=arguments, keywords=by_name) if all(
+            each.arg is not None for each in by_name
+        ):
+            inner = [*arguments, *(each.value for each in by_name)]
+        case _:
+            raise FigureError(shown(ast.unparse(node)), FORM)
+    for each in inner:
+        _check(each, depth + 1)
+
+
+class _Evaluation:
+    """One evaluation of a tree that was checked."""
+
+    def __init__(self, look: Look, call: Call) -> None:
+        self._look = look
+        self._call = call
+
+    def value(self, node: ast.expr) -> Value:
+        """Return what ``node`` comes to."""
+        match node:
+            case ast.Constant(value=constant):
+                return constant
+            case ast.Name(id=name):
+                return self._look(name)
+            case ast.UnaryOp(op=op, operand=operand):
+                number = self._number(operand)
+                return -number if isinstance(op, ast.USub) else number
+            case ast.BinOp(op=op, left=left, right=right):
+                return self._arithmetic(op, self._number(left), self._number(right))
+            case ast.List(elts=elements) | ast.Tuple(elts=elements):
+                return [self.value(each) for each in elements]
+            case ast.Dict(keys=keys, values=values):
+                return {
+                    self.value(key): self.value(value)
+                    for key, value in zip(keys, values, strict=True)
+                    if key is not None
+                }
+            case ast.Call(func=ast.Name(id=name), args=arguments, keywords=by_name):
+                named = {each.arg: self.value(each.value) for each in by_name if each.arg is not None}
+                return self._call(name, [self.value(each) for each in arguments], named)
+        raise FigureError(shown(ast.unparse(node)), FORM)  # read_expression lets nothing else through
+
+    def _number(self, node: ast.expr) -> float:
+        value = self.value(node)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise FigureError(f"{shown(ast.unparse(node))}, which is {shown(value)}", "a number")
+        return float(value)
+
+    def _arithmetic(self, op: ast.operator, left: float, right: float) -> float:
+        try:
+            result = _BINARY[type(op)](left, right)
+        except ZeroDivisionError:
+            raise FigureError("a division by 0", "a number other than 0 below the line") from None
+        except OverflowError:
+            result = math.inf
+        if not isinstance(result, float) or not math.isfinite(result):
+            raise FigureError("a result that is no finite number", "numbers whose result can be written")
+        return result
+
+
+def unknown_name(name: str, known: Mapping[str, Any] | tuple[str, ...], what: str) -> FigureError:
+    """Return the error that there is no ``what`` of that ``name``, with the nearest."""
+    return FigureError(shown(name), f"{what}{near(name, known)}")
