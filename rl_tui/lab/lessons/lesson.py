@@ -11,6 +11,7 @@ from typing import Any, Final
 from rl_tui.common.errors import Fault, ScenarioError
 from rl_tui.common.findings import Finding, in_file_order, near, place, shown
 from rl_tui.common.text_file import UnreadableError, read_text
+from rl_tui.lab.lessons.judging.condition_faults import setting_findings, task_findings
 from rl_tui.lab.lessons.schema import Figure, LessonFile, Page, Setup
 from rl_tui.lab.lessons.variants import variant_text, variants_of
 from rl_tui.worlds.files.toml_file import tables_in
@@ -182,6 +183,8 @@ def _reference_findings(file: LessonFile) -> Iterator[Finding]:
         seen.add(page.id)
         if page.setup is not None and page.setup not in file.setups:
             yield Finding((*where, "setup"), shown(page.setup), f"one of {', '.join(file.setups)}")
+        if page.task is not None:
+            yield from (each.inside(*where, "task") for each in task_findings(page.task))
         proof = page.task.proof if page.task else None
         if page.task is not None and proof is not None:
             if proof.best not in file.figures:
@@ -191,6 +194,8 @@ def _reference_findings(file: LessonFile) -> Iterator[Finding]:
                 yield Finding(
                     (*where, "task", "proof", "condition"), found, "the place of a condition, from 0"
                 )
+    for name, setup in file.setups.items():
+        yield from (each.inside("setups", name, "settings") for each in setting_findings(setup.settings))
     for name, figure in file.figures.items():
         if figure.setup is not None and figure.setup not in file.setups:
             expected = f"one of {', '.join(file.setups)}"

@@ -52,7 +52,8 @@ class Gives(StrEnum):
 class Measure:
     """One measure: ``of`` works it out. ``needs`` are the keys of a condition that it takes, all of them.
 
-    ``accepts`` are the words that its text may be; empty: any.
+    ``accepts`` are the words that its text may be; empty: any. ``differs_by_seed`` says that another seed
+    may come to another value, so that it makes sense to ask many.
     """
 
     name: str
@@ -62,6 +63,7 @@ class Measure:
     needs: tuple[str, ...] = ()
     gives: Gives = Gives.NUMBER
     accepts: tuple[str, ...] = ()
+    differs_by_seed: bool = True
 
 
 ARGUMENTS: Final = ("state", "action", "actions", "first", "last")
@@ -92,7 +94,7 @@ def _setting(moment: Moment, condition: Condition) -> float | str:
 
 def _settings() -> Iterable[Measure]:
     def row(name: str, text: str, gives: Gives, words: Iterable[str]) -> Measure:
-        return Measure(name, text, Kind.SETTING, _setting, gives=gives, accepts=tuple(words))
+        return Measure(name, text, Kind.SETTING, _setting, (), gives, tuple(words), False)
 
     yield row("algorithm", "the id of the algorithm", Gives.TEXT, BY_ID)
     for each in PARAMETERS.values():
@@ -109,15 +111,18 @@ def _counts() -> Iterable[Measure]:
     def row(name: str, text: str, of: Callable[[Moment, Condition], Value]) -> Measure:
         return Measure(name, text, Kind.COUNT, of)
 
+    def of_a_person(name: str, text: str, of: Callable[[Moment, Condition], Value]) -> Measure:
+        return Measure(name, text, Kind.COUNT, of, differs_by_seed=False)
+
     yield row("steps", "steps taken", lambda m, c: m.run.step)
     yield row("episodes", "finished episodes of an agent", lambda m, c: m.episodes)
     yield row("sweeps", "finished sweeps of a planner", lambda m, c: m.run.learner.planned.sweeps)
-    yield row("taken", "steps taken by a person", lambda m, c: m.journal.taken)
-    yield row("changes", "settings changed after the first step", lambda m, c: m.journal.changes)
-    yield row(
+    yield of_a_person("taken", "steps taken by a person", lambda m, c: m.journal.taken)
+    yield of_a_person("changes", "settings changed after the first step", lambda m, c: m.journal.changes)
+    yield of_a_person(
         "changed_settings", "settings of the first step that differ from the setup's", _changed_settings
     )
-    yield row("seed", "the seed of the run", lambda m, c: m.run.recipe.seed)
+    yield of_a_person("seed", "the seed of the run", lambda m, c: m.run.recipe.seed)
 
 
 def _by_agent(moment: Moment, condition: Condition) -> float:

@@ -10,6 +10,7 @@ from typing import Final
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
 from rl_tui.lab.experiments.training import Goal
+from rl_tui.lab.lessons.judging.condition_faults import MOST_STEPS_OF_A_SEED
 from rl_tui.lab.lessons.judging.conditions import Verdict, in_words, is_met
 from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, Value
 from rl_tui.lab.lessons.judging.moment import Kept, Moment
@@ -17,8 +18,6 @@ from rl_tui.lab.lessons.schema import Condition
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.run.run import Run
 
-MOST_STEPS: Final = 2_000_000
-"""Steps of one seed: one that needs more for its episodes does not hold."""
 KEPT: Final = 64
 """Settings of which the verdicts are remembered."""
 
@@ -71,14 +70,16 @@ def _of_seed(runs: SeededRuns, seed: int, goal: Goal, conditions: Sequence[Condi
     run = runs.new_run(seed)
 
     def on_progress(done: int, wanted: int) -> None:
-        if run.step > MOST_STEPS:
+        if run.step > MOST_STEPS_OF_A_SEED:
             raise _TooLongError
 
     try:
         runs.train(run, goal, on_progress)
     except (_TooLongError, UserError):
         return [None] * len(conditions)
-    if run.step > MOST_STEPS:  # it depends on how the work was cut whether that was noticed on the way
+    if (
+        run.step > MOST_STEPS_OF_A_SEED
+    ):  # it depends on how the work was cut whether that was noticed on the way
         return [None] * len(conditions)
     kept = Kept()
     return [_measured(run, condition, kept) for condition in conditions]
