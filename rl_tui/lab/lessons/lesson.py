@@ -11,6 +11,7 @@ from typing import Any, Final
 from rl_tui.common.errors import Fault, ScenarioError
 from rl_tui.common.findings import Finding, in_file_order, near, place, shown
 from rl_tui.common.text_file import UnreadableError, read_text
+from rl_tui.lab.lessons.figures.written import written_number
 from rl_tui.lab.lessons.judging.condition_faults import setting_findings, task_findings
 from rl_tui.lab.lessons.schema import Figure, LessonFile, Page, Setup
 from rl_tui.lab.lessons.variants import variant_text, variants_of
@@ -165,12 +166,8 @@ def _filled(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Finding]]:
 
 def number_in(text: str) -> float | None:
     """Return the number that ``text`` writes, be it with commas, a real minus or a percent sign."""
-    plain = text.replace(",", "").replace("−", "-").replace("≈", "").strip()
-    share = plain.endswith("%")
-    try:
-        return float(plain.removesuffix("%")) / (100 if share else 1)
-    except ValueError:
-        return None
+    number = written_number(text)
+    return None if number is None else number.value
 
 
 def _reference_findings(file: LessonFile) -> Iterator[Finding]:
