@@ -77,9 +77,13 @@ class Questions:
         """Forget the drawn policy."""
         self.drawn = DrawnPolicy()
 
+    def keeps_back(self, what: str) -> bool:
+        """Return whether the lesson keeps ``what`` back until its page is done."""
+        return self.lesson is not None and what in self.lesson.hidden
+
     def hides_answer(self, scenario: Scenario) -> bool:
         """Return whether the answer is hidden: by a lesson, else as a person or ``scenario`` says."""
-        if self.lesson is not None and "answer" in self.lesson.hidden:
+        if self.keeps_back("answer"):
             return True
         return scenario.hides_answer if self.is_hidden is None else self.is_hidden
 
@@ -106,6 +110,7 @@ class Questions:
             policies = self._policies.of(run, self.exact.of(run), self.drawn, is_still=is_still)
         return AnswersView(
             is_hidden=mdp is not None and self.hides_answer(run.recipe.scenario),
+            kept_back=frozenset() if self.lesson is None else self.lesson.hidden,
             studied=studied,
             drawn=self.drawn,
             left_to_chance=left,

@@ -18,6 +18,7 @@ class Place(Flag):
 class Group(StrEnum):
     """The headings of the help panel, in its order."""
 
+    LESSON = "Lesson"
     RUN = "Run"
     TIME = "Time"
     AGENT = "Agent"
@@ -43,7 +44,7 @@ class Action:
 
     What cannot be done to somebody's program that is watched says in ``not_for_program`` why, and what to do
     instead, as a sentence with ``{file}`` for the program's file. What is ``of_program`` is for such a
-    program alone.
+    program alone, what is ``of_lesson`` for a lesson.
     """
 
     id: str
@@ -63,6 +64,7 @@ class Action:
     everywhere: bool = False
     not_for_program: str = ""
     of_program: bool = False
+    of_lesson: bool = False
 
     @property
     def keys(self) -> list[str]:

@@ -10,7 +10,8 @@ from typing import Final
 
 from rl_tui.tui.actions.action import Action, Group, Place
 from rl_tui.tui.actions.playground_actions import PLAYGROUND_ACTIONS
-from rl_tui.tui.panels.catalogue import PANELS, PanelRow
+from rl_tui.tui.panels.catalogue import PANELS
+from rl_tui.tui.panels.row import PanelRow
 
 _KEPT: Final = "there is nothing to save: {file} and its seed make the same run again"
 _STAYS: Final = "your program stands in no row of the catalogue: esc goes there"

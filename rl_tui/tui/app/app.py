@@ -37,7 +37,8 @@ from rl_tui.tui.app.idleness import LOOKS, Idleness
 from rl_tui.tui.app.opening import MakePlayer, Opener, live_player
 from rl_tui.tui.app.palette_entries import ActionProvider
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.catalogue import PANELS, PanelRow
+from rl_tui.tui.panels.catalogue import PANELS
+from rl_tui.tui.panels.row import PanelRow
 from rl_tui.tui.screens.moment import MomentaryMessages, hide_messages_behind
 from rl_tui.tui.theme.depth import choose_look, depth_of, environment_for, is_native
 from rl_tui.tui.theme.encoding import encoding_of

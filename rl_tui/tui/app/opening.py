@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Protocol
 from rl_tui.common.errors import UserError
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.actions.action import Place
-from rl_tui.tui.panels.catalogue import PanelRow
+from rl_tui.tui.panels.row import PanelRow
 from rl_tui.tui.theme.look import Look
 
 if TYPE_CHECKING:
