@@ -7,11 +7,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from rl_tui.common.errors import Fault, ScenarioError, UserError
-from rl_tui.common.findings import Finding, place
+from rl_tui.common.errors import Fault, ScenarioError, UserError, first_of
+from rl_tui.common.findings import Finding, in_file_order, place
 from rl_tui.common.text_file import UnreadableError, read_text
 from rl_tui.lab.course.checks.asked import page_findings
 from rl_tui.lab.course.checks.numerals import numeral_findings
+from rl_tui.lab.course.checks.tasks import TaskCheck
 from rl_tui.lab.lessons.figures.figures import Figures
 from rl_tui.lab.lessons.lesson import Lesson, is_lesson_text, read_lesson
 from rl_tui.lab.lessons.setups import recipe_of
@@ -46,51 +47,102 @@ def is_lesson_file(path: str | Path) -> bool:
 def check_lesson(path: str | Path, *, quick: bool = False, on_checked: OnChecked = ignore) -> LessonReport:
     """Return what is wrong with the lesson in a file, each of its variants as a lesson of its own.
 
-    ``quick`` leaves out what takes many seeds.
+    ``quick`` leaves out what takes many seeds. What every variant has is told once, of the first.
     """
     report = LessonReport()
     try:
-        lesson = read_lesson(path)
+        lessons = [read_lesson(path)]
+        names = variants_of(tables_in(read_text(Path(path))))
+        lessons += [read_lesson(path, name) for name in names[1:]]
     except ScenarioError as error:
         report.faults += error.faults
         return report
-    names = variants_of(tables_in(read_text(Path(path))))
-    for variant in names or ("",):
-        try:
-            lesson = read_lesson(path, variant)
-        except ScenarioError as error:
-            report.faults += error.faults
-            continue
-        _check(lesson, report, quick=quick, on_checked=on_checked)
+    counted = _Counted(on_checked, sum(map(_amount, lessons)))
+    seen = set[Finding]()
+    for lesson in lessons:
+        file = f"{path} (variant {lesson.variant})" if lesson.variant else str(path)
+        faults, warnings = _LessonCheck(lesson, counted, quick=quick).findings()
+        report.faults += [
+            Fault(file, place(each.location), each.found, each.expected)
+            for each in faults
+            if each not in seen
+        ]
+        report.warnings += [
+            f"{place(each.location)}: found {each.found}; expected {each.expected}"
+            for each in warnings
+            if each not in seen
+        ]
+        seen.update(faults, warnings)
+    report.faults = list(first_of(report.faults))
     return report
 
 
-def _check(lesson: Lesson, report: LessonReport, *, quick: bool, on_checked: OnChecked) -> None:
-    """Add to ``report`` what is wrong with one variant."""
-    file = f"{lesson.source} (variant {lesson.variant})" if lesson.variant else str(lesson.source)
-    unplayable = list(_setup_findings(lesson))
-    for finding in unplayable or _findings(lesson, quick=quick, on_checked=on_checked):
-        report.faults.append(Fault(file, place(finding.location), finding.found, finding.expected))
+class _Counted:
+    """Counts what was checked."""
+
+    def __init__(self, on_checked: OnChecked, wanted: int) -> None:
+        self._on_checked = on_checked
+        self._wanted = wanted
+        self._done = 0
+
+    def next(self, what: str) -> None:
+        """Say that ``what`` is checked next."""
+        self._on_checked(self._done, self._wanted, what)
+        self._done += 1
 
 
-def _setup_findings(lesson: Lesson) -> Iterator[Finding]:
-    """Yield the setups that cannot be played: without them nothing else can be told."""
-    for name in lesson.setups:
-        try:
-            begin(recipe_of(lesson, name))
-        except UserError as fault:
-            yield Finding(("setups", name), str(fault), "a setup that can be played")
+def _amount(lesson: Lesson) -> int:
+    """Return how much there is to check."""
+    tasks = [page.task for page in lesson.tasks if page.task is not None]
+    attempts = sum(len(task.accepts) + len(task.rejects) for task in tasks)
+    return len(lesson.figures) + len(tasks) + attempts * (2 if lesson.variant else 1)
 
 
-def _findings(lesson: Lesson, *, quick: bool, on_checked: OnChecked) -> Iterator[Finding]:
-    known: dict[Any, Any] = {}
-    raw = tables_in(lesson.text)
-    figures = Figures(lesson, known)
-    for done, name in enumerate(lesson.figures):
-        on_checked(done, len(lesson.figures), name)
-        if not (quick and figures.needs_seeds(name)):
-            finding = figures.finding(name)
+class _LessonCheck:
+    """Looks for all that is wrong with ``lesson``, one variant of it."""
+
+    def __init__(self, lesson: Lesson, counted: _Counted, *, quick: bool) -> None:
+        self._lesson = lesson
+        self._counted = counted
+        self._quick = quick
+        self._known: dict[Any, Any] = {}
+        self._figures = Figures(lesson, self._known)
+
+    def findings(self) -> tuple[list[Finding], list[Finding]]:
+        """Return faults and warnings, both in the order of the file."""
+        raw = tables_in(self._lesson.text)
+        faults = list(self._setup_findings())
+        warnings = list[Finding]()
+        if not faults:  # without a world nothing else can be told
+            faults += self._figure_findings()
+            faults += page_findings(self._lesson, raw, self._figures, quick=self._quick)
+            faults += numeral_findings(self._lesson, raw, self._known)
+            for number, page in enumerate(self._lesson.pages):
+                if page.task is not None:
+                    check = TaskCheck(self._lesson, number, page, page.task, quick=self._quick)
+                    warnings += check.warnings()
+                    faults += self._task_findings(check)
+        return in_file_order(faults, raw), in_file_order(warnings, raw)
+
+    def _setup_findings(self) -> Iterator[Finding]:
+        """Yield the setups that cannot be played."""
+        for name in self._lesson.setups:
+            try:
+                begin(recipe_of(self._lesson, name))
+            except UserError as fault:
+                yield Finding(("setups", name), str(fault), "a setup that can be played")
+
+    def _figure_findings(self) -> Iterator[Finding]:
+        for name in self._lesson.figures:
+            self._counted.next(name)
+            if self._quick and self._figures.needs_seeds(name):
+                continue
+            finding = self._figures.finding(name)
             if finding is not None:
                 yield finding
-    yield from page_findings(lesson, raw, figures, quick=quick)
-    yield from numeral_findings(lesson, raw, known)
+
+    def _task_findings(self, check: TaskCheck) -> Iterator[Finding]:
+        found = list(check.findings(self._figures, self._known, self._counted.next))
+        yield from found
+        if self._lesson.variant and not self._quick and not found:
+            yield from check.findings_over_seeds(self._counted.next)

@@ -20,6 +20,12 @@ def recipe_of(lesson: Lesson, setup: str) -> Recipe:
     return recipe_for(scenario_for(lesson, setup), table.settings, table.seed)
 
 
+def check_setups(lesson: Lesson) -> None:
+    """Raise UserError where the run of a setup cannot begin; worlds are not built for that."""
+    for setup in lesson.setups:
+        recipe_of(lesson, setup)
+
+
 def scenario_for(lesson: Lesson, setup: str) -> Scenario:
     """Return the scenario of a setup: by its id, in a file beside the lesson's, or written out in it."""
     table = lesson.setups[setup]

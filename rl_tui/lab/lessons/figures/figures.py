@@ -15,7 +15,9 @@ from rl_tui.lab.lessons.figures.written import WrittenNumber, in_digits_of, writ
 from rl_tui.lab.lessons.lesson import Lesson
 from rl_tui.lab.lessons.schema import Figure
 
-OVER_SEEDS: Final = frozenset(("mean", "error_of_mean", "median", "least", "greatest", "share", "count"))
+OVER_SEEDS: Final = frozenset(
+    ("mean", "error_of_mean", "median", "least", "greatest", "share", "count", "ahead")
+)
 """Functions whose work is many runs: what a quick check leaves out."""
 
 
@@ -49,6 +51,10 @@ class Figures:
     def finding(self, name: str) -> Finding | None:
         """Return what is wrong with a figure; None where it is so."""
         figure = self._lesson.figures[name]
+        if plain_name(name) in SETTINGS and figure.by.strip() != name:
+            return Finding(
+                ("figures", name), shown(name), f"another name: {name} is the setting of that name"
+            )
         try:
             exact = self.value(name)
         except FigureError as fault:

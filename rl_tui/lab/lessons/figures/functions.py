@@ -122,7 +122,13 @@ FUNCTIONS: Final[Mapping[str, FigureFunction]] = {
         ),
         *_rows(runs.run, runs.attempt, more=ARGUMENTS),
         *_rows(
-            runs.mean, runs.error_of_mean, runs.median, runs.least, runs.greatest, more=(*_LENGTH, *ARGUMENTS)
+            runs.mean,
+            runs.error_of_mean,
+            runs.median,
+            runs.least,
+            runs.greatest,
+            runs.ahead,
+            more=(*_LENGTH, *ARGUMENTS),
         ),
         *_rows(runs.share, runs.count, more=(*_LENGTH, *runs.TESTS, *ARGUMENTS)),
         _plain("abs", _abs, "The number without its sign."),

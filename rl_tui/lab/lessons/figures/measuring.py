@@ -1,64 +1,62 @@
-"""A measure of a run, as conditions of tasks name it."""
+"""A measure of a run in a figure, by the names that conditions of tasks have for them."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 from rl_tui.common.findings import near, shown
 from rl_tui.lab.lessons.figures.expression import FigureError
-from rl_tui.lab.run.figures import exact_world, greedy_figures, optimum_of, pulls
+from rl_tui.lab.lessons.figures.subject import name_of, whole
+from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, Value
+from rl_tui.lab.lessons.judging.moment import Kept, Moment
+from rl_tui.lab.lessons.schema import MOST_STEPS, Condition
 from rl_tui.lab.run.run import Run
 
-Measured = float | str | bool | None
-
 ARGUMENTS: Final = ("state", "action", "actions", "first", "last", "at")
+"""What some measures take besides."""
 
 
-def measured(run: Run, measure: str, arguments: dict[str, Any]) -> Measured:
-    """Return a measure of ``run`` as it stands; None where it has no value."""
-    learner = run.learner
-    space = run.world.space
-    names = list(space.state_names)
+def measured(run: Run, measure: str, arguments: Mapping[str, Any]) -> Value:
+    """Return a measure of ``run`` where it stands. Raises FigureError where it has no value."""
+    condition = _condition(measure, arguments)
+    try:
+        return MEASURES[measure].of(Moment(run, run.recipe, Kept()), condition)
+    except MissingError as reason:
+        raise FigureError(f"{measure}: {reason}", "a measure that has a value at that step") from reason
 
-    def pair() -> int:
-        state = names.index(str(arguments["state"]))
-        return space.pair_of(state, space.action_names.index(str(arguments["action"])))
 
-    if measure == "q":
-        return float(learner.q[pair()])
-    if measure == "visits":
-        return int(learner.visits[pair()])
-    if measure == "value":
-        own = space.pairs_of(names.index(str(arguments["state"])))
-        return max(float(learner.q[each]) for each in own)
-    if measure == "policy_in":
-        own = space.pairs_of(names.index(str(arguments["state"])))
-        best = max(float(learner.q[each]) for each in own)
-        return ", ".join(
-            space.action_names[space.pair_action[each]] for each in own if learner.q[each] == best
-        )
-    if measure in ("reward", "td_error"):
-        last = learner.last_step
-        return None if last is None else float(getattr(last, measure))
-    if measure == "steps":
-        return run.step
-    if measure == "episodes":
-        return learner.episodes
-    if measure == "pairs_visited":
-        return int((learner.visits > 0).sum())
-    if measure == "pairs_unvisited":
-        return int((learner.visits == 0).sum())
-    if measure == "return_last_100":
-        return run.history.last_100[0]
-    if measure == "length_last_100":
-        return run.history.last_100[1]
-    if measure == "return_mean":
-        return run.mean_return
-    if measure == "first_reward_episode":
-        return learner.first_reward_episode or None
-    if measure in ("winnings", "regret", "best_arm_rate"):
-        return pulls(run).get(measure)
-    if measure in ("expected_return", "greedy_ends", "value_at_start", "max_error"):
-        exact = greedy_figures(run, optimum_of(exact_world(run), learner.hyperparameters.gamma))
-        return getattr(exact, measure)
-    raise FigureError(shown(measure), f"the name of a measure{near(measure, ['regret', 'q'])}")
+def measured_of_each(runs: Iterable[Run], measure: str, arguments: Mapping[str, Any]) -> list[Value | None]:
+    """Return a measure of each of ``runs``, None where it has no value."""
+    condition, kept = _condition(measure, arguments), Kept()
+    return [_or_none(run, condition, kept) for run in runs]
+
+
+def _or_none(run: Run, condition: Condition, kept: Kept) -> Value | None:
+    try:
+        return MEASURES[condition.measure].of(Moment(run, run.recipe, kept), condition)
+    except MissingError:
+        return None
+
+
+def _condition(measure: str, arguments: Mapping[str, Any]) -> Condition:
+    """Return a condition that measures so; what it asks for does not count."""
+    row = MEASURES.get(measure)
+    if row is None:
+        raise FigureError(shown(measure), f"the name of a measure{near(measure, MEASURES)}")
+    missing = [name for name in row.needs if name not in arguments]
+    if missing:
+        raise FigureError(f"{measure} without {missing[0]}", f"{measure} with {', '.join(row.needs)}")
+    given: dict[str, Any] = dict(arguments)
+    for name in ("state", "action", "at"):
+        if name in given:
+            given[name] = name_of(given[name])
+    for name in ("first", "last"):
+        if name in given:
+            given[name] = whole(given[name], name, 0, MOST_STEPS)
+    if "actions" in given:
+        given["actions"] = [name_of(each) for each in given["actions"]]
+    try:
+        return Condition.model_validate({"text": measure, "measure": measure, "equals": 0.0, **given})
+    except ValueError as fault:
+        raise FigureError(shown(str(arguments)), f"arguments of {measure}") from fault

@@ -14,8 +14,10 @@ from rl_tui.lab.experiments.patience import cores
 from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
 from rl_tui.lab.experiments.training import Goal, no_progress, train
 from rl_tui.lab.lessons.figures.expression import FigureError
-from rl_tui.lab.lessons.figures.measuring import Measured, measured
+from rl_tui.lab.lessons.figures.measuring import measured, measured_of_each
 from rl_tui.lab.lessons.figures.subject import Subject, name_of, whole
+from rl_tui.lab.lessons.judging.attempts import attempted_run
+from rl_tui.lab.lessons.judging.measures import Value
 from rl_tui.lab.run.changes import journal_of, read_change
 from rl_tui.lab.run.recipe import JournalEntry
 from rl_tui.lab.run.run import Run
@@ -45,7 +47,7 @@ def run(
     episodes: object = None,
     changes: Sequence[object] = (),
     **arguments: Any,
-) -> Measured:
+) -> Value:
     """Return a measure of one run under the setup's seed, after so many steps or episodes."""
     goal, journal = _goal(steps, episodes), _journal(subject, changes)
     key = "run", id(subject), goal, journal
@@ -56,10 +58,8 @@ def run(
     return measured(subject.known[key], _name(measure), arguments)
 
 
-def attempt(subject: Subject, page: object, name: object, measure: object, **arguments: Any) -> Measured:
+def attempt(subject: Subject, page: object, name: object, measure: object, **arguments: Any) -> Value:
     """Return a measure at the end of an attempt, by its page and its name."""
-    from rl_tui.lab.lessons.judging.attempts import attempted_run
-
     lesson = subject.lesson
     tasks = {each.id: each for each in lesson.tasks}
     wanted = name_of(page)
@@ -72,7 +72,7 @@ def attempt(subject: Subject, page: object, name: object, measure: object, **arg
         raise FigureError(shown(called), f"the name of an attempt of that task{near(called, attempts)}")
     key = "attempt", id(lesson), wanted, called
     if key not in subject.known:
-        subject.known[key] = attempted_run(lesson, tasks[wanted], attempts[called])
+        subject.known[key] = attempted_run(lesson, wanted, attempts[called])
     return measured(subject.known[key], _name(measure), arguments)
 
 
@@ -113,6 +113,28 @@ def count(subject: Subject, measure: object, seeds: object, **arguments: Any) ->
     return _holding(subject, measure, whole(seeds, "seeds", 1, MOST_SEEDS), arguments)
 
 
+def ahead(
+    subject: Subject,
+    measure: object,
+    these: object,
+    those: object,
+    seeds: object = LEAST_SEEDS,
+    **arguments: Any,
+) -> float:
+    """Return the share of seeds in which a measure is greater with settings ``these`` than with ``those``."""
+    many = _many(seeds)
+    one, other = (
+        _values(subject.changed(_settings(each)), measure, many, arguments) for each in (these, those)
+    )
+    return sum(mine > its for mine, its in zip(one, other, strict=True)) / many
+
+
+def _settings(value: object) -> dict[str, Any]:
+    if not isinstance(value, dict) or not all(isinstance(name, str) for name in value):
+        raise FigureError(shown(value), 'a table of settings, such as {"epsilon": 0}')
+    return value
+
+
 _TESTS: Final[dict[str, Callable[[Any, Any], bool]]] = {
     "at_least": lambda value, bound: value >= bound,
     "at_most": lambda value, bound: value <= bound,
@@ -145,7 +167,7 @@ def _values(subject: Subject, measure: object, seeds: int, arguments: dict[str, 
     return [float(value) for value in every if value is not None]
 
 
-def _measured(subject: Subject, measure: object, seeds: int, arguments: dict[str, Any]) -> list[Measured]:
+def _measured(subject: Subject, measure: object, seeds: int, arguments: dict[str, Any]) -> list[Value | None]:
     """Return the measure under each of the seeds 0 … seeds - 1."""
     rest = dict(arguments)
     goal = _goal(rest.pop("steps", None), rest.pop("episodes", None))
@@ -153,8 +175,8 @@ def _measured(subject: Subject, measure: object, seeds: int, arguments: dict[str
     name = _name(measure)
     key = "seeds", id(subject), goal, journal, seeds, name, repr(sorted(rest.items()))
     if key not in subject.known:
-        subject.known[key] = [measured(each, name, rest) for each in _runs(subject, goal, journal, seeds)]
-    found: list[Measured] = subject.known[key]
+        subject.known[key] = measured_of_each(_runs(subject, goal, journal, seeds), name, rest)
+    found: list[Value | None] = subject.known[key]
     return found
 
 

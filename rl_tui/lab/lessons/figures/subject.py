@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, Final
@@ -30,10 +30,18 @@ class Subject:
     ``known`` are results of runs, shared by all subjects of one check.
     """
 
-    def __init__(self, lesson: Lesson, recipe: Recipe, known: dict[Any, Any]) -> None:
+    def __init__(
+        self,
+        lesson: Lesson,
+        recipe: Recipe,
+        known: dict[Any, Any],
+        changed: Callable[[Mapping[str, Any]], Subject],
+    ) -> None:
         self.lesson = lesson
         self.recipe = recipe
         self.known = known
+        self.changed = changed
+        """Returns the subject with other settings besides."""
 
     @classmethod
     def of_page(cls, lesson: Lesson, page: str, known: dict[Any, Any]) -> Subject:
@@ -125,7 +133,11 @@ def subject_of(lesson: Lesson, setup: str, overrides: Mapping[str, Any], known: 
             found, settings = scenario_for(lesson, setup), {**table.settings, **settings}
         else:
             found = find(name_of(scenario))
-        known[key] = Subject(lesson, recipe_for(found, settings, seed), known)
+
+        def changed(more: Mapping[str, Any]) -> Subject:
+            return subject_of(lesson, setup, {**overrides, **more}, known)
+
+        known[key] = Subject(lesson, recipe_for(found, settings, seed), known, changed)
     subject: Subject = known[key]
     return subject
 

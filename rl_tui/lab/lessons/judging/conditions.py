@@ -73,9 +73,9 @@ def verdict(judged: JudgedTask, run: Run, panels: Panels | None = None, kept: Ke
 
     panels = panels or PanelsAtOnce()
     conditions = judged.task.conditions
-    elsewhere = _elsewhere(judged.setup, run.recipe)
-    if elsewhere:
-        return TaskView(tuple(ConditionView(each.text, False, elsewhere) for each in conditions))
+    reason = elsewhere(judged.setup, run.recipe)
+    if reason:
+        return TaskView(tuple(ConditionView(each.text, False, reason) for each in conditions))
     moment = Moment(run, judged.setup, kept or Kept())
     verdicts = {place: judged_at(moment, each) for place, each in enumerate(conditions) if not each.seeds}
     waits = ""
@@ -145,7 +145,7 @@ def _equal(value: Value, wanted: Value) -> bool:
     return abs(value - wanted) <= TOLERANCE
 
 
-def _elsewhere(setup: Recipe, recipe: Recipe) -> str:
+def elsewhere(setup: Recipe, recipe: Recipe) -> str:
     """Return why a run of ``recipe`` is not one that the task is about; empty where it is."""
     mine, other = setup.scenario, recipe.scenario
     if mine is not other and (mine.kind, mine.section) != (other.kind, other.section):
