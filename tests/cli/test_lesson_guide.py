@@ -33,7 +33,7 @@ def test_a_number_in_it_that_is_not_so_is_found(tmp_path: Path) -> None:
     result = CliRunner().invoke(program, ["check", str(path)])
     assert result.exit_code == 1
     assert "figures.start.value" in result.stderr
-    assert "0.73" in result.stderr
+    assert "0.729" in result.stderr
 
 
 def test_the_lessons_listed_are_the_ones_that_learn_lists() -> None:
