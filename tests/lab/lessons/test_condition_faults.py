@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from task_samples import inline, task_text
+from lab.lessons.task_samples import inline, task_text
 
 from rl_tui.common.errors import ScenarioError
 from rl_tui.lab.lessons.judging.world_faults import reference_faults
@@ -120,6 +120,7 @@ def test_a_setting_of_a_setup_that_is_none() -> None:
         ({"measure": "gap", "state": "Class", "actions": ["study", "quit"], "at_most": 1}, {}, "actions[1]"),
         ({"measure": "regret", "at_most": 1}, {}, "measure"),
         ({"measure": "expected_return", "at_least": 1}, {"scenario": "cartpole"}, "measure"),
+        ({"measure": "value_at_start", "at_least": 1}, {"scenario": "taxi"}, "measure"),
     ],
 )
 def test_what_is_not_in_the_world(asked: dict[str, Any], others: dict[str, Any], place: str) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from task_samples import attempt, condition, lesson_with, recipe_in
+from lab.lessons.task_samples import attempt, condition, lesson_with, recipe_in
 
 from rl_tui.lab.lessons.judging.attempts import attempted_run, evidence_holds, passes
 from rl_tui.lab.lessons.judging.conditions import in_words, is_met, judged_task, verdict

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple, Protocol
 
 from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, NotYetError, Value
 from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.record import Passed, entries_before
+from rl_tui.lab.lessons.record import Passed
 from rl_tui.lab.lessons.schema import Condition, Task
 from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.lessons.view import ConditionView, TaskView
@@ -93,7 +93,7 @@ def verdict(judged: JudgedTask, run: Run, panels: Panels | None = None, kept: Ke
     ordered = [verdicts[place] for place in range(len(conditions))]
     passed = None
     if all(each.holds for each in ordered) and judged.task.proof is None:
-        passed = Passed(judged.page, run.recipe, entries_before(run.journal, run.step), run.step)
+        passed = Passed(judged.page, run.recipe, run.journal[: moment.journal.count], run.step)
     views = (ConditionView(each.text, *found) for each, found in zip(conditions, ordered, strict=True))
     return TaskView(tuple(views), passed, waits)
 
