@@ -30,7 +30,12 @@ from rl_tui.worlds.files.catalogue import shipped_folder
 
 FOLDER = Path(__file__).parent
 BLOCK = re.compile(r"(<!-- made by make docs: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
-PLACES = {Place.CATALOGUE: "catalogue", Place.PLAYGROUND: "playground", Place.BOTH: "both"}
+PLACES = {
+    Place.CATALOGUE: "catalogue",
+    Place.LESSONS: "lessons",
+    Place.PLAYGROUND: "playground",
+    Place.EVERY: "everywhere",
+}
 _LAKE = "frozenlake-slippery"
 PICTURES = {
     "playground.svg": (_LAKE, "--keys", "wait:20000"),

@@ -362,7 +362,7 @@ async def test_other_worlds_say_where_q_stands(scenario: str, where: str, make_a
         await settle(pilot)
         await press(pilot, "V")
         assert notes(app)[0].endswith(where)
-        assert not playground(pilot).board.shows_actions
+        assert not playground(pilot).board.legends.shows_actions
 
 
 @pytest.mark.screen

@@ -5,7 +5,8 @@ from dataclasses import replace
 import pytest
 from textual.geometry import Region, Size
 
-from rl_tui.tui.panels.catalogue import BUDGET, CONTROLS, LAST_STEP, PANELS
+from rl_tui.tui.panels.catalogue import PANELS
+from rl_tui.tui.panels.row import BUDGET, CONTROLS, LAST_STEP
 from rl_tui.tui.screens.playground.arrangement import Shape, arrangement, is_roomy
 from rl_tui.worlds.drawing import Arms, CellKind, Drawing, Graph, Grid
 

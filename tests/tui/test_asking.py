@@ -15,9 +15,10 @@ from textual.widgets import Input, OptionList, Static
 from rl_tui.common.errors import UserError
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.glossary.glossary import glossary
-from rl_tui.tui.panels.catalogue import LAST_STEP, PANELS
+from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.tui.panels.model.bellman import SECRET
 from rl_tui.tui.panels.q_table.layers import Layer
+from rl_tui.tui.panels.row import LAST_STEP
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.explained import Explained
 from rl_tui.tui.screens.glossary import NUMBER, GlossaryScreen

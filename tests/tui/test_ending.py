@@ -38,13 +38,13 @@ async def test_nothing_more_is_drawn_while_the_program_ends(
     was_here = []
 
     async def close_all() -> None:
-        was_here.append(screen.is_here)
+        was_here.append(screen.frames.is_here)
         await close()
 
     async with app.run_test() as pilot:
         await settle(pilot)
         screen, close = app.screen, app._close_all
         assert isinstance(screen, Playground)
-        assert screen.is_here
+        assert screen.frames.is_here
         monkeypatch.setattr(app, "_close_all", close_all)
     assert was_here == [False]

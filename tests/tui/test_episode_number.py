@@ -11,8 +11,8 @@ from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
 from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.catalogue import LAST_STEP, MICROSCOPE
 from rl_tui.tui.panels.last_step.last_step import ENDED, ENDED_SWEEP
+from rl_tui.tui.panels.row import LAST_STEP, MICROSCOPE
 
 _NUMBERED = re.compile(r"\b(?:ep|episode|sweep) ([\d,]*\d)")
 

@@ -12,11 +12,12 @@ from rl_tui.tui.draw.pieces import Line
 from rl_tui.tui.glossary.figure_text import FigureSetting, figure_text
 from rl_tui.tui.glossary.glossary import FigureKind, FigureLimit, GlossaryTerm, glossary, term_at
 from rl_tui.tui.panels.budget import budget_lines
-from rl_tui.tui.panels.catalogue import BUDGET, CURVE, LAST_STEP, PANELS, TABLE, WORLD
+from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.tui.panels.curve.text import figure_names
 from rl_tui.tui.panels.last_step.last_step import last_step_lines
 from rl_tui.tui.panels.many_seeds import figures as study_figures
 from rl_tui.tui.panels.q_table.layers import Layer
+from rl_tui.tui.panels.row import BUDGET, CURVE, LAST_STEP, TABLE, WORLD
 from rl_tui.tui.panels.status_line import status_line
 from rl_tui.tui.theme.glyphs import UNICODE
 

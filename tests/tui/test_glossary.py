@@ -10,7 +10,8 @@ from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.glossary.glossary import GlossaryTerm, glossary, search, term_at, terms_called
-from rl_tui.tui.panels.catalogue import CONTROLS, LAST_STEP, PANELS, TABLE, TIMELINE, WORLD, PanelRow
+from rl_tui.tui.panels.catalogue import PANELS
+from rl_tui.tui.panels.row import CONTROLS, LAST_STEP, TABLE, TIMELINE, WORLD, PanelRow
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
 
 

@@ -21,12 +21,13 @@ from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.draw.names import landmark
-from rl_tui.tui.panels.catalogue import CONTROLS, CURVE, LAST_STEP, PANELS, TABLE, WORLD
+from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.tui.panels.curve.curve import ReturnCurve
 from rl_tui.tui.panels.last_step.last_step import ENDED, LastStepPanel
 from rl_tui.tui.panels.legend import LegendSign, legend_text
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.tui.panels.row import CONTROLS, CURVE, LAST_STEP, TABLE, WORLD
 from rl_tui.tui.panels.world.arms.arms import ArmsView
 from rl_tui.tui.panels.world.graph.graph import GraphView
 from rl_tui.tui.panels.world.grid.grid import GridView
@@ -239,7 +240,7 @@ async def test_hidden_legends_stay_hidden_the_next_time(tmp_path: Path) -> None:
     for expected in (True, False, True):
         async with app().run_test(size=(80, 24)) as pilot:
             await settle(pilot)
-            assert playground(pilot).board.is_explained is expected
+            assert playground(pilot).board.legends.is_on is expected
             await press(pilot, "L")
 
 
@@ -256,4 +257,4 @@ async def test_where_nothing_can_be_kept_nothing_is_remembered(tmp_path: Path) -
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         await press(pilot, "L")
-        assert not playground(pilot).board.is_explained
+        assert not playground(pilot).board.legends.is_on

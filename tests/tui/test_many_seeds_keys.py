@@ -19,10 +19,10 @@ from rl_tui.lab.live.commands import Command, EndStudy, HideAnswer, StudySeeds
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.many_seeds.figures import SeedStudy, StudyState
 from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.catalogue import BUDGET, CURVE, MANY_SEEDS, MICROSCOPE, TABLE
 from rl_tui.tui.panels.curve.curve import ReturnCurve
 from rl_tui.tui.panels.curve.data import curve_data
 from rl_tui.tui.panels.legend import legend_text
+from rl_tui.tui.panels.row import BUDGET, CURVE, MANY_SEEDS, MICROSCOPE, TABLE
 from rl_tui.tui.theme.glyphs import UNICODE
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.theme.palette import palette_for

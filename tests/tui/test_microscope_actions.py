@@ -11,9 +11,9 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Apply, StepBack
 from rl_tui.lab.run.recipe import SwitchAlgorithm
 from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.catalogue import CONTROLS, CURVE, MICROSCOPE, TABLE, TIMELINE, WORLD
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
+from rl_tui.tui.panels.row import CONTROLS, CURVE, MICROSCOPE, TABLE, TIMELINE, WORLD
 from rl_tui.tui.screens.playground.board import Board
 
 

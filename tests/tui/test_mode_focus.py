@@ -10,7 +10,7 @@ from textual.pilot import Pilot
 from rl_tui.common.errors import UserError
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.catalogue import MICROSCOPE, POLICIES
+from rl_tui.tui.panels.row import MICROSCOPE, POLICIES
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.key_line import KeyLine
 from rl_tui.tui.screens.playground.playground import Playground

@@ -20,8 +20,9 @@ from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.palette_entries import ActionProvider
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.draw.pieces import Piece, strips_of
-from rl_tui.tui.panels.catalogue import CURVE, MICROSCOPE, PANELS, OpeningKey, PanelRow
+from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.row import CURVE, MICROSCOPE, OpeningKey, PanelRow
 from rl_tui.tui.screens.explained import Explained
 from rl_tui.tui.screens.key_line import KeyLine
 from rl_tui.worlds.drawing import Arms

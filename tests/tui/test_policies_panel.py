@@ -22,7 +22,7 @@ from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.glossary.glossary import glossary, term_at
-from rl_tui.tui.panels.catalogue import CURVE, PANELS, POLICIES, TABLE, WORLD
+from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.tui.panels.curve.data import curve_data
 from rl_tui.tui.panels.curve.text import all_words, label_columns
 from rl_tui.tui.panels.curve.text import amount as curve_amount
@@ -31,6 +31,7 @@ from rl_tui.tui.panels.policies.policies import Policies
 from rl_tui.tui.panels.policies.studied import as_studied
 from rl_tui.tui.panels.policies.table import COLUMNS, amount
 from rl_tui.tui.panels.q_table.layers import Layer
+from rl_tui.tui.panels.row import CURVE, POLICIES, TABLE, WORLD
 from rl_tui.tui.panels.side_by_side import sides
 from rl_tui.tui.screens.number_here import number_here
 from rl_tui.tui.theme.glyphs import UNICODE

@@ -20,10 +20,10 @@ from rl_tui.lab.programs.program_process import ProgramRequest
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.catalogue import CONTROLS, FINDINGS, OUTPUT, PROGRAM, TABLE
 from rl_tui.tui.panels.discount.discount import DiscountPanel
 from rl_tui.tui.panels.q_table.layers import Layer
 from rl_tui.tui.panels.q_table.titles import NO_TABLE
+from rl_tui.tui.panels.row import CONTROLS, FINDINGS, OUTPUT, PROGRAM, TABLE
 from rl_tui.tui.panels.side_by_side import DIFFERS
 from rl_tui.tui.screens.playground.actions.program import FIRST_KEYS
 from rl_tui.tui.screens.playground.board import NO_PROGRAM

@@ -14,8 +14,8 @@ from rl_tui.lab.live.commands import Command, GoTo, RunEpisode, Step, Take, Trai
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.run.recipe import JournalEntry, TakeAction
 from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.catalogue import LAST_STEP, MICROSCOPE, WORLD
 from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.panels.row import LAST_STEP, MICROSCOPE, WORLD
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.key_line import KeyLine

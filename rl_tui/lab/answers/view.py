@@ -19,6 +19,8 @@ class AnswersView:
 
     is_hidden: bool = False
     """Whether whatever would give the answer away is to be hidden; False where there is no exact answer."""
+    kept_back: frozenset[str] = frozenset()
+    """What a lesson keeps back until a page of it is done: names of what a page may hide."""
     studied: PolicyKind | None = None
     """The policy whose values are asked for; None: of none."""
     drawn: DrawnPolicy = field(default_factory=DrawnPolicy)

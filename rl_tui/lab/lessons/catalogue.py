@@ -4,15 +4,22 @@ from __future__ import annotations
 
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
-from rl_tui.common.errors import UserError
+from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.findings import shown
 from rl_tui.common.kiosk import in_kiosk
 from rl_tui.lab.lessons.lesson import Lesson, read_lesson
 from rl_tui.worlds.files.shipped import SUFFIX, shipped_folder
 
 FOLDER: Final = "lessons"
+
+
+class Lessons(NamedTuple):
+    """The shipped lessons in their order, and what is wrong with files that give none."""
+
+    lessons: list[Lesson]
+    broken: list[ScenarioError]
 
 
 def lesson_folder() -> Path:
@@ -24,6 +31,18 @@ def shipped_lessons() -> list[Lesson]:
     """Return the shipped lessons in their order."""
     found = [read_lesson(path) for path in sorted(lesson_folder().glob(f"*{SUFFIX}"))]
     return sorted(found, key=lambda lesson: (lesson.order, lesson.id))
+
+
+def read_lessons() -> Lessons:
+    """Read every shipped lesson; a faulty file only leaves itself out."""
+    found = Lessons([], [])
+    for path in sorted(lesson_folder().glob(f"*{SUFFIX}")):
+        try:
+            found.lessons.append(read_lesson(path))
+        except ScenarioError as error:
+            found.broken.append(error)
+    found.lessons.sort(key=lambda lesson: (lesson.order, lesson.id))
+    return found
 
 
 def find_lesson(name_or_path: str, variant: str = "") -> Lesson:

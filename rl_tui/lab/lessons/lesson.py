@@ -10,10 +10,19 @@ from typing import Any, Final
 
 from rl_tui.common.errors import Fault, ScenarioError
 from rl_tui.common.findings import Finding, in_file_order, near, place, shown
+from rl_tui.common.limits import MOST_FAULTS
 from rl_tui.common.text_file import UnreadableError, read_text
+from rl_tui.lab.lessons.figures.written import written_number
 from rl_tui.lab.lessons.judging.condition_faults import setting_findings, task_findings
-from rl_tui.lab.lessons.schema import Figure, LessonFile, Page, Setup
-from rl_tui.lab.lessons.variants import variant_text, variants_of
+from rl_tui.lab.lessons.schema import (
+    LONGEST_LESSON,
+    LONGEST_SHORT_LINE,
+    Figure,
+    LessonFile,
+    Page,
+    Setup,
+)
+from rl_tui.lab.lessons.variants import readable, variant_text, variants_of
 from rl_tui.worlds.files.toml_file import tables_in
 from rl_tui.worlds.sections.schema import is_plain, parsed
 
@@ -22,7 +31,7 @@ _LITERAL: Final = ("figures", "setups", "variants", "program", "skeleton")
 """Tables and keys in whose texts braces mean nothing."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class Lesson:
     """A lesson, its texts with the figures put in.
 
@@ -87,12 +96,14 @@ def lesson_of(text: str, path: Path, variant: str = "") -> Lesson:
     ``variant`` is one of :func:`variants_of`; empty: the first, where it has any. Raises ScenarioError.
     """
     try:
-        raw = tables_in(text)
+        if len(text) > LONGEST_LESSON:
+            raise UnreadableError("", f"{len(text):,} characters", f"a lesson of at most {LONGEST_LESSON:,}")
+        raw = tables_in(readable(text))
         names = variants_of(raw)
         chosen = variant or next(iter(names), "")
         if names:
             text = variant_text(text, raw, chosen)
-            raw = tables_in(text)
+        raw = tables_in(text)
     except UnreadableError as reason:
         raise ScenarioError([Fault(str(path), reason.place, reason.found, reason.expected)]) from reason
     filled, findings = _filled(raw)
@@ -131,7 +142,7 @@ def _filled(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Finding]]:
     """Return ``raw`` with figures put in for their names, and the names that are no figures."""
     figures = raw.get("figures")
     values: dict[str, str] = {
-        name: figure["value"]
+        name: figure["value"][: LONGEST_SHORT_LINE + 1]  # a longer one is refused later
         for name, figure in (figures.items() if isinstance(figures, dict) else ())
         if isinstance(figure, dict) and isinstance(figure.get("value"), str)
     }
@@ -150,6 +161,8 @@ def _filled(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Finding]]:
     def _with_figures(text: str, location: tuple[str | int, ...]) -> Any:
         def put_in(match: re.Match[str]) -> str:
             name = match[1]
+            if name not in values and len(findings) > MOST_FAULTS:  # nobody reads more
+                return match[0]
             if name not in values:
                 findings.append(Finding(location, f"{{{name}}}", f"the name of a figure{near(name, values)}"))
                 return match[0]
@@ -165,12 +178,8 @@ def _filled(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Finding]]:
 
 def number_in(text: str) -> float | None:
     """Return the number that ``text`` writes, be it with commas, a real minus or a percent sign."""
-    plain = text.replace(",", "").replace("−", "-").replace("≈", "").strip()
-    share = plain.endswith("%")
-    try:
-        return float(plain.removesuffix("%")) / (100 if share else 1)
-    except ValueError:
-        return None
+    number = written_number(text)
+    return None if number is None else number.value
 
 
 def _reference_findings(file: LessonFile) -> Iterator[Finding]:

@@ -88,6 +88,12 @@ class LessonRecord:
         return page.question is None or (last is not None and last.is_right)
 
     @property
+    def is_begun(self) -> bool:
+        """Whether something was answered, passed or skipped, or another page than the first is open."""
+        is_elsewhere = self.page != self.lesson.pages[0].id
+        return is_elsewhere or bool(self.given or self.passed or self.skipped)
+
+    @property
     def predictions(self) -> tuple[int, int]:
         """How many predictions were right, and how many were made."""
         pages = [page.id for page in self.lesson.pages if page.prediction is not None]

@@ -256,6 +256,9 @@ LOOKING: Final = (*_AT_ANY_TIME, StudySeeds)
 MOVES: Final = (Play, WatchLearning, Pause, Step, RunEpisode, RunUntil, Take, Train)
 """Commands that mean nothing where a run takes no further step."""
 
+TAKES_STEPS: Final = (Play, WatchLearning, Step, RunEpisode, RunSweep, RunUntil, Take, Train)
+"""Commands by which runs go further."""
+
 _WHILE_SEEKING: Final = (
     *(StepBack, GoTo, Pause, DropLane, DrawAction, ClearDrawing, HideAnswer, KeepLesson),
     *_AT_ANY_TIME,

@@ -77,9 +77,13 @@ class Questions:
         """Forget the drawn policy."""
         self.drawn = DrawnPolicy()
 
+    def keeps_back(self, what: str) -> bool:
+        """Return whether the lesson keeps ``what`` back until its page is done."""
+        return self.lesson is not None and what in self.lesson.hidden
+
     def hides_answer(self, scenario: Scenario) -> bool:
         """Return whether the answer is hidden: by a lesson, else as a person or ``scenario`` says."""
-        if self.lesson is not None and "answer" in self.lesson.hidden:
+        if self.keeps_back("answer"):
             return True
         return scenario.hides_answer if self.is_hidden is None else self.is_hidden
 
@@ -106,6 +110,7 @@ class Questions:
             policies = self._policies.of(run, self.exact.of(run), self.drawn, is_still=is_still)
         return AnswersView(
             is_hidden=mdp is not None and self.hides_answer(run.recipe.scenario),
+            kept_back=frozenset() if self.lesson is None else self.lesson.hidden,
             studied=studied,
             drawn=self.drawn,
             left_to_chance=left,
@@ -119,6 +124,14 @@ class Questions:
         if self.lesson is None:
             return None
         return LessonView(self.lesson) if run is None else self._judge.view(self.lesson, run)
+
+    def judge(self, run: Run) -> None:
+        """Judge the task of the lesson, if there is one, where ``run`` stands before it goes on.
+
+        Of commands that come quickly, not each has a snapshot after it.
+        """
+        if self.lesson is not None:
+            self._judge.view(self.lesson, run)
 
     def work(self, group: RunGroup) -> bool:
         """Work out one answer that runs in view lack, all standing still; return whether there was one."""

@@ -10,14 +10,16 @@ class Place(Flag):
     """The screens on which an action applies; KIOSK beside one says that it has no files there."""
 
     CATALOGUE = auto()
+    LESSONS = auto()
     PLAYGROUND = auto()
     KIOSK = auto()
-    BOTH = CATALOGUE | PLAYGROUND
+    EVERY = CATALOGUE | LESSONS | PLAYGROUND
 
 
 class Group(StrEnum):
     """The headings of the help panel, in its order."""
 
+    LESSON = "Lesson"
     RUN = "Run"
     TIME = "Time"
     AGENT = "Agent"
@@ -43,7 +45,7 @@ class Action:
 
     What cannot be done to somebody's program that is watched says in ``not_for_program`` why, and what to do
     instead, as a sentence with ``{file}`` for the program's file. What is ``of_program`` is for such a
-    program alone.
+    program alone, what is ``of_lesson`` for a lesson.
     """
 
     id: str
@@ -63,6 +65,7 @@ class Action:
     everywhere: bool = False
     not_for_program: str = ""
     of_program: bool = False
+    of_lesson: bool = False
 
     @property
     def keys(self) -> list[str]:

@@ -39,12 +39,14 @@ class BoardPanel(Widget):
     """What the board asks of each of its panels.
 
     ``caption`` says in some five words what the panel is; it and the legend are seen while ``is_explained``.
-    ``is_led`` says that the same panel of the lane beside this one decides which part is in view.
+    ``is_led`` says that the same panel of the lane beside this one decides which part is in view,
+    ``is_spotlit`` that the page of a lesson points at this one.
     """
 
     is_led: bool = False
     caption: str = ""
     is_explained: bool = False
+    is_spotlit: bool = False
 
     @property
     def stance(self) -> object:
@@ -130,8 +132,12 @@ class Panel(BoardPanel):
 
     def fitting(self, titles: Iterable[str], width: int) -> str:
         """Return the first of ``titles`` that the border around ``width`` cells holds; empty if none does."""
-        room = width - BORDER_ENDS
+        room = width - BORDER_ENDS - cell_len(self._spot)
         return next((each for each in titles if cell_len(separated(each, self.look.glyphs)) <= room), "")
+
+    @property
+    def _spot(self) -> str:
+        return f"{self.look.glyphs.cursor} " if self.is_spotlit else ""
 
     def redraw(self) -> None:
         """Draw again and refresh what came out different."""
@@ -203,8 +209,9 @@ class Panel(BoardPanel):
     def _write_border(self) -> None:
         # setting a title refreshes the whole widget, even where it says the same
         footing = " · ".join(filter(None, (self._border_legend, self.footing)))
-        texts = (self.heading, footing, self.look.glyphs.name)
+        heading = f"{self._spot}{self.heading}"
+        texts = (heading, footing, self.look.glyphs.name)
         if texts != self._border_texts:
             self._border_texts = texts
-            self.border_title = Content(separated(self.heading, self.look.glyphs))
+            self.border_title = Content(separated(heading, self.look.glyphs))
             self.border_subtitle = Content(separated(footing, self.look.glyphs))

@@ -16,7 +16,7 @@ from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Arms
 
 ANSWER_KEY: Final = "h shows the exact answer"
-"""What stands in place of whatever is hidden while :func:`is_secret` holds."""
+ANSWER_KEPT: Final = "the lesson keeps it back for now"
 
 _FASTEST_FOLLOWED: Final = 30.0  # steps a second; above it single steps would only flicker
 
@@ -33,8 +33,22 @@ def is_new_run(before: Snapshot | None, now: Snapshot) -> bool:
 
 
 def is_secret(snapshot: Snapshot) -> bool:
-    """Return whether all that gives the exact answer away must be hidden; a spent budget hides nothing."""
-    return snapshot.answers.is_hidden and snapshot.playback.phase is not Phase.SPENT
+    """Return whether all that gives the exact answer away must be hidden.
+
+    A spent budget shows it, unless a lesson keeps it back.
+    """
+    is_open = snapshot.playback.phase is Phase.SPENT and not keeps_back(snapshot, "answer")
+    return snapshot.answers.is_hidden and not is_open
+
+
+def keeps_back(snapshot: Snapshot, what: str) -> bool:
+    """Return whether a lesson keeps ``what`` back, one of those that a page may hide."""
+    return what in snapshot.answers.kept_back
+
+
+def answer_key(snapshot: Snapshot) -> str:
+    """Return what stands in place of whatever is hidden while :func:`is_secret` holds."""
+    return ANSWER_KEPT if keeps_back(snapshot, "answer") else ANSWER_KEY
 
 
 def has_estimates(snapshot: Snapshot) -> bool:
@@ -56,6 +70,14 @@ def hides_means(snapshot: Snapshot) -> bool:
     Of a bandit these are the model and what the greedy policy earns, which other worlds do not hide.
     """
     return is_secret(snapshot) and isinstance(snapshot.world.drawing, Arms)
+
+
+def hides_greedy(snapshot: Snapshot) -> bool:
+    """Return whether what the policies at work earn, exactly, must be hidden.
+
+    That of the greedy one may be the best there is: a lesson that keeps the answer back hides it too.
+    """
+    return hides_means(snapshot) or (is_secret(snapshot) and keeps_back(snapshot, "answer"))
 
 
 def current_study(snapshot: Snapshot) -> SeedStudy | None:

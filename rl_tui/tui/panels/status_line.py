@@ -170,7 +170,8 @@ def _title(snapshot: Snapshot, look: Look, width: int, session: str = "") -> str
     fitting = next((text for text in texts if cell_len(text) <= width), None)
     title = snapshot.recipe.scenario.title
     name = title if snapshot.program is None else name_of(snapshot.program)
-    longest = separated(" · ".join(filter(None, (session, name))), look.glyphs)
+    parts = (session, name) if snapshot.lesson is None else forms[-1]
+    longest = separated(" · ".join(filter(None, parts)), look.glyphs)
     return fitting or shortened(longest, max(0, width), look.glyphs.ellipsis)
 
 
@@ -182,6 +183,9 @@ def _titles(snapshot: Snapshot, session: str) -> list[tuple[str, ...]]:
         name = name_of(snapshot.program)
         return [(name, title, seed), (name, title), (name,)]
     branch = timeline.current.name if len(timeline.branches) > 1 else ""
+    if snapshot.lesson is not None:
+        lesson = snapshot.lesson.record.lesson.title
+        return [(lesson, title, snapshot.agent.row.name, branch), (lesson, title), (lesson,)]
     if session:
         shorter = [(session, title, branch), *([(session, branch)] if branch else [])]
     else:

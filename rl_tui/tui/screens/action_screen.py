@@ -17,7 +17,8 @@ from textual.widgets import Static
 from rl_tui.tui.actions.action import Action, Place
 from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.catalogue import PANELS, PanelRow, beside
+from rl_tui.tui.panels.catalogue import PANELS
+from rl_tui.tui.panels.row import PanelRow, beside
 from rl_tui.tui.screens.key_line import KeyLine
 from rl_tui.tui.screens.moment import tell
 from rl_tui.tui.screens.playground.arrangement import ROOMY_HEIGHT, ROOMY_WIDTH
@@ -75,9 +76,14 @@ class ActionScreen(Screen[None]):
         self._mouse_at_key = Offset(0, 0)  # at the last key that asked nothing
 
     @property
-    def actions(self) -> tuple[Action, ...]:
-        """What a person can do here."""
+    def known_actions(self) -> tuple[Action, ...]:
+        """What a person can do in this place at some time."""
         return actions_of(self.place, self.panel_rows)
+
+    @property
+    def actions(self) -> tuple[Action, ...]:
+        """What a person can do here now: what palette and help list."""
+        return self.known_actions
 
     @property
     def in_kiosk(self) -> bool:
@@ -92,7 +98,7 @@ class ActionScreen(Screen[None]):
     def compose(self) -> ComposeResult:
         """Yield the content, the key line and what replaces them in a terminal too small."""
         yield from self.content()
-        yield KeyLine(self.look, self.actions, id="keys")
+        yield KeyLine(self.look, self.known_actions, id="keys")
         yield TooSmall(self.look, id="too-small")
 
     def tell(

@@ -10,9 +10,9 @@ from textual.widget import Widget
 
 from rl_tui.tui.glossary.figure_text import FigureSetting
 from rl_tui.tui.glossary.glossary import term_at, terms_called
-from rl_tui.tui.panels.catalogue import PanelRow
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.panel import Panel
+from rl_tui.tui.panels.row import PanelRow
 from rl_tui.tui.panels.snapshot_facts import figure_setting
 from rl_tui.tui.screens.glossary import NUMBER
 from rl_tui.tui.screens.number_here import NumberHere, number_here

@@ -13,7 +13,7 @@ from textual.containers import VerticalScroll
 from textual.widgets import Static
 
 from rl_tui.tui.actions.action import Action
-from rl_tui.tui.panels.catalogue import PanelRow
+from rl_tui.tui.panels.row import PanelRow
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.screens.explained import Explained, Explanation
 from rl_tui.tui.screens.notes import notes_markdown

@@ -69,6 +69,8 @@ class Glyphs:
     head_up: str
     head_down: str
     ellipsis: str
+    holds: str  # a condition does, does not
+    fails: str
     arrow_update: str  # ← of an assignment
     times: str
     minus: str
@@ -148,6 +150,8 @@ _ROWS: Final[Mapping[str, tuple[Any, Any]]] = {
     "head_up": ("▲", "^"),
     "head_down": ("▼", "v"),
     "ellipsis": ("…", "~"),
+    "holds": ("✓", "v"),
+    "fails": ("✗", "x"),
     "arrow_update": ("←", "<-"),
     "times": ("·", "*"),
     "minus": ("−", "-"),

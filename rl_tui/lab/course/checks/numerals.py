@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
+from rl_tui.agents.catalogue import parameters_of
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding, Location, shown
 from rl_tui.lab.lessons.figures.expression import FigureError
@@ -129,7 +130,8 @@ def _allowed(lesson: Lesson, page: Page, known: dict[Any, Any]) -> tuple[tuple[f
 
 
 def _settings(subject: Subject) -> Iterator[float]:
-    yield from _numbers(subject.values.as_dict().values())
+    used = parameters_of(subject.recipe.algorithm, subject.values.policy)
+    yield from _numbers(subject.values.value(name) for name in used)
     yield float(subject.recipe.seed)
     yield from _in_text(subject.recipe.scenario.title)
     yield from _in_text(subject.recipe.scenario.id)

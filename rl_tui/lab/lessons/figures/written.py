@@ -10,11 +10,11 @@ from typing import Final
 
 _RAISED: Final = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _NUMBER: Final = re.compile(
-    r"(?P<sign>[-+]?)(?P<digits>\d{1,3}(?:,\d{3})+(?:\.\d+)?|\d+(?:\.\d*)?|\.\d+)"
-    r"(?:[eE](?P<power>[-+]?\d{1,3})|·10(?P<raised>⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]{1,3}))?"
+    r"(?P<sign>[-+]?)(?P<digits>[0-9]{1,3}(?:,[0-9]{3})+(?:\.[0-9]+)?|[0-9]+(?:\.[0-9]*)?|\.[0-9]+)"
+    r"(?:[eE](?P<power>[-+]?[0-9]{1,3})|·10(?P<raised>⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]{1,3}))?"
 )
 _POWER_OF_TEN: Final = re.compile(r"(?P<sign>[-+]?)10(?P<raised>⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]{1,3})")
-_FRACTION: Final = re.compile(r"([-+]?\d{1,9})/(\d{1,9})")
+_FRACTION: Final = re.compile(r"([-+]?[0-9]{1,9})/([0-9]{1,9})")
 _EXACT: Final = 1e-9
 """Relative: what floats may have lost of a number that is a fraction, or lies between two digits."""
 
@@ -87,8 +87,16 @@ def _last_digit(digits: str, *, is_rough: bool) -> float:
     return 10.0**zeros if is_rough and zeros < len(whole) else 1.0
 
 
+def mean_with_error(mean: float, error: float) -> str:
+    """Return a mean and its standard error, in two digits of the error."""
+    if not error > 0.0:
+        return f"{in_digits_of(mean, '')} ± 0"
+    decimals = max(0, 1 - math.floor(math.log10(error)))
+    return f"{mean:,.{decimals}f} ± {error:,.{decimals}f}".replace("-", "−")
+
+
 def in_digits_of(exact: float, written: str) -> str:
-    """Return ``exact`` for people, in about as many digits as ``written`` has, and some more."""
+    """Return ``exact`` for people, six digits of it; as a share of a hundred where ``written`` is one."""
     if not math.isfinite(exact):
         return str(exact)
     if "%" in written:

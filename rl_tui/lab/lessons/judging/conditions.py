@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple, Protocol
 
 from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, NotYetError, Value
 from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.record import Passed, entries_before
+from rl_tui.lab.lessons.record import Passed
 from rl_tui.lab.lessons.schema import Condition, Task
 from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.lessons.view import ConditionView, TaskView
@@ -73,9 +73,9 @@ def verdict(judged: JudgedTask, run: Run, panels: Panels | None = None, kept: Ke
 
     panels = panels or PanelsAtOnce()
     conditions = judged.task.conditions
-    elsewhere = _elsewhere(judged.setup, run.recipe)
-    if elsewhere:
-        return TaskView(tuple(ConditionView(each.text, False, elsewhere) for each in conditions))
+    reason = elsewhere(judged.setup, run.recipe)
+    if reason:
+        return TaskView(tuple(ConditionView(each.text, False, reason) for each in conditions))
     moment = Moment(run, judged.setup, kept or Kept())
     verdicts = {place: judged_at(moment, each) for place, each in enumerate(conditions) if not each.seeds}
     waits = ""
@@ -93,7 +93,7 @@ def verdict(judged: JudgedTask, run: Run, panels: Panels | None = None, kept: Ke
     ordered = [verdicts[place] for place in range(len(conditions))]
     passed = None
     if all(each.holds for each in ordered) and judged.task.proof is None:
-        passed = Passed(judged.page, run.recipe, entries_before(run.journal, run.step), run.step)
+        passed = Passed(judged.page, run.recipe, run.journal[: moment.journal.count], run.step)
     views = (ConditionView(each.text, *found) for each, found in zip(conditions, ordered, strict=True))
     return TaskView(tuple(views), passed, waits)
 
@@ -145,7 +145,7 @@ def _equal(value: Value, wanted: Value) -> bool:
     return abs(value - wanted) <= TOLERANCE
 
 
-def _elsewhere(setup: Recipe, recipe: Recipe) -> str:
+def elsewhere(setup: Recipe, recipe: Recipe) -> str:
     """Return why a run of ``recipe`` is not one that the task is about; empty where it is."""
     mine, other = setup.scenario, recipe.scenario
     if mine is not other and (mine.kind, mine.section) != (other.kind, other.section):

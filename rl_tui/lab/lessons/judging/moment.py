@@ -17,7 +17,14 @@ from rl_tui.agents.exact.solution import NoExactAnswer, Solution
 from rl_tui.agents.exact.solve import solve
 from rl_tui.lab.lessons.judging.journal_reader import JournalReader
 from rl_tui.lab.lessons.judging.measures import MissingError, NotYetError
-from rl_tui.lab.run.exact_answers import DEAREST_LIVE, LIVE_STATES, NO_TABLE, Answer, visits_of
+from rl_tui.lab.run.exact_answers import (
+    AT_ONCE_STATES,
+    DEAREST_LIVE,
+    LIVE_STATES,
+    NO_TABLE,
+    Answer,
+    visits_of,
+)
 from rl_tui.lab.run.recipe import Recipe, TakeAction
 from rl_tui.lab.run.run import Run
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
@@ -36,6 +43,18 @@ def exact_at_once(mdp: TabularMDP, gamma: float) -> Answer:
         return Answer(solve(mdp, gamma), "")
     except NoExactAnswer as reason:
         return Answer(None, str(reason))
+
+
+def why_too_dear(mdp: TabularMDP, *, value_of_policy: bool = False) -> str:
+    """Return why exact figures of a world are not worked out beside a run; empty where they are.
+
+    The discounted ``value_of_policy`` takes longer than what one episode earns.
+    """
+    if mdp.states > LIVE_STATES or visits_of(mdp) > DEAREST_LIVE:
+        return "this world is too large for exact figures beside a run"
+    if value_of_policy and mdp.states > AT_ONCE_STATES:
+        return f"values of a policy are not worked out beside a run above {AT_ONCE_STATES} states"
+    return ""
 
 
 class Kept:
@@ -126,7 +145,7 @@ class Moment:
         for entry in reversed(self.run.journal):
             if entry.step < step:
                 break
-            count += isinstance(entry.change, TakeAction) and entry.step < self.run.step
+            count += isinstance(entry.change, TakeAction)
         return count
 
     def state(self, name: str | None) -> int:
@@ -174,8 +193,9 @@ class Moment:
         mdp = self.run.learner.mdp
         if mdp is None:
             raise MissingError(NO_TABLE)
-        if mdp.states > LIVE_STATES or visits_of(mdp) > DEAREST_LIVE:
-            raise MissingError("this world is too large for exact figures beside a run")
+        refused = why_too_dear(mdp)
+        if refused:
+            raise MissingError(refused)
         return mdp
 
     @cached_property
@@ -201,6 +221,9 @@ class Moment:
     def value_at_start(self) -> float:
         """The exact value of the greedy policy at the start, for the γ of the last step."""
         mdp, greedy, gamma = self.mdp, self.greedy, self.author.hyperparameters.gamma
+        refused = why_too_dear(mdp, value_of_policy=True)
+        if refused:
+            raise MissingError(refused)
 
         def work_out() -> float | None:
             try:

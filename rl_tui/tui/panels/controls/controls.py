@@ -21,7 +21,7 @@ from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.controls.slider_picture import SliderMark
 from rl_tui.tui.panels.legend import Legend, LegendSign, legend_text
 from rl_tui.tui.panels.panel import BORDER_ENDS, BoardPanel
-from rl_tui.tui.panels.snapshot_facts import is_secret
+from rl_tui.tui.panels.snapshot_facts import is_secret, keeps_back
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
@@ -67,7 +67,7 @@ def flip_marks(snapshot: Snapshot, *, every: bool) -> tuple[SliderMark, ...]:
             stands_out=flip.turns_the_way,
         )
         for flip in known.flips
-        if (flip.turns_the_way or every) and not is_secret(snapshot)
+        if (flip.turns_the_way or every) and not (is_secret(snapshot) or keeps_back(snapshot, "flips"))
     )
 
 

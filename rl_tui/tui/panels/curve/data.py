@@ -18,7 +18,7 @@ from rl_tui.tui.panels.curve.smoothing import smoothed
 from rl_tui.tui.panels.model.reward_range import reward_range
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.policies.studied import studied_answer
-from rl_tui.tui.panels.snapshot_facts import has_estimates, hides_means, is_secret
+from rl_tui.tui.panels.snapshot_facts import has_estimates, hides_greedy, is_secret, keeps_back
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
 
@@ -61,9 +61,10 @@ class CurveData:
     episode is on the line itself), ``greedy`` the exact expected return of the greedy policy, each over
     episodes from 0. ``greedy_now``, ``mean_now`` (of the last 100 episodes) and ``optimum`` are the values to
     print, None where unknown or hidden. ``hides_optimum`` tells that the optimum is hidden, of a bandit the
-    greedy arm as well, ``barren`` that there were many episodes and none had a reward, ``unlearned`` that no
-    estimate has moved in many, ``is_decided`` that somewhere one action is estimated above another, so that
-    being greedy means something (true as well where there is no choice, false where ``greedy_now`` is
+    greedy arm as well, and ``has_key`` that a key shows it then. ``barren`` tells that there were many
+    episodes and none had a reward, ``unlearned`` that no estimate has moved in many, ``is_decided`` that
+    somewhere one action is estimated above another, so that being greedy means something (true as well where
+    there is no choice, false where ``greedy_now`` is
     unknown). ``greedy_ends`` is, where the greedy policy has no return, how likely an episode of it ends;
     else None.
     ``acting_now`` is the exact return of the agent as it acts now, None where it is not known, ``studied``
@@ -87,6 +88,7 @@ class CurveData:
     is_bandit: bool
     unit: str
     hides_optimum: bool
+    has_key: bool
     barren: bool
     unlearned: bool
     is_decided: bool
@@ -166,7 +168,7 @@ def _without_lowest(values: FloatArray) -> FloatArray:
 def curve_data(snapshot: Snapshot) -> CurveData:
     """Return what there is to draw; what would give the answer away only where it is not hidden."""
     is_bandit = isinstance(snapshot.world.drawing, Arms)
-    hidden = hides_means(snapshot)
+    hidden = hides_greedy(snapshot)
     plans, solution = snapshot.agent.row.planner, snapshot.exact_answer.solution
     hides_optimum = is_secret(snapshot) and not snapshot.exact_answer.refused
     episodes, curve = _episodes(snapshot.results), snapshot.results.curve
@@ -182,8 +184,9 @@ def curve_data(snapshot: Snapshot) -> CurveData:
         is_bandit=is_bandit,
         unit="sweep" if plans else "pull" if is_bandit else "episode",
         hides_optimum=hides_optimum,
+        has_key=not keeps_back(snapshot, "answer"),
         barren=_barren(snapshot),
-        unlearned=snapshot.answers.first_update is not None and snapshot.answers.first_update.is_long,
+        unlearned=_is_unlearned(snapshot),
         is_decided=_is_decided(snapshot),
         greedy_ends=None if hidden else snapshot.results.greedy_ends,
         acting_now=_acting(snapshot),
@@ -196,6 +199,12 @@ def curve_data(snapshot: Snapshot) -> CurveData:
         seeds=seed_bands(snapshot),
         has_estimates=has_estimates(snapshot),
     )
+
+
+def _is_unlearned(snapshot: Snapshot) -> bool:
+    """Return whether no update is in sight, where a person may ask why."""
+    first = snapshot.answers.first_update
+    return first is not None and first.is_long and not keeps_back(snapshot, "why")
 
 
 def _acting(snapshot: Snapshot) -> float | None:

@@ -107,7 +107,7 @@ def lane_remark(data: CurveData, look: Look, room: int, *, counts_seeds: bool = 
     one_seed = _ONE_SEED + _COUNTS if counts_seeds else _ONE_SEED
     return (
         f"beside names: {recent_return} of {one_seed}",
-        *((f"{one_seed} · h adds {best}",) if data.hides_optimum else ()),
+        *((f"{one_seed} · h adds {best}",) if data.hides_optimum and data.has_key else ()),
         f"beside names: {recent_ones}, {one_seed}",
         f"{recent} of {one_seed}",
         *((f"{recent}, one seed; M: many",) if counts_seeds else ()),

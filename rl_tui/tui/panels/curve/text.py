@@ -42,6 +42,7 @@ _HIDDEN_OPTIMUM: Final = (
     "h adds what is best for γ",
     "h adds γ-best",
 )
+_KEPT_BACK: Final = ("the lesson keeps back what is exact", "what is exact: later")
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,6 +197,8 @@ def remark(
     snapshot: Snapshot, data: CurveData, glyphs: Glyphs, decimals: int, *, with_figures: bool = True
 ) -> tuple[str, ...]:
     """Return what is to be said of the picture, longest form first; empty where there is nothing."""
+    if data.hides_optimum and not data.has_key:
+        return _KEPT_BACK
     if data.hides_optimum:
         return _HIDDEN_ARMS if data.is_bandit else _HIDDEN_OPTIMUM
     if data.greedy_now is None or data.finished < RECENT or not data.is_decided:

@@ -20,14 +20,14 @@ from rl_tui.tui.panels.discount.flip_list import fitting_form, flip_lines
 from rl_tui.tui.panels.legend import Legend, LegendSign, legend_rows
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.pointing import NOWHERE
-from rl_tui.tui.panels.snapshot_facts import ANSWER_KEY, is_secret, passes_too_fast
+from rl_tui.tui.panels.snapshot_facts import answer_key, is_secret, passes_too_fast
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
 if TYPE_CHECKING:
     from rl_tui.agents.exact.flips.flips import Flip
 
-HIDDEN: Final = f"what γ decides is hidden: {ANSWER_KEY}"
+HIDDEN: Final = "what γ decides is hidden: "
 PENDING: Final = "being worked out, beside all else"
 NO_FLIPS: Final = "the same actions are best at every γ between 0 and 1"
 _TITLE: Final = "γ"
@@ -227,7 +227,7 @@ def said_instead(snapshot: Snapshot) -> str:
     if answer.state is FlipState.REFUSED:
         return answer.reason
     if is_secret(snapshot):
-        return HIDDEN
+        return HIDDEN + answer_key(snapshot)
     return "" if answer.state is FlipState.KNOWN else PENDING
 
 

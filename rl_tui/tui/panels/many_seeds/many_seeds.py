@@ -16,7 +16,13 @@ from rl_tui.tui.panels.many_seeds.figures import in_percent, may_count_again, sh
 from rl_tui.tui.panels.many_seeds.remarks import remarks
 from rl_tui.tui.panels.many_seeds.table import table_lines
 from rl_tui.tui.panels.scrolled_panel import ScrolledPanel, scroll_bindings
-from rl_tui.tui.panels.snapshot_facts import episodes_reached, hides_means, shown_lane
+from rl_tui.tui.panels.snapshot_facts import (
+    episodes_reached,
+    hides_greedy,
+    hides_means,
+    keeps_back,
+    shown_lane,
+)
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
@@ -69,13 +75,13 @@ def study_lines(snapshot: Snapshot | None, look: Look, width: int, *, is_short: 
     if not is_short:
         yield from what
         yield []
-    secret = hides_means(snapshot)
+    secret = hides_greedy(snapshot)
     figures = shown_figures(study, secret=secret)
     until = until_of(study, episodes_reached(snapshot))
     lanes = _names(study, snapshot), shown_lane(study, snapshot)
     table = table_lines(study, *lanes, figures, look, width, until=until)
     yield from (line for line in table if line or not is_short)
-    if secret:
+    if hides_means(snapshot) and not keeps_back(snapshot, "answer"):
         yield from wrapped("h shows regret and best arm", width, look.palette.dim, look, " ", "   ")
     if is_short:
         yield from what

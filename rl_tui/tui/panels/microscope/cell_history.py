@@ -20,7 +20,7 @@ from rl_tui.tui.draw.pieces import wrapped
 from rl_tui.tui.draw.scale import round_range, round_scale
 from rl_tui.tui.panels.microscope.section import MicroscopeSection, columns_of, stacked
 from rl_tui.tui.panels.q_table.layers import exact_q
-from rl_tui.tui.panels.snapshot_facts import is_secret
+from rl_tui.tui.panels.snapshot_facts import is_secret, keeps_back
 from rl_tui.tui.theme.look import Look
 
 HISTORY: Final = "History"
@@ -66,7 +66,8 @@ def _values_text(snapshot: Snapshot, pair: int, exact: float | None, look: Look)
     form = number_form([q] if exact is None else [q, exact], _VALUE_COLUMNS)
     now = form.text(q, look.glyphs) if snapshot.agent.holds(pair) else look.glyphs.ellipsis
     if exact is None and is_secret(snapshot) and not snapshot.exact_answer.refused:
-        return f"now {now}, h shows the exact", f"now {now}"
+        key = () if keeps_back(snapshot, "answer") else (f"now {now}, h shows the exact",)
+        return *key, f"now {now}"
     if exact is None:
         return (f"now {now}",)
     return f"now {now}, exact {form.text(exact, look.glyphs)}", f"now {now}"

@@ -12,7 +12,7 @@ from rl_tui.tui.draw.pieces import KEPT_BLANK as K
 from rl_tui.tui.draw.pieces import Line, Piece, wrapped
 from rl_tui.tui.draw.precision import column_figure, leading_zeros
 from rl_tui.tui.panels.last_step.update_text import setting
-from rl_tui.tui.panels.snapshot_facts import ANSWER_KEY, hides_means, is_secret
+from rl_tui.tui.panels.snapshot_facts import answer_key, hides_means, is_secret
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -30,7 +30,7 @@ def bellman_lines(snapshot: Snapshot, pair: int, look: Look, width: int) -> list
     symbols = f"Q*({name}) = {total} p · [r{K}+{K}γ{K}·{K}max{K}Q*(s′,·)]"
     lines: list[Line] = [*wrapped(symbols, width, palette.strong, look, " ", _CONTINUED)]
     if is_secret(snapshot):
-        hidden = SECRET if hides_means(snapshot) else ANSWER_KEY
+        hidden = SECRET if hides_means(snapshot) else answer_key(snapshot)
         return [*lines, *wrapped(hidden, width, palette.dim, look, f"{_EQUALS}··· ", _CONTINUED)]
     mdp = snapshot.world.mdp
     if snapshot.exact_answer.solution is None or mdp is None:

@@ -11,7 +11,7 @@ from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.answers.policy_values import WHILE_RUNNING, PolicyAnswer
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
-from rl_tui.tui.panels.snapshot_facts import hides_means, is_secret
+from rl_tui.tui.panels.snapshot_facts import hides_greedy, hides_means, is_secret
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
@@ -19,9 +19,12 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 def is_kept_back(snapshot: Snapshot, kind: PolicyKind) -> bool:
     """Return whether what a policy is worth would give away what is to be found out.
 
-    Of a bandit that is the worth of any policy, since it tells of the means.
+    Of a bandit that is the worth of any policy, since it tells of the means; where a lesson keeps the answer
+    back, of any but that of acting at random.
     """
-    return is_secret(snapshot) if kind is PolicyKind.OPTIMAL else hides_means(snapshot)
+    if kind is PolicyKind.OPTIMAL:
+        return is_secret(snapshot)
+    return hides_means(snapshot) if kind is PolicyKind.UNIFORM else hides_greedy(snapshot)
 
 
 def studied_answer(snapshot: Snapshot) -> PolicyAnswer | None:

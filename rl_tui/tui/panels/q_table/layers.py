@@ -17,7 +17,7 @@ from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
 from rl_tui.tui.panels.numbers_in_common import ends, finite, lanes_in_view
 from rl_tui.tui.panels.policies.studied import shown_actions, studied_answer
-from rl_tui.tui.panels.snapshot_facts import has_estimates, is_secret, passes_too_fast
+from rl_tui.tui.panels.snapshot_facts import has_estimates, is_secret, keeps_back, passes_too_fast
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
@@ -60,6 +60,11 @@ def exact_q(snapshot: Snapshot) -> Exact | None:
 def hides_exact(snapshot: Snapshot) -> bool:
     """Return whether there is or will be an exact answer, and it is hidden."""
     return is_secret(snapshot) and not snapshot.exact_answer.refused
+
+
+def has_exact_key(snapshot: Snapshot) -> bool:
+    """Return whether it is hidden, and a key shows it."""
+    return hides_exact(snapshot) and not keeps_back(snapshot, "answer")
 
 
 def policy_q(snapshot: Snapshot) -> Exact | None:

@@ -28,7 +28,7 @@ from rl_tui.tui.panels.q_table.layers import (
     Layer,
     exact_of,
     exact_q,
-    hides_exact,
+    has_exact_key,
     lacks_values,
     layer_choices,
     lit_pair,
@@ -372,7 +372,9 @@ class QTable(Panel, can_focus=True):
 
     def _footing(self, width: int, *, is_scrolled: bool) -> str:
         snapshot = self.snapshot
-        is_hidden = snapshot is not None and hides_exact(snapshot) and not self._world_of(snapshot).is_bandit
+        is_hidden = (
+            snapshot is not None and has_exact_key(snapshot) and not self._world_of(snapshot).is_bandit
+        )
         forms = footings(self.shown_layer, self.layer_choices, self.look.glyphs, hides_exact=is_hidden)
         if is_scrolled:
             forms = followed(forms, is_following=self._following)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from rich.text import Text
 from textual.app import ComposeResult
-from textual.widgets import OptionList
+from textual.widgets import OptionList, Static
 from textual.widgets.option_list import Option
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy
@@ -34,12 +34,15 @@ class Candidate:
 class Choice(Dialog[str]):
     """A list of candidates. Answers the id of the one chosen; escape answers None.
 
-    ``current`` is the id of the one in force, empty where none is.
+    ``current`` is the id of the one in force, empty where none is. ``question`` stands above the list.
     """
 
-    def __init__(self, title: str, candidates: Iterable[Candidate], current: str, glyphs: Glyphs) -> None:
+    def __init__(
+        self, title: str, candidates: Iterable[Candidate], current: str, glyphs: Glyphs, question: str = ""
+    ) -> None:
         super().__init__()
         self._title = title
+        self._question = question
         self.candidates = tuple(candidates)
         self._current = current
         self._glyphs = glyphs
@@ -47,6 +50,8 @@ class Choice(Dialog[str]):
     def compose(self) -> ComposeResult:
         """Yield the list."""
         with self.box(to_ascii(self._title, self._glyphs), "enter: choose   esc: close"):
+            if self._question:
+                yield Static(to_ascii(self._question, self._glyphs), classes="hint", markup=False)
             yield OptionList(
                 *(
                     Option(self.describe(each), id=each.id, disabled=bool(each.refused))

@@ -8,12 +8,13 @@ from typing import Final
 
 from textual.geometry import Region, Size
 
-from rl_tui.tui.panels.catalogue import (
+from rl_tui.tui.panels.catalogue import PANELS
+from rl_tui.tui.panels.row import (
     BUDGET,
     CONTROLS,
     CURVE,
     LAST_STEP,
-    PANELS,
+    LESSON,
     PROGRAM,
     TABLE,
     TIMELINE,
@@ -32,6 +33,7 @@ _LAST_STEP_ROWS = (10, 8)  # the longest form and the one that takes less, with 
 _LEAST_TABLE = 18  # beside controls and a budget, where the last step has its longest form
 _BUDGET_ROWS = 6
 _LINES_BELOW = 3  # compact: sliders, settings, last step; a line each, without borders
+_SETTINGS_LINES = 2
 _LEAST_CURVE = 12  # with the timeline
 _TIMELINE_ROWS = 1
 _LEAST_PAIR_WIDTH = 76  # for two worlds side by side
@@ -41,6 +43,9 @@ _LEAST_PAIR_TABLE = 8
 _NOTE_ROWS = 2  # what is noted below a list may be left out
 _LEAST_TALL_CELL = 8  # a cell of a map that is narrower gains nothing by a third row
 _LEAST_WIDE = 20  # rows of a panel that has the whole width
+_LESSON_COLUMNS = (40, 56)
+_LESSON_ROWS = 1  # where page and world take turns
+_LEAST_TALL = 30  # rows that are more than lines below need: the last step has its border then
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +53,8 @@ class Shape:
     """What the arrangement depends on besides the size; ``table_rows`` is what the whole table takes.
 
     Where there is room for it, the world has ``legend_rows`` more than its picture takes. With ``lanes`` two
-    runs are to stand side by side. Of a program that is watched there is nothing to set.
+    runs are to stand side by side. Of a program that is watched there is nothing to set. With ``has_lesson``
+    a page stands beside the world; where there is no room for both, ``reads`` says that the page has it.
     """
 
     drawing: Drawing | None = None
@@ -57,6 +63,8 @@ class Shape:
     legend_rows: int = 0
     lanes: bool = False
     is_program: bool = False
+    has_lesson: bool = False
+    reads: bool = False
 
     @property
     def settings(self) -> str:
@@ -69,6 +77,30 @@ def is_roomy(size: Size) -> bool:
     return size.width >= ROOMY_WIDTH and size.height >= ROOMY_HEIGHT
 
 
+def docks_lesson(size: Size) -> bool:
+    """Return whether there is room for a page of a lesson beside the world."""
+    return is_roomy(size)
+
+
+def has_lines_below(size: Size, shape: Shape) -> bool:
+    """Return whether settings stand in lines without a border below all else, unless two lanes do."""
+    return not is_roomy(beside_lesson(size, shape).size)
+
+
+def beside_lesson(size: Size, shape: Shape) -> Region:
+    """Return what a lesson leaves to the run: all but its page, or but a row that tells of it."""
+    if not shape.has_lesson:
+        return size.region
+    if docks_lesson(size):
+        return Region(0, 0, size.width - _lesson_columns(size), size.height)
+    return Region(0, _LESSON_ROWS, size.width, max(0, size.height - _LESSON_ROWS))
+
+
+def _lesson_columns(size: Size) -> int:
+    least, most = _LESSON_COLUMNS
+    return max(least, min(most, round(size.width * 44 / 120)))
+
+
 def arrangement(
     size: Size,
     shape: Shape,
@@ -77,6 +109,31 @@ def arrangement(
     panels: Iterable[PanelRow] = PANELS,
 ) -> dict[str, Region]:
     """Return the region of each of ``panels`` by its id; those that are not shown are left out.
+
+    What a lesson leaves is arranged as all would be without it. The others are as in :func:`_of_run`.
+    """
+    if not shape.has_lesson:
+        return _of_run(size, shape, zoomed, opened, panels)
+    if zoomed == LESSON or (shape.reads and not docks_lesson(size)):
+        return {LESSON: size.region}
+    rest = beside_lesson(size, shape)
+    regions = _of_run(rest.size, shape, zoomed, opened, panels)
+    page = (
+        Region(rest.width, 0, size.width - rest.width, size.height)
+        if docks_lesson(size)
+        else Region(0, 0, size.width, rest.y)
+    )
+    return {name: region.translate(rest.offset) for name, region in regions.items()} | {LESSON: page}
+
+
+def _of_run(
+    size: Size,
+    shape: Shape,
+    zoomed: str | None,
+    opened: str | None,
+    panels: Iterable[PanelRow],
+) -> dict[str, Region]:
+    """Return the regions of the panels of the run.
 
     The one ``zoomed`` covers all others. The one ``opened`` by its key stands as its row says; two lanes side
     by side make room for it at the right of the curve, unless it stands in place of a world: then there is
@@ -145,15 +202,33 @@ def _pair_table_rows(shape: Shape, rows: int) -> int:
 
 def _lines_below(shape: Shape, width: int, y: int) -> dict[str, Region]:
     """Return controls and last step in lines without borders."""
-    return {shape.settings: Region(0, y, width, 2), LAST_STEP: Region(0, y + 2, width, 1)}
+    return {
+        shape.settings: Region(0, y, width, _SETTINGS_LINES),
+        LAST_STEP: Region(0, y + _SETTINGS_LINES, width, _LINES_BELOW - _SETTINGS_LINES),
+    }
 
 
 def _compact(size: Size, shape: Shape, budget: int) -> dict[str, Region]:
     width, height = size
+    if shape.has_lesson and height >= _LEAST_TALL:
+        return _tall(size, shape, budget)
     left, body = round(width * 42 / 80), max(0, height - _LINES_BELOW)
     world = _world_rows(shape, body, least_curve=max(6, body * 7 // 19))
     regions = _left_column(left, world, body) | _right_column(left, width - left, body, budget)
     return regions | _lines_below(shape, width, body)
+
+
+def _tall(size: Size, shape: Shape, budget: int) -> dict[str, Region]:
+    """Return the compact layout of a narrow board with rows to spare: the last step tells all it knows."""
+    width, height = size
+    left, last_step = round(width * 42 / 80), _LAST_STEP_ROWS[1]
+    body = height - last_step - _SETTINGS_LINES
+    world = _world_rows(shape, body, least_curve=max(6, body * 7 // 19))
+    regions = _left_column(left, world, body) | _right_column(left, width - left, body, budget)
+    return regions | {
+        LAST_STEP: Region(0, body, width, last_step),
+        shape.settings: Region(0, body + last_step, width, _SETTINGS_LINES),
+    }
 
 
 def _roomy(size: Size, shape: Shape, budget: int) -> dict[str, Region]:

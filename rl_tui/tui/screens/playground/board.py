@@ -16,12 +16,22 @@ from textual.widget import Widget
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Viewport
-from rl_tui.tui.panels.catalogue import (
+from rl_tui.tui.panels.catalogue import PANELS
+from rl_tui.tui.panels.controls.controls import Controls
+from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.panels.curve.curve import ReturnCurve
+from rl_tui.tui.panels.discount.discount import DiscountPanel
+from rl_tui.tui.panels.lesson.lesson import LessonPanel
+from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
+from rl_tui.tui.panels.panel import BoardPanel
+from rl_tui.tui.panels.pointing import Moved, Pointed
+from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.tui.panels.row import (
     CONTROLS,
     CURVE,
     DISCOUNT,
+    LESSON,
     MICROSCOPE,
-    PANELS,
     POLICIES,
     TABLE,
     TIMELINE,
@@ -29,14 +39,6 @@ from rl_tui.tui.panels.catalogue import (
     PanelRow,
     beside,
 )
-from rl_tui.tui.panels.controls.controls import Controls
-from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.panels.curve.curve import ReturnCurve
-from rl_tui.tui.panels.discount.discount import DiscountPanel
-from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
-from rl_tui.tui.panels.panel import BoardPanel
-from rl_tui.tui.panels.pointing import Moved, Pointed
-from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.snapshot_facts import as_learned
 from rl_tui.tui.panels.timeline.timeline import HINTS, TimelineBar
 from rl_tui.tui.panels.world.make_view import make_world_view
@@ -44,6 +46,7 @@ from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.legend_switch import LegendSwitch
 from rl_tui.tui.screens.playground.board_layout import BoardLayout
 from rl_tui.tui.screens.playground.lane_pair import LanePair
+from rl_tui.tui.screens.playground.lesson_place import LessonPlace
 from rl_tui.tui.screens.playground.wanted import Wanted
 from rl_tui.tui.theme.look import Look
 
@@ -72,7 +75,7 @@ class Board(Container):
         self.rows = {row.id: row for row in panels}
         self._panels = {row.id: row.make(look) for row in panels}
         self._pair = LanePair(self._panels, look)
-        self._is_one_lane = self._is_explained = self.keeps_focus = False
+        self._is_one_lane = self.keeps_focus = False
         self.legends = LegendSwitch(None)
         self.curve = self._made(CURVE, ReturnCurve)
         self.timeline = self._made(TIMELINE, TimelineBar)
@@ -84,6 +87,7 @@ class Board(Container):
         self._focused_before: Widget | None = None
         self._focused_beside_sliders: Widget | None = None
         self._arrangement = BoardLayout(panels)
+        self.lesson = LessonPlace(self, self._made(LESSON, LessonPanel), self._arrangement)
         self._snapshot: Snapshot | None = None
         self._mounting = asyncio.Lock()
 
@@ -120,17 +124,19 @@ class Board(Container):
         if self.world is None:
             self._panels[WORLD] = view = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
             view.caption = self.rows[WORLD].caption
-            self._apply_switches()
+            self.apply_switches()
             self.run_worker(self._replace_placeholder(view))
         if snapshot.beside is not None and not self._pair.twins:
             self._pair.make(snapshot, self.rows.values())
-            self._apply_switches()
+            self.apply_switches()
             self.run_worker(self._mount_twins())
-        self._reshape(
+        self.reshape(
             lanes=snapshot.beside is not None and not self._is_one_lane,
             is_program=snapshot.program is not None,
+            has_lesson=snapshot.lesson is not None,
         )
         self._take_lead(snapshot)
+        self.lesson.place(snapshot, self.size)
         self.table.sources = lit_sources(snapshot) if self.opened == MICROSCOPE else frozenset()
         self.controls.wanted = self._wanted.recipe.hyperparameters
         self.controls.marks_all_flips = self.opened == DISCOUNT
@@ -143,14 +149,14 @@ class Board(Container):
         if self._pair.is_shown:
             self._pair.show(as_learned(snapshot))
         world = snapshot.world
-        self._reshape(
+        self.reshape(
             drawing=world.drawing,
             table_rows=self.table.rows,
             arms=world.space.pairs,
-            legend_rows=int(self.is_explained),
+            legend_rows=int(self.legends.is_on),
         )
 
-    def _reshape(self, **changes: Any) -> None:
+    def reshape(self, **changes: Any) -> None:
         """Arrange the panels again where what that depends on has changed."""
         shape = replace(self._arrangement.shape, **changes)
         if shape != self._arrangement.shape:
@@ -196,9 +202,10 @@ class Board(Container):
         return self._pair.is_shown
 
     def on_resize(self) -> None:
-        """Show one lane or two, as there is room."""
-        if self._snapshot is not None and self._snapshot.beside is not None:
-            self.show(self._snapshot)
+        """Show one lane or two, and a lesson beside the run or in turn with it, as there is room."""
+        snapshot = self._snapshot
+        if snapshot is not None and (snapshot.beside is not None or snapshot.lesson is not None):
+            self.show(snapshot)
 
     def next_layer(self) -> None:
         """Go to the next layer of the tables; where none is in view, show the one of the lane led alone."""
@@ -210,48 +217,21 @@ class Board(Container):
         self.table.next_layer()
         self._pair.align(self.table)
 
-    @property
-    def is_explained(self) -> bool:
-        """Whether the panels show their captions and legends."""
-        return self._is_explained
-
-    @is_explained.setter
-    def is_explained(self, is_explained: bool) -> None:
-        self._is_explained = is_explained
-        self._apply_switches()
-
-    @property
-    def is_numbered(self) -> bool:
-        """Whether the cells of a map have the numbers of their states."""
-        return self.legends.numbers_states
-
-    @is_numbered.setter
-    def is_numbered(self, is_numbered: bool) -> None:
-        self.legends.numbers_states = is_numbered
-        self._apply_switches()
-
-    @property
-    def shows_actions(self) -> bool:
-        """Whether the cells of a map show Q of every action, where they have room."""
-        return self.legends.shows_actions
-
-    @shows_actions.setter
-    def shows_actions(self, shows_actions: bool) -> None:
-        self.legends.shows_actions = shows_actions
-        self._apply_switches()
-
-    def _apply_switches(self) -> None:
+    def apply_switches(self) -> None:
         """Have every panel show what the switches say, the twins of a second lane too."""
+        legends = self.legends
         for panel in self._widgets().values():
-            panel.is_explained = self.is_explained
+            panel.is_explained = legends.is_on
             if isinstance(panel, WorldView):
-                panel.is_numbered, panel.shows_actions = self.is_numbered, self.shows_actions
+                panel.is_numbered, panel.shows_actions = legends.numbers_states, legends.shows_actions
 
     def _shown(self) -> Iterator[BoardPanel]:
         """Yield the panels that are not closed, of which a program that is watched has its own."""
         is_program = self._arrangement.shape.is_program
         for row in self.rows.values():
             if row.of_program if not is_program else row.id == CONTROLS:
+                continue
+            if row.of_lesson and not self._arrangement.shape.has_lesson:
                 continue
             if row.opened_by is None or row.id == self.opened:
                 yield self._panels[row.id]
@@ -340,6 +320,7 @@ class Board(Container):
         self.close()
         if was_open == panel:
             return
+        self.lesson.reads = False
         self._focused_before = self.screen.focused
         self._open(panel)
         is_seen = self.panel_of(self._focused_before) in self._arrangement.regions(self.size, None)
@@ -366,6 +347,7 @@ class Board(Container):
     def bring_into_view(self, panel: str) -> None:
         """Show ``panel``, of the lane led: end the zoom, and close the panel that stands in its place."""
         panel = self._pair.led(panel)
+        self.lesson.reads = False
         if self.zoomed not in (None, panel):
             self.zoom(None)
         if panel not in self._arrangement.regions(self.size, None):

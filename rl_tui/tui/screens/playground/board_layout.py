@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from textual.geometry import NULL_OFFSET, NULL_SPACING, Region, Size
 from textual.layout import ArrangeResult, Layout, WidgetPlacement
 from textual.widget import Widget
 
-from rl_tui.tui.panels.catalogue import WORLD, PanelRow, beside
-from rl_tui.tui.screens.playground.arrangement import Shape, arrangement
+from rl_tui.tui.panels.row import LESSON, WORLD, PanelRow, beside
+from rl_tui.tui.screens.playground.arrangement import Shape, arrangement, docks_lesson, has_lines_below
 
 
 class BoardLayout(Layout):
@@ -23,6 +24,21 @@ class BoardLayout(Layout):
         self.opened: str | None = None
         self.placed: frozenset[str] = frozenset()
         self._panels = panels
+
+    def has_lines_below(self, size: Size) -> bool:
+        """Return whether settings have no border."""
+        return has_lines_below(size, self.shape)
+
+    def has_lesson_in_a_row(self, size: Size) -> bool:
+        """Return whether a lesson has one row only: its page is not read, and has no room beside all else."""
+        shape = self.shape
+        is_page = shape.reads or docks_lesson(size) or self.zoomed == LESSON
+        return shape.has_lesson and not is_page
+
+    def has_place(self, panel: str, size: Size) -> bool:
+        """Return whether ``panel`` has a place, with the page of a lesson beside it or in turn with it."""
+        shape = replace(self.shape, reads=False)
+        return panel in arrangement(size, shape, self.zoomed, self.opened, self._panels)
 
     def is_pair(self, size: Size) -> bool:
         """Return whether two lanes stand side by side."""

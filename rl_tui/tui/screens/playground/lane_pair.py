@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.panels.catalogue import WORLD, PanelRow, beside
 from rl_tui.tui.panels.panel import BoardPanel
+from rl_tui.tui.panels.row import WORLD, PanelRow, beside
 from rl_tui.tui.panels.side_by_side import (
     differing_states,
     greedy_differences,

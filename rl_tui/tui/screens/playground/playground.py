@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Iterable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import ClassVar, Final, Self
 
@@ -15,23 +13,24 @@ from textual.message import Message
 from textual.widget import Widget
 
 from rl_tui.common.errors import UserError
+from rl_tui.lab.lessons.record import LessonRecord
 from rl_tui.lab.live.commands import Command
 from rl_tui.lab.live.player import START_SPEED, Player
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.sessions.autosave import Autosave
 from rl_tui.lab.sessions.session import StoredSession
-from rl_tui.terminal.linked_app import LinkedApp
-from rl_tui.tui.actions.action import Place
+from rl_tui.tui.actions.action import Action, Place
 from rl_tui.tui.actions.bindings import bindings_of
 from rl_tui.tui.actions.registry import actions_of
-from rl_tui.tui.panels.catalogue import PANELS, PanelRow
+from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.tui.panels.controls.slider import Slider, key_hints
 from rl_tui.tui.panels.discount.discount import DiscountPanel
 from rl_tui.tui.panels.pointing import PartPointed, Pointed
 from rl_tui.tui.panels.policies.policies import PolicyChosen
 from rl_tui.tui.panels.program.findings import FindingsPanel
 from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.tui.panels.row import PanelRow
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.panels.timeline.timeline import TimelineBar
 from rl_tui.tui.screens.action_screen import ActionScreen
@@ -41,10 +40,12 @@ from rl_tui.tui.screens.legend_switch import LegendSwitch
 from rl_tui.tui.screens.playground.actions.agent import AgentActions
 from rl_tui.tui.screens.playground.actions.export import ExportActions
 from rl_tui.tui.screens.playground.actions.lanes import LaneActions
+from rl_tui.tui.screens.playground.actions.lesson.kept_back import KeptBack
+from rl_tui.tui.screens.playground.actions.lesson.lesson import LessonActions
 from rl_tui.tui.screens.playground.actions.microscope import MicroscopeActions
 from rl_tui.tui.screens.playground.actions.modes.drawing import PolicyDrawing
 from rl_tui.tui.screens.playground.actions.modes.manual import ManualControl
-from rl_tui.tui.screens.playground.actions.modes.mode import MODE_BINDINGS, Modes
+from rl_tui.tui.screens.playground.actions.modes.mode import LEAVE, MODE_BINDINGS, Modes
 from rl_tui.tui.screens.playground.actions.policies import PolicyActions
 from rl_tui.tui.screens.playground.actions.program import ProgramActions
 from rl_tui.tui.screens.playground.actions.run import RunActions
@@ -57,13 +58,12 @@ from rl_tui.tui.screens.playground.actions.view import ViewActions
 from rl_tui.tui.screens.playground.actions.why import WhyActions
 from rl_tui.tui.screens.playground.board import Board
 from rl_tui.tui.screens.playground.early_keys import EarlyKeys
-from rl_tui.tui.screens.playground.frame_pacing import Pacer
+from rl_tui.tui.screens.playground.frames import Frames
 from rl_tui.tui.screens.playground.player_link import PlayerLink
 from rl_tui.tui.screens.playground.settling import Settling
 from rl_tui.tui.screens.playground.wanted import Wanted
 from rl_tui.tui.theme.look import Look
 
-_ASKS_AGAIN: Final = 0.25  # seconds
 _CHECKS_ENVIRONMENT: Final = 0.5  # seconds
 
 
@@ -101,6 +101,12 @@ class Playground(ActionScreen):
         recipe: Recipe
         speed: float | None
 
+    @dataclass
+    class SetupWanted(Message):
+        """The learner turns to a page of a lesson whose run has another setup."""
+
+        record: LessonRecord
+
     def __init__(
         self,
         look: Look,
@@ -122,8 +128,8 @@ class Playground(ActionScreen):
         self.status = StatusLine(look, id="status")
         self.status.begin_with(recipe.scenario.title)
         self.board = Board(look, self.wanted, panels)
-        self.board.is_explained = self.legends.is_on
         self.board.legends = self.legends
+        self.board.apply_switches()
         self.link = PlayerLink(player, self.wanted, self._note_sent)
         of = self, self.board, self.link
         self.scenario = ScenarioActions(*of, resumed is None, self._reopen, self._go_by)
@@ -142,13 +148,15 @@ class Playground(ActionScreen):
         self.policies = PolicyActions(*of)
         self.session = SessionActions(*of, self.status, autosave, resumed)
         self.export = ExportActions(*of)
-        self.program = ProgramActions(*of, self.actions)
+        self.program = ProgramActions(*of, self.known_actions)
+        self.kept_back = KeptBack(*of)
+        self.lesson = LessonActions(*of, self.kept_back, self._set_out)
         self._left_after: int | None = None
         """The last deed when escape was pressed, None where it was not."""
         self._watches = watches
-        self._pacer = Pacer(fps, self._arrived)
+        self.frames = Frames(self, fps)
         self._settling = Settling(self.link, self.board, self.view.look_at, self.session.named)
-        self._early_keys = EarlyKeys(self.actions)
+        self._early_keys = EarlyKeys(self.known_actions)
 
     @classmethod
     def with_keys_of(cls, panels: Sequence[PanelRow]) -> type[Self]:
@@ -162,6 +170,12 @@ class Playground(ActionScreen):
     def snapshot(self) -> Snapshot | None:
         """The newest snapshot, None before the first."""
         return self.link.snapshot
+
+    @property
+    def actions(self) -> tuple[Action, ...]:
+        """What a person can do here now: what is of a lesson only with one."""
+        has_lesson = self.wanted.lesson is not None
+        return tuple(each for each in self.known_actions if has_lesson or not each.of_lesson)
 
     @property
     def _has_world(self) -> bool:
@@ -179,13 +193,14 @@ class Playground(ActionScreen):
         return super().check_action(action, parameters)
 
     def action_do(self, command: str) -> None:
-        """Do what ``command`` says, unless it cannot be done to a program that is watched."""
-        if not self.program.refuses(command):
+        """Do what ``command`` says, unless it cannot be done to a program, or a lesson keeps it back."""
+        if not self.program.refuses(command) and not self.kept_back.refuses(command):
             super().action_do(command)
 
     def action_mode_key(self, key: str) -> None:
         """Do what ``key`` means in the mode that is on."""
-        self.modes.press(key)
+        if self.modes.current is not self.manual or key == LEAVE or not self.kept_back.refuses_to_act():
+            self.modes.press(key)
 
     @on(Pointed)
     @on(PartPointed)
@@ -224,7 +239,8 @@ class Playground(ActionScreen):
         keys = self.query_one(KeyLine)
         keys.first = key_hints(self.focused)
         keys.is_running = self.run.is_under_way
-        keys.idle = self.program.idle_keys | self.run.idle_keys
+        keys.idle = self.program.idle_keys | self.run.idle_keys | self.lesson.idle_keys
+        keys.idle |= self.kept_back.idle_keys
 
     @on(DescendantFocus)
     def ask_for_flips(self) -> None:
@@ -254,6 +270,9 @@ class Playground(ActionScreen):
     def _go_by(self, offset: int) -> None:
         self.post_message(self.NeighbourWanted(self.recipe, offset))
 
+    def _set_out(self, record: LessonRecord) -> None:
+        self.post_message(self.SetupWanted(record))
+
     def _reopen(self, recipe: Recipe) -> None:
         self.post_message(self.Reopened(recipe, self.wanted.speed))
 
@@ -279,29 +298,16 @@ class Playground(ActionScreen):
 
     def _note_sent(self, command: Command) -> None:
         self.modes.note(command)
-        self._pacer.hurry()
+        self.frames.hurry()
 
     def _start_to_follow(self) -> None:
         if self._watches:
             self.run.watch()
         self.run_worker(self._follow(), name="follow the player")
 
-    @property
-    def is_here(self) -> bool:
-        """Whether it is one of the screens still: of one that is left, or of an end, the panels go first."""
-        return self.is_attached and self.app.is_running and self in self.app.screen_stack
-
     async def _follow(self) -> None:
         try:
-            async for snapshot in self.player.snapshots():
-                if not self.is_here:
-                    return
-                self._pacer.begin()
-                self._draw(snapshot)
-                await self._painted()
-                self._pacer.end()
-                self._settling.note_frame()
-                await self._pacer.wait()
+            await self.frames.follow(self.player.snapshots(), self._draw, self._settling.note_frame)
         except UserError as fault:
             self.post_message(self.Left(self.recipe, self.session.named(fault)))
         finally:
@@ -314,6 +320,7 @@ class Playground(ActionScreen):
             self.agent.set_what_waits()
         self.time.announce(before, snapshot)
         self.program.announce(before, snapshot)
+        self.lesson.announce(before, snapshot)
         self.session.compare_with_saved(snapshot)
         self.redraw()
         if self._has_world:
@@ -345,17 +352,6 @@ class Playground(ActionScreen):
         """Wait until all that was asked for is done and on screen, the exact answer included."""
         await self._settling.settled()
 
-    async def _arrived(self) -> None:
-        if isinstance(self.app, LinkedApp):
-            await self.app.arrived()
-
-    async def _painted(self) -> None:
-        painted = asyncio.Event()
-        # the screen on top is asked to tell, and a dialog that closes forgets what it was asked
-        while not painted.is_set() and self.call_after_refresh(painted.set):
-            with suppress(TimeoutError):
-                await asyncio.wait_for(painted.wait(), _ASKS_AGAIN)
-
     @property
     def focus_chain(self) -> list[Widget]:
         """The order of the tab key: that of the panels in view, wherever they stand."""
@@ -376,13 +372,14 @@ class Playground(ActionScreen):
 
     def help_screen(self, *, at_keys: bool = False) -> HelpScreen:
         """Return the help, with the notes of the scenario."""
-        notes, panels = self.recipe.scenario.notes, self.program.in_order_of_help(self.panel_rows)
+        notes = self.recipe.scenario.notes
+        panels = self.lesson.rows(tuple(self.program.in_order_of_help(self.panel_rows)))
         return HelpScreen(self.look, self.actions, panels, notes, at_keys=at_keys)
 
     def action_turn_legends(self) -> None:
         """Hide captions and legends, or show them again."""
         self.legends.turn()
-        self.board.is_explained = self.legends.is_on
+        self.board.apply_switches()
         self.redraw()
 
     def action_back(self) -> None:
@@ -395,6 +392,8 @@ class Playground(ActionScreen):
             self.modes.current.toggle()
         elif self.wanted.was_used(self.snapshot) and self._left_after != self.wanted.last_deed:
             self._left_after = self.wanted.last_deed
-            self.tell(f"esc again goes to the catalogue; {self.session.after_leaving}")
+            is_lesson = self.snapshot is not None and self.snapshot.lesson is not None
+            where = "the lessons" if is_lesson else "the catalogue"
+            self.tell(f"esc again goes to {where}; {self.session.after_leaving}")
         else:
             self.post_message(self.Left(self.recipe))

@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rl_tui.lab.answers.policy_kind import PolicyKind
+from rl_tui.lab.lessons.record import LessonRecord
 from rl_tui.lab.live.commands import (
     LOOKING,
     Apply,
     Command,
     HideAnswer,
+    KeepLesson,
     Restart,
     SetSpeed,
     StudyPolicy,
@@ -25,9 +27,9 @@ class Wanted:
     ``recipe`` is what a restart starts from: with every change made, be it in force already or not. ``speed``
     is in steps a second, None for as fast as it goes. ``is_hidden`` says that the answer is,
     ``was_hidden_by_person`` that a person has hidden it. ``studied`` is the policy that is, None where none
-    is. ``step`` is where the handle of the timeline was put, None once the run has come to it. ``sent``
-    counts the commands, ``last_deed`` tells how many had been sent with the last one that does more than
-    look.
+    is. ``lesson`` is how far the learner has come, None where there is no lesson. ``step`` is where the
+    handle of the timeline was put, None once the run has come to it. ``sent`` counts the commands,
+    ``last_deed`` tells how many had been sent with the last one that does more than look.
     """
 
     def __init__(self, recipe: Recipe, speed: float | None) -> None:
@@ -36,6 +38,7 @@ class Wanted:
         self.is_hidden = recipe.scenario.hides_answer
         self.was_hidden_by_person = False
         self.studied: PolicyKind | None = None
+        self.lesson: LessonRecord | None = None
         self.step: int | None = None
         self.sent = 0
         self.last_deed = 0
@@ -52,6 +55,8 @@ class Wanted:
                 self.is_hidden = self.was_hidden_by_person = is_hidden
             case StudyPolicy(kind):
                 self.studied = kind
+            case KeepLesson(lesson):
+                self.lesson = lesson
             case Restart(recipe):
                 self.recipe = recipe
             case Apply(change) if isinstance(change, Setting):
@@ -68,6 +73,7 @@ class Wanted:
             self.speed = snapshot.playback.speed
             self.is_hidden = snapshot.answers.is_hidden
             self.studied = snapshot.answers.studied
+            self.lesson = None if snapshot.lesson is None else snapshot.lesson.record
         is_there = snapshot.timeline.current.here == self.step
         if snapshot.playback.phase is not Phase.SEEKING and (is_there or self.is_taken_in(snapshot)):
             self.step = None

@@ -15,8 +15,8 @@ from rl_tui.lab.run.settings import settings_for
 from rl_tui.tui.actions.playground_actions import ORDINALS
 from rl_tui.tui.draw.action_order import shown_order
 from rl_tui.tui.draw.names import action_name
-from rl_tui.tui.panels.catalogue import CONTROLS
 from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.panels.row import CONTROLS
 from rl_tui.tui.screens.dialogs.choice import algorithm_choice, policy_choice
 from rl_tui.tui.screens.dialogs.options import Options
 from rl_tui.tui.screens.dialogs.questions import ask_seed, ask_value

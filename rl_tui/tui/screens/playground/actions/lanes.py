@@ -10,7 +10,7 @@ from rl_tui.lab.live.commands import AddBranch, AddLane, ChooseLane, DropLane, M
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import SwitchAlgorithm
 from rl_tui.lab.timeline.lane_view import LaneView
-from rl_tui.tui.panels.snapshot_facts import current_study, hides_means
+from rl_tui.tui.panels.snapshot_facts import current_study, hides_greedy
 from rl_tui.tui.screens.dialogs.choice import algorithm_choice, choice_beside_program, policy_choice
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.screens.dialogs.lanes.changes import ALGORITHM, branches_beside, lane_changes
@@ -31,7 +31,7 @@ class LaneActions(Subject):
         if snapshot.program is not None and not snapshot.run_group.lanes:
             self._ask_for_ours(snapshot)
             return
-        hidden = hides_means(snapshot)
+        hidden = hides_greedy(snapshot)
         lanes = snapshot.run_group.lanes or (_only_lane(snapshot),)
         dialog = Compare(
             self.screen.look,

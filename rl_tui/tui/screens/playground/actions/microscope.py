@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rl_tui.lab.live.commands import FollowCell
 from rl_tui.lab.live.snapshot import Phase
-from rl_tui.tui.panels.catalogue import MICROSCOPE
+from rl_tui.tui.panels.row import MICROSCOPE
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.commands import StudyPolicy
-from rl_tui.tui.panels.catalogue import POLICIES
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
+from rl_tui.tui.panels.row import POLICIES
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
 

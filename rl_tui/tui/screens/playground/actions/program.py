@@ -13,8 +13,8 @@ from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.actions.action import Action
 from rl_tui.tui.actions.playground_actions import DECIDES
-from rl_tui.tui.panels.catalogue import PanelRow
 from rl_tui.tui.panels.program.words import form_text, table_texts
+from rl_tui.tui.panels.row import PanelRow
 from rl_tui.tui.screens.dialogs.choice import Candidate, Choice
 from rl_tui.tui.screens.playground.actions.subject import Subject
 

@@ -139,7 +139,9 @@ class RunActions(Subject):
         self.scenario.begin_with_old_or_new(self._start_again)
 
     def _start_again(self) -> None:
-        if self.snapshot is not None and self.snapshot.timeline.current.end:
+        if self.snapshot is not None and self.snapshot.lesson is not None:
+            self.screen.tell("the run starts again with these settings; N sets up those of the page")
+        elif self.snapshot is not None and self.snapshot.timeline.current.end:
             kept = "gone: this is a kiosk" if self.screen.in_kiosk else "kept in the catalogue"
             self.screen.tell(f"the run starts again; the one until now is {kept}")
         self.link.send(Restart(self.link.wanted.recipe))

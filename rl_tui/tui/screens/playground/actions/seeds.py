@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from rl_tui.lab.live.commands import EndStudy, StudySeeds
-from rl_tui.tui.panels.catalogue import MANY_SEEDS
 from rl_tui.tui.panels.many_seeds.figures import may_count_again
+from rl_tui.tui.panels.row import MANY_SEEDS
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
 

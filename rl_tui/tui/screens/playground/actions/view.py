@@ -5,10 +5,10 @@ from __future__ import annotations
 from rl_tui.lab.answers.flip_answer import FlipState
 from rl_tui.lab.live.commands import AskFlips, HideAnswer, LookAt
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.panels.catalogue import DISCOUNT
 from rl_tui.tui.panels.controls.controls import GAMMA
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.panel import BORDERS
+from rl_tui.tui.panels.row import DISCOUNT
 from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.tui.screens.dialogs.model import ModelScreen
 from rl_tui.tui.screens.playground.actions.subject import Subject
@@ -70,7 +70,9 @@ class ViewActions(Subject):
             here = "each bar is Q of its arm" if is_bandit else "Q of every action stands in the table"
             self.screen.tell(f"V is for maps, whose cells it turns to Q; here {here}")
             return
-        self.board.shows_actions = not self.board.shows_actions
+        legends = self.board.legends
+        legends.shows_actions = not legends.shows_actions
+        self.board.apply_switches()
         if view.lacks_room:
             width, height = self.board.size
             alone = self.board.zoomed != view.id and view.has_room_in(width - BORDERS, height - BORDERS)
@@ -97,7 +99,9 @@ class ViewActions(Subject):
         if self.snapshot is not None and not isinstance(self.snapshot.world.drawing, Grid):
             self.screen.tell("# numbers the states of a map, and this world has none")
             return
-        self.board.is_numbered = not self.board.is_numbered
+        legends = self.board.legends
+        legends.numbers_states = not legends.numbers_states
+        self.board.apply_switches()
 
     def model(self) -> None:
         """Show the model until it is closed."""

@@ -10,7 +10,7 @@ from rl_tui.common.words import counted
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.commands import ClearDrawing, Command, DrawAction, StudyPolicy
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.panels.catalogue import POLICIES, WORLD
+from rl_tui.tui.panels.row import POLICIES, WORLD
 from rl_tui.tui.panels.world.arms.arms import ArmsView
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.dialogs.confirm import Confirm

@@ -16,7 +16,7 @@ from rl_tui.lab.live.commands import (
 )
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.draw.names import state_name
-from rl_tui.tui.panels.catalogue import WORLD
+from rl_tui.tui.panels.row import WORLD
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.screens.playground.actions.modes.action_keys import (
     DIGITS,

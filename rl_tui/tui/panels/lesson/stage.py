@@ -1,0 +1,81 @@
+"""How far the open page of a lesson has come, and what is to do on it next."""
+
+from __future__ import annotations
+
+from enum import Enum, auto
+from typing import Final
+
+from rl_tui.lab.lessons.record import NO_STEP, Given, LessonRecord
+from rl_tui.lab.lessons.schema import Ask, Page
+from rl_tui.lab.lessons.view import LessonView
+from rl_tui.lab.live.snapshot import Snapshot
+
+
+class Stage(Enum):
+    """Where a page stands."""
+
+    TO_READ = auto()  # it asks nothing
+    TO_PREDICT = auto()  # a prediction is open: no step is taken
+    LOCKED = auto()  # it is given, and the steps that tell the truth are to be taken
+    TOLD = auto()  # the truth stands beside it
+    TO_ANSWER = auto()  # a question, not answered or answered wrong
+    ANSWERED = auto()
+    TO_DO = auto()  # a task
+    PASSED = auto()
+
+
+DONE: Final = (Stage.TO_READ, Stage.TOLD, Stage.ANSWERED, Stage.PASSED)
+"""Stages in which a page asks nothing any more."""
+
+
+def open_page(record: LessonRecord) -> Page:
+    """Return the page that is open."""
+    return record.lesson.page(record.page)
+
+
+def stage_of(view: LessonView, snapshot: Snapshot) -> Stage:
+    """Return where the open page stands beside the run of ``snapshot``."""
+    record, page = view.record, open_page(view.record)
+    if page.task is not None:
+        return Stage.PASSED if record.has_passed(page.id) else Stage.TO_DO
+    if page.question is not None:
+        return Stage.ANSWERED if record.is_done(page.id) else Stage.TO_ANSWER
+    if page.prediction is None:
+        return Stage.TO_READ
+    given = record.given_on(page.id)
+    if given is None:
+        return Stage.TO_PREDICT
+    return Stage.LOCKED if steps_to_truth(page.prediction, given, snapshot) else Stage.TOLD
+
+
+def steps_to_truth(ask: Ask, given: Given, snapshot: Snapshot) -> int:
+    """Return how many steps are missing to the truth of a prediction; 0 once the run has been there.
+
+    The run may have gone back since: how far the branch has come counts.
+    """
+    if given.step == NO_STEP or not ask.steps:
+        return 0
+    reached = max(snapshot.counters.step, snapshot.timeline.current.end)
+    return max(0, given.step + ask.steps - reached)
+
+
+def keeping_page(record: LessonRecord, what: str) -> Page | None:
+    """Return the page that keeps ``what`` back, the open one or the first behind it; None if none does."""
+    if what not in record.hidden:
+        return None
+    lesson = record.lesson
+    for page in lesson.pages[lesson.number_of(record.page) :]:
+        is_open = page.id not in record.skipped and not record.is_done(page.id)
+        if is_open and (what in page.hides or (what == "run" and page.prediction is not None)):
+            return page
+    return None
+
+
+def page_place(record: LessonRecord) -> str:
+    """Return the place of the open page among all, such as 3/9."""
+    return f"{record.lesson.number_of(record.page) + 1}/{len(record.lesson.pages)}"
+
+
+def is_last_page(record: LessonRecord) -> bool:
+    """Return whether no page follows the one that is open."""
+    return record.page == record.lesson.pages[-1].id

@@ -1,0 +1,156 @@
+"""What the lesson says in a line: the next key, how the page stands, an answer that was given."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rl_tui.lab.lessons.schema import Ask
+from rl_tui.lab.lessons.view import LessonView
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw import numbers
+from rl_tui.tui.draw.canvas import shortened
+from rl_tui.tui.draw.pieces import Line, Piece, length, spelled
+from rl_tui.tui.draw.to_ascii import separated
+from rl_tui.tui.panels.lesson.prose import plain
+from rl_tui.tui.panels.lesson.stage import (
+    Stage,
+    is_last_page,
+    open_page,
+    page_place,
+    stage_of,
+    steps_to_truth,
+)
+from rl_tui.tui.theme.glyphs import Glyphs
+from rl_tui.tui.theme.look import Look
+
+_LEAST_TITLE = 8
+_LONGEST_SAID = 16
+
+
+def counted(count: int, noun: str) -> str:
+    """Return ``count`` with its noun, as in 1 step, 2 steps."""
+    return f"{count:,} {noun}" if count == 1 else f"{count:,} {noun}s"
+
+
+def number_text(x: float, glyphs: Glyphs) -> str:
+    """Return an answer as people write it: 0.5, −1.5, 184,616."""
+    if x == int(x) and 10_000 <= abs(x) < 1e12:
+        return numbers.whole(x, glyphs)
+    return numbers.brief(x, glyphs, leading_zero=True)
+
+
+def answer_text(ask: Ask, answer: float, glyphs: Glyphs) -> str:
+    """Return what was answered to ``ask``: the number, or the text of the choice."""
+    if not ask.choices:
+        return number_text(answer, glyphs)
+    return plain(ask.choices[min(max(int(answer), 0), len(ask.choices) - 1)].text)
+
+
+def truth_text(ask: Ask, glyphs: Glyphs) -> str:
+    """Return the right answer to ``ask``; of several right choices all."""
+    if ask.answer is not None:
+        return number_text(ask.answer, glyphs)
+    return "; ".join(plain(choice.text) for choice in ask.choices if choice.right)
+
+
+def reply_to(ask: Ask, answer: float, *, is_right: bool) -> str:
+    """Return what the author says to an answer, empty where nothing: of a number only known wrong ones."""
+    if ask.choices:
+        return ask.choices[min(max(int(answer), 0), len(ask.choices) - 1)].reply
+    if is_right:
+        return ""
+    near = [(abs(each.answer - answer), each) for each in ask.wrong]
+    distance, nearest = min(near, key=lambda each: each[0], default=(0.0, None))
+    return nearest.reply if nearest is not None and distance <= max(ask.tolerance, 1e-9) else ""
+
+
+def next_keys(view: LessonView, snapshot: Snapshot, *, has_focus: bool) -> tuple[str, ...]:
+    """Return what to do next and its key, the longest form first.
+
+    Where the page ``has_focus``, enter does each; elsewhere each has a key of its own.
+    """
+    stage, record = stage_of(view, snapshot), view.record
+    answer, turn = ("enter", "enter") if has_focus else ("A", ".")
+    leads = ("enter: to the world",) if has_focus else ()
+    match stage:
+        case Stage.TO_PREDICT:
+            return f"{answer}: say what you expect", f"{answer}: predict"
+        case Stage.TO_ANSWER:
+            return (f"{answer}: answer",)
+        case Stage.TO_DO:
+            return (*leads, "enter: do it") if has_focus else ("R: read here",)
+        case Stage.LOCKED:
+            ask, given = open_page(record).prediction, record.given_on(record.page)
+            steps = steps_to_truth(ask, given, snapshot) if ask is not None and given is not None else 1
+            missing = f"s: {counted(steps, 'step')} to the truth"
+            return (*(f"{each} · {missing}" for each in leads), missing)
+        case _ if is_last_page(record):
+            return "the last page · esc: leave", "last page"
+        case _:
+            return f"{turn}: next page", f"{turn}: next"
+
+
+def summary_line(view: LessonView, snapshot: Snapshot, look: Look, width: int) -> Line:
+    """Return lesson, page and how it stands in one row, for where the page itself is not in view."""
+    record, palette = view.record, look.palette
+    page, marks = open_page(record), list(_marks(view, snapshot, look))
+    tail: list[Piece] = [Piece("  ", palette.text), *marks] if marks else []
+    place, dot = page_place(record), " · "
+    key = Piece(separated(f"{dot}R reads", look.glyphs), palette.dim)
+    for lesson in (f"{record.lesson.title}{dot}", "Lesson ", ""):
+        head = separated(f" {lesson}{place} {page.title}", look.glyphs)
+        line = spelled([Piece(head, palette.strong), *tail, key], look)
+        if length(line) <= width:
+            return line
+    room = width - length(spelled([*tail, key], look))
+    if room < _LEAST_TITLE:
+        return spelled([Piece(f" {place}", palette.strong), *tail], look)
+    head = shortened(separated(f" {place} {page.title}", look.glyphs), room, look.glyphs.ellipsis)
+    return [Piece(head, palette.strong), *spelled([*tail, key], look)]
+
+
+def _marks(view: LessonView, snapshot: Snapshot, look: Look) -> Iterator[Piece]:
+    """Yield how the page stands: of a task a sign for each condition."""
+    palette, stage = look.palette, stage_of(view, snapshot)
+    match stage:
+        case Stage.TO_DO if view.task is not None:
+            for condition in view.task.conditions:
+                yield condition_sign(condition.holds, look)
+            if view.task.waits:
+                yield Piece(f" {view.task.waits}", palette.dim)
+        case Stage.PASSED:
+            yield Piece(f"{look.glyphs.holds} PASSED", palette.good)
+        case Stage.TO_PREDICT:
+            yield Piece("A: your prediction", palette.accent)
+        case Stage.TO_ANSWER:
+            yield Piece("A: your answer", palette.accent)
+        case Stage.LOCKED:
+            ask, given = open_page(view.record).prediction, view.record.given_on(view.record.page)
+            if ask is not None and given is not None:
+                said = answer_text(ask, given.answer, look.glyphs)
+                missing = counted(steps_to_truth(ask, given, snapshot), "step")
+                yield Piece(
+                    f"you said {shortened(said, 16, look.glyphs.ellipsis)}; {missing}", palette.accent
+                )
+        case Stage.TOLD:
+            given = view.record.given_on(view.record.page)
+            if given is not None:
+                yield verdict_piece(given.is_right, look)
+        case _:
+            return
+
+
+def condition_sign(holds: bool | None, look: Look) -> Piece:
+    """Return the sign before a condition: it holds, it does not, or that is not known yet."""
+    if holds is None:
+        return Piece(look.glyphs.ellipsis, look.palette.dim)
+    if holds:
+        return Piece(look.glyphs.holds, look.palette.good)
+    return Piece(look.glyphs.fails, look.palette.bad)
+
+
+def verdict_piece(is_right: bool, look: Look) -> Piece:
+    """Return whether an answer was right, as a sign and a word."""
+    if is_right:
+        return Piece(f"{look.glyphs.holds} right", look.palette.good)
+    return Piece(f"{look.glyphs.fails} not so", look.palette.bad)

@@ -1,0 +1,283 @@
+"""A lesson: turning its pages, answering, hints, setting the run up again, and what is kept back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Final
+
+from rl_tui.common.errors import UserError
+from rl_tui.lab.lessons.record import Given, LessonRecord, Passed
+from rl_tui.lab.lessons.schema import Ask, Page
+from rl_tui.lab.lessons.setups import recipe_of
+from rl_tui.lab.live.commands import KeepLesson, Pause, Restart, SetSpeed
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.actions.playground_actions import LESSON_ACTIONS
+from rl_tui.tui.draw.to_ascii import to_ascii
+from rl_tui.tui.panels.lesson.prose import plain
+from rl_tui.tui.panels.lesson.stage import DONE, Stage, is_last_page, open_page, stage_of
+from rl_tui.tui.panels.lesson.words import answer_text
+from rl_tui.tui.panels.row import PanelRow
+from rl_tui.tui.screens.dialogs.choice import Candidate, Choice
+from rl_tui.tui.screens.dialogs.confirm import Confirm
+from rl_tui.tui.screens.dialogs.prompt import Prompt
+from rl_tui.tui.screens.playground.actions.lesson.kept_back import KeptBack
+from rl_tui.tui.screens.playground.actions.lesson.typed_answer import read_answer
+from rl_tui.tui.screens.playground.actions.subject import Subject
+
+NOT_DONE: Final = "this page is not done: . again skips it"
+LAST_PAGE: Final = "this is the last page; esc leaves the lesson"
+FIRST_PAGE: Final = "this is the first page"
+SEEN_BEFORE: Final = "the run has been further: go to its end with g, or set it up again with N"
+CAN_BE_DONE: Final = "it can be done: not so"
+_LONGEST_REPLY: Final = 15.0
+
+
+@dataclass(eq=False)
+class LessonActions(Subject):
+    """What a learner does with the lesson.
+
+    What its pages have ``kept_back`` is closed when one is opened. ``set_out`` opens a record whose page has
+    another setup.
+    """
+
+    kept_back: KeptBack
+    set_out: Callable[[LessonRecord], None]
+    _to_be_skipped: str = ""
+    """The page that one more press skips."""
+
+    @property
+    def record(self) -> LessonRecord | None:
+        """How far the learner has come, with all that was asked for; None where there is no lesson."""
+        return self.link.wanted.lesson
+
+    @property
+    def stage(self) -> Stage | None:
+        """Where the open page stands, None before that is known."""
+        snapshot, record = self.snapshot, self.record
+        if snapshot is None or snapshot.lesson is None or record is None:
+            return None
+        return stage_of(replace(snapshot.lesson, record=record), snapshot)
+
+    @property
+    def idle_keys(self) -> frozenset[str]:
+        """The ids of the actions that have nothing to do: the key line leaves them out."""
+        record = self.record
+        if record is None:
+            return frozenset(each.id for each in LESSON_ACTIONS)
+        page, idle = open_page(record), set[str]()
+        if page.task is None or record.has_passed(page.id) or not _hints_of(page):
+            idle.add("lesson.hint")
+        if self.stage in (*DONE, Stage.LOCKED):
+            idle.add("lesson.answer")
+        return frozenset(idle | ({"session.save", "next_scenario", "previous_scenario"}))
+
+    def rows(self, rows: tuple[PanelRow, ...]) -> tuple[PanelRow, ...]:
+        """Return those of ``rows`` that may be there: without a lesson not its panel."""
+        return rows if self.record is not None else tuple(row for row in rows if not row.of_lesson)
+
+    # Reading
+
+    def read(self) -> None:
+        """Read the page, or go back to the world."""
+        place = self.board.lesson
+        if not place.is_docked:
+            place.reads = not place.reads
+        elif place.panel.has_focus:
+            place.leave()
+        else:
+            place.focus()
+
+    def go_on(self) -> None:
+        """Do what the page asks next."""
+        if self.stage in (Stage.TO_PREDICT, Stage.TO_ANSWER):
+            self.answer()
+        elif self.stage in (Stage.TO_DO, Stage.LOCKED):
+            self.read()
+        else:
+            self.next_page()
+
+    def next_page(self) -> None:
+        """Turn to the next page; where this one is not done, say so first."""
+        record = self.record
+        if record is None:
+            return
+        page = record.page
+        is_undone = not record.is_done(page) and page not in record.skipped
+        if is_undone and self._to_be_skipped != page:
+            self._to_be_skipped = page
+            self.screen.tell(NOT_DONE)
+            return
+        if is_undone:
+            record = record.skip(page)
+        if is_last_page(record):
+            if is_undone:
+                self._keep(record)
+            self.screen.tell(LAST_PAGE)
+            return
+        pages = record.lesson.pages
+        self._open(record, pages[record.lesson.number_of(page) + 1])
+
+    def previous_page(self) -> None:
+        """Turn to the page before."""
+        record = self.record
+        if record is None:
+            return
+        number = record.lesson.number_of(record.page)
+        if not number:
+            self.screen.tell(FIRST_PAGE)
+            return
+        self._open(record, record.lesson.pages[number - 1])
+
+    def _open(self, record: LessonRecord, page: Page) -> None:
+        """Open ``page``: the run goes on where it has the same setup."""
+        self._to_be_skipped = ""
+        lesson = record.lesson
+        opened = record.open(page.id)
+        if lesson.setup_of(page.id) != lesson.setup_of(record.page):
+            self.set_out(opened)
+            return
+        self._keep(opened)
+        if "run" in opened.hidden:
+            self.link.send(Pause())
+        self.kept_back.close_what_is_kept(opened)
+        self.board.lesson.reads = True
+
+    def _keep(self, record: LessonRecord) -> None:
+        if is_last_page(record):
+            record = record.open(record.page)  # it is finished with its last page
+        self.link.send(KeepLesson(record))
+
+    # Answering
+
+    def answer(self) -> None:
+        """Answer what the page asks, or say that its task cannot be done."""
+        record = self.record
+        if record is None:
+            return
+        page = open_page(record)
+        given = record.last_given_on(page.id)
+        if page.task is not None:
+            self._ask_claim(record, page)
+        elif page.asked is None:
+            self.screen.tell("this page asks nothing; . turns it")
+        elif given is not None and record.is_done(page.id):
+            said = answer_text(page.asked, given.answer, self.glyphs)
+            kept = "locked" if page.prediction is not None else "right"
+            self.screen.tell(f"{kept}: you said {said}")
+        elif page.prediction is not None and self.snapshot is not None and self.snapshot.timeline.in_past:
+            self.screen.tell(SEEN_BEFORE)
+        elif page.asked.choices:
+            self._ask_choice(page.asked)
+        else:
+            self._ask_number(page.asked, is_prediction=page.prediction is not None)
+
+    def _ask_number(self, ask: Ask, *, is_prediction: bool) -> None:
+        title = "Your prediction" if is_prediction else "Your answer"
+        verb = "lock" if is_prediction else "answer"
+        hint = to_ascii(f"{plain(ask.ask)}\nA number, as 0.5, −2 or 1/3.", self.glyphs)
+        self.ask(Prompt(title, hint, "", read_answer, verb), lambda value: self._give(float(value)))
+
+    def _ask_choice(self, ask: Ask) -> None:
+        candidates = [Candidate(str(place), plain(choice.text)) for place, choice in enumerate(ask.choices)]
+        choice = Choice("What do you say?", candidates, "", self.glyphs, plain(ask.ask))
+        self.ask(choice, lambda place: self._give(float(place)))
+
+    def _give(self, answer: float) -> None:
+        """Keep ``answer`` with where the run stands: of a prediction before any further step."""
+        record, snapshot = self.record, self.snapshot
+        if record is None or snapshot is None or snapshot.lesson is None:
+            return
+        ask = open_page(record).asked
+        if ask is None:
+            return
+        given = Given(
+            record.page, answer, is_right(ask, answer), snapshot.counters.step, snapshot.lesson.digest
+        )
+        self._keep(record.give(given))
+
+    def _ask_claim(self, record: LessonRecord, page: Page) -> None:
+        if record.has_passed(page.id):
+            self.screen.tell("this task is passed; . turns the page")
+            return
+        question = "Say so only where you are sure: no setting and no luck passes this task."
+        self.ask(
+            Confirm("It cannot be done?", question, "it cannot be done", self.glyphs),
+            lambda _: self._claim(page),
+        )
+
+    def _claim(self, page: Page) -> None:
+        record, snapshot = self.record, self.snapshot
+        if record is None or snapshot is None or page.task is None:
+            return
+        if page.task.proof is None:
+            self.screen.tell(CAN_BE_DONE, timeout=_LONGEST_REPLY)
+            return
+        self._keep(record.passes(Passed(page.id, snapshot.recipe, (), snapshot.counters.step, claim=True)))
+
+    def hint(self) -> None:
+        """Show the next hint, at the end the solution."""
+        record = self.record
+        if record is None:
+            return
+        hints = _hints_of(open_page(record))
+        if not hints:
+            self.screen.tell("there is no hint on this page")
+        elif record.hints_on(record.page) >= len(hints):
+            self.screen.tell("that was the last hint: the solution stands on the page")
+            self.board.lesson.reads = True
+        else:
+            self._keep(record.ask_hint(record.page))
+            self.board.lesson.reads = True
+
+    def set_up(self) -> None:
+        """Begin the run of the page again; ask where something was done."""
+        if self.snapshot is None or not self.snapshot.timeline.current.end:
+            self._set_up()
+            return
+        question = "The run begins again with the settings of the page; answers and passed tasks stay."
+        self.ask(Confirm("Set the run up again?", question, "set up", self.glyphs), lambda _: self._set_up())
+
+    def _set_up(self) -> None:
+        record = self.record
+        if record is None:
+            return
+        setup = record.lesson.setup_of(record.page)
+        try:
+            recipe = recipe_of(record.lesson, setup)
+        except UserError as fault:
+            self.screen.notify(str(fault), severity="error", markup=False)
+            return
+        self.link.send(Restart(recipe))
+        speed = record.lesson.setups[setup].speed
+        if speed is not None:
+            self.link.send(SetSpeed(speed))
+        self.screen.tell("the run of this page begins again")
+
+    # News
+
+    def announce(self, before: Snapshot | None, now: Snapshot) -> None:
+        """Keep a task that is passed, and say so; begin with the page where it and the world take turns."""
+        view, record = now.lesson, self.record
+        if view is None or record is None:
+            return
+        if before is None or before.lesson is None:
+            self.board.lesson.reads = True
+        passed = None if view.task is None else view.task.passed
+        if passed is None or passed.page != record.page or record.has_passed(record.page):
+            return
+        self._keep(record.passes(passed))
+        self.screen.tell("task passed: R reads why" if not self.board.lesson.is_docked else "task passed")
+
+
+def is_right(ask: Ask, answer: float) -> bool:
+    """Return whether ``answer`` is right: a number within the tolerance, or the place of a right choice."""
+    if ask.choices:
+        return ask.choices[int(answer)].right
+    slack = 1e-9 * max(1.0, abs(answer))
+    return ask.answer is not None and abs(answer - ask.answer) <= ask.tolerance + slack
+
+
+def _hints_of(page: Page) -> tuple[str, ...]:
+    task = page.task
+    return () if task is None else (*task.hints, *((task.solution,) if task.solution else ()))
