@@ -71,12 +71,12 @@ def verdict(judged: JudgedTask, run: Run, panels: Panels | None = None, kept: Ke
     from rl_tui.lab.lessons.judging.moment import Kept, Moment
     from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
 
-    panels = panels or PanelsAtOnce()
+    panels, kept = panels or PanelsAtOnce(), kept or Kept()
     conditions = judged.task.conditions
-    elsewhere = _elsewhere(judged.setup, run.recipe)
+    elsewhere = _elsewhere(judged.setup, run.recipe, kept)
     if elsewhere:
         return TaskView(tuple(ConditionView(each.text, False, elsewhere) for each in conditions))
-    moment = Moment(run, judged.setup, kept or Kept())
+    moment = Moment(run, judged.setup, kept)
     verdicts = {place: judged_at(moment, each) for place, each in enumerate(conditions) if not each.seeds}
     waits = ""
     by_seeds = {place: each for place, each in enumerate(conditions) if each.seeds}
@@ -145,11 +145,10 @@ def _equal(value: Value, wanted: Value) -> bool:
     return abs(value - wanted) <= TOLERANCE
 
 
-def _elsewhere(setup: Recipe, recipe: Recipe) -> str:
+def _elsewhere(setup: Recipe, recipe: Recipe, kept: Kept) -> str:
     """Return why a run of ``recipe`` is not one that the task is about; empty where it is."""
-    mine, other = setup.scenario, recipe.scenario
-    if mine is not other and (mine.kind, mine.section) != (other.kind, other.section):
-        return f"this is another world: the task is about {mine.id}"
+    if not kept.is_same_world(setup.scenario, recipe.scenario):
+        return f"this is another world: the task is about {setup.scenario.id}"
     if setup.seed != recipe.seed:
         return f"this is seed {recipe.seed}: the task is about seed {setup.seed}"
     return ""
