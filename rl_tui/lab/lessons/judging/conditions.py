@@ -15,6 +15,7 @@ from rl_tui.lab.lessons.view import ConditionView, TaskView
 from rl_tui.lab.run.recipe import Recipe
 
 if TYPE_CHECKING:
+    from rl_tui.lab.detective.verdict import ProgramVerdict
     from rl_tui.lab.lessons.judging.moment import Kept, Moment
     from rl_tui.lab.run.run import Run
 
@@ -106,6 +107,30 @@ def judged_at(moment: Moment, condition: Condition) -> Verdict:
         return Verdict(False, str(reason))
     except NotYetError:
         return Verdict(None, "being worked out")
+    return Verdict(is_met(condition, value), in_words(value))
+
+
+def program_verdict(judged: JudgedTask, program: str, found: ProgramVerdict) -> TaskView:
+    """Return how a task that asks for a program stands: what watching it to its end has ``found``.
+
+    ``program`` is the code.
+    """
+    verdicts = [_of_program(each, found) for each in judged.task.conditions]
+    views = (
+        ConditionView(each.text, *one) for each, one in zip(judged.task.conditions, verdicts, strict=True)
+    )
+    passes = all(each.holds for each in verdicts)
+    return TaskView(tuple(views), Passed(judged.page, judged.setup, program=program) if passes else None)
+
+
+def _of_program(condition: Condition, found: ProgramVerdict) -> Verdict:
+    of_program = MEASURES[condition.measure].of_program
+    try:
+        value = None if of_program is None else of_program(found)
+    except MissingError as reason:
+        return Verdict(False, str(reason))
+    if value is None:
+        return Verdict(False, "this is not measured of a program")
     return Verdict(is_met(condition, value), in_words(value))
 
 
