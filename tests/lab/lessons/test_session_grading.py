@@ -171,19 +171,11 @@ def test_a_damaged_session_is_told(grading: LessonGrading, tmp_path: Path) -> No
         grading.grade(tmp_path / "a.json")
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        (TEXT[: TEXT.index('[[pages]]\nid = "go"')], "sets no task"),
-        (TEXT.replace('measure = "taken"', 'measure = "take"'), 'no measure "take" (did you mean taken'),
-    ],
-)
-def test_a_lesson_that_nothing_can_be_graded_by(text: str, message: str, tmp_path: Path) -> None:
-    path = tmp_path / "bad.toml"
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(UserError) as fault:
+def test_a_lesson_without_tasks_grades_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "bare.toml"
+    path.write_text(TEXT[: TEXT.index('[[pages]]\nid = "go"')], encoding="utf-8")
+    with pytest.raises(UserError, match="sets no task"):
         LessonGrading(str(path))
-    assert message.split(" (")[0] in str(fault.value)
 
 
 @pytest.mark.parametrize("of", shipped_lessons(), ids=lambda of: of.id)
