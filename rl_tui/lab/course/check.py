@@ -16,7 +16,7 @@ from rl_tui.lab.course.checks.tasks import TaskCheck
 from rl_tui.lab.lessons.figures.figures import Figures
 from rl_tui.lab.lessons.judging.world_faults import reference_faults
 from rl_tui.lab.lessons.lesson import Lesson, is_lesson_text, read_lesson
-from rl_tui.lab.lessons.variants import variants_of
+from rl_tui.lab.lessons.variants import readable, variants_of
 from rl_tui.worlds.files.toml_file import tables_in
 
 OnChecked = Callable[[int, int, str], None]
@@ -52,7 +52,7 @@ def check_lesson(path: str | Path, *, quick: bool = False, on_checked: OnChecked
     report = LessonReport()
     try:
         lessons = [read_lesson(path)]
-        names = variants_of(tables_in(read_text(Path(path))))
+        names = variants_of(tables_in(readable(read_text(Path(path)))))
         lessons += [read_lesson(path, name) for name in names[1:]]
     except ScenarioError as error:
         report.faults += error.faults
