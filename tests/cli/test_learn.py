@@ -7,6 +7,7 @@ import os
 import re
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,12 +15,15 @@ from click.testing import CliRunner, Result
 
 from rl_tui.cli.main import program
 from rl_tui.common.kiosk import VARIABLE
-from rl_tui.lab.lessons.catalogue import lesson_folder, shipped_lessons
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.record import LessonRecord
+from rl_tui.lab.course.entries import LessonStart
+from rl_tui.lab.lessons.catalogue import find_lesson, lesson_folder, shipped_lessons
+from rl_tui.lab.lessons.lesson import Lesson, read_lesson
+from rl_tui.lab.lessons.record import LessonRecord, begun
 from rl_tui.lab.lessons.setups import recipe_of
+from rl_tui.lab.sessions.folder import session_folder
+from rl_tui.lab.sessions.session import StoredSession, encoded
 from rl_tui.tui.actions.action import Place
-from rl_tui.tui.app.opening import Start
+from rl_tui.tui.app.opening import Start, beginning_of
 
 OWN = """
 title = "Mine"
@@ -79,8 +83,9 @@ def begun_by(started: list[Start], *args: str) -> LessonRecord:
     result = run(*args)
     assert (result.exit_code, result.stderr) == (0, "")
     (start,) = started
-    assert isinstance(start, LessonRecord)
-    return start
+    assert isinstance(start, LessonStart)
+    assert start.session is None
+    return start.record
 
 
 def test_the_list_has_every_shipped_lesson_in_its_order() -> None:
@@ -176,6 +181,64 @@ def test_it_needs_a_terminal_and_says_so_in_a_line() -> None:
     for args in ((), ("q-by-hand",)):
         (line,) = refusal(*args)
         assert "needs a terminal" in line
+
+
+def keep(record: LessonRecord, order: int) -> Path:
+    """Write a session of ``record``; of two that of the higher ``order`` is newer."""
+    folder = session_folder()
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{record.lesson.id}-{order}.json"
+    path.write_bytes(encoded(beginning_of(record)))
+    os.utime(path, ns=(order, order))
+    return path
+
+
+def gone_on_with(started: list[Start], *args: str) -> Path:
+    assert run(*args).exit_code == 0
+    start = started.pop()
+    assert isinstance(start, StoredSession)
+    return start.path
+
+
+def test_it_goes_on_with_the_newest_session_of_that_lesson(started: list[Start], own: Path) -> None:
+    lesson = find_lesson("q-by-hand")
+    keep(begun(lesson).open(lesson.pages[1].id), 1)
+    newest = keep(begun(lesson).open(lesson.pages[1].id), 2)
+    keep(begun(read_lesson(own)).skip("only"), 3)
+    assert gone_on_with(started, "q-by-hand") == newest
+    assert begun_by(started, "q-by-hand", "--again").page == lesson.pages[0].id
+
+
+def test_a_finished_lesson_opens_at_its_first_page(started: list[Start]) -> None:
+    lesson = find_lesson("q-by-hand")
+    path = keep(replace(begun(lesson).open(lesson.pages[-1].id), finished=True), 1)
+    assert run("q-by-hand").exit_code == 0
+    (start,) = started
+    assert isinstance(start, LessonStart)
+    assert start.session is not None
+    assert (start.record.page, start.record.finished) == (lesson.pages[0].id, True)
+    assert start.session.path == path
+
+
+def test_a_variant_goes_on_in_its_own_session(started: list[Start], own: Path) -> None:
+    first, second = (keep(begun(read_lesson(own, name)).skip("only"), int(name)) for name in "12")
+    assert gone_on_with(started, str(own)) == second
+    assert gone_on_with(started, str(own), "--variant", "1") == first
+
+
+def test_a_file_goes_on_by_whatever_path_it_is_named(
+    started: list[Start], own: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = keep(begun(read_lesson(own)).skip("only"), 1)
+    monkeypatch.chdir(own.parent)
+    assert gone_on_with(started, "mine.toml") == path
+
+
+def test_a_file_that_says_something_else_now_begins_anew(started: list[Start], own: Path) -> None:
+    keep(begun(read_lesson(own)).skip("only"), 1)
+    own.write_text(OWN.replace("That is all.", "That is more."), encoding="utf-8")
+    record = begun_by(started, str(own))
+    assert (record.skipped, record.lesson.page("only").text) == ((), "That is more.")
 
 
 @pytest.mark.usefixtures("kiosk")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import click
 
 from rl_tui.cli.options.run import allow_module_option
@@ -31,7 +33,7 @@ def command(context: click.Context, files: tuple[str, ...], quick: bool) -> None
         if not faults:
             click.echo(f"{name}: ok")
         for warning in warnings:
-            click.echo(printable(f"{name}: warning: {warning}"), err=True)
+            click.echo(printable(warning), err=True)
         faulty = faulty or bool(faults)
     if faulty:
         context.exit(1)
@@ -44,7 +46,7 @@ def _scenario(file: str) -> tuple[list[str], list[str]]:
 
     scenario, faults = checked(file)
     warning = endless_warning(scenario) if scenario is not None and not faults else ""
-    return [str(fault) for fault in faults], [warning] if warning else []
+    return [str(fault) for fault in faults], [f"{file}: warning: {warning}"] if warning else []
 
 
 def _lesson(file: str, *, quick: bool) -> tuple[list[str], list[str]]:
@@ -54,4 +56,5 @@ def _lesson(file: str, *, quick: bool) -> tuple[list[str], list[str]]:
 
     with progress(file) as bar:
         report = check_lesson(file, quick=quick, on_checked=lambda done, wanted, what: bar(done, wanted))
-    return [str(fault) for fault in report.faults], report.warnings
+    warnings = (replace(each, file=f"{each.file}: warning") for each in report.warnings)
+    return [str(fault) for fault in report.faults], [str(each) for each in warnings]

@@ -61,11 +61,12 @@ def command(
     """Grade an agent or a script, or every one in a folder; or sessions by a LESSON.
 
     Of a submission, what counts is the exact return of the greedy policy of its table, ties shared evenly.
-    Its share of the best is 1 - (best - return) / stake: 1 for the best policy, and the same less for each point of return
-    that is lost. The stake is what an episode of the best policy earns and pays, added up without signs. So
-    where there are only rewards, the share is return / best.
+    Its share of the best is 1 - (best - return) / stake: 1 for the best policy, and the same less for each
+    point of return that is lost. The stake is what an episode of the best policy earns and pays, added up
+    without signs. So where there are only rewards, the share is return / best.
 
     It has passed where the mean share over the seeds is the threshold or more, and no seed failed.
+
     With a LESSON, an ID or a FILE.toml, it is a session of that lesson that is graded, or every one in a
     folder: all that was done is done again from step 0, and the lesson's tasks are judged by what comes of
     it, whatever the session says. Programs in a session are not run. A session proves the run, not who made

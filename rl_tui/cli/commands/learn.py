@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ from rl_tui.cli.options.display import display_of, display_options
 from rl_tui.cli.options.numbers import Whole
 from rl_tui.cli.options.run import allow_module_option, json_option
 from rl_tui.cli.output import columns, complain, print_json
+from rl_tui.common.errors import UserError
 
 if TYPE_CHECKING:
     from rl_tui.lab.course.entries import LessonStart
@@ -76,26 +78,30 @@ def _start_of(name: str, variant: int | None, *, again: bool) -> LessonStart | S
     from rl_tui.lab.lessons.setups import check_setups
     from rl_tui.lab.sessions.folder import session_folder
 
-    lesson = find_lesson(name, "" if variant is None else str(variant))
+    chosen = "" if variant is None else str(variant)
+    lesson = find_lesson(name, chosen)
     lesson = replace(lesson, source=lesson.source.absolute())  # sessions of it are known by that
     check_setups(lesson)
-    progress = None if again or in_kiosk() else Progress(session_folder()).of(lesson)
-    if progress is not None and not _goes_on(lesson, progress.session, is_of_variant=variant is not None):
+    progress = None if again or in_kiosk() else Progress(session_folder()).of(lesson, chosen)
+    if progress is not None and not _says_the_same(lesson, progress.session):
         progress = None
     return start_of(lesson, progress)
 
 
-def _goes_on(lesson: Lesson, session: StoredSession, *, is_of_variant: bool) -> bool:
-    """Return whether ``lesson`` goes on in ``session``: not in that of another variant where one was asked for.
+def _says_the_same(lesson: Lesson, session: StoredSession) -> bool:
+    """Return whether ``lesson`` may go on in ``session``: not a file that says something else by now.
 
-    Nor does a file go on that says something else by now: who writes a lesson wants to see what it says.
+    Who writes a lesson wants to see what it says. A shipped one goes on as it was.
     """
     from rl_tui.lab.lessons.catalogue import lesson_folder
+    from rl_tui.lab.lessons.lesson import read_lesson
 
     stored = session.document.lesson
-    if stored is None or (is_of_variant and stored.variant != lesson.variant):
-        return False
-    return lesson.source.parent == lesson_folder() or stored.text == lesson.text
+    if stored is None or lesson.source.parent == lesson_folder():
+        return True
+    with suppress(UserError):  # that variant may be gone
+        return read_lesson(lesson.source, stored.variant).text == stored.text
+    return False
 
 
 def _print_list(as_json: bool) -> None:

@@ -40,8 +40,8 @@ class _Known(NamedTuple):
 def predictions_in(taken: LessonRecord, lesson: Lesson, record: Record) -> Predictions:
     """Return the predictions of ``taken``, of which ``record`` has the runs.
 
-    What is right is what ``lesson`` says. Of each page the first answer counts. Raises UserError where a setup
-    cannot be played.
+    What is right is what ``lesson`` says. Of each page the first answer counts. Raises UserError where a
+    setup cannot be played.
     """
     asked = {page.id: page.prediction for page in lesson.pages if page.prediction is not None}
     made = [given for page in asked if (given := taken.given_on(page)) is not None]

@@ -37,9 +37,13 @@ class Progress:
             if stored is not None:
                 self._sessions.setdefault((stored.id, stored.source), []).append(session)
 
-    def of(self, lesson: Lesson) -> LessonProgress | None:
-        """Return how far ``lesson`` has come, whichever variant; None where it is not begun."""
-        sessions = self._sessions.get((lesson.id, stored_source(lesson)), [])
+    def of(self, lesson: Lesson, variant: str = "") -> LessonProgress | None:
+        """Return how far ``lesson`` has come, in that ``variant`` or in any; None where it is not begun."""
+        sessions = [
+            session
+            for session in self._sessions.get((lesson.id, stored_source(lesson)), [])
+            if session.document.lesson and variant in ("", session.document.lesson.variant)
+        ]
         stored = sessions[0].document.lesson if sessions else None
         if stored is None:
             return None

@@ -22,7 +22,7 @@ from rl_tui.lab.lessons.schema import (
     Page,
     Setup,
 )
-from rl_tui.lab.lessons.variants import variant_text, variants_of
+from rl_tui.lab.lessons.variants import readable, variant_text, variants_of
 from rl_tui.worlds.files.toml_file import tables_in
 from rl_tui.worlds.sections.schema import is_plain, parsed
 
@@ -31,7 +31,7 @@ _LITERAL: Final = ("figures", "setups", "variants", "program", "skeleton")
 """Tables and keys in whose texts braces mean nothing."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class Lesson:
     """A lesson, its texts with the figures put in.
 
@@ -98,12 +98,12 @@ def lesson_of(text: str, path: Path, variant: str = "") -> Lesson:
     try:
         if len(text) > LONGEST_LESSON:
             raise UnreadableError("", f"{len(text):,} characters", f"a lesson of at most {LONGEST_LESSON:,}")
-        raw = tables_in(text)
+        raw = tables_in(readable(text))
         names = variants_of(raw)
         chosen = variant or next(iter(names), "")
         if names:
             text = variant_text(text, raw, chosen)
-            raw = tables_in(text)
+        raw = tables_in(text)
     except UnreadableError as reason:
         raise ScenarioError([Fault(str(path), reason.place, reason.found, reason.expected)]) from reason
     filled, findings = _filled(raw)

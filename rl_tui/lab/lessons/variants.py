@@ -30,13 +30,18 @@ def variants_of(raw: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(str(number) for number in range(1, lengths.pop() + 1))
 
 
+def readable(text: str) -> str:
+    """Return ``text`` with a number in place of each ``${name}``: TOML also where it stands for a number."""
+    return _NAMED.sub("0", text)
+
+
 def variant_text(text: str, raw: Mapping[str, Any], variant: str) -> str:
     """Return ``text`` with the values of ``variant`` put in. Raises UnreadableError where there is none."""
     known = variants_of(raw)
     if variant not in known:
         expected = f"a variant, 1 to {len(known)}"
         raise UnreadableError("variants", shown(variant), expected)
-    values = {name: str(each[known.index(variant)]) for name, each in raw["variants"].items()}
+    values = {name: _in_toml(each[known.index(variant)]) for name, each in raw["variants"].items()}
     if len(text) + sum(len(values.get(match[1], "")) for match in _NAMED.finditer(text)) > LONGEST_LESSON:
         found = f"a longer text once variant {variant} is put in"
         raise UnreadableError("variants", found, f"at most {LONGEST_LESSON:,} characters")
@@ -47,3 +52,7 @@ def variant_text(text: str, raw: Mapping[str, Any], variant: str) -> str:
         return values[match[1]]
 
     return _NAMED.sub(put_in, text)
+
+
+def _in_toml(value: object) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)

@@ -119,7 +119,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         "back",
         "escape",
         "back",
-        "Leave the zoom or an opened panel, else go back to the catalogue: twice, once a step was taken.",
+        "Leave the zoom or an opened panel, else go back to the list: twice, once a step was taken.",
         Group.SCENARIO,
         symbol="esc",
         rank=18,

@@ -214,7 +214,7 @@ class RlTuiApp(LinkedApp[UserError]):
         self.switch_screen(playground)
 
     async def on_playground_setup_wanted(self, event: Playground.SetupWanted) -> None:
-        """Go to the setup of another page of the lesson; where that cannot be, the lesson stays where it is."""
+        """Go to the setup of another page of the lesson; where that cannot be, it stays where it is."""
         try:
             record = await asyncio.to_thread(_built, event.record)
         except UserError as fault:
@@ -344,9 +344,9 @@ class RlTuiApp(LinkedApp[UserError]):
 
 
 def _built(lesson: LessonRecord) -> Record:
-    """Return the beginning of the setup of the open page of ``lesson``, whose world was built to see it can be.
+    """Return the beginning of the setup of the open page of ``lesson``, whose world can be built.
 
-    Raises UserError where it cannot. It may import Gymnasium.
+    Raises UserError where it cannot be. It may import Gymnasium.
     """
     from rl_tui.lab.run.recipe import begin
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from task_samples import inline, task_text
+from lab.lessons.task_samples import inline, task_text
 
 from rl_tui.common.errors import ScenarioError
 from rl_tui.lab.lessons.judging.world_faults import reference_faults
@@ -38,6 +38,7 @@ def places(text: str) -> list[str]:
         ({"measure": "steps_of_episodes", "first": 1, "last": 101, "at_most": 1}, "last"),
         ({"measure": "steps_of_episodes", "first": 0, "last": 9, "at_most": 1}, "first"),
         ({"measure": "steps_of_episodes", "first": 5, "last": 4, "at_most": 1}, "last"),
+        ({"measure": "program_faults", "equals": 0}, "measure"),
         ({"measure": "steps", "at": "start", "at_least": 1}, "at"),
         ({"measure": "algorithm", "equals": "q-lerning"}, "equals"),
         ({"measure": "algorithm", "at_least": 1}, "at_least"),
@@ -120,6 +121,7 @@ def test_a_setting_of_a_setup_that_is_none() -> None:
         ({"measure": "gap", "state": "Class", "actions": ["study", "quit"], "at_most": 1}, {}, "actions[1]"),
         ({"measure": "regret", "at_most": 1}, {}, "measure"),
         ({"measure": "expected_return", "at_least": 1}, {"scenario": "cartpole"}, "measure"),
+        ({"measure": "value_at_start", "at_least": 1}, {"scenario": "taxi"}, "measure"),
     ],
 )
 def test_what_is_not_in_the_world(asked: dict[str, Any], others: dict[str, Any], place: str) -> None:

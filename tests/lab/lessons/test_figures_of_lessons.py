@@ -1,4 +1,4 @@
-"""Figures of lessons: held against values of the literature, against commands, and told where they are not so."""
+"""Figures of lessons: values of the literature, those of commands, and what is told where they are not so."""
 
 from __future__ import annotations
 
@@ -122,6 +122,10 @@ def test_another_value_is_not_so(value: str, by: str) -> None:
         ("1", "run('regret', steps=1)", "no bandit"),
         ("1", "mean('episodes', seeds=20, steps=9)", "50 to 10,000"),
         ("1", "share('episodes', steps=9)", "one of at_least"),
+        ("1", "share('policy_in', steps=9, state='Class', at_least=1)", "held against"),
+        ("1", "mean('policy_in', steps=9, state='Class')", "a number under every seed"),
+        ("1", "mean('first_reward_episode', steps=1)", "a number under every seed"),
+        ("1", "ahead('steps', 1, {}, steps=9)", "a table of settings"),
         ("1", "attempt('doo', 'study', 'steps')", 'did you mean "do"?'),
         ("1", "attempt('do', 'studi', 'steps')", 'did you mean "study"?'),
         ("1", "sqrt(-1)", "sqrt(x)"),
@@ -146,6 +150,14 @@ def test_figures_that_ask_for_each_other() -> None:
     assert found.found == "here → there → over-there → here, a circle"
 
 
+def test_figures_that_ask_for_very_many_others() -> None:
+    chain = (f'f{n} = {{ value = "1", by = "f{n + 1} * 1" }}' for n in range(280))
+    lesson = with_figures(*chain, 'f280 = { value = "1", by = "1" }')
+    found = Figures(lesson).finding("f0")
+    assert found is None or "too deep" in found.found
+    assert not Figures(lesson).needs_seeds("f0")
+
+
 def test_a_figure_may_not_be_mistaken_for_a_setting() -> None:
     lesson = with_figures(
         'epsilon = { value = "0.5", by = "alpha" }', 'gamma = { value = "0.9", by = "gamma" }'
@@ -163,6 +175,10 @@ def test_a_mean_over_seeds_is_written_with_its_error() -> None:
     assert finding(f"{wanted:.1f}", by) == ""
     assert finding(f"{wanted:.1f} ± {wanted.error + 1:.1f}", by).startswith("value: ")
     assert finding(f"{wanted + 1:.1f} ± {wanted.error:.1f}", by).startswith("value: ")
+    assert finding(f"{10 * wanted:.0f} ± {10 * wanted.error:.0f}", f"10 * {by}") == ""
+    assert finding(f"−{wanted / 2:.1f} ± {wanted.error / 2:.1f}", f"-{by} / 2") == ""
+    assert finding(f"{1 - wanted:.1f} ± {wanted.error:.1f}", f"1 - {by}") == ""
+    assert finding(f"1 ± {wanted.error:.1f}", f"{by} / {by}").startswith("value: ")
     assert finding(f"{wanted.error:.2f}", by.replace("mean", "error_of_mean")) == ""
 
 

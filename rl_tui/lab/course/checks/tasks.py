@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 from rl_tui.common.errors import UserError
-from rl_tui.common.findings import Finding, Location, near, shown
+from rl_tui.common.findings import Finding, Location, shown
 from rl_tui.lab.course.checks.waiting import waiting_findings
 from rl_tui.lab.lessons.figures.figures import Figures
-from rl_tui.lab.lessons.figures.subject import Subject
 from rl_tui.lab.lessons.figures.written import in_digits_of
 from rl_tui.lab.lessons.judging.attempts import attempted_run, judged_claim
 from rl_tui.lab.lessons.judging.conditions import Panels, Verdict, is_met, judged_task, verdict
-from rl_tui.lab.lessons.judging.measures import MEASURES, Gives, Measure
 from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
 from rl_tui.lab.lessons.lesson import Lesson
 from rl_tui.lab.lessons.schema import Attempt, Condition, Page, Proof, Task
@@ -76,13 +74,11 @@ class TaskCheck:
                 (*self._where, "rejects"), found, f"{LEAST_REJECTS} or more that the task is held to"
             )
 
-    def findings(self, figures: Figures, known: dict[Any, Any], on_attempt: OnAttempt) -> Iterator[Finding]:
+    def findings(self, figures: Figures, on_attempt: OnAttempt) -> Iterator[Finding]:
         """Yield what is wrong with the task."""
-        misnamed = list(self._condition_findings(Subject.of_page(self._lesson, self._page.id, known)))
-        yield from misnamed
         if self._task.proof is not None:
             yield from self._proof_findings(self._task.proof, figures)
-        if misnamed or self._task.program is not None:
+        if self._task.program is not None:
             return
         if not self._task.accepts:
             yield Finding((*self._where, "accepts"), "no attempt", "one at least that passes")
@@ -141,45 +137,6 @@ class TaskCheck:
         if is_met(condition, best):
             found = f"{proof.best}, {in_digits_of(best, '')}, with which {shown(condition.text)} holds"
             yield Finding((*self._where, "proof", "best"), found, "a best with which it does not hold")
-
-    def _condition_findings(self, subject: Subject) -> Iterator[Finding]:
-        """Yield measures, states and actions that there are not."""
-        space = subject.world.space
-        for place, condition in enumerate(self._task.conditions):
-            where = (*self._where, "conditions", place)
-            row = MEASURES.get(condition.measure)
-            if row is None:
-                expected = f"the name of a measure{near(condition.measure, MEASURES)}"
-                yield Finding((*where, "measure"), shown(condition.measure), expected)
-                continue
-            yield from _value_findings(row, condition, where)
-            for key in row.needs:
-                if not getattr(condition, key):
-                    yield Finding(where, f"{condition.measure} without {key}", f"{key} = …")
-            if condition.state is not None and condition.state not in space.state_names:
-                expected = f"a state of this world{near(condition.state, space.state_names)}"
-                yield Finding((*where, "state"), shown(condition.state), expected)
-            actions = [each for each in (condition.action, *condition.actions) if each is not None]
-            for action in actions:
-                if action not in space.action_names:
-                    expected = f"one of {', '.join(space.action_names)}{near(action, space.action_names)}"
-                    yield Finding((*where, "action"), shown(action), expected)
-
-
-def _value_findings(row: Measure, condition: Condition, where: Location) -> Iterator[Finding]:
-    """Yield values that the measure never has."""
-    wanted = [*condition.one_of, *([] if condition.equals is None else [condition.equals])]
-    words = [each for each in wanted if isinstance(each, str)]
-    bounds = (condition.at_least, condition.at_most, condition.above, condition.below)
-    is_word = row.gives in (Gives.TEXT, Gives.TRUTH)
-    if (is_word and any(each is not None for each in bounds)) or (words and row.gives is Gives.NUMBER):
-        yield Finding(
-            where, f"{condition.measure} held against {shown(words[0]) if words else 'a bound'}", row.gives
-        )
-    for word in words if row.accepts else ():
-        if word not in row.accepts:
-            expected = f"one of {', '.join(row.accepts)}{near(word, row.accepts)}"
-            yield Finding((*where, "equals"), shown(word), expected)
 
 
 def _why(view: TaskView) -> str:

@@ -9,11 +9,12 @@ from __future__ import annotations
 import ast
 import math
 import operator
+import warnings
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 from rl_tui.common.errors import UserError
-from rl_tui.common.findings import near, shown
+from rl_tui.common.findings import shown
 
 MOST_NODES: Final = 300
 MOST_DEPTH: Final = 20
@@ -45,11 +46,24 @@ class FigureError(UserError):
         super().__init__(f"found {found}; expected {expected}")
 
 
+class Estimate(float):
+    """A mean over seeds: a number with its standard ``error``."""
+
+    error: float
+
+    def __new__(cls, value: float, error: float) -> Estimate:
+        """Return the mean ``value`` with this ``error``."""
+        made = super().__new__(cls, value)
+        made.error = error
+        return made
+
+
 def read_expression(text: str) -> ast.expr:
     """Return ``text`` as a tree of the kinds that are known, bounded in size. Raises FigureError."""
     plain = text.replace("−", "-").strip()
     try:
-        tree = ast.parse(plain, mode="eval").body
+        with warnings.catch_warnings(action="ignore"):  # of a text that is no Python
+            tree = ast.parse(plain, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         raise FigureError(shown(text), f"an expression of {FORM}") from error
     if sum(1 for _ in ast.walk(tree)) > MOST_NODES:
@@ -61,15 +75,6 @@ def read_expression(text: str) -> ast.expr:
 def evaluate(tree: ast.expr, look: Look, call: Call) -> Value:
     """Return what ``tree`` comes to; ``look`` knows the names, ``call`` the functions. Raises FigureError."""
     return _Evaluation(look, call).value(tree)
-
-
-def called_names(tree: ast.expr) -> tuple[str, ...]:
-    """Return the functions that an expression calls, in no order."""
-    return tuple(
-        each.func.id
-        for each in ast.walk(tree)
-        if isinstance(each, ast.Call) and isinstance(each.func, ast.Name)
-    )
 
 
 def _check(node: ast.expr, depth: int) -> None:
@@ -118,7 +123,7 @@ class _Evaluation:
                 return self._look(name)
             case ast.UnaryOp(op=op, operand=operand):
                 number = self._number(operand)
-                return -number if isinstance(op, ast.USub) else number
+                return self._arithmetic(ast.Mult(), -1.0, number) if isinstance(op, ast.USub) else number
             case ast.BinOp(op=op, left=left, right=right):
                 return self._arithmetic(op, self._number(left), self._number(right))
             case ast.List(elts=elements) | ast.Tuple(elts=elements):
@@ -138,7 +143,7 @@ class _Evaluation:
         value = self.value(node)
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise FigureError(f"{shown(ast.unparse(node))}, which is {shown(value)}", "a number")
-        return float(value)
+        return value if isinstance(value, Estimate) else float(value)
 
     def _arithmetic(self, op: ast.operator, left: float, right: float) -> float:
         try:
@@ -149,9 +154,21 @@ class _Evaluation:
             result = math.inf
         if not isinstance(result, float) or not math.isfinite(result):
             raise FigureError("a result that is no finite number", "numbers whose result can be written")
-        return result
+        error = _error_of(op, left, right)
+        return result if error is None else Estimate(result, error)
 
 
-def unknown_name(name: str, known: Mapping[str, Any] | tuple[str, ...], what: str) -> FigureError:
-    """Return the error that there is no ``what`` of that ``name``, with the nearest."""
-    return FigureError(shown(name), f"{what}{near(name, known)}")
+def _error_of(op: ast.operator, left: float, right: float) -> float | None:
+    """Return the standard error of what ``op`` makes of one mean over seeds and a number; else None."""
+    if isinstance(left, Estimate) == isinstance(right, Estimate):
+        return None
+    error = left.error if isinstance(left, Estimate) else getattr(right, "error", 0.0)
+    other = right if isinstance(left, Estimate) else left
+    match op:
+        case ast.Add() | ast.Sub():
+            return error
+        case ast.Mult():
+            return error * abs(other)
+        case ast.Div() if isinstance(left, Estimate):
+            return error / abs(other)
+    return None

@@ -7,9 +7,8 @@ from typing import Any, Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding, near, shown
-from rl_tui.lab.lessons.figures.expression import FigureError, called_names, evaluate, read_expression
+from rl_tui.lab.lessons.figures.expression import Estimate, FigureError, evaluate, read_expression
 from rl_tui.lab.lessons.figures.functions import called
-from rl_tui.lab.lessons.figures.runs import Estimate
 from rl_tui.lab.lessons.figures.subject import SETTINGS, Subject, plain_name, subject_of
 from rl_tui.lab.lessons.figures.written import WrittenNumber, in_digits_of, written_number
 from rl_tui.lab.lessons.lesson import Lesson
@@ -40,13 +39,27 @@ class Figures:
             self._under_way.append(name)
             try:
                 self._values[name] = self._worked_out(self._lesson.figures[name])
+            except RecursionError:
+                raise FigureError("figures of figures of figures, too deep", "a shorter way") from None
             finally:
                 self._under_way.pop()
         return self._values[name]
 
     def needs_seeds(self, name: str) -> bool:
         """Return whether a figure, or one that it asks for, takes runs over many seeds."""
-        return self._needs_seeds(name, set())
+        ahead, seen = [name], {name}
+        while ahead:
+            try:
+                tree = read_expression(self._lesson.figures[ahead.pop()].by)
+            except FigureError:
+                continue  # told when it is worked out
+            names = {each.id for each in ast.walk(tree) if isinstance(each, ast.Name)}
+            if OVER_SEEDS & names:
+                return True
+            new = {self._by_name[each] for each in names if each in self._by_name} - seen
+            ahead += new
+            seen |= new
+        return False
 
     def finding(self, name: str) -> Finding | None:
         """Return what is wrong with a figure; None where it is so."""
@@ -83,19 +96,6 @@ class Figures:
             return called(name, arguments, by_name, subject_with)
 
         return evaluate(tree, look, call)
-
-    def _needs_seeds(self, name: str, seen: set[str]) -> bool:
-        if name in seen:
-            return False
-        seen.add(name)
-        try:
-            tree = read_expression(self._lesson.figures[name].by)
-        except FigureError:
-            return False
-        if OVER_SEEDS & set(called_names(tree)):
-            return True
-        names = {each.id for each in ast.walk(tree) if isinstance(each, ast.Name)}
-        return any(self._needs_seeds(self._by_name[each], seen) for each in names if each in self._by_name)
 
 
 def _why_wrong(value: str, exact: Any) -> str | None:

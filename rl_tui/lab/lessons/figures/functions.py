@@ -137,7 +137,7 @@ FUNCTIONS: Final[Mapping[str, FigureFunction]] = {
         _plain("sqrt", _sqrt, "The square root."),
         _plain("log", _log, "The natural logarithm."),
         _plain("log10", _log10, "The logarithm to base 10."),
-        _plain("exp", _exp, "e to the power of the number."),
+        _plain("exp", _exp, "The number e to that power."),
         _plain("round", _round, "The number rounded to so many decimals."),
     )
 }

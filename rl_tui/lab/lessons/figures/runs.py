@@ -13,7 +13,7 @@ from rl_tui.common.findings import near, shown
 from rl_tui.lab.experiments.patience import cores
 from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
 from rl_tui.lab.experiments.training import Goal, no_progress, train
-from rl_tui.lab.lessons.figures.expression import FigureError
+from rl_tui.lab.lessons.figures.expression import Estimate, FigureError
 from rl_tui.lab.lessons.figures.measuring import measured, measured_of_each
 from rl_tui.lab.lessons.figures.subject import Subject, name_of, whole
 from rl_tui.lab.lessons.judging.attempts import attempted_run
@@ -26,18 +26,8 @@ LEAST_SEEDS: Final = 50
 """Of what is said about learning: fewer may say anything."""
 MOST_SEEDS: Final = 10_000
 MOST_STEPS: Final = 10**9
-
-
-class Estimate(float):
-    """A mean over seeds: a number with its standard ``error``."""
-
-    error: float
-
-    def __new__(cls, value: float, error: float) -> Estimate:
-        """Return the mean ``value`` with this ``error``."""
-        made = super().__new__(cls, value)
-        made.error = error
-        return made
+MOST_KEPT: Final = 4
+"""Runs over seeds that are kept, of which other measures may be asked."""
 
 
 def run(
@@ -151,10 +141,15 @@ def _holding(subject: Subject, measure: object, seeds: int, arguments: dict[str,
     if not bounds:
         raise FigureError("no test", f"one of {', '.join(TESTS)}")
     every = _measured(subject, measure, seeds, arguments)
-    return sum(
-        value is not None and all(_TESTS[name](value, bound) for name, bound in bounds.items())
-        for value in every
-    )
+    try:
+        return sum(
+            value is not None and all(_TESTS[name](value, bound) for name, bound in bounds.items())
+            for value in every
+        )
+    except TypeError as fault:  # a word, held against a number
+        raise FigureError(
+            f"{name_of(measure)} held against {shown(list(bounds.values()))}", "its kind"
+        ) from fault
 
 
 def _values(subject: Subject, measure: object, seeds: int, arguments: dict[str, Any]) -> list[float]:
@@ -181,11 +176,11 @@ def _measured(subject: Subject, measure: object, seeds: int, arguments: dict[str
 
 
 def _runs(subject: Subject, goal: Goal, journal: tuple[JournalEntry, ...], seeds: int) -> list[Run]:
-    """Return the runs of the seeds, on all cores; those of the last question are kept for the next."""
+    """Return the runs of the seeds, on all cores; those of the last questions are kept for the next."""
     key = id(subject), goal, journal, seeds
-    if subject.known.get("runs", (None,))[0] == key:
-        kept: list[Run] = subject.known["runs"][1]
-        return kept
+    kept: dict[Any, list[Run]] = subject.known.setdefault("runs", {})
+    if key in kept:
+        return kept[key]
     seeded = SeededRuns(subject.with_seed(0), journal)
     seeded.get_machine_code(seeds, goal, no_compiling)
 
@@ -196,7 +191,9 @@ def _runs(subject: Subject, goal: Goal, journal: tuple[JournalEntry, ...], seeds
 
     with ThreadPoolExecutor(min(cores(), seeds), thread_name_prefix="figure") as pool:
         runs = list(pool.map(trained, range(seeds)))
-    subject.known["runs"] = key, runs
+    while len(kept) >= MOST_KEPT:
+        kept.pop(next(iter(kept)))
+    kept[key] = runs
     return runs
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.lessons.judging.conditions import JudgedTask, judged_task, verdict
 from rl_tui.lab.lessons.judging.live_panels import LivePanels
 from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.record import LessonRecord
+from rl_tui.lab.lessons.record import LessonRecord, Passed
 from rl_tui.lab.lessons.view import ConditionView, LessonView, TaskView
 
 if TYPE_CHECKING:
@@ -20,7 +21,8 @@ if TYPE_CHECKING:
 class TaskJudge:
     """Judges the open page's task at each snapshot; ``on_news`` is called when what takes long is known.
 
-    With ``automatic`` off no answer depends on the time.
+    Once all its conditions held at a step that was judged, the task stays passed, by the evidence of that
+    step, wherever the run goes. With ``automatic`` off no answer depends on the time.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -32,6 +34,7 @@ class TaskJudge:
         self._page = ""
         self._judged: JudgedTask | None = None
         self._refused = ""
+        self._passed: Passed | None = None
 
     def view(self, record: LessonRecord, run: Run) -> LessonView:
         """Return how the lesson of ``record`` stands beside ``run`` at this step."""
@@ -58,12 +61,17 @@ class TaskJudge:
             self._open(record.lesson, record.page)
         if self._judged is None:
             return TaskView(tuple(ConditionView(each.text, None, self._refused) for each in task.conditions))
-        return verdict(self._judged, run, self._panels, kept)
+        view = verdict(self._judged, run, self._panels, kept)
+        if record.has_passed(record.page):
+            return view
+        self._passed = self._passed or view.passed
+        return replace(view, passed=self._passed)
 
     def _open(self, lesson: Lesson, page: str) -> None:
         """Judge another task from here on."""
         self._panels.end()
         self._lesson, self._page, self._judged, self._refused = lesson, page, None, ""
+        self._passed = None
         try:
             self._judged = judged_task(lesson, page)
         except UserError as reason:

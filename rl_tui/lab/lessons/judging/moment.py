@@ -17,7 +17,14 @@ from rl_tui.agents.exact.solution import NoExactAnswer, Solution
 from rl_tui.agents.exact.solve import solve
 from rl_tui.lab.lessons.judging.journal_reader import JournalReader
 from rl_tui.lab.lessons.judging.measures import MissingError, NotYetError
-from rl_tui.lab.run.exact_answers import DEAREST_LIVE, LIVE_STATES, NO_TABLE, Answer, visits_of
+from rl_tui.lab.run.exact_answers import (
+    AT_ONCE_STATES,
+    DEAREST_LIVE,
+    LIVE_STATES,
+    NO_TABLE,
+    Answer,
+    visits_of,
+)
 from rl_tui.lab.run.recipe import Recipe, TakeAction
 from rl_tui.lab.run.run import Run
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
@@ -25,6 +32,7 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 if TYPE_CHECKING:
     from rl_tui.agents.last_step import Author, LastStep
+    from rl_tui.worlds.files.scenario import Scenario
 
 ExactAnswer = Callable[[TabularMDP, float], Answer]
 """Gives the exact answer of a world for a γ; neither a solution nor a reason while it is worked out."""
@@ -36,6 +44,18 @@ def exact_at_once(mdp: TabularMDP, gamma: float) -> Answer:
         return Answer(solve(mdp, gamma), "")
     except NoExactAnswer as reason:
         return Answer(None, str(reason))
+
+
+def why_too_dear(mdp: TabularMDP, *, value_of_policy: bool = False) -> str:
+    """Return why exact figures of a world are not worked out beside a run; empty where they are.
+
+    The discounted ``value_of_policy`` takes longer than what one episode earns.
+    """
+    if mdp.states > LIVE_STATES or visits_of(mdp) > DEAREST_LIVE:
+        return "this world is too large for exact figures beside a run"
+    if value_of_policy and mdp.states > AT_ONCE_STATES:
+        return f"values of a policy are not worked out beside a run above {AT_ONCE_STATES} states"
+    return ""
 
 
 class Kept:
@@ -50,6 +70,15 @@ class Kept:
         self._policy: tuple[TabularMDP, FloatArray] | None = None
         self._figures: dict[str | float, float | None] = {}
         self._optimum: tuple[TabularMDP, float, Answer] | None = None
+        self._compared: tuple[Scenario, Scenario, bool] | None = None
+
+    def is_same_world(self, one: Scenario, other: Scenario) -> bool:
+        """Return whether two scenarios describe the same world, be they read from other files."""
+        known = self._compared
+        if known is None or known[0] is not one or known[1] is not other:
+            is_same = one is other or (one.kind, one.section) == (other.kind, other.section)
+            known = self._compared = one, other, is_same
+        return known[2]
 
     def state(self, space: FiniteSpace, name: str) -> int | None:
         """Return the number of the state of this name, None where there is none."""
@@ -126,7 +155,7 @@ class Moment:
         for entry in reversed(self.run.journal):
             if entry.step < step:
                 break
-            count += isinstance(entry.change, TakeAction) and entry.step < self.run.step
+            count += isinstance(entry.change, TakeAction)
         return count
 
     def state(self, name: str | None) -> int:
@@ -174,8 +203,9 @@ class Moment:
         mdp = self.run.learner.mdp
         if mdp is None:
             raise MissingError(NO_TABLE)
-        if mdp.states > LIVE_STATES or visits_of(mdp) > DEAREST_LIVE:
-            raise MissingError("this world is too large for exact figures beside a run")
+        refused = why_too_dear(mdp)
+        if refused:
+            raise MissingError(refused)
         return mdp
 
     @cached_property
@@ -201,6 +231,9 @@ class Moment:
     def value_at_start(self) -> float:
         """The exact value of the greedy policy at the start, for the γ of the last step."""
         mdp, greedy, gamma = self.mdp, self.greedy, self.author.hyperparameters.gamma
+        refused = why_too_dear(mdp, value_of_policy=True)
+        if refused:
+            raise MissingError(refused)
 
         def work_out() -> float | None:
             try:

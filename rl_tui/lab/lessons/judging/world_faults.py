@@ -8,11 +8,11 @@ from rl_tui.agents.compatibility import check_compatible
 from rl_tui.common.errors import Fault, UserError
 from rl_tui.common.findings import Finding, Location, near, place, shown
 from rl_tui.lab.lessons.judging.measures import MEASURES, Kind
+from rl_tui.lab.lessons.judging.moment import why_too_dear
 from rl_tui.lab.lessons.lesson import Lesson
 from rl_tui.lab.lessons.schema import Attempt, Condition
 from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.run.changes import journal_of, read_change
-from rl_tui.lab.run.exact_answers import DEAREST_LIVE, LIVE_STATES, visits_of
 from rl_tui.lab.run.recipe import Recipe, begin
 from rl_tui.worlds.world import World
 
@@ -62,11 +62,9 @@ def _of_condition(condition: Condition, world: World) -> Iterator[Finding]:
     if measure.kind is Kind.EXACT and world.mdp is None:
         yield Finding(("measure",), shown(measure.name), "a measure without a table: this world has none")
     elif measure.kind is Kind.EXACT and world.mdp is not None:
-        mdp = world.mdp
-        if mdp.states > LIVE_STATES or visits_of(mdp) > DEAREST_LIVE:
-            yield Finding(
-                ("measure",), shown(measure.name), "no exact figure: this world is too large for it"
-            )
+        refused = why_too_dear(world.mdp, value_of_policy=measure.name == "value_at_start")
+        if refused:
+            yield Finding(("measure",), shown(measure.name), f"no such figure: {refused}")
 
 
 def _actions_named(condition: Condition) -> Iterator[tuple[Location, str]]:

@@ -16,7 +16,6 @@ from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION, TabularMDP
 from rl_tui.worlds.world import World
 
 HIDDEN: Final = "···"
-DEPENDS: Final = "?"
 
 
 def outcome_lines(world: World, mdp: TabularMDP, pair: int, look: Look, *, secret: bool) -> list[Line]:
@@ -56,9 +55,9 @@ def prospect_lines(world: World, pair: int, look: Look) -> list[Line]:
     glyphs, space = look.glyphs, world.space
     rows = [
         (
-            DEPENDS if each.probability is None else names.chance(each.probability, glyphs),
+            names.DEPENDS if each.probability is None else names.chance(each.probability, glyphs),
             " or ".join(numbers.brief(reward, glyphs, decimals=4) for reward in each.rewards)
-            + (f" {DEPENDS}" if len(each.rewards) > 1 else ""),
+            + (f" {names.DEPENDS}" if len(each.rewards) > 1 else ""),
             names.state_name(world, each.next_state, glyphs),
             "" if space.pairs_of(each.next_state) else "ends",
         )
@@ -66,7 +65,7 @@ def prospect_lines(world: World, pair: int, look: Look) -> list[Line]:
     ]
     lines: list[Line] = [*_aligned((("p", "r", "s′", ""), *rows), look)]
     depends = any(each.probability is None or len(each.rewards) > 1 for each in world.prospects[pair])
-    note: Line = [Piece(f"   {DEPENDS} depends on how you came here", look.palette.dim)]
+    note: Line = [Piece(f"   {names.DEPENDS} {names.DEPENDS_IN_FULL}", look.palette.dim)]
     return [*lines, note] if depends else lines
 
 

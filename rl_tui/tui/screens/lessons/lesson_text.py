@@ -36,10 +36,10 @@ def lesson_details(entry: LessonEntry, look: Look) -> RenderableType:
     rows = {label: Text(separated(line, look.glyphs)) for label, line in _lines(entry).items()}
     return Group(
         Text(to_ascii(lesson.summary, look.glyphs), text),
-        Text("\nAfterwards you can", look.palette.dim),
-        bullets(lesson.goals, look),
         Text(""),
         labelled(rows, look),
+        Text("\nAfterwards you can", look.palette.dim),
+        bullets(lesson.goals, look),
     )
 
 
@@ -64,16 +64,17 @@ def lesson_faults(error: ScenarioError, look: Look) -> Text:
 
 def _lines(entry: LessonEntry) -> dict[str, str]:
     lesson, progress = entry.lesson, entry.progress
-    takes = f"about {counted(lesson.minutes, 'minute')} · {counted(len(lesson.pages), 'page')}"
     if progress is None:
-        return {"takes": takes, "tasks": f"{len(lesson.tasks) or 'none'}", "enter": "begins"}
-    made = progress.predictions_made
-    at_end = entry.is_at_end
+        return {
+            "takes": f"about {lesson.minutes} min · {counted(len(lesson.pages), 'page')}",
+            "tasks": f"{len(lesson.tasks) or 'none'}",
+            "enter": "begins",
+        }
+    made, tasks = progress.predictions_made, progress.tasks
+    here = f"{state_of(entry)}: {lesson.page(progress.page).title}"
     return {
-        "takes": takes,
-        "stands at": _FINISHED if at_end else f"{state_of(entry)}: {lesson.page(progress.page).title}",
-        "tasks": f"{progress.tasks_passed} of {progress.tasks} passed" if progress.tasks else "none",
+        "stands at": _FINISHED if entry.is_at_end else here,
+        "tasks": f"{progress.tasks_passed} of {tasks} passed" if tasks else "none",
         "predictions": f"{progress.predictions_right} of {made} right" if made else "none so far",
-        "enter": "shows it from its first page, with all your answers" if at_end else "goes on there",
-        "r": "begins it again; what you did stays among the sessions",
+        "enter": "opens it as a reference" if entry.is_at_end else "goes on there",
     }

@@ -9,6 +9,7 @@ from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.canvas import Canvas, centred, shortened
+from rl_tui.tui.draw.names import DEPENDS, DEPENDS_IN_FULL
 from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
 from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.panel import BoardPanel
@@ -16,7 +17,7 @@ from rl_tui.tui.panels.scrolling import scrolled_to
 from rl_tui.tui.panels.world.graph.edge_list import draw_edge_list
 from rl_tui.tui.panels.world.graph.layout import GraphLayout, graph_layout
 from rl_tui.tui.panels.world.graph.routing import Box
-from rl_tui.tui.panels.world.graph.shape import DEPENDS, GraphShape, Node, Signs, graph_shape
+from rl_tui.tui.panels.world.graph.shape import GraphShape, Node, Signs, graph_shape
 from rl_tui.tui.panels.world.policy_picture import TITLE
 from rl_tui.tui.panels.world.state_values import StateValues, state_values
 from rl_tui.tui.panels.world.view import WorldView
@@ -28,7 +29,6 @@ from rl_tui.worlds.world import World
 VALUE_WIDTH: Final = 6
 HEADING: Final = f"{TITLE} · bold ="
 END: Final = "end"  # in place of the value of a terminal state
-_DEPENDS_IN_FULL: Final = "depends on how you came here"
 THIN: Final = 1
 BOLD: Final = 2
 
@@ -88,7 +88,7 @@ class GraphView(WorldView):
         return (
             *self.valueless_signs(),
             *(
-                (LegendSign(DEPENDS, "depends", palette.text, _DEPENDS_IN_FULL),)
+                (LegendSign(DEPENDS, "depends", palette.text, DEPENDS_IN_FULL),)
                 if self.world.prospects
                 else ()
             ),

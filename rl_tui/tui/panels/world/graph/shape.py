@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from rl_tui.lab.live.until import Breakpoints
+from rl_tui.tui.draw.names import DEPENDS
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Graph
@@ -14,8 +15,6 @@ from rl_tui.worlds.mdp.space import FiniteSpace
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import Prospect, World
 
-DEPENDS: Final = "?"
-"""In place of a probability, and behind rewards, that depend on how one came there."""
 _LIKELY: Final = 0.5
 
 
