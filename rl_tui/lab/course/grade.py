@@ -5,25 +5,29 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.findings import shown
 from rl_tui.lab.course.predictions import NO_PREDICTIONS, Predictions, predictions_in
 from rl_tui.lab.experiments.training import Goal, train
 from rl_tui.lab.lessons.catalogue import find_lesson
-from rl_tui.lab.lessons.judging.attempts import judged_claim, replayed
-from rl_tui.lab.lessons.judging.conditions import JudgedTask, Panels, elsewhere, judged_task, verdict
+from rl_tui.lab.lessons.judging.attempts import judged_claim
+from rl_tui.lab.lessons.judging.conditions import JudgedTask, elsewhere, judged_task, verdict
 from rl_tui.lab.lessons.judging.moment import Kept
+from rl_tui.lab.lessons.judging.replays import replayed
 from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
+from rl_tui.lab.lessons.judging.verdicts import Panels
 from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.record import LessonRecord, Passed
 from rl_tui.lab.lessons.view import ConditionView, TaskView
 from rl_tui.lab.run.recipe import Recipe, TakeAction, begin
 from rl_tui.lab.run.run import Run
 from rl_tui.lab.sessions.folder import files_in
 from rl_tui.lab.sessions.session import SUFFIX, SessionError, read_session
-from rl_tui.lab.timeline.branches import Branch
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.record import LessonRecord, Passed
+    from rl_tui.lab.timeline.branches import Branch
 
 PROVES: Final = "A session proves the run, not who made it."
 MOST_STEPS: Final = 20_000_000

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from rl_tui.lab.lessons.record import LessonRecord, Passed
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.record import LessonRecord, Passed
 
 
 class ConditionView(NamedTuple):

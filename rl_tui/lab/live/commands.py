@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from rl_tui.agents.sweep_phases import SweepPhase
-from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.lab.lessons.record import LessonRecord
-from rl_tui.lab.live.until import Until
-from rl_tui.lab.live.viewport import Viewport
-from rl_tui.lab.run.recipe import Change, Recipe, Setting
-
 if TYPE_CHECKING:
+    from rl_tui.agents.sweep_phases import SweepPhase
+    from rl_tui.lab.answers.policy_kind import PolicyKind
+    from rl_tui.lab.lessons.record import LessonRecord
+    from rl_tui.lab.live.until import Until
+    from rl_tui.lab.live.viewport import Viewport
+    from rl_tui.lab.run.recipe import Change, Recipe, Setting
     from rl_tui.lab.timeline.seek import Seek
 
 

@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding, Location, shown
 from rl_tui.lab.course.checks.waiting import waiting_findings
-from rl_tui.lab.lessons.figures.figures import Figures
 from rl_tui.lab.lessons.figures.written import in_digits_of
-from rl_tui.lab.lessons.judging.attempts import attempted_run, judged_claim
-from rl_tui.lab.lessons.judging.conditions import Panels, Verdict, is_met, judged_task, verdict
+from rl_tui.lab.lessons.judging.attempts import judged_claim
+from rl_tui.lab.lessons.judging.conditions import judged_task, verdict
+from rl_tui.lab.lessons.judging.replays import attempted_run
 from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.schema import Attempt, Condition, Page, Proof, Task
-from rl_tui.lab.lessons.view import TaskView
+from rl_tui.lab.lessons.judging.verdicts import Panels, Verdict, is_met
 from rl_tui.lab.run.changes import TAKE, read_change
-from rl_tui.lab.run.recipe import Recipe
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.figures.figures import Figures
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.lessons.schema import Attempt, Condition, Page, Proof, Task
+    from rl_tui.lab.lessons.view import TaskView
+    from rl_tui.lab.run.recipe import Recipe
 
 LEAST_REJECTS: Final = 3
 SEEDS_OF_VARIANTS: Final = 100

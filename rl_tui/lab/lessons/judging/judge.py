@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 from rl_tui.common.errors import UserError
 from rl_tui.lab.lessons.judging.conditions import JudgedTask, judged_task, verdict
 from rl_tui.lab.lessons.judging.live_panels import LivePanels
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.record import LessonRecord, Passed
 from rl_tui.lab.lessons.view import ConditionView, LessonView, TaskView
 
 if TYPE_CHECKING:
     from rl_tui.lab.lessons.judging.moment import Kept
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.lessons.record import LessonRecord, Passed
     from rl_tui.lab.run.run import Run
 
 
