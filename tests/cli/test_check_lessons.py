@@ -173,7 +173,17 @@ def test_a_spotlight_may_fall_on_any_panel() -> None:
     assert set(SPOTLIGHTS) <= {panel.id for panel in PANELS}
 
 
-@pytest.mark.parametrize("path", sorted(lesson_folder().glob("*.toml")), ids=lambda path: path.stem)
+SHIPPED: Final = sorted(lesson_folder().glob("*.toml"))
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_shipped_lessons_have_no_quick_faults(path: Path) -> None:
+    report = check_lesson(path, quick=True)
+    assert [str(fault) for fault in (*report.faults, *report.warnings)] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_shipped_lessons_have_no_faults(path: Path) -> None:
     report = check_lesson(path)
     assert [str(fault) for fault in (*report.faults, *report.warnings)] == []

@@ -25,6 +25,7 @@ from rl_tui.tui.panels.discount.chart import action_lines, draw_values, ranked
 from rl_tui.tui.panels.discount.discount import HIDDEN, NO_FLIPS, PENDING, DiscountPanel
 from rl_tui.tui.panels.discount.flip_list import fitting_form
 from rl_tui.tui.panels.legend import legend_rows
+from rl_tui.tui.panels.snapshot_facts import ANSWER_KEY
 from rl_tui.tui.theme.glyphs import UNICODE
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -144,7 +145,7 @@ def known_of(shown: Snapshot) -> FlipAnswer:
 
 
 def test_where_nothing_can_be_drawn_it_says_why() -> None:
-    assert said(with_flips(student(), is_hidden=True)) == HIDDEN
+    assert said(with_flips(student(), is_hidden=True)) == HIDDEN + ANSWER_KEY
     assert said(with_flips(student(), FlipAnswer(FlipState.PENDING))) == PENDING
     assert said(with_flips(student(), refused("too large"))) == "too large"
     idle = FlipAnswer(FlipState.KNOWN)

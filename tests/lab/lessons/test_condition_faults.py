@@ -38,6 +38,7 @@ def places(text: str) -> list[str]:
         ({"measure": "steps_of_episodes", "first": 1, "last": 101, "at_most": 1}, "last"),
         ({"measure": "steps_of_episodes", "first": 0, "last": 9, "at_most": 1}, "first"),
         ({"measure": "steps_of_episodes", "first": 5, "last": 4, "at_most": 1}, "last"),
+        ({"measure": "program_faults", "equals": 0}, "measure"),
         ({"measure": "steps", "at": "start", "at_least": 1}, "at"),
         ({"measure": "algorithm", "equals": "q-lerning"}, "equals"),
         ({"measure": "algorithm", "at_least": 1}, "at_least"),

@@ -7,8 +7,9 @@ from typing import Any
 import pytest
 from lab.lessons.task_samples import attempt, condition, lesson_with, recipe_in
 
+from rl_tui.lab.detective.verdict import CodeFault, CodeFinding, ProgramVerdict, Rule, UpdateFound
 from rl_tui.lab.lessons.judging.attempts import attempted_run, evidence_holds, passes
-from rl_tui.lab.lessons.judging.conditions import in_words, is_met, judged_task, verdict
+from rl_tui.lab.lessons.judging.conditions import in_words, is_met, judged_task, program_verdict, verdict
 from rl_tui.lab.lessons.lesson import Lesson
 from rl_tui.lab.lessons.record import Passed
 from rl_tui.lab.lessons.view import TaskView
@@ -214,3 +215,35 @@ def test_a_journal_entry_that_waits_is_no_evidence() -> None:
     passed = verdict(judged, run).passed
     assert passed is not None
     assert passed.journal == (JournalEntry(0, TakeAction(0)),)
+
+
+FINDING = CodeFinding(CodeFault.GAMMA_TWICE, "proven", 3, 5, 0, "t", "c")
+RISK = CodeFinding(CodeFault.NEVER_EXPLORES, "declared", 3, 5, 0, "t", "c")
+
+
+@pytest.mark.parametrize(
+    ("found", "expected"),
+    [
+        (ProgramVerdict(UpdateFound(Rule.Q_LEARNING, 0.5, gamma=0.9)), [True] * 5),
+        (ProgramVerdict(UpdateFound(Rule.Q_LEARNING, 0.5, gamma=0.9), (RISK,)), [True] * 5),
+        (
+            ProgramVerdict(UpdateFound(Rule.Q_LEARNING, 0.5, gamma=0.9), (FINDING,)),
+            [True, True, False, True, True],
+        ),
+        (ProgramVerdict(UpdateFound(Rule.SARSA, None, departs_at=0)), [False, False, True, False, False]),
+        (ProgramVerdict(), [False, False, True, False, False]),
+    ],
+)
+def test_a_program_is_judged_by_what_watching_it_found(found: ProgramVerdict, expected: list[bool]) -> None:
+    asked = [
+        {"measure": "program_rule", "equals": "q-learning"},
+        {"measure": "program_departs", "equals": 0},
+        {"measure": "program_faults", "equals": 0},
+        {"measure": "program_alpha", "equals": 0.5},
+        {"measure": "program_gamma", "equals": 0.9},
+    ]
+    lesson = lesson_with(*asked, more='program = { file = "mine.py", skeleton = "" }\n')
+    view = program_verdict(judged_task(lesson, "only"), "code", found)
+    assert holds(view) == expected
+    assert (view.passed is not None) is all(expected)
+    assert view.passed is None or view.passed.program == "code"

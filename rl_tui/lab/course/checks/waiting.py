@@ -18,8 +18,10 @@ EVERY_STEP: Final = 100
 EVERY_EPISODE: Final = 200
 """So many episodes are judged where they end: some conditions hold at no other step."""
 ROUND: Final = (1_000, 10_000, 100_000)
-MOST_STEPS: Final = 3_000_000
+MOST_STEPS: Final = 10_000_000
 """Further nobody waits."""
+MOST_STEPPED: Final = 20_000
+"""Nor so far where an environment is stepped for real, which takes its time."""
 
 
 def waiting_findings(
@@ -44,7 +46,9 @@ def _moments(run: Run, ends: Sequence[int]) -> Iterator[None]:
     """Advance ``run`` from one moment to the next at which it is to be judged."""
     yield
     episodes = episodes_of(run.recipe.scenario)
-    targets = sorted({*range(1, EVERY_STEP + 1), *ROUND, *(each for each in ends if each <= MOST_STEPS)})
+    most = MOST_STEPS if run.learner.rewindable else MOST_STEPPED
+    wanted = {*range(1, EVERY_STEP + 1), *ROUND, *ends}
+    targets = sorted(each for each in wanted if each <= most)
     while not run.over:
         target = next((each for each in targets if each > run.step), None)
         if target is None:
@@ -54,6 +58,23 @@ def _moments(run: Run, ends: Sequence[int]) -> Iterator[None]:
         else:
             train(run, Goal(steps=target))
         yield
-    if run.learner.episodes < episodes and not run.over:
-        train(run, Goal(episodes=episodes))
+    if run.learner.episodes < episodes and not run.over and _goes_on(run, Goal(episodes=episodes), most):
         yield
+
+
+class _TooLongError(Exception):
+    """Nobody waits so long."""
+
+
+def _goes_on(run: Run, goal: Goal, most: int) -> bool:
+    """Advance ``run`` to ``goal``, and return whether it got there within ``most`` steps."""
+
+    def on_progress(done: int, wanted: int) -> None:
+        if run.step > most:
+            raise _TooLongError
+
+    try:
+        train(run, goal, on_progress)
+    except _TooLongError:
+        return False
+    return True

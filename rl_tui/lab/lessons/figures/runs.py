@@ -26,6 +26,8 @@ LEAST_SEEDS: Final = 50
 """Of what is said about learning: fewer may say anything."""
 MOST_SEEDS: Final = 10_000
 MOST_STEPS: Final = 10**9
+MOST_KEPT: Final = 4
+"""Runs over seeds that are kept, of which other measures may be asked."""
 
 
 def run(
@@ -174,11 +176,11 @@ def _measured(subject: Subject, measure: object, seeds: int, arguments: dict[str
 
 
 def _runs(subject: Subject, goal: Goal, journal: tuple[JournalEntry, ...], seeds: int) -> list[Run]:
-    """Return the runs of the seeds, on all cores; those of the last question are kept for the next."""
+    """Return the runs of the seeds, on all cores; those of the last questions are kept for the next."""
     key = id(subject), goal, journal, seeds
-    if subject.known.get("runs", (None,))[0] == key:
-        kept: list[Run] = subject.known["runs"][1]
-        return kept
+    kept: dict[Any, list[Run]] = subject.known.setdefault("runs", {})
+    if key in kept:
+        return kept[key]
     seeded = SeededRuns(subject.with_seed(0), journal)
     seeded.get_machine_code(seeds, goal, no_compiling)
 
@@ -189,7 +191,9 @@ def _runs(subject: Subject, goal: Goal, journal: tuple[JournalEntry, ...], seeds
 
     with ThreadPoolExecutor(min(cores(), seeds), thread_name_prefix="figure") as pool:
         runs = list(pool.map(trained, range(seeds)))
-    subject.known["runs"] = key, runs
+    while len(kept) >= MOST_KEPT:
+        kept.pop(next(iter(kept)))
+    kept[key] = runs
     return runs
 
 

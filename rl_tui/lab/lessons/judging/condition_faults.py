@@ -24,8 +24,13 @@ _OF_SEEDS: Final = ("hold", "mean", "episodes", "steps")
 
 def task_findings(task: Task) -> Iterator[Finding]:
     """Yield what is wrong with the conditions and the attempts of ``task``, seen from its table."""
+    watches = task.program is not None
     for number, condition in enumerate(task.conditions):
         yield from (each.inside("conditions", number) for each in condition_findings(condition))
+        measure = MEASURES.get(condition.measure)
+        if measure is not None and (measure.of_program is not None) != watches:
+            expected = f"a measure of {'the program' if watches else 'the run: the task has no program'}"
+            yield Finding(("conditions", number, "measure"), shown(measure.name), expected)
     for name, attempts in (("accepts", task.accepts), ("rejects", task.rejects)):
         for number, attempt in enumerate(attempts):
             yield from (each.inside(name, number) for each in attempt_findings(attempt))

@@ -15,6 +15,7 @@ from rl_tui.lab.lessons.view import ConditionView, TaskView
 from rl_tui.lab.run.recipe import Recipe
 
 if TYPE_CHECKING:
+    from rl_tui.lab.detective.verdict import ProgramVerdict
     from rl_tui.lab.lessons.judging.moment import Kept, Moment
     from rl_tui.lab.run.run import Run
 
@@ -71,12 +72,12 @@ def verdict(judged: JudgedTask, run: Run, panels: Panels | None = None, kept: Ke
     from rl_tui.lab.lessons.judging.moment import Kept, Moment
     from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
 
-    panels = panels or PanelsAtOnce()
+    panels, kept = panels or PanelsAtOnce(), kept or Kept()
     conditions = judged.task.conditions
-    reason = elsewhere(judged.setup, run.recipe)
+    reason = elsewhere(judged.setup, run.recipe, kept)
     if reason:
         return TaskView(tuple(ConditionView(each.text, False, reason) for each in conditions))
-    moment = Moment(run, judged.setup, kept or Kept())
+    moment = Moment(run, judged.setup, kept)
     verdicts = {place: judged_at(moment, each) for place, each in enumerate(conditions) if not each.seeds}
     waits = ""
     by_seeds = {place: each for place, each in enumerate(conditions) if each.seeds}
@@ -106,6 +107,30 @@ def judged_at(moment: Moment, condition: Condition) -> Verdict:
         return Verdict(False, str(reason))
     except NotYetError:
         return Verdict(None, "being worked out")
+    return Verdict(is_met(condition, value), in_words(value))
+
+
+def program_verdict(judged: JudgedTask, program: str, found: ProgramVerdict) -> TaskView:
+    """Return how a task that asks for a program stands: what watching it to its end has ``found``.
+
+    ``program`` is the code.
+    """
+    verdicts = [_of_program(each, found) for each in judged.task.conditions]
+    views = (
+        ConditionView(each.text, *one) for each, one in zip(judged.task.conditions, verdicts, strict=True)
+    )
+    passes = all(each.holds for each in verdicts)
+    return TaskView(tuple(views), Passed(judged.page, judged.setup, program=program) if passes else None)
+
+
+def _of_program(condition: Condition, found: ProgramVerdict) -> Verdict:
+    of_program = MEASURES[condition.measure].of_program
+    try:
+        value = None if of_program is None else of_program(found)
+    except MissingError as reason:
+        return Verdict(False, str(reason))
+    if value is None:
+        return Verdict(False, "this is not measured of a program")
     return Verdict(is_met(condition, value), in_words(value))
 
 
@@ -145,11 +170,12 @@ def _equal(value: Value, wanted: Value) -> bool:
     return abs(value - wanted) <= TOLERANCE
 
 
-def elsewhere(setup: Recipe, recipe: Recipe) -> str:
+def elsewhere(setup: Recipe, recipe: Recipe, kept: Kept | None = None) -> str:
     """Return why a run of ``recipe`` is not one that the task is about; empty where it is."""
-    mine, other = setup.scenario, recipe.scenario
-    if mine is not other and (mine.kind, mine.section) != (other.kind, other.section):
-        return f"this is another world: the task is about {mine.id}"
+    from rl_tui.lab.lessons.judging.moment import Kept
+
+    if not (kept or Kept()).is_same_world(setup.scenario, recipe.scenario):
+        return f"this is another world: the task is about {setup.scenario.id}"
     if setup.seed != recipe.seed:
         return f"this is seed {recipe.seed}: the task is about seed {setup.seed}"
     return ""

@@ -11,6 +11,7 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE
 
 if TYPE_CHECKING:
+    from rl_tui.lab.detective.verdict import ProgramVerdict
     from rl_tui.lab.lessons.judging.moment import Moment
     from rl_tui.lab.lessons.schema import Condition
     from rl_tui.lab.run.bandit import BanditFigures
@@ -37,6 +38,7 @@ class Kind(StrEnum):
     LEARNED = "what was learned"
     EXACT = "exact figures"
     RECORD = "the record of all episodes"
+    PROGRAM = "a program that was watched"
 
 
 class Gives(StrEnum):
@@ -53,7 +55,8 @@ class Measure:
     """One measure: ``of`` works it out. ``needs`` are the keys of a condition that it takes, all of them.
 
     ``accepts`` are the words that its text may be; empty: any. ``differs_by_seed`` says that another seed
-    may come to another value, so that it makes sense to ask many.
+    may come to another value, so that it makes sense to ask many. ``of_program`` measures a program in place
+    of a run.
     """
 
     name: str
@@ -64,6 +67,7 @@ class Measure:
     gives: Gives = Gives.NUMBER
     accepts: tuple[str, ...] = ()
     differs_by_seed: bool = True
+    of_program: Callable[[ProgramVerdict], Value] | None = None
 
 
 ARGUMENTS: Final = ("state", "action", "actions", "first", "last")
@@ -317,9 +321,39 @@ def _record() -> Iterable[Measure]:
     yield row("best_arm_rate", "the share of pulls of its best arm", _best_arm_rate)
 
 
+def _no_program(moment: Moment, condition: Condition) -> Value:
+    raise MissingError("no program was watched")
+
+
+def _found(value: float | None, verdict: ProgramVerdict, what: str) -> float:
+    if value is None:
+        raise MissingError(verdict.update.reason or f"nothing tells {what}")
+    return value
+
+
+def _departs(verdict: ProgramVerdict) -> float:
+    if verdict.update.rule.value == "unknown":
+        raise MissingError(verdict.update.reason or "its update is not known")
+    step = verdict.update.departs_at
+    return 0 if step is None else step + 1
+
+
+def _programs() -> Iterable[Measure]:
+    def row(
+        name: str, text: str, of: Callable[[ProgramVerdict], Value], gives: Gives = Gives.NUMBER
+    ) -> Measure:
+        return Measure(name, text, Kind.PROGRAM, _no_program, (), gives, differs_by_seed=False, of_program=of)
+
+    yield row("program_rule", "the update that it makes", lambda v: v.update.rule.value, Gives.TEXT)
+    yield row("program_departs", "the first step not explained by that, 0 for none", _departs)
+    yield row("program_faults", "its faults", lambda v: sum(f.kind == "fault" for f in v.findings))
+    yield row("program_alpha", "its α", lambda v: _found(v.update.alpha, v, "its α"))
+    yield row("program_gamma", "its γ", lambda v: _found(v.update.gamma, v, "its γ"))
+
+
 MEASURES: Final[Mapping[str, Measure]] = {
     measure.name: measure
-    for group in (_settings, _counts, _steps, _learned, _exact, _record)
+    for group in (_settings, _counts, _steps, _learned, _exact, _record, _programs)
     for measure in group()
 }
 """All measures by their names."""

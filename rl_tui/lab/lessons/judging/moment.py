@@ -32,6 +32,7 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 if TYPE_CHECKING:
     from rl_tui.agents.last_step import Author, LastStep
+    from rl_tui.worlds.files.scenario import Scenario
 
 ExactAnswer = Callable[[TabularMDP, float], Answer]
 """Gives the exact answer of a world for a γ; neither a solution nor a reason while it is worked out."""
@@ -69,6 +70,15 @@ class Kept:
         self._policy: tuple[TabularMDP, FloatArray] | None = None
         self._figures: dict[str | float, float | None] = {}
         self._optimum: tuple[TabularMDP, float, Answer] | None = None
+        self._compared: tuple[Scenario, Scenario, bool] | None = None
+
+    def is_same_world(self, one: Scenario, other: Scenario) -> bool:
+        """Return whether two scenarios describe the same world, be they read from other files."""
+        known = self._compared
+        if known is None or known[0] is not one or known[1] is not other:
+            is_same = one is other or (one.kind, one.section) == (other.kind, other.section)
+            known = self._compared = one, other, is_same
+        return known[2]
 
     def state(self, space: FiniteSpace, name: str) -> int | None:
         """Return the number of the state of this name, None where there is none."""

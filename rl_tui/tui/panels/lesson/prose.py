@@ -17,6 +17,7 @@ _BULLET: Final = re.compile(r"\s{0,3}[-*•]\s+")
 _MARKED: Final = re.compile(r"\*\*(.+?)\*\*|`([^`]+)`")
 _EQUATION: Final = "    "
 _EQUATION_INDENT: Final = "  "
+_LEAST_INDENTED: Final = 12  # cells of an equation whose further lines are
 
 
 def plain(text: str) -> str:
@@ -74,11 +75,13 @@ def _equation(row: str, width: int, look: Look) -> Iterator[Line]:
     """Yield ``row`` with its own blanks, broken only where it is too long."""
     spelled = to_ascii(row.removeprefix(_EQUATION).rstrip(), look.glyphs)
     room = max(1, width - len(_EQUATION_INDENT))
+    further = _EQUATION_INDENT if room >= _LEAST_INDENTED else ""
+    start = 0  # of what is not indentation
     while cell_len(spelled) > room:
-        cut = spelled.rfind(" ", 1, room + 1)
-        head = spelled[:cut] if cut > 0 else chop_cells(spelled, room)[0]
+        cut = spelled.rfind(" ", start + 1, room + 1)
+        head = spelled[:cut] if cut > 0 else _chopped(spelled, room)
         yield [Piece(_EQUATION_INDENT + head, look.palette.strong)]
-        spelled = "  " + spelled[len(head) :].lstrip() if room > 4 else spelled[len(head) :]
+        spelled, start = further + spelled[len(head) :].lstrip(), len(further)
     yield [Piece(_EQUATION_INDENT + spelled, look.palette.strong)]
 
 
@@ -113,13 +116,18 @@ def _pieces_that_fit(word: Sequence[Piece], room: int, whole: int) -> Iterator[P
     for piece in word:
         text = piece.text
         while cell_len(text) > max(1, room):
-            head = chop_cells(text, max(1, room))[0]
+            head = _chopped(text, max(1, room))
             yield Piece(head, piece.style)
             yield None
             text, room = text[len(head) :], whole
         if text:
             yield Piece(text, piece.style)
             room -= cell_len(text)
+
+
+def _chopped(text: str, room: int) -> str:
+    """Return the start of ``text`` that fits into ``room`` cells, a character at least."""
+    return chop_cells(text, room)[0] or text[0]
 
 
 def _words(text: str, style: Style, look: Look) -> Iterator[list[Piece]]:

@@ -1,0 +1,197 @@
+"""The page of a lesson in each of its states, without an app."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from lesson_texts import LESSON
+from rich.cells import cell_len
+from samples import look, student
+from snapshots import changed
+
+from rl_tui.lab.lessons.record import Given, LessonRecord, Passed, begun
+from rl_tui.lab.lessons.view import ConditionView, LessonView, TaskView
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.panels.lesson.lesson import LessonPanel
+from rl_tui.tui.panels.lesson.page_lines import Spotlight
+from rl_tui.tui.panels.lesson.stage import Stage, keeping_page, stage_of
+
+CONDITIONS = (ConditionView("study is greedy", False, "check phone"), ConditionView("no step by you", True))
+SAID = Given("predict", -2.0, is_right=False, step=3, digest="x")
+RIGHT = Given("predict", -1.5, is_right=True, step=3, digest="x")
+
+
+def at(page: str, *given: Given, step: int = 0, task: TaskView | None = None, **more: object) -> Snapshot:
+    """The student with ``page`` open, after ``given``, at ``step``."""
+    record = replace(begun(LESSON).open(page), given=given, **more)  # type: ignore[arg-type]
+    start = student(0)
+    return changed(
+        replace(start, lesson=LessonView(record, task)), counters=replace(start.counters, step=step)
+    )
+
+
+def panel_of(snapshot: Snapshot, *, ascii: bool = False) -> LessonPanel:  # noqa: A002
+    panel = LessonPanel(look(ascii))
+    panel.snapshot = snapshot
+    return panel
+
+
+def drawn(snapshot: Snapshot, width: int = 42, height: int = 40, *, ascii: bool = False) -> list[str]:  # noqa: A002
+    rows = panel_of(snapshot, ascii=ascii).picture(snapshot, width, height)
+    assert [row.cell_length for row in rows] == [width] * height
+    return [row.text.rstrip() for row in rows]
+
+
+def text(snapshot: Snapshot, width: int = 42) -> str:
+    return " ".join(" ".join(drawn(snapshot, width)).split())
+
+
+def stage(snapshot: Snapshot) -> Stage:
+    assert snapshot.lesson is not None
+    return stage_of(snapshot.lesson, snapshot)
+
+
+def test_a_page_of_text_has_its_title_and_its_place() -> None:
+    panel = panel_of(at("start"))
+    rows = panel.picture(at("start"), 42, 20)
+    assert panel.heading == "Q-learning by hand · 1/6"
+    assert panel.footing == ".: next page"
+    assert rows[0].text.strip() == "One cell a step"
+    assert "[bold]this[/bold] is no markup" in text(at("start"))
+
+
+def test_an_open_prediction_names_its_key_and_tells_nothing() -> None:
+    said = text(at("predict"))
+    assert stage(at("predict")) is Stage.TO_PREDICT
+    assert "A say what you expect" in said
+    assert "Half the way" not in said
+    assert "−1.5" not in said
+
+
+def test_a_locked_prediction_waits_for_its_steps() -> None:
+    for step, missing in ((3, "2 steps"), (4, "1 step")):
+        said = text(at("predict", SAID, step=step))
+        assert stage(at("predict", SAID, step=step)) is Stage.LOCKED
+        assert "You said −2 at step 3; locked." in said
+        assert f"The truth comes {missing} later." in said
+        assert "−1.5" not in said
+        assert "forgotten" not in said
+        assert "right" not in said
+
+
+def test_the_truth_stands_beside_a_wrong_prediction_with_the_reply_to_it() -> None:
+    said = text(at("predict", SAID, step=5))
+    assert "✗ not so – it is −1.5" in said
+    assert "That is the target: α was forgotten." in said
+    assert "0 of 1 prediction right so far." in said
+    assert "Half the way from −1 to the target −2." in said
+
+
+def test_a_right_prediction_has_no_reply() -> None:
+    said = text(at("predict", RIGHT, step=5))
+    assert "✓ right – it is −1.5" in said
+    assert "forgotten" not in said
+
+
+def test_an_unknown_wrong_answer_is_wrong_without_a_reply() -> None:
+    said = text(at("predict", replace(SAID, answer=-1.9), step=5))
+    assert "✗ not so" in said
+    assert "forgotten" not in said
+
+
+def test_a_question_replies_to_a_choice_and_may_be_tried_again() -> None:
+    assert "A answer" in text(at("quiz"))
+    wrong = text(at("quiz", Given("quiz", 0.0, is_right=False)))
+    assert "That one is only looked up." in wrong
+    assert "A try again" in wrong
+    assert "A step changes one cell." not in wrong
+    right = text(at("quiz", Given("quiz", 0.0, is_right=False), Given("quiz", 1.0, is_right=True)))
+    assert "✓ right – That of the state left Yes. A step changes one cell." in right
+
+
+def test_a_task_has_a_sign_beside_each_condition_and_what_was_found() -> None:
+    said = text(at("learn", task=TaskView((*CONDITIONS, ConditionView("later", None)), waits="3 of 20")))
+    assert "✗ study is greedy (check phone)" in said
+    assert "✓ no step by you" in said
+    assert "… later" in said
+    assert "3 of 20" in said
+    assert "H hint 1 of 2" in said
+    assert "optimist" not in said
+
+
+def test_hints_come_one_by_one_and_the_solution_last() -> None:
+    shown = [text(at("learn", hints=(("learn", asked),))) for asked in range(5)]
+    assert [("Hint 1 of 2" in each, "Hint 2 of 2" in each, "Solution" in each) for each in shown] == [
+        (False, False, False),
+        (True, False, False),
+        (True, True, False),
+        (True, True, True),
+        (True, True, True),
+    ]
+    assert "H the solution" in shown[2]
+    assert "Set the initial Q" not in shown[2]
+    assert " H " not in shown[3]
+
+
+def test_a_passed_task_explains_itself() -> None:
+    passed = Passed("learn", student(0).recipe)
+    said = text(at("learn", passed=(passed,), task=TaskView(CONDITIONS)))
+    assert "✓ PASSED" in said
+    assert "An optimist tries everything." in said
+
+
+@pytest.mark.parametrize(
+    ("snapshot", "row"),
+    [
+        (at("start"), " Q-learning by hand · 1/6 One cell a step · R reads"),
+        (at("predict"), " Q-learning by hand · 2/6 The second update  A: your prediction · R reads"),
+        (at("predict", SAID, step=3), " Lesson 2/6 The second update  you said −2; 2 steps · R reads"),
+        (at("predict", RIGHT, step=5), " Q-learning by hand · 2/6 The second update  ✓ right · R reads"),
+        (at("learn", task=TaskView(CONDITIONS)), " Q-learning by hand · 4/6 Learn to study  ✗✓ · R reads"),
+    ],
+)
+def test_in_one_row_it_says_how_the_page_stands(snapshot: Snapshot, row: str) -> None:
+    width = 76 if "you said" not in row else 62
+    assert drawn(snapshot, width, 1) == [row]
+
+
+def test_the_spotlight_names_the_key_of_a_panel_that_has_no_place() -> None:
+    panel = panel_of(at("predict"))
+    for spotlight, said in (
+        (Spotlight("Q"), "▸ look at Q"),
+        (Spotlight("Microscope", is_seen=False, key="d"), "▸ look at Microscope: d opens it"),
+    ):
+        panel.spotlight = spotlight
+        assert panel.picture(panel.snapshot, 42, 20)[1].text.strip() == said
+
+
+def test_what_is_below_is_announced_and_news_come_into_view() -> None:
+    panel = panel_of(at("learn", task=TaskView(CONDITIONS)))
+    panel.picture(panel.snapshot, 30, 6)
+    assert "more · R: read here" in panel.footing
+    hinted = at("learn", task=TaskView(CONDITIONS), hints=(("learn", 1),))
+    assert "Hint 1 of 2" in " ".join(row.text for row in panel.picture(hinted, 30, 6))
+    turned = at("quiz")
+    assert panel.picture(turned, 30, 6)[0].text.strip(" │█") == "Which cell"
+
+
+@pytest.mark.parametrize("ascii", [False, True])
+@pytest.mark.parametrize(("width", "height"), [(1, 1), (3, 2), (12, 5), (38, 30), (78, 20)])
+@pytest.mark.parametrize("page", [page.id for page in LESSON.pages])
+def test_no_page_fails_at_any_size(page: str, width: int, height: int, ascii: bool) -> None:  # noqa: A002
+    task = None if LESSON.page(page).task is None else TaskView(CONDITIONS)
+    rows = drawn(at(page, task=task), width, height, ascii=ascii)
+    assert not ascii or all(row.isascii() for row in rows)
+    assert all(cell_len(row) <= width for row in rows)
+
+
+def test_a_page_says_which_page_keeps_something_back() -> None:
+    record: LessonRecord = begun(LESSON)
+    for what in ("answer", "model"):
+        page = keeping_page(record, what)
+        assert page is not None
+        assert page.id == "predict"
+    assert keeping_page(record, "run") is None
+    assert keeping_page(record.open("predict"), "run") is LESSON.page("predict")
+    assert keeping_page(replace(record, given=(SAID,)), "answer") is None
