@@ -19,6 +19,9 @@ from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
 from rl_tui.cli.main import program
 from rl_tui.cli.options.help_sections import OPTIONS, SOME, TITLES, section_of
+from rl_tui.lab.lessons.catalogue import shipped_lessons
+from rl_tui.lab.lessons.figures.functions import FUNCTIONS
+from rl_tui.lab.lessons.judging.measures import MEASURES, Kind
 from rl_tui.lab.run.library import listing
 from rl_tui.tui.actions.action import Action, Group, Place
 from rl_tui.tui.actions.registry import ACTIONS
@@ -30,7 +33,12 @@ from rl_tui.worlds.files.catalogue import shipped_folder
 
 FOLDER = Path(__file__).parent
 BLOCK = re.compile(r"(<!-- made by make docs: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
-PLACES = {Place.CATALOGUE: "catalogue", Place.PLAYGROUND: "playground", Place.BOTH: "both"}
+PLACES = {
+    Place.CATALOGUE: "catalogue",
+    Place.LESSONS: "lessons",
+    Place.PLAYGROUND: "playground",
+    Place.EVERY: "everywhere",
+}
 _LAKE = "frozenlake-slippery"
 PICTURES = {
     "playground.svg": (_LAKE, "--keys", "wait:20000"),
@@ -85,6 +93,40 @@ def scenarios() -> str:
             sizes = str(world["states"]), str(world["actions"]), limit
             rows.append((f"`{scenario.id}`", scenario.title, *sizes, scenario.summary))
     return _table(("id", "title", "states", "actions", "limit", "what it is"), rows)
+
+
+def lessons() -> str:
+    """Return the shipped lessons in their order."""
+    rows = [
+        (f"`{each.id}`", each.title, str(each.minutes), str(len(each.tasks)), each.summary)
+        for each in shipped_lessons()
+    ]
+    return _table(("id", "title", "minutes", "tasks", "what it is about"), rows)
+
+
+def measures() -> str:
+    """Return what can be measured of a run, a list for each kind; settings are named by their options."""
+    parts = []
+    for kind in Kind:
+        rows = [each for each in MEASURES.values() if each.kind is kind]
+        if kind is Kind.SETTING:
+            text = "`algorithm`, and every setting by its name in JSON: [settings](agents.md#settings)."
+            parts.append(f"* **{_sentence(kind)[:-1]}**: {text}")
+            continue
+        described = "; ".join(f"`{each.name}`{_needed(each.needs)} {each.help}" for each in rows)
+        parts.append(_wrapped(f"* **{_sentence(kind)[:-1]}**: {described}.", indent="  "))
+    return "\n".join(parts)
+
+
+def _needed(keys: Sequence[str]) -> str:
+    return f" ({', '.join(f'`{key}`' for key in keys)})" if keys else ""
+
+
+def figure_functions() -> str:
+    """Return the functions by which figures are worked out."""
+    rows = [(f"`{name}{each.signature}`", each.meaning) for name, each in FUNCTIONS.items()]
+    lines = (_wrapped(f"* {call}: {meaning}", indent="  ") for call, meaning in rows)
+    return "\n".join(lines).replace("``", "`")
 
 
 def algorithms() -> str:
@@ -217,7 +259,11 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 BLOCKS = {
-    made.__name__: made for made in (keys, glossary, scenarios, algorithms, policies, settings, commands)
+    made.__name__: made
+    for made in (
+        *(keys, glossary, scenarios, lessons, measures, figure_functions),
+        *(algorithms, policies, settings, commands),
+    )
 }
 
 if __name__ == "__main__":

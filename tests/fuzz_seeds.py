@@ -10,8 +10,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-sys.path.append(str(Path(__file__).parent / "lab"))
+sys.path += [str(Path(__file__).parent / "lab"), str(Path(__file__).parent / "lab" / "lessons")]
 
+from lesson_sessions import all_done, lesson, run_of, setup
+from lesson_sessions import record as lesson_record
 from recipes import recipe
 from session_samples import after, fresh
 
@@ -99,6 +101,7 @@ def _records() -> list[Record]:
         after(fresh(recipe("gym:FrozenLake8x8-v1"), speed=None), 100),
         _with_branches(lake),
         replace(changed, lanes=changed.lanes * 3, shown=1, breakpoints=Breakpoints({1}, {0, 2})),
+        lesson_record(all_done(lesson()), run_of(setup(lesson()), 80)),
     ]
 
 

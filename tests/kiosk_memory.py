@@ -47,7 +47,7 @@ async def abuse(rounds: int) -> None:
     async with app.run_test(size=(120, 40)) as pilot:
         await settle(pilot)
         _tell("the catalogue")
-        await pilot.press("down", "enter")
+        await pilot.press("down", "down", "enter")
         await settle(pilot)
         _tell("the playground")
         for number in range(rounds):

@@ -40,7 +40,7 @@ def test_nothing_is_written_whatever_is_typed(tmp_path: Path) -> None:
         assert "Mine" not in terminal.written.decode(errors="replace")
         terminal.press("\x1b[3~")
         terminal.wait_for("no sessions are kept here: this is a kiosk")
-        terminal.press("\x1b[B\r")
+        terminal.press("\x1b[B\x1b[B\r")
         terminal.wait_for("paused|preparing")
         terminal.press("w")
         terminal.wait_for("no session is kept here: this is a kiosk")

@@ -17,6 +17,7 @@ import rl_tui
 
 ROOT = Path(__file__).parents[1]
 SCENARIOS = {path.name for path in (ROOT / "scenarios").glob("*.toml")}
+LESSONS = {path.name for path in (ROOT / "lessons").glob("*.toml")}
 VERSION = rl_tui.__version__
 
 
@@ -46,9 +47,11 @@ def names_in(wheel: Path) -> set[str]:
         return set(archive.namelist())
 
 
-def test_the_wheel_holds_package_styles_and_scenarios_and_nothing_else(dist: Path) -> None:
+def test_the_wheel_holds_package_styles_scenarios_and_lessons_and_nothing_else(dist: Path) -> None:
     names = names_in(wheel_in(dist))
     assert {f"rl_tui/scenarios/{name}" for name in SCENARIOS} <= names
+    assert LESSONS
+    assert {f"rl_tui/lessons/{name}" for name in LESSONS} <= names
     assert {"rl_tui/py.typed", "rl_tui/cli/main.py", "rl_tui/tui/glossary/glossary.toml"} <= names
     styles = {path.relative_to(ROOT).as_posix() for path in (ROOT / "rl_tui").glob("**/*.tcss")}
     assert styles
@@ -66,6 +69,7 @@ def test_the_sdist_is_enough_to_build_the_same_wheel(dist: Path, tmp_path: Path)
         archive.extractall(tmp_path, **({"filter": "data"} if hasattr(tarfile, "data_filter") else {}))
     source = tmp_path / f"rl_tui-{VERSION}"
     assert {path.name for path in (source / "scenarios").glob("*.toml")} == SCENARIOS
+    assert {path.name for path in (source / "lessons").glob("*.toml")} == LESSONS
     for name in ("README.md", "LICENSE", "CHANGELOG.md", "CONTRIBUTING.md", "pyproject.toml", "tests"):
         assert (source / name).exists()
     build(source, tmp_path / "again", "--wheel")
@@ -107,6 +111,8 @@ def test_the_wheel_works_in_an_empty_environment_from_another_folder(dist: Path,
     assert {line.split()[0] for line in rl_tui_says("list").splitlines()[1:]} >= {
         name.removesuffix(".toml") for name in SCENARIOS
     }
+    assert {f"{row['id']}.toml" for row in json.loads(rl_tui_says("learn", "--list", "--json"))} == LESSONS
+    assert rl_tui_says("screenshot", "--lesson", "loop", "--size", "80x24", "--out", "-").startswith("<svg")
     assert json.loads(rl_tui_says("train", "frozenlake", "--json"))["expected_return"] == 1.0
     from_python = """
 import gymnasium, rl_tui

@@ -93,7 +93,7 @@ def test_it_may_be_told_to_end_while_it_takes_the_terminal() -> None:
 def test_from_the_catalogue_to_a_run_and_back() -> None:
     with rl_tui() as terminal:
         terminal.wait_for("FrozenLake")
-        terminal.press("\x1b[B\r")
+        terminal.press("\x1b[B\x1b[B\r")
         terminal.wait_for("paused")
         terminal.press("\x1b")
         terminal.wait_for("Scenarios")

@@ -71,6 +71,8 @@ class Learner(LearnerCounters):
         """What part of the work was a planner's, and so not in the world."""
         self.author = Author(algorithm, hyperparameters)
         """Who took the last step; before the first, who will."""
+        self.came_to_rest = False
+        """Whether the last step was a planner's last: it had converged, whatever has been changed since."""
         self.rule: Any
         """The policy in force, with what it has learned in live arrays, as those of ``q`` are."""
         self._memory: Any
@@ -268,6 +270,7 @@ class Learner(LearnerCounters):
         self._stop = Stop.DONE if stop is Stop.NOTICED else stop
         if self.step > before:
             self.author = Author(self.algorithm, self.hyperparameters)
+            self.came_to_rest = stop is Stop.CONVERGED
         return stop
 
     def set_time_budget(self, seconds: float) -> None:
@@ -344,6 +347,7 @@ class Learner(LearnerCounters):
             tuple(generator.bit_generator.state for generator in self.streams),
             self.planned,
             self.author,
+            self.came_to_rest,
             self._stop,
         )
 
@@ -369,5 +373,6 @@ class Learner(LearnerCounters):
         self._log.finished[0] = 0
         self.planned = state.planned
         self.author = state.author
+        self.came_to_rest = state.came_to_rest
         self._stop = state.stop
         self.watch(self._watching)

@@ -39,6 +39,7 @@ class LearnerState:
     streams: tuple[Any, ...]
     planned: Planned
     author: Author
+    came_to_rest: bool
     stop: Stop
 
     @property

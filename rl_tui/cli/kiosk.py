@@ -13,7 +13,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.kiosk import VARIABLE, in_kiosk
 from rl_tui.terminal.driver_choice import IN_BROWSER
 
-COMMANDS: Final = (None, "play", "list", "serve")
+COMMANDS: Final = (None, "play", "learn", "list", "serve")
 """What a kiosk has; None is the catalogue."""
 MOST_DATA: Final = 2**30
 """Bytes of memory that one kiosk may ask for; it uses far less."""

@@ -33,7 +33,7 @@ class RlTui(Program):
         each.name: f"{commands.__name__}.{each.name}" for each in iter_modules(commands.__path__)
     }
     first_in_help = (
-        *("play", "train", "watch", "replay", "solve", "evaluate"),
+        *("play", "learn", "train", "watch", "replay", "solve", "evaluate"),
         *("list", "check", "bench", "screenshot", "serve"),
     )
 

@@ -28,9 +28,8 @@ from rl_tui.tui.app.display import Display
 if TYPE_CHECKING:
     from rl_tui.lab.live_programs.watched_program import WatchedProgram
     from rl_tui.lab.programs.program_process import ProgramRequest
-    from rl_tui.lab.run.recipe import Recipe
     from rl_tui.lab.sessions.autosave import KeptSession
-    from rl_tui.lab.sessions.session import StoredSession
+    from rl_tui.tui.app.opening import Start
     from rl_tui.tui.theme.glyphs import Glyphs
 
 
@@ -62,8 +61,8 @@ def require_terminal(instead: str = "rl-tui train and rl-tui screenshot do witho
     raise NoTerminalError(f"{problem}; {instead}")
 
 
-def run_app(display: Display, start: Recipe | StoredSession | ProgramRequest | None = None) -> None:
-    """Show the catalogue, or the playground of a recipe, a session or a program, until the user quits.
+def run_app(display: Display, start: Start | ProgramRequest = None) -> None:
+    """Show the catalogue, or what ``start`` says, until the user quits.
 
     A program is started first: what keeps it from being shown is said on the terminal as it was. Raises
     UserError where a fault ended it.
@@ -127,7 +126,7 @@ def refuse_where_served() -> None:
         raise UserError("your own code runs neither in a kiosk nor where the program is served")
 
 
-def _run_app(display: Display, start: Recipe | StoredSession | WatchedProgram | None) -> None:
+def _run_app(display: Display, start: Start) -> None:
     require_terminal()
     _stand_somewhere()
     _share_heap()

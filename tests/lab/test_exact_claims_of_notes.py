@@ -135,3 +135,18 @@ def test_at_gamma_1_the_student_who_always_checks_the_phone_gets_nothing() -> No
     never_studies = np.where(np.arange(mdp.pairs) == study, 0.0, uniform_over(mdp, solution.best))
     never_studies[check_phone] = 1.0
     assert expected_return(mdp, never_studies) == 0.0
+
+
+def test_what_an_egg_comes_to_without_a_clock_or_a_memory() -> None:
+    is_said("egg", "Always *eat*: −10. Always *wait*: −12.")
+    is_said("egg", "waits with probability 0.61 and gets −8.08 on average")
+    wait = np.linspace(0.0, 1.0, 10_001)
+    prospects = begin(recipe("egg")).world.prospects
+    ((_, _, (raw, soft)),) = prospects[7]
+    (_, _, (minute,)), (_, _, (hard,)) = prospects[6]
+    worth = (1 - wait) * soft + wait * hard
+    for _ in range(2):
+        worth = (1 - wait) * raw + wait * (minute + worth)
+    assert (worth[0], worth[-1]) == (-10.0, -12.0)
+    assert wait[worth.argmax()] == pytest.approx(0.61, abs=0.005)
+    assert worth.max() == pytest.approx(-8.08, abs=0.005)

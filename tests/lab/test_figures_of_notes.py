@@ -313,3 +313,18 @@ def test_how_often_the_largest_estimate_leads_left(values: dict[str, Any], first
     last = 300 if first else 100
     lengths = episode_lengths("max-bias", 100, last, **values)
     agrees(text, [np.mean(run[first:last]) - 1.0 for run in lengths], PERCENT)
+
+
+def test_the_egg_is_learned_with_a_clock_and_never_without() -> None:
+    is_said("egg", "the start is worth 8.000 to the agent, in every one of 100 runs")
+    text = "the Pot is worth −9.93 ± 0.03"
+    is_said("egg", f"{text}, and in every one of 100 runs the agent eats the egg raw at once")
+    pots = []
+    for seed in range(60):
+        run = Run(recipe("egg", seed=seed), evaluate=False)
+        train(run, Goal(episodes=500))
+        first, pot = run.learner.q[:2], run.learner.q[6:8]
+        assert float(first.max()) == pytest.approx(8.0, abs=0.0005)
+        assert pot.argmax() == 1
+        pots.append(float(pot.max()))
+    agrees(text, pots)

@@ -261,7 +261,7 @@ def test_a_spent_budget_can_be_taken_back() -> None:
     assert do(playback, Step()).playback.phase is Phase.SPENT
 
 
-@pytest.mark.parametrize("scenario", ["blackjack", "cartpole"])
+@pytest.mark.parametrize("scenario", ["blackjack", "cartpole", "egg"])
 def test_a_stepped_world_is_replayed_from_the_seed(scenario: str) -> None:
     playback = begin(recipe(scenario))
     do(playback, Train(300), Apply(SetParameter("epsilon", 0.9)), Train(300))

@@ -67,11 +67,23 @@ def test_the_last_hundred_are_exact() -> None:
     assert history.last_100 == (math.fsum(returns[-100:]) / 100, np.arange(870, 970).mean())
 
 
+def test_the_lengths_of_the_first_hundred_and_the_newest_episode_are_kept() -> None:
+    history, lengths = History(), np.arange(1, 1001)
+    assert history.newest is None
+    for part in (slice(0, 30), slice(30, 30), slice(30, 990), slice(990, 1000)):
+        history.add(-lengths[part].astype(float), lengths[part])
+    assert history.first_lengths.tolist() == list(range(1, 101))
+    assert history.newest == (-1000.0, 1000)
+    again = History()
+    again.restore(history.checkpoint())
+    assert (again.first_lengths.tolist(), again.newest) == (list(range(1, 101)), history.newest)
+
+
 def test_a_million_episodes_take_no_more_memory_than_ten() -> None:
     few, many = History(), History()
     few.add(np.ones(10), np.ones(10, np.int64))
     many.add(np.ones(1_000_000), np.ones(1_000_000, np.int64))
-    sizes = [sum(array.nbytes for array in each.checkpoint()[:-2]) for each in (few, many)]
+    sizes = [sum(array.nbytes for array in each.checkpoint()[:-3]) for each in (few, many)]
     assert sizes[0] == sizes[1]
     assert many.curve().episode[-1] == 1_000_000
     assert many.total_return == 1_000_000.0

@@ -187,7 +187,7 @@ def test_the_algorithm_is_the_one_in_force_where_it_stands(tmp_path: Path) -> No
         (b'{"format": "something else"}', "is not a session of rl-tui"),
         (b"{" * 100_000, "is not JSON"),
         (b'{"a": NaN}', "is not JSON"),
-        (b'{"format": "rl-tui session", "version": 2}', "newer rl-tui (format 2, this one reads 1); update"),
+        (b'{"format": "rl-tui session", "version": 3}', "newer rl-tui (format 3, this one reads 2); update"),
         (b'{"format": "rl-tui session", "version": 1}', "its checksum does not fit"),
     ],
 )

@@ -168,6 +168,7 @@ def test_what_cannot_be_made_is_one_line(name, message):
         ("blackjack-table", 293, 580, 0),
         ("cartpole", 72, 144, 500),
         ("mountain-car", 252, 756, 200),
+        ("egg", 5, 8, 0),
     ],
 )
 def test_shipped_scenarios(name, states, pairs, time_limit):

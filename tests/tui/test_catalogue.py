@@ -16,6 +16,7 @@ from textual.widgets import OptionList
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
+from rl_tui.lab.lessons.catalogue import read_lessons
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.run.library import recipe_for
@@ -27,6 +28,7 @@ from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
 from rl_tui.tui.screens.catalogue.facts import defaults, lesson_of, sizes
 from rl_tui.tui.screens.explained import Explained
 from rl_tui.tui.screens.help import HelpScreen
+from rl_tui.tui.screens.lessons.lessons import LessonsScreen
 from rl_tui.tui.screens.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import YOURS, find
 from rl_tui.worlds.files.catalogue import scenarios as shipped
@@ -68,8 +70,8 @@ def facts(pilot: Pilot[UserError]) -> str:
 async def test_it_lists_the_shipped_scenarios_in_teaching_order(make_app: MakeApp) -> None:
     async with make_app().run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        first, *options = scenarios(pilot).options
-        assert first.id not in [scenario.id for scenario in shipped()]
+        lessons, watched, *options = scenarios(pilot).options
+        assert {lessons.id, watched.id}.isdisjoint(scenario.id for scenario in shipped())
         assert [option.id for option in options if not option.disabled] == [each.id for each in shipped()]
 
 
@@ -82,9 +84,9 @@ async def test_the_cursor_passes_over_the_headings_of_groups(make_app: MakeApp) 
             assert listed.highlighted_option
             reached.append(listed.highlighted_option.id)
             await pilot.press("down")
-        assert reached[1:4] == ["frozenlake", "student", "frozenlake-slippery"]
+        assert reached[2:5] == ["frozenlake", "student", "frozenlake-slippery"]
         assert None not in reached
-        assert len(set(reached)) == len(shipped()) + 1
+        assert len(set(reached)) == len(shipped()) + 2
 
 
 async def test_those_of_the_user_stand_in_a_group_of_their_own(
@@ -101,13 +103,38 @@ async def test_those_of_the_user_stand_in_a_group_of_their_own(
         assert (mine.id, mine.disabled, faulty.disabled) == ("mine", False, False)
 
 
-async def test_enter_on_the_first_row_watches_the_plain_lake_learn() -> None:
+async def test_enter_on_the_first_row_leads_to_the_lessons_and_escape_comes_back(make_app: MakeApp) -> None:
+    app = make_app()
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert scenarios(pilot).highlighted == 0
+        await pilot.press("enter")
+        await settle(pilot)
+        assert isinstance(app.screen, LessonsScreen)
+        await pilot.press("escape")
+        await settle(pilot)
+        assert isinstance(app.screen, CatalogueScreen)
+        assert scenarios(pilot).highlighted == 0
+
+
+async def test_the_first_row_says_how_many_lessons_there_are_and_how_long_they_take(
+    make_app: MakeApp,
+) -> None:
+    lessons = read_lessons().lessons
+    minutes = sum(lesson.minutes for lesson in lessons)
+    async with make_app().run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        about = words_of(pilot.app.screen.query_one("#facts"))
+        assert f"{len(lessons)} · about {minutes} min" in about
+
+
+async def test_enter_on_the_second_row_watches_the_plain_lake_learn() -> None:
     """Without another key it comes to its first reward, and the run is that of the scenario's defaults."""
     player = partial(Player, clock=lambda: 20 * time.perf_counter())
     app = RlTuiApp(Display(fps=1000.0), make_player=player, picture=True)
     async with app.run_test(size=(60, 18)) as pilot:
         await settle(pilot)
-        await pilot.press("enter")
+        await pilot.press("down", "enter")
         shown = await shown_once(pilot, lambda snapshot: snapshot.agent.q.any())
         assert shown.playback.watching
         assert (shown.recipe.scenario.id, shown.recipe.seed) == ("frozenlake", 0)
@@ -135,7 +162,7 @@ async def test_what_stands_below_a_drawing_stays_where_it_is_when_it_comes(
 
     monkeypatch.setattr(Scenario, "build", build_later)
     async with make_app().run_test(size=(80, 24)) as pilot:
-        await pilot.press("down")
+        await pilot.press("down", "down")
         await pilot.pause()
         before = pilot.app.screen.query_one("#facts").region
         assert not pilot.app.screen.query("#notes Markdown")

@@ -9,12 +9,15 @@ from snapshots import changed
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.library import recipe_for
+from rl_tui.lab.run.recipe import begin
 from rl_tui.tui.panels.world.graph.graph import BOLD, THIN, GraphView, StrokeArms, joint
 from rl_tui.tui.panels.world.graph.layout import GraphLayout, graph_layout
 from rl_tui.tui.panels.world.graph.routing import RIGHT, Box, Port, RoutingSheet, route
 from rl_tui.tui.panels.world.graph.shape import GraphShape, graph_shape, probability_text, reward_text
-from rl_tui.tui.theme.glyphs import ASCII, UNICODE
+from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
 from rl_tui.worlds.drawing import Graph
+from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 from rl_tui.worlds.world import World
 
@@ -66,6 +69,13 @@ def ring(nodes: int) -> TabularMDP:
         {0: 1.0},
         time_limit=10,
     )
+
+
+def shape_of(
+    mdp: TabularMDP | None, places: tuple[tuple[int, int], ...], glyphs: Glyphs = UNICODE
+) -> GraphShape:
+    assert mdp is not None
+    return graph_shape(World(mdp, Graph(places)), Graph(places), glyphs)
 
 
 def as_view(
@@ -189,7 +199,7 @@ def test_the_list_is_cut_between_words_and_scrolls() -> None:
 def test_other_graphs_are_drawn_whole(
     mdp: TabularMDP, places: tuple[tuple[int, int], ...], size: tuple[int, int]
 ) -> None:
-    shape = graph_shape(mdp, Graph(places), UNICODE)
+    shape = shape_of(mdp, places)
     layout = graph_layout(shape, *size)
     assert layout is not None
     check_layout(shape, layout, *size)
@@ -231,12 +241,12 @@ def test_more_edges_than_anybody_can_follow_are_listed() -> None:
 
 
 def test_actions_are_labelled_with_probability_and_reward() -> None:
-    shape = graph_shape(student_world().mdp, Graph(((0, 1), (0, 0), (1, 1), (2, 1))), UNICODE)
+    shape = shape_of(student_world().mdp, ((0, 1), (0, 0), (1, 1), (2, 1)))
     study = shape.actions[0]
     assert study.label == "study −2"
     assert [(branch.target, branch.label) for branch in study.branches] == [(PASS, ".8"), (CLASS, ".2")]
     assert shape.nodes[SLEEP].terminal
-    search = graph_shape(recycling_robot(), Graph(((0, 0), (1, 0))), ASCII).actions[2]
+    search = shape_of(recycling_robot(), ((0, 0), (1, 0)), ASCII).actions[2]
     assert (search.label, [branch.label for branch in search.branches]) == ("search", [".6 +3", ".4 -3"])
 
 
@@ -251,7 +261,7 @@ def test_outcomes_into_one_state_share_an_edge_with_their_expected_reward() -> N
         ),
         {0: 1.0},
     )
-    action = graph_shape(mdp, Graph(((0, 0), (1, 0))), UNICODE).actions[0]
+    action = shape_of(mdp, ((0, 0), (1, 0))).actions[0]
     assert [branch.label for branch in action.branches] == [".6 0", ".4 +2"]
 
 
@@ -322,3 +332,21 @@ def test_every_size_is_filled_exactly(size: tuple[int, int], plain: bool) -> Non
 
 def style_at(strip: Strip, column: int) -> Style | None:
     return next(iter(strip.crop(column, column + 1))).style
+
+
+def test_what_depends_on_how_one_came_there_has_a_question_mark() -> None:
+    world = begin(recipe_for(find("egg"), {}, 0)).world
+    assert isinstance(world.drawing, Graph)
+    shape = graph_shape(world, world.drawing, UNICODE)
+    names = [node.name for node in shape.nodes]
+    by_pair = {(names[each.source], each.name): each for each in shape.actions}
+    assert by_pair["Clock 3", "eat"].label == "eat +10"
+    wait, eat = by_pair["Pot", "wait"], by_pair["Pot", "eat"]
+    assert {(names[each.target], each.label) for each in wait.branches} == {
+        ("Pot", "? −1"),
+        ("Plate", "? −10"),
+    }
+    assert (eat.label, [names[each.target] for each in eat.branches]) == ("eat −10..+10?", ["Plate"])
+    layout = graph_layout(shape, 60, 20)
+    assert layout is not None
+    check_layout(shape, layout, 60, 20)

@@ -206,6 +206,28 @@ def test_of_a_stepped_environment_it_says_what_is_known() -> None:
         drawn(panel(stepped_lake(), 3, ascii=True), width, height)
 
 
+def egg() -> Snapshot:
+    """An agent before the Pot, which looks the same in each minute."""
+    return changed(
+        student(),
+        world=find("egg").build(np.random.default_rng(0)),
+        q=np.zeros(8),
+        visits=np.zeros(8, np.int64),
+    )
+
+
+def test_where_states_look_alike_it_says_that_there_is_no_p() -> None:
+    text = " ".join(drawn(panel(egg(), 7)).split())
+    assert "P none: states look alike, so what follows depends on how one came there" in text
+    assert "p r s′ 1 −10 or 10 ? Plate ends ? depends on how you came here" in text
+    waiting = " ".join(drawn(panel(egg(), 6)).split())
+    assert "p r s′ ? −1 Pot ? −10 Plate ends ?" in waiting
+    certain = " ".join(drawn(panel(egg(), 0)).split())
+    assert "p r s′ 1 −1 Clock 2 learned" in certain
+    for width, height in ((20, 4), (60, 10)):
+        drawn(panel(egg(), 7, ascii=True), width, height)
+
+
 def test_means_that_drift_are_those_of_the_start_and_said_to_drift() -> None:
     known = bandit()
     mdp = known.world.mdp

@@ -29,7 +29,7 @@ from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
-from rl_tui.tui.screens.catalogue.scenario_list import WATCH
+from rl_tui.tui.screens.catalogue.scenario_list import LEARN
 from rl_tui.tui.screens.catalogue.session_differences import differences
 from rl_tui.tui.screens.catalogue.session_list import SessionList
 from rl_tui.tui.screens.catalogue.session_text import SessionRow, long_age, session_facts, short_age
@@ -151,7 +151,7 @@ async def test_the_last_one_saved_is_the_first_and_faulty_ones_are_last(
         ]
         await pilot.press("shift+tab")
         await settle(pilot)
-        assert about(pilot) == WATCH
+        assert about(pilot) == LEARN
 
 
 async def test_tab_goes_from_each_list_to_what_is_said_of_its_entry(
@@ -160,7 +160,7 @@ async def test_tab_goes_from_each_list_to_what_is_said_of_its_entry(
     write(tmp_path, "a.json", title="an evening")
     async with app_with_sessions().run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        await pilot.press("down")
+        await pilot.press("down", "down")
         told = []
         for _ in range(5):
             await settle(pilot)

@@ -88,6 +88,7 @@ async def chosen(pilot: Pilot[UserError], planner: bool) -> None:
         ("bandit", False),
         ("student", True),
         ("cartpole", False),
+        ("egg", False),
         ("blackjack", False),
     ],
 )

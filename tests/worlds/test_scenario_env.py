@@ -17,10 +17,18 @@ from rl_tui.common.streams import streams
 from rl_tui.worlds.environments.registration import spec_of
 from rl_tui.worlds.environments.scenario_env import ScenarioEnv
 from rl_tui.worlds.files.catalogue import find
+from rl_tui.worlds.files.shipped import shipped_folder
 
 BY_TABLE = [each.id for each in SCENARIOS if each.build(streams(0).world).mdp is not None]
 STEPPED = sorted(set(SHIPPED) - set(BY_TABLE))
 DRAWS = 200
+CRACK = """
+[[mdp.transition]]
+state = "Clock 1"
+action = "crack"
+reward = -10.0
+to = "Plate"
+"""
 LEAST_PLAUSIBLE = 0.001
 
 
@@ -184,6 +192,21 @@ def test_an_action_that_is_not_legal_does_what_the_first_legal_one_does():
         assert legal[0] in {entry[1] for entry in table[state][0]}
     with pytest.raises(gymnasium.error.InvalidAction, match="from 0 to 4"):
         environment.step(5)
+
+
+def test_a_world_without_a_table_tells_which_actions_are_legal(tmp_path):
+    text = (shipped_folder() / "egg.toml").read_text(encoding="utf-8")
+    (tmp_path / "mine.toml").write_text(text + CRACK, encoding="utf-8")
+    environment = ScenarioEnv(tmp_path / "mine.toml")
+    found = {environment.reset(seed=seed)[0]: environment.reset(seed=seed)[1] for seed in range(10)}
+    assert {state: info["action_mask"].tolist() for state, info in found.items()} == {
+        0: [1, 1, 1],
+        3: [1, 1, 0],
+    }
+    assert "prob" not in found[0]
+    pot = next(seed for seed in range(10) if environment.reset(seed=seed)[0] == 3)
+    environment.reset(seed=pot)
+    assert environment.step(2)[:2] == (3, -1.0)  # not legal: it waits
 
 
 def test_the_table_is_made_once():

@@ -59,7 +59,7 @@ ONE_FAULT = {
         (
             "mdp.time_limt",
             "an unknown key",
-            'one of start, time_limit, place, transition (did you mean "time_limit"?)',
+            'one of start, time_limit, place, seen_as, transition (did you mean "time_limit"?)',
         ),
     ),
     "an unknown key in an outcome": (

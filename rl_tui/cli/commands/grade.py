@@ -1,10 +1,12 @@
-"""``rl-tui grade``: what submissions learn under many seeds, held against the optimum."""
+"""``rl-tui grade``: what submissions learn under many seeds, and what was done in sessions of a lesson."""
 
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 
 import click
+from click.core import ParameterSource
 
 from rl_tui.cli.options.numbers import Real, Whole
 from rl_tui.cli.options.run import allow_module_option, json_option, seed_option
@@ -21,8 +23,9 @@ WARNING = (
 
 
 @click.command("grade")
-@click.argument("target", metavar="FILE.py[:NAME]|FOLDER")
-@click.option("--scenario", metavar="ID|FILE.toml", required=True, help="the world to learn in")
+@click.argument("target", metavar="FILE.py[:NAME]|SESSION.json|FOLDER")
+@click.argument("lesson", metavar="[LESSON]", required=False)
+@click.option("--scenario", metavar="ID|FILE.toml", help="the world that submissions learn in")
 @click.option("--seeds", type=Whole(1, MOST_SEEDS), default=20, show_default=True, help="how many seeds")
 @click.option(
     "--episodes",
@@ -45,7 +48,8 @@ WARNING = (
 @json_option
 def command(
     target: str,
-    scenario: str,
+    lesson: str | None,
+    scenario: str | None,
     seeds: int,
     episodes: int | None,
     threshold: float,
@@ -54,19 +58,31 @@ def command(
     seed: int,
     as_json: bool,
 ) -> None:
-    """Grade an agent or a script, or every one in a folder.
+    """Grade an agent or a script, or every one in a folder; or sessions by a LESSON.
 
-    What counts is the exact return of the greedy policy of its table, ties shared evenly. Its share of the
-    best is 1 - (best - return) / stake: 1 for the best policy, and the same less for each point of return
-    that is lost. The stake is what an episode of the best policy earns and pays, added up without signs. So
-    where there are only rewards, the share is return / best.
+    Of a submission, what counts is the exact return of the greedy policy of its table, ties shared evenly.
+    Its share of the best is 1 - (best - return) / stake: 1 for the best policy, and the same less for each
+    point of return that is lost. The stake is what an episode of the best policy earns and pays, added up
+    without signs. So where there are only rewards, the share is return / best.
 
-    A submission has passed where the mean share over the seeds is the threshold or more, and no seed failed.
+    It has passed where the mean share over the seeds is the threshold or more, and no seed failed.
+
+    With a LESSON, an ID or a FILE.toml, it is a session of that lesson that is graded, or every one in a
+    folder: all that was done is done again from step 0, and the lesson's tasks are judged by what comes of
+    it, whatever the session says. Programs in a session are not run. A session proves the run, not who made
+    it.
+
     The exit status is 0 if all have passed, else 1.
     """
     from rl_tui.cli.screen import refuse_where_served
 
     refuse_where_served()
+    if lesson is not None:
+        _check_lesson_usage(target)
+        _grade_sessions(Path(target), lesson, as_json=as_json)
+        return
+    if scenario is None:
+        raise click.UsageError(_what_is_missing(target), click.get_current_context())
     complain(WARNING)
     from rl_tui.cli.reports.grading import grades, result_line
     from rl_tui.lab.grading.grade import GradedSubmission, Grading, GradingLimits, grade_report
@@ -106,5 +122,55 @@ def command(
         print_json(grade_report(grading, graded))
     else:
         click.echo(grades(grading, graded))
+    if not all(each.passed for each in graded):
+        click.get_current_context().exit(FAILED)
+
+
+def _what_is_missing(target: str) -> str:
+    """Return what to say where neither a lesson nor a scenario is given."""
+    if target.endswith(".json"):
+        return f"{target} is a session: give the lesson after it, such as rl-tui grade SESSION.json q-by-hand"
+    return "Missing option '--scenario'; or give a lesson after a session or a folder of sessions"
+
+
+def _check_lesson_usage(target: str) -> None:
+    """Refuse what does not go with a lesson. Raises click.UsageError."""
+    context = click.get_current_context()
+    given = [
+        f"--{name}"
+        for name in ("scenario", "seeds", "episodes", "threshold", "seconds", "memory", "seed")
+        if context.get_parameter_source(name) is ParameterSource.COMMANDLINE
+    ]
+    if given:
+        raise click.UsageError(f"{given[0]} is for submissions: leave it out with a lesson", context)
+    if target.endswith(".py"):
+        raise click.UsageError(f"{target} is a submission: give --scenario in place of the lesson", context)
+
+
+def _grade_sessions(target: Path, name: str, *, as_json: bool) -> None:
+    from rl_tui.cli.reports.lesson_grading import session_grade, session_table
+    from rl_tui.lab.course.grade import GradedSession, LessonGrading, grade_report, sessions_to_grade
+    from rl_tui.lab.sessions.session import SessionError
+
+    grading, is_folder, graded = LessonGrading(name), target.is_dir(), list[GradedSession]()
+    paths = sessions_to_grade(target)
+    with progress(str(target)) as bar:
+        for number, path in enumerate(paths):
+            bar(number, len(paths))
+            try:
+                graded.append(grading.grade(path))
+            except SessionError as fault:
+                if not is_folder:
+                    raise
+                graded.append(GradedSession(path, fault=fault.fault))
+    reports = [grade_report(grading.lesson, each) for each in graded]
+    if as_json and is_folder:
+        print_json([{"session": str(path), **report} for path, report in zip(paths, reports, strict=True)])
+    elif as_json:
+        print_json(reports[0])
+    elif is_folder:
+        click.echo(session_table(grading.lesson, graded))
+    else:
+        click.echo(session_grade(grading.lesson, graded[0]))
     if not all(each.passed for each in graded):
         click.get_current_context().exit(FAILED)

@@ -16,12 +16,10 @@ from rl_tui.cli.options.numbers import OptionValue
 from rl_tui.cli.options.run import allow_module_option, run_options, seed_option, start_of
 
 if TYPE_CHECKING:
-    from rl_tui.lab.live_programs.watched_program import WatchedProgram
     from rl_tui.lab.own_agents.loading import AgentName
     from rl_tui.lab.programs.program_process import ProgramRequest
-    from rl_tui.lab.run.recipe import Recipe
-    from rl_tui.lab.sessions.session import StoredSession
     from rl_tui.tui.app.display import Display
+    from rl_tui.tui.app.opening import Start
 
 
 class ScreenSize(OptionValue):
@@ -48,6 +46,7 @@ class ScreenSize(OptionValue):
     "--keys", default="", help="keys to press first, between commas; wait:N lets N steps of training pass"
 )
 @click.option("--watch", metavar="SCRIPT.py", help="your own script is watched, in place of a scenario")
+@click.option("--lesson", metavar="ID|FILE.toml", help="a lesson at its first page, in place of a scenario")
 @agent_option
 @allow_module_option
 @run_options
@@ -56,6 +55,7 @@ class ScreenSize(OptionValue):
 def command(
     scenario: str | None,
     watch: str | None,
+    lesson: str | None,
     agent: AgentName | None,
     out: str,
     size: tuple[int, int],
@@ -67,19 +67,29 @@ def command(
     """Draw a screen as an SVG picture.
 
     It is the playground of a scenario or of a session or, without one, the catalogue; with --watch that of
-    your own script, with --agent your own agent takes the steps. The same call gives the same bytes, so steps
-    a second are left blank. An example:
+    your own script, with --lesson that of a lesson, with --agent your own agent takes the steps. The same
+    call gives the same bytes, so steps a second are left blank. An example:
 
     rl-tui screenshot frozenlake --keys "wait:20000,v" --out lake.svg
     """
     context = click.get_current_context()
     if watch is not None and (scenario is not None or overrides or agent is not None):
         raise click.UsageError("a script that is watched brings its own settings", context)
+    if lesson is not None and (scenario is not None or overrides or seed or agent is not None or watch):
+        raise click.UsageError("a lesson brings its own runs", context)
     if watch is None and scenario is None and (overrides or seed or agent is not None):
         raise click.UsageError("options of a run need a scenario", context)
     start = start_of(scenario, overrides, seed) if scenario is not None else None
     wanted = keys.split(",") if keys else []
-    if watch is not None:
+    if lesson is not None:
+        from rl_tui.lab.course.entries import start_of as lesson_start_of
+        from rl_tui.lab.lessons.catalogue import find_lesson
+        from rl_tui.lab.lessons.setups import check_setups
+
+        found = find_lesson(lesson)
+        check_setups(found)
+        svg = _picture(lesson_start_of(found, None), size, wanted, display_of(display))
+    elif watch is not None:
         from rl_tui.lab.programs.program_process import ProgramRequest
 
         svg = _picture_of_program(ProgramRequest(Path(watch), seed=seed), size, wanted, display_of(display))
@@ -100,7 +110,7 @@ def _picture_of_program(
 
 
 def _picture(
-    start: Recipe | StoredSession | WatchedProgram | None,
+    start: Start,
     size: tuple[int, int],
     keys: Sequence[str],
     display: Display,

@@ -29,7 +29,7 @@ def learned_length(mdp: TabularMDP, gamma: float, planned: float, epsilon: float
     """
     model = exact_model(mdp)
     try:
-        best = _best_actions(model, gamma, planned)
+        best = best_actions(model, gamma, planned)
     except NoExactAnswer:
         return 0.0
     policy = _exploring(model, best, epsilon)
@@ -45,7 +45,7 @@ def learned_length(mdp: TabularMDP, gamma: float, planned: float, epsilon: float
     return float(mdp.average_at_start(length))
 
 
-def _best_actions(model: ExactModel, gamma: float, epsilon: float) -> BoolArray:
+def best_actions(model: ExactModel, gamma: float, epsilon: float) -> BoolArray:
     """Return which pairs, [P], are as good as the best under a policy that explores so often.
 
     It is policy iteration among the ε-soft policies (Sutton & Barto, 2nd ed., section 5.4). Raises

@@ -88,6 +88,10 @@ def _world_text(recipe: Recipe, world: World) -> WorldText:
         return gymnasium_text(section, world)
     if isinstance(section, GridSection):
         return grid_text(section, streams(recipe.seed).world)
+    if world.prospects:
+        raise UserError(
+            f"no script for {recipe.scenario.id}: some of its states look alike, scripts have all"
+        )
     if world.mdp is None:
         raise UserError(f"no script for {recipe.scenario.id}: nobody knows what its actions lead to")
     if isinstance(section, BanditSection):

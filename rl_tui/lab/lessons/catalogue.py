@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 from difflib import get_close_matches
+from functools import lru_cache
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
-from rl_tui.common.errors import UserError
+from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.findings import shown
 from rl_tui.common.kiosk import in_kiosk
 from rl_tui.lab.lessons.lesson import Lesson, read_lesson
 from rl_tui.worlds.files.shipped import SUFFIX, shipped_folder
 
 FOLDER: Final = "lessons"
+
+
+class Lessons(NamedTuple):
+    """The shipped lessons in their order, and what is wrong with files that give none."""
+
+    lessons: list[Lesson]
+    broken: list[ScenarioError]
 
 
 def lesson_folder() -> Path:
@@ -24,6 +32,25 @@ def shipped_lessons() -> list[Lesson]:
     """Return the shipped lessons in their order."""
     found = [read_lesson(path) for path in sorted(lesson_folder().glob(f"*{SUFFIX}"))]
     return sorted(found, key=lambda lesson: (lesson.order, lesson.id))
+
+
+def read_lessons() -> Lessons:
+    """Read every shipped lesson; a faulty file only leaves itself out."""
+    found = Lessons([], [])
+    for path in sorted(lesson_folder().glob(f"*{SUFFIX}")):
+        try:
+            status = path.stat()
+            found.lessons.append(_read(path, (status.st_mtime_ns, status.st_size)))
+        except ScenarioError as error:
+            found.broken.append(error)
+    found.lessons.sort(key=lambda lesson: (lesson.order, lesson.id))
+    return found
+
+
+@lru_cache(maxsize=64)
+def _read(path: Path, _written: tuple[int, int]) -> Lesson:
+    """Return the lesson of ``path``, read once: catalogue and list of lessons come up again and again."""
+    return read_lesson(path)
 
 
 def find_lesson(name_or_path: str, variant: str = "") -> Lesson:

@@ -10,9 +10,19 @@ from typing import Any, Final
 
 from rl_tui.common.errors import Fault, ScenarioError
 from rl_tui.common.findings import Finding, in_file_order, near, place, shown
+from rl_tui.common.limits import MOST_FAULTS
 from rl_tui.common.text_file import UnreadableError, read_text
-from rl_tui.lab.lessons.schema import Figure, LessonFile, Page, Setup
-from rl_tui.lab.lessons.variants import variant_text, variants_of
+from rl_tui.lab.lessons.figures.written import written_number
+from rl_tui.lab.lessons.judging.condition_faults import setting_findings, task_findings
+from rl_tui.lab.lessons.schema import (
+    LONGEST_LESSON,
+    LONGEST_SHORT_LINE,
+    Figure,
+    LessonFile,
+    Page,
+    Setup,
+)
+from rl_tui.lab.lessons.variants import readable, variant_text, variants_of
 from rl_tui.worlds.files.toml_file import tables_in
 from rl_tui.worlds.sections.schema import is_plain, parsed
 
@@ -21,7 +31,7 @@ _LITERAL: Final = ("figures", "setups", "variants", "program", "skeleton")
 """Tables and keys in whose texts braces mean nothing."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class Lesson:
     """A lesson, its texts with the figures put in.
 
@@ -86,12 +96,14 @@ def lesson_of(text: str, path: Path, variant: str = "") -> Lesson:
     ``variant`` is one of :func:`variants_of`; empty: the first, where it has any. Raises ScenarioError.
     """
     try:
-        raw = tables_in(text)
+        if len(text) > LONGEST_LESSON:
+            raise UnreadableError("", f"{len(text):,} characters", f"a lesson of at most {LONGEST_LESSON:,}")
+        raw = tables_in(readable(text))
         names = variants_of(raw)
         chosen = variant or next(iter(names), "")
         if names:
             text = variant_text(text, raw, chosen)
-            raw = tables_in(text)
+        raw = tables_in(text)
     except UnreadableError as reason:
         raise ScenarioError([Fault(str(path), reason.place, reason.found, reason.expected)]) from reason
     filled, findings = _filled(raw)
@@ -130,7 +142,7 @@ def _filled(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Finding]]:
     """Return ``raw`` with figures put in for their names, and the names that are no figures."""
     figures = raw.get("figures")
     values: dict[str, str] = {
-        name: figure["value"]
+        name: figure["value"][: LONGEST_SHORT_LINE + 1]  # a longer one is refused later
         for name, figure in (figures.items() if isinstance(figures, dict) else ())
         if isinstance(figure, dict) and isinstance(figure.get("value"), str)
     }
@@ -149,6 +161,8 @@ def _filled(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Finding]]:
     def _with_figures(text: str, location: tuple[str | int, ...]) -> Any:
         def put_in(match: re.Match[str]) -> str:
             name = match[1]
+            if name not in values and len(findings) > MOST_FAULTS:  # nobody reads more
+                return match[0]
             if name not in values:
                 findings.append(Finding(location, f"{{{name}}}", f"the name of a figure{near(name, values)}"))
                 return match[0]
@@ -164,12 +178,8 @@ def _filled(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Finding]]:
 
 def number_in(text: str) -> float | None:
     """Return the number that ``text`` writes, be it with commas, a real minus or a percent sign."""
-    plain = text.replace(",", "").replace("−", "-").replace("≈", "").strip()
-    share = plain.endswith("%")
-    try:
-        return float(plain.removesuffix("%")) / (100 if share else 1)
-    except ValueError:
-        return None
+    number = written_number(text)
+    return None if number is None else number.value
 
 
 def _reference_findings(file: LessonFile) -> Iterator[Finding]:
@@ -182,6 +192,8 @@ def _reference_findings(file: LessonFile) -> Iterator[Finding]:
         seen.add(page.id)
         if page.setup is not None and page.setup not in file.setups:
             yield Finding((*where, "setup"), shown(page.setup), f"one of {', '.join(file.setups)}")
+        if page.task is not None:
+            yield from (each.inside(*where, "task") for each in task_findings(page.task))
         proof = page.task.proof if page.task else None
         if page.task is not None and proof is not None:
             if proof.best not in file.figures:
@@ -191,6 +203,8 @@ def _reference_findings(file: LessonFile) -> Iterator[Finding]:
                 yield Finding(
                     (*where, "task", "proof", "condition"), found, "the place of a condition, from 0"
                 )
+    for name, setup in file.setups.items():
+        yield from (each.inside("setups", name, "settings") for each in setting_findings(setup.settings))
     for name, figure in file.figures.items():
         if figure.setup is not None and figure.setup not in file.setups:
             expected = f"one of {', '.join(file.setups)}"

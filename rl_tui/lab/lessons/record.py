@@ -88,6 +88,12 @@ class LessonRecord:
         return page.question is None or (last is not None and last.is_right)
 
     @property
+    def is_begun(self) -> bool:
+        """Whether something was answered, passed or skipped, or another page than the first is open."""
+        is_elsewhere = self.page != self.lesson.pages[0].id
+        return is_elsewhere or bool(self.given or self.passed or self.skipped)
+
+    @property
     def predictions(self) -> tuple[int, int]:
         """How many predictions were right, and how many were made."""
         pages = [page.id for page in self.lesson.pages if page.prediction is not None]
@@ -150,14 +156,34 @@ def entries_before(journal: Sequence[JournalEntry], step: int) -> tuple[JournalE
 
 def run_digest(recipe: Recipe, journal: Sequence[JournalEntry], step: int, names: Sequence[str]) -> str:
     """Return what tells a run as it stood after ``step`` steps from any other; ``names`` are its actions'."""
-    document = {
-        "scenario": recipe.scenario.text or recipe.scenario.id,
-        "algorithm": recipe.algorithm,
-        "hyperparameters": recipe.hyperparameters.as_dict(),
-        "seed": recipe.seed,
-        "journal": [
-            [entry.step, *name_and_value(entry.change, names)] for entry in entries_before(journal, step)
-        ],
-        "step": step,
-    }
-    return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
+    digest = RunDigest(recipe)
+    for entry in entries_before(journal, step):
+        digest.add(entry, names)
+    return digest.at(step)
+
+
+class RunDigest:
+    """Works out :func:`run_digest` entry by entry, so that a long journal is gone through once."""
+
+    def __init__(self, recipe: Recipe) -> None:
+        document = {
+            "scenario": recipe.scenario.text or recipe.scenario.id,
+            "algorithm": recipe.algorithm,
+            "hyperparameters": recipe.hyperparameters.as_dict(),
+            "seed": recipe.seed,
+        }
+        self._hash = hashlib.sha256(_line(document))
+
+    def add(self, entry: JournalEntry, names: Sequence[str]) -> None:
+        """Take in the next change; ``names`` are the actions'."""
+        self._hash.update(_line([entry.step, *name_and_value(entry.change, names)]))
+
+    def at(self, step: int) -> str:
+        """Return the digest after ``step`` steps, all changes before that taken in."""
+        whole = self._hash.copy()
+        whole.update(_line(step))
+        return whole.hexdigest()
+
+
+def _line(document: object) -> bytes:
+    return json.dumps(document, sort_keys=True).encode() + b"\n"

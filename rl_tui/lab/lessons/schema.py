@@ -25,6 +25,8 @@ from rl_tui.worlds.sections.schema import (
 LONGEST_LINE: Final = 300
 LONGEST_TEXT: Final = 6_000
 LONGEST_WORLD: Final = 100_000
+LONGEST_SHORT_LINE: Final = 60
+LONGEST_LESSON: Final = 1_000_000
 MOST_PAGES: Final = 60
 MOST_IN_A_LIST: Final = 60
 MOST_SEEDS: Final = 1_000
@@ -47,7 +49,7 @@ def _list(what: str, least: int = 0) -> Expect:
 
 # made here: in a table with a key of that name, text would be the key
 Line = Annotated[str, text(LONGEST_LINE)]
-ShortLine = Annotated[str, text(60)]
+ShortLine = Annotated[str, text(LONGEST_SHORT_LINE)]
 FileName = Annotated[str, text(400)]
 Expression = Annotated[str, text(500)]
 Prose = Annotated[str, markdown(LONGEST_TEXT)]
@@ -126,6 +128,13 @@ class Ask(FileSection):
         if self.choices and (len(self.choices) < 2 or not any(choice.right for choice in self.choices)):
             raise refused(f"{len(self.choices)} choices", "two or more, one of them with right = true")
         return self
+
+    def is_right(self, answer: float) -> bool:
+        """Return whether ``answer`` is right: the number within the tolerance, or the place of a choice."""
+        if self.choices:
+            return answer in range(len(self.choices)) and self.choices[int(answer)].right
+        rounding = 1e-9 * max(1.0, abs(answer))
+        return self.answer is not None and abs(answer - self.answer) <= self.tolerance + rounding
 
 
 class Condition(FileSection):

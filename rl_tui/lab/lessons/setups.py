@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Final
+from weakref import WeakKeyDictionary
 
 from rl_tui.lab.lessons.lesson import Lesson
 from rl_tui.lab.run.library import find, recipe_for
@@ -20,8 +22,27 @@ def recipe_of(lesson: Lesson, setup: str) -> Recipe:
     return recipe_for(scenario_for(lesson, setup), table.settings, table.seed)
 
 
+def check_setups(lesson: Lesson) -> None:
+    """Raise UserError where the run of a setup cannot begin; worlds are not built for that."""
+    for setup in lesson.setups:
+        recipe_of(lesson, setup)
+
+
 def scenario_for(lesson: Lesson, setup: str) -> Scenario:
-    """Return the scenario of a setup: by its id, in a file beside the lesson's, or written out in it."""
+    """Return the scenario of a setup: by its id, in a file beside the lesson's, or written out in it.
+
+    It is read once, so that all runs of the lesson are of the same.
+    """
+    known = _KNOWN.setdefault(lesson, {})
+    if setup not in known:
+        known[setup] = _read(lesson, setup)
+    return known[setup]
+
+
+_KNOWN: Final = WeakKeyDictionary[Lesson, dict[str, Scenario]]()
+
+
+def _read(lesson: Lesson, setup: str) -> Scenario:
     table = lesson.setups[setup]
     if table.world:
         return scenario_of(table.world, Path(f"{lesson.id}-{setup}{SUFFIX}"), ask_environment=False)

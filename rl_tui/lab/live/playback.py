@@ -143,6 +143,8 @@ class Playback:
         self.changed = True
         self.handled += 1
         self.touched = self.touched or kind not in LOOKING
+        if self.state is not State.BUILDING:
+            self.questions.judge(self.group.current.run)
         is_locked = kind in TAKES_STEPS and self.questions.keeps_back("run")
         if is_locked or (self.state in ENDED and kind in MOVES):
             return

@@ -125,6 +125,14 @@ class Questions:
             return None
         return LessonView(self.lesson) if run is None else self._judge.view(self.lesson, run)
 
+    def judge(self, run: Run) -> None:
+        """Judge the task of the lesson, if there is one, where ``run`` stands before it goes on.
+
+        Of commands that come quickly, not each has a snapshot after it.
+        """
+        if self.lesson is not None:
+            self._judge.view(self.lesson, run)
+
     def work(self, group: RunGroup) -> bool:
         """Work out one answer that runs in view lack, all standing still; return whether there was one."""
         if self.studied is None:

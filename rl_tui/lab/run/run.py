@@ -94,8 +94,9 @@ class Run:
         self.timed_out = False
         """Whether the last advance ended because its time was over: see :meth:`Learner.set_time_budget`."""
         self._journal: list[JournalEntry] = []
-        self._greedy_return = GreedyReturn(lambda: self.learner.mdp)
-        self._evaluation = Evaluation(mdp if evaluate else None, self._greedy_return)
+        self.greedy_return = GreedyReturn(lambda: self.learner.mdp)
+        """What the greedy policy of estimates earns here."""
+        self._evaluation = Evaluation(mdp if evaluate else None, self.greedy_return)
         self._is_evaluated_live = (
             mdp is not None and mdp.states <= MOST_STATES and visits_of(mdp) <= DEAREST_LIVE
         )
@@ -135,14 +136,14 @@ class Run:
         is_evaluated = self._is_evaluated_live and not self.stop_reason
         mean_return, mean_length = history.last_100
         ties = learner.hyperparameters.ties
-        greedy_return = self._greedy_return(learner.q, ties) if is_evaluated else None
+        greedy_return = self.greedy_return(learner.q, ties) if is_evaluated else None
         return RunResults(
             curve=history.curve(),
             marks=self._evaluation.marks(),
             return_last_100=mean_return,
             length_last_100=mean_length,
             greedy_return=greedy_return,
-            greedy_ends=self._greedy_return.ends if is_evaluated else None,
+            greedy_ends=self.greedy_return.ends if is_evaluated else None,
             behaviour_return=self._behaviour_return() if is_evaluated else None,
             bandit=self.bandit,
         )
@@ -156,7 +157,7 @@ class Run:
         values = learner.hyperparameters
         if not self._is_quick or learner.plans or not POLICY_BY_ID[values.policy].explores_by_epsilon:
             return None
-        return self._greedy_return.softened(values.epsilon_at(learner.episodes))
+        return self.greedy_return.softened(values.epsilon_at(learner.episodes))
 
     @property
     def spent(self) -> bool:

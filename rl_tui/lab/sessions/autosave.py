@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from rl_tui.lab.live.record import LearnedTable, Record
+from rl_tui.lab.live.record import LearnedTable, Record, RecordSink
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.sessions.folder import settled
 from rl_tui.lab.sessions.session import MOST_PAIRS_DIGESTED, StoredSession, digest_of
@@ -33,7 +33,7 @@ class KeptSession(NamedTuple):
     """A session that is on the disk, whole."""
 
     title: str
-    """The name that a person gave it, or the title of its scenario."""
+    """The name that a person gave it, or the title of its lesson or scenario."""
     step: int
     """Where it stands."""
     path: Path
@@ -44,9 +44,14 @@ class Autosave:
     """Writes the newest record that it is offered to a file of its own, at most every 0.3 s if it changed.
 
     ``opened`` is what the screen starts from: a file is begun only once something differs from it and a step
-    was taken or a policy drawn, or a person saves it by a name. Settings alone are quickly made again.
+    was taken, a policy drawn or something done in a lesson, or a person saves it by a name. Settings alone
+    are quickly made again.
     ``resumed`` is the session that it came from; that file is gone on with where it can be, otherwise a new
     one in ``folder``. A file is locked as long as it is written here.
+
+    A player offers its records to :attr:`sink`. Where another player is to go on with the same session, as
+    when a lesson opens another world: call :meth:`hand_over`, then give the next player the new :attr:`sink`
+    and close the one before, in any order.
 
     What a person should know (that nothing can be written, that it is a copy) is told, from any thread, to
     whoever listens.
@@ -62,6 +67,7 @@ class Autosave:
         self._session = _Session(opened, SessionWriter(self.folder, resumed, self._tell))
         self._left: list[_Session] = []  # those that were left, and are not written yet
         self._before: _Session | None = None  # the last of those that were left with something to keep
+        self._sink = _PlayerSink(self, self._changed)  # that of the newest player; the others are deaf
         self._writing = threading.Lock()  # guards the files, and what follows
         self._in_trouble = False
 
@@ -83,7 +89,8 @@ class Autosave:
             if session is not None and path is not None and not session.is_due and path.exists():
                 record = session.newest.record
                 shown = record.lanes[record.shown]
-                return KeptSession(session.writer.title or shown.recipe.scenario.title, shown.step, path)
+                subject = shown.recipe.scenario if record.lesson is None else record.lesson.lesson
+                return KeptSession(session.writer.title or subject.title, shown.step, path)
         return None
 
     @property
@@ -108,11 +115,12 @@ class Autosave:
         """Take ``record`` as the beginning of another session; the one until now stays as it is.
 
         One in which nothing was done yet gives way; and where ``record`` has the same recipes, there is
-        nothing to keep of it yet. Never waits for the disk.
+        nothing to keep of it yet. A lesson goes on in the session it is in. Never waits for the disk.
         """
         with self._changed:
             old = self._session
-            if self._closing or (_is_blank(old.newest.record) and not old.writer.kept):
+            gives_way = _is_blank(old.newest.record) and not old.writer.kept
+            if self._closing or gives_way or record.lesson is not None:
                 same_session = old
             else:
                 self._left.append(old)
@@ -124,6 +132,23 @@ class Autosave:
                 self._session = same_session
             same_session.take(_Offer(record, None))
             self._start_or_wake()
+
+    @property
+    def sink(self) -> RecordSink:
+        """What the newest player offers its records to; that one closes this too when it is closed."""
+        return self._sink
+
+    def hand_over(self, record: Record) -> None:
+        """Go on in the same session with ``record``, with which the next player begins.
+
+        What the player before still offers is not heeded any more, and to close it closes nothing. The file
+        stays locked meanwhile. Never waits for the disk. Call it before that player is closed: to close the
+        newest one ends the session.
+        """
+        with self._changed:
+            self._sink.is_newest = False
+            self._sink = _PlayerSink(self, self._changed)
+            self.offer(record)
 
     def save_as(self, title: str) -> Path:
         """Save the session under ``title`` and go on there; return its file. Waits for the disk.
@@ -240,11 +265,36 @@ class Autosave:
         return None
 
 
+class _PlayerSink:
+    """What one player offers its records to; it passes them on to ``autosave`` while it is the newest one."""
+
+    def __init__(self, autosave: Autosave, changed: threading.Condition) -> None:
+        self.is_newest = True
+        self._autosave = autosave
+        self._changed = changed  # guards is_newest
+
+    def offer(self, record: Record, table: LearnedTable | None = None) -> None:
+        with self._changed:
+            if self.is_newest:
+                self._autosave.offer(record, table)
+
+    def begin_anew(self, record: Record) -> None:
+        with self._changed:
+            if self.is_newest:
+                self._autosave.begin_anew(record)
+
+    def close(self) -> None:
+        with self._changed:
+            is_newest = self.is_newest
+        if is_newest:
+            self._autosave.close()
+
+
 class _Session:
     """A session under way: what is to be written, and who writes it.
 
-    It is ``begun`` once a record differs from the one with which it was ``opened``. Without a step taken
-    and with nothing drawn it is written only where it has a file already.
+    It is ``begun`` once a record differs from the one with which it was ``opened``. With nothing done in it
+    yet it is written only where it has a file already.
     """
 
     def __init__(self, opened: Record, writer: SessionWriter) -> None:
@@ -284,9 +334,9 @@ def _copied(table: LearnedTable) -> LearnedTable:
 
 
 def _has_deeds(record: Record) -> bool:
-    """Tell whether a step was taken in any lane, or a policy drawn."""
+    """Tell whether a step was taken in any lane, a policy drawn, or something done in a lesson."""
     has_steps = any(branch.end for lane in record.lanes for branch in lane.branches)
-    return has_steps or bool(record.drawn.choices)
+    return has_steps or bool(record.drawn.choices) or (record.lesson is not None and record.lesson.is_begun)
 
 
 def _is_blank(record: Record) -> bool:

@@ -8,10 +8,11 @@ from typing import Annotated, Final, Literal
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, FailFast, Field, model_validator
 
 from rl_tui.agents.sweep_phases import SweepPhase
+from rl_tui.lab.lessons.schema import LONGEST_LESSON
 from rl_tui.worlds.sections.schema import control_character
 
 FORMAT: Final = "rl-tui session"
-VERSION: Final = 1
+VERSION: Final = 2
 LONGEST_NAME: Final = 80
 MOST_LANES: Final = 4
 MOST_BRANCHES: Final = 1_000
@@ -24,6 +25,9 @@ MOST_IN_ALL: Final = 20_000_000  # entries of all branches, those that they shar
 _LONGEST_TEXT: Final = 20_000_000
 # Taxi has 2,400 pairs. With so many a file has 70 kB more, and is written in 2.7 ms, read in 2.2 ms
 MOST_PAIRS_KEPT: Final = 2_500
+MOST_PAGES_NAMED: Final = 1_000
+MOST_GIVEN: Final = 10_000
+LONGEST_PROGRAM: Final = 200_000
 
 
 def _plain(text: str) -> str:
@@ -46,6 +50,8 @@ Number = Annotated[float, Field(allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=0, le=MOST_STEPS)]
 Place = Annotated[int, Field(ge=0, le=10**12)]
 Value = Number | Word
+Digest = Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")]
+Settings = Annotated[dict[Word, Value], BeforeValidator(_of_few_keys)]
 DrawnChoice = Annotated[tuple[Place, Place], Field(strict=False)]
 
 
@@ -90,7 +96,7 @@ class StoredLane(Part):
 
     seed: Annotated[int, Field(ge=0)]
     algorithm: Word
-    hyperparameters: Annotated[dict[Word, Value], BeforeValidator(_of_few_keys)]
+    hyperparameters: Settings
     branches: Annotated[
         tuple[StoredBranch, ...], FailFast(), Field(min_length=1, max_length=MOST_BRANCHES, strict=False)
     ]
@@ -162,11 +168,57 @@ class StoredTable(Part):
         return self
 
 
+class StoredGiven(Part):
+    """An answer on a page: a number, or the place of a choice; ``step`` -1 where there was no run."""
+
+    page: Name
+    answer: Number
+    right: bool
+    step: Annotated[int, Field(ge=-1, le=MOST_STEPS)] = -1
+    digest: Digest = ""
+
+
+class StoredPassed(Part):
+    """A task that was passed: the run that shows it, from its beginning to ``step``."""
+
+    page: Name
+    scenario: StoredScenario
+    seed: Annotated[int, Field(ge=0)]
+    algorithm: Word
+    hyperparameters: Settings
+    journal: Annotated[tuple[Entry, ...], FailFast(), Field(max_length=MOST_ENTRIES, strict=False)] = ()
+    step: Count
+    claim: bool = False
+    program: Annotated[str, Field(max_length=LONGEST_PROGRAM)] = ""
+
+
+class StoredLesson(Part):
+    """A lesson and how far somebody came in it.
+
+    ``text`` is the whole file, so that it goes on anywhere; ``source`` is where that was, empty where it is
+    one that is shipped. ``hints`` are counts by page.
+    """
+
+    id: Annotated[str, Field(min_length=1, max_length=200), AfterValidator(_plain)]
+    title: Word
+    text: Annotated[str, Field(max_length=LONGEST_LESSON)]
+    source: Annotated[str, Field(max_length=4_000), AfterValidator(_plain)] = ""
+    variant: Name = ""
+    page: Name
+    given: Annotated[tuple[StoredGiven, ...], FailFast(), Field(max_length=MOST_GIVEN, strict=False)] = ()
+    passed: Annotated[
+        tuple[StoredPassed, ...], FailFast(), Field(max_length=MOST_PAGES_NAMED, strict=False)
+    ] = ()
+    skipped: Annotated[tuple[Name, ...], FailFast(), Field(max_length=MOST_PAGES_NAMED, strict=False)] = ()
+    hints: Annotated[dict[Name, Count], BeforeValidator(_of_few_keys)] = Field(default_factory=dict)
+    finished: bool = False
+
+
 class Document(Part):
-    """A whole session, without its checksum."""
+    """A whole session, without its checksum. In version 1 there were no lessons."""
 
     format: Literal["rl-tui session"]
-    version: Literal[1]
+    version: Literal[1, 2]
     program: Word
     title: Name
     kept: bool
@@ -178,14 +230,17 @@ class Document(Part):
     shown: Annotated[int, Field(ge=0)]
     breakpoints: StoredBreakpoints
     speed: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None
-    digest: Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")]
+    digest: Digest
     answer_hidden: bool | None = None
     table: StoredTable | None = None
     # The state and the action of each choice of the policy that a person drew, by their numbers
     drawn: Annotated[tuple[DrawnChoice, ...], FailFast(), Field(max_length=MOST_DRAWN, strict=False)] = ()
+    lesson: StoredLesson | None = None
 
     @model_validator(mode="after")
     def _check_numbers(self) -> Document:
+        if self.version == 1 and self.lesson is not None:
+            raise ValueError("a session of format 1 has no lesson")
         if self.shown >= len(self.lanes):
             raise ValueError(f"there is no lane {self.shown}")
         return self

@@ -81,10 +81,11 @@ def all_sessions_in(folder: Path) -> tuple[list[StoredSession], list[SessionErro
 def prune(folder: Path) -> None:
     """Remove all but the newest 50 sessions that nobody gave a name, and what was left half done.
 
-    Those in which nothing was done go too; those open somewhere stay. What cannot be removed stays as well:
+    Those in which nothing was done go too; those open somewhere stay, and those of lessons: of what was
+    learned nothing is thrown away. What cannot be removed stays as well:
     that is no reason to keep nothing new.
     """
-    unnamed = [session for session in all_sessions_in(folder)[0] if not session.document.kept]
+    unnamed = [session for session in all_sessions_in(folder)[0] if not session.stays]
     worth_keeping = [session for session in unnamed if not session.is_blank][:MOST_UNNAMED]
     for session in unnamed:
         if session not in worth_keeping:
@@ -121,10 +122,10 @@ def remove(session: StoredSession) -> None:
         lock.release()
 
 
-def new_path(folder: Path, scenario: str) -> Path:
-    """Return a path in ``folder`` that no file has, named after the scenario and the moment."""
+def new_path(folder: Path, subject: str) -> Path:
+    """Return a path in ``folder`` that no file has, named after its subject and the moment."""
     moment = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
-    stem = f"{file_stem(scenario)}-{moment}"
+    stem = f"{file_stem(subject)}-{moment}"
     candidate, number = folder / f"{stem}{SUFFIX}", 1
     while candidate.exists():
         number += 1

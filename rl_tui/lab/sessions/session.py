@@ -40,11 +40,12 @@ _LONGEST_FAULT: Final = 300
 
 
 class SessionError(UserError):
-    """A file that gives no session: its ``path``, what is wrong with it and what to do."""
+    """A file that gives no session: its ``path``, and the ``fault``: what is wrong with it, what to do."""
 
     def __init__(self, path: Path, fault: str) -> None:
         super().__init__(f"{one_line(str(path), 1000)}: {one_line(fault, _LONGEST_FAULT)}")
         self.path = path
+        self.fault = one_line(fault, _LONGEST_FAULT)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,8 +58,10 @@ class StoredSession:
 
     @property
     def title(self) -> str:
-        """The name it was given; without one, the title of its scenario."""
-        return self.document.title or self.document.scenario.title or self.document.scenario.id
+        """The name it was given; without one, the title of its lesson or scenario."""
+        document = self.document
+        lesson = "" if document.lesson is None else document.lesson.title
+        return document.title or lesson or document.scenario.title or document.scenario.id
 
     @property
     def saved(self) -> datetime:
@@ -73,10 +76,18 @@ class StoredSession:
 
     @property
     def is_blank(self) -> bool:
-        """Whether there is nothing to go on with: no step was taken, nothing drawn, and it has no name."""
+        """Whether there is nothing to go on with: no step was taken, nothing drawn, and it has no name.
+
+        Of a lesson a session is begun only once something was done.
+        """
         document = self.document
         has_steps = any(branch.end for lane in document.lanes for branch in lane.branches)
-        return not (has_steps or document.drawn or document.kept or document.title)
+        return not (has_steps or document.drawn or document.title or self.stays)
+
+    @property
+    def stays(self) -> bool:
+        """Whether it is never pruned: a person saved it, or it is that of a lesson."""
+        return self.document.kept or self.document.lesson is not None
 
     @property
     def algorithm(self) -> str:

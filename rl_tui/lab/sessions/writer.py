@@ -15,6 +15,7 @@ from rl_tui.lab.sessions.session import StoredSession, encoded
 
 _COPY: Final = " (copy)"
 _MOST_TRIES: Final = 100
+LESSON: Final = "lesson"
 
 
 class SessionWriter:
@@ -105,10 +106,12 @@ class SessionWriter:
         return encoded(record, title=self.title, kept=self.kept, digest=digest)
 
     def _begin_file(self, record: Record) -> HeldFile:
-        scenario = record.lanes[0].recipe.scenario.id
+        subject = record.lanes[0].recipe.scenario.id
+        if record.lesson is not None:
+            subject = f"{LESSON}-{record.lesson.lesson.id}"
         for _ in range(_MOST_TRIES):
             try:
-                return hold_new(new_path(self._folder, scenario))
+                return hold_new(new_path(self._folder, subject))
             except FileExistsError:  # another program was quicker
                 continue
         raise UserError("no name for its file is free")

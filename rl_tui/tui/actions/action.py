@@ -10,9 +10,10 @@ class Place(Flag):
     """The screens on which an action applies; KIOSK beside one says that it has no files there."""
 
     CATALOGUE = auto()
+    LESSONS = auto()
     PLAYGROUND = auto()
     KIOSK = auto()
-    BOTH = CATALOGUE | PLAYGROUND
+    EVERY = CATALOGUE | LESSONS | PLAYGROUND
 
 
 class Group(StrEnum):

@@ -21,7 +21,7 @@ _CATALOGUE_ACTIONS: Final[tuple[Action, ...]] = (
         "open",
         "enter",
         "open",
-        "Open the scenario, or go on with the session.",
+        "Open the scenario or the list of lessons, or go on with the session.",
         Group.SCENARIO,
         Place.CATALOGUE,
         rank=0,
@@ -35,6 +35,39 @@ _CATALOGUE_ACTIONS: Final[tuple[Action, ...]] = (
         Place.CATALOGUE,
         symbol="del",
         for_the_owner=True,
+    ),
+)
+
+_LESSON_ACTIONS: Final[tuple[Action, ...]] = (
+    Action(
+        "open_lesson",
+        "enter",
+        "go on",
+        "Begin the lesson or go on where you left it; one that is finished opens as a reference.",
+        Group.LESSON,
+        Place.LESSONS,
+        rank=0,
+    ),
+    Action(
+        "begin_again",
+        "r",
+        "begin again",
+        "Begin the lesson again, after asking; what you did in it until now stays among the sessions.",
+        Group.LESSON,
+        Place.LESSONS,
+        rank=1,
+        aliases="restart",
+    ),
+    Action(
+        "leave_lessons",
+        "escape",
+        "back",
+        "Go back to the catalogue.",
+        Group.LESSON,
+        Place.LESSONS,
+        symbol="esc",
+        rank=2,
+        aliases="menu list",
     ),
 )
 
@@ -86,7 +119,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         "back",
         "escape",
         "back",
-        "Leave the zoom or an opened panel, else go back to the catalogue: twice, once a step was taken.",
+        "Leave the zoom or an opened panel, else go back to the list: twice, once a step was taken.",
         Group.SCENARIO,
         symbol="esc",
         rank=18,
@@ -98,7 +131,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         "help",
         "Explain the word under the mouse or the panel in focus; else, and again, show this help.",
         Group.PROGRAM,
-        Place.BOTH,
+        Place.EVERY,
         symbol="?",
         rank=-1,
     ),
@@ -108,7 +141,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         "glossary",
         "Look a word up: each with its equation and where it stands in Sutton and Barto's book.",
         Group.PROGRAM,
-        Place.BOTH,
+        Place.EVERY,
         symbol="/",
     ),
     Action(
@@ -117,7 +150,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         "palette",
         "Find every action by its name, and the colour themes.",
         Group.PROGRAM,
-        Place.BOTH,
+        Place.EVERY,
         command="app.command_palette",
         rank=23,
     ),
@@ -127,7 +160,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         "draw again",
         "Draw the whole screen again, where something else wrote over it.",
         Group.PROGRAM,
-        Place.BOTH,
+        Place.EVERY,
         command="app.redraw",
         everywhere=True,
     ),
@@ -137,7 +170,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         "to the shell",
         "Stop here and go to the shell; its command fg comes back.",
         Group.PROGRAM,
-        Place.BOTH,
+        Place.EVERY,
         command="app.suspend_process",
         for_the_owner=True,
         everywhere=True,
@@ -148,7 +181,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         "quit",
         "Quit; in the help and in the model only close them.",
         Group.PROGRAM,
-        Place.BOTH,
+        Place.EVERY,
         command="app.quit",
         rank=24,
         aliases="exit leave end bye",
@@ -159,13 +192,13 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         "quit, asking",
         "Ask whether to quit; enter or a second ctrl+c does.",
         Group.PROGRAM,
-        Place.BOTH,
+        Place.EVERY,
         command="app.ask_to_quit",
         everywhere=True,
     ),
 )
 
-_ACTIONS: Final = (*_CATALOGUE_ACTIONS, *PLAYGROUND_ACTIONS, *_PROGRAM_ACTIONS)
+_ACTIONS: Final = (*_CATALOGUE_ACTIONS, *_LESSON_ACTIONS, *PLAYGROUND_ACTIONS, *_PROGRAM_ACTIONS)
 
 
 def all_actions(panels: Iterable[PanelRow] = PANELS) -> tuple[Action, ...]:
@@ -195,7 +228,7 @@ ACTIONS: Final = all_actions()
 
 def actions_of(place: Place, panels: Iterable[PanelRow] = PANELS) -> tuple[Action, ...]:
     """Return the actions that apply in ``place``, in the order of the list."""
-    screen = place & Place.BOTH
+    screen = place & Place.EVERY
     kiosk = Place.KIOSK in place
     return tuple(
         action

@@ -24,7 +24,6 @@ from textual.worker import WorkerFailed
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.lab.run.library import recipe_for
-from rl_tui.lab.run.recipe import Recipe
 from rl_tui.terminal.driver_choice import driver_class
 from rl_tui.terminal.ending import HUNG_UP, end_on_signal
 from rl_tui.terminal.key_queue import KeyQueue
@@ -34,7 +33,7 @@ from rl_tui.tui.actions.bindings import bindings_everywhere
 from rl_tui.tui.app.bugs import bug_of
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.idleness import LOOKS, Idleness
-from rl_tui.tui.app.opening import MakePlayer, Opener, live_player
+from rl_tui.tui.app.opening import MakePlayer, Opener, Start, beginning_of, live_player
 from rl_tui.tui.app.palette_entries import ActionProvider
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.catalogue import PANELS
@@ -52,10 +51,11 @@ from rl_tui.worlds.files.catalogue import scenarios
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from rl_tui.lab.live_programs.watched_program import WatchedProgram
+    from rl_tui.lab.lessons.record import LessonRecord
+    from rl_tui.lab.live.record import Record
     from rl_tui.lab.sessions.autosave import KeptSession
-    from rl_tui.lab.sessions.session import StoredSession
     from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
+    from rl_tui.tui.screens.lessons.lessons import LessonsScreen
     from rl_tui.tui.screens.playground.playground import Playground
 
 
@@ -83,7 +83,7 @@ class RlTuiApp(LinkedApp[UserError]):
     def __init__(
         self,
         display: Display | None = None,
-        start: Recipe | StoredSession | WatchedProgram | None = None,
+        start: Start = None,
         make_player: MakePlayer = live_player,
         *,
         picture: bool = False,
@@ -181,12 +181,7 @@ class RlTuiApp(LinkedApp[UserError]):
             end_on_signal(self._end, self.give_back_terminal)
         if self._kiosk:
             self.set_interval(LOOKS, self._pause_when_idle)
-        if self._start is None:
-            self.push_screen(self._opener.catalogue(self.look))
-        elif isinstance(self._start, Recipe):
-            self.push_screen(self._opener.playground(self.look, self._start))
-        else:
-            self.push_screen(self._opener.opened(self.look, self._start))
+        self.push_screen(self._opener.first_screen(self.look, self._start))
 
     def on_catalogue_screen_opened(self, event: CatalogueScreen.Opened) -> None:
         """Go to the playground."""
@@ -198,14 +193,47 @@ class RlTuiApp(LinkedApp[UserError]):
         self._start = None
         self.switch_screen(self._opener.resumed(self.look, event.session, event.record))
 
+    def on_catalogue_screen_lessons_wanted(self) -> None:
+        """Go to the list of lessons."""
+        self._start = None
+        self.switch_screen(self._opener.lessons(self.look))
+
+    def on_lessons_screen_left(self) -> None:
+        """Go back to the catalogue."""
+        self._start = None
+        self.switch_screen(self._opener.catalogue(self.look))
+
+    def on_lessons_screen_opened(self, event: LessonsScreen.Opened) -> None:
+        """Go to the playground of a lesson."""
+        try:
+            playground = self._opener.first_screen(self.look, event.start)
+        except UserError as fault:
+            self.notify(str(fault), severity="error", timeout=15, markup=False)
+            return
+        self._start = None
+        self.switch_screen(playground)
+
+    async def on_playground_setup_wanted(self, event: Playground.SetupWanted) -> None:
+        """Go to the setup of another page of the lesson; where that cannot be, it stays where it is."""
+        try:
+            record = await asyncio.to_thread(_built, event.record)
+        except UserError as fault:
+            self.notify(str(fault), severity="error", timeout=15, markup=False)
+            return
+        self._start = None
+        self.switch_screen(self._opener.other_setup(self.look, record))
+
     def on_playground_left(self, event: Playground.Left) -> None:
         """Go back to the catalogue; end where a fault meets the only run that was asked for."""
         if event.fault is not None and self._start is not None:
             self.exit(event.fault, return_code=1)
             return
         self._start = None
-        self._opener.close()  # the session has to be on the disk before the catalogue lists it
-        self.switch_screen(self._opener.catalogue(self.look, event.recipe.scenario.id, event.fault))
+        self._opener.close()  # the session has to be on the disk before it is listed
+        if self._opener.lesson_id:
+            self.switch_screen(self._opener.lessons(self.look, self._opener.lesson_id, event.fault))
+        else:
+            self.switch_screen(self._opener.catalogue(self.look, event.recipe.scenario.id, event.fault))
 
     def on_playground_neighbour_wanted(self, event: Playground.NeighbourWanted) -> None:
         """Go to the scenario before or after; from a file that is not listed, to the first or last."""
@@ -313,3 +341,15 @@ class RlTuiApp(LinkedApp[UserError]):
                 if hasattr(widget, "look"):
                     widget.look = look
                     widget.refresh()
+
+
+def _built(lesson: LessonRecord) -> Record:
+    """Return the beginning of the setup of the open page of ``lesson``, whose world can be built.
+
+    Raises UserError where it cannot be. It may import Gymnasium.
+    """
+    from rl_tui.lab.run.recipe import begin
+
+    record = beginning_of(lesson)
+    begin(record.lanes[0].recipe)
+    return record

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.run.recipe import Recipe
@@ -19,16 +19,24 @@ from rl_tui.tui.panels.row import PanelRow
 from rl_tui.tui.theme.look import Look
 
 if TYPE_CHECKING:
+    from rl_tui.lab.course.entries import LessonStart
+    from rl_tui.lab.lessons.record import LessonRecord
     from rl_tui.lab.live.playable import MakePlayable
     from rl_tui.lab.live.player import Player
     from rl_tui.lab.live.record import Record, RecordSink
     from rl_tui.lab.live_programs.watched_program import WatchedProgram
     from rl_tui.lab.sessions.autosave import Autosave, KeptSession
     from rl_tui.lab.sessions.session import StoredSession
+    from rl_tui.tui.screens.action_screen import ActionScreen
     from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
     from rl_tui.tui.screens.legend_switch import LegendSwitch
+    from rl_tui.tui.screens.lessons.lessons import LessonsScreen
     from rl_tui.tui.screens.playground.playground import Playground
     from rl_tui.tui.screens.playground.wanted import Wanted
+
+
+Start: TypeAlias = "Recipe | StoredSession | LessonStart | WatchedProgram | Literal[Place.LESSONS] | None"
+"""What the app begins with; LESSONS: the list of lessons, None: the catalogue."""
 
 
 class MakePlayer(Protocol):
@@ -77,6 +85,8 @@ class Opener:
     """Whether panels explain themselves, in all playgrounds alike."""
     autosave: Autosave | None = None
     """What keeps the newest playground's session, if anything does."""
+    lesson_id: str = ""
+    """The id of the lesson in the newest playground, empty where there is none."""
     _wanted: Wanted | None = None
     """What is asked for in the newest playground."""
     _earlier: Autosave | None = None
@@ -90,6 +100,15 @@ class Opener:
         if self.kiosk:
             catalogue.place |= Place.KIOSK
         return catalogue
+
+    def lessons(self, look: Look, start_at: str = "", fault: UserError | None = None) -> LessonsScreen:
+        """Return the list of lessons with its cursor on the id ``start_at``; it tells the ``fault``."""
+        from rl_tui.tui.screens.lessons.lessons import LessonsScreen
+
+        lessons = LessonsScreen(look, start_at, fault, self.sessions)
+        if self.kiosk:
+            lessons.place |= Place.KIOSK
+        return lessons
 
     def playground(self, look: Look, recipe: Recipe, *, watches: bool = False) -> Playground:
         """Return the playground of a run that is about to begin; where it ``watches``, by itself."""
@@ -112,13 +131,20 @@ class Opener:
             playground.send(HideAnswer(is_hidden=True))
         return playground
 
-    def opened(self, look: Look, what: StoredSession | WatchedProgram) -> Playground:
-        """Return the playground of a session that goes on, or of a program."""
+    def first_screen(self, look: Look, start: Start) -> ActionScreen:
+        """Return the screen that shows ``start``. Raises UserError where a lesson's run cannot be made."""
+        if start is None:
+            return self.catalogue(look)
+        if isinstance(start, Place):
+            return self.lessons(look)
+        if isinstance(start, Recipe):
+            return self.playground(look, start)
+        from rl_tui.lab.course.entries import LessonStart
         from rl_tui.lab.sessions.session import StoredSession
 
-        if isinstance(what, StoredSession):
-            return self.resumed(look, what, what.record())
-        return self.watching(look, what)
+        if isinstance(start, StoredSession):
+            return self.resumed(look, start, start.record())
+        return self.lesson(look, start) if isinstance(start, LessonStart) else self.watching(look, start)
 
     def resumed(self, look: Look, session: StoredSession, record: Record) -> Playground:
         """Return the playground in which ``session``, which holds ``record``, goes on."""
@@ -129,6 +155,26 @@ class Opener:
         playground = self._playground(look, recipe, autosave, record, record.speed, session)
         playground.wanted.was_hidden_by_person = record.answer_is_hidden is True
         return playground
+
+    def lesson(self, look: Look, start: LessonStart) -> Playground:
+        """Return the playground of a lesson whose open page begins its run.
+
+        Raises UserError where that run cannot be made.
+        """
+        from rl_tui.lab.sessions.autosave import Autosave
+
+        record = beginning_of(start.record)
+        autosave = None if self.sessions is None else Autosave(record, self.sessions, start.session)
+        return self._playground(look, record.lanes[0].recipe, autosave, record, record.speed)
+
+    def other_setup(self, look: Look, record: Record) -> Playground:
+        """Return the playground of another setup of the lesson in the newest one: ``record`` begins it.
+
+        The same session goes on.
+        """
+        if self.autosave is not None:
+            self.autosave.hand_over(record)
+        return self._playground(look, record.lanes[0].recipe, self.autosave, record, record.speed)
 
     def watching(self, look: Look, program: WatchedProgram) -> Playground:
         """Return the playground in which ``program`` takes the steps; it is kept in no session."""
@@ -168,12 +214,14 @@ class Opener:
         from rl_tui.tui.screens.legend_switch import LegendSwitch
         from rl_tui.tui.screens.playground.playground import Playground
 
-        if self.autosave is not None and self.autosave.has_something:
+        if self.autosave is not None and self.autosave is not autosave and self.autosave.has_something:
             self._earlier = self.autosave
         self.autosave = autosave
+        self.lesson_id = record.lesson.lesson.id if record is not None and record.lesson is not None else ""
         if self.legends is None:
             self.legends = LegendSwitch(self.sessions)
-        self.player = self.make_player(recipe, record_sink=autosave, record=record, playable=playable)
+        sink = None if autosave is None else autosave.sink
+        self.player = self.make_player(recipe, record_sink=sink, record=record, playable=playable)
         screen = Playground.with_keys_of(self.panels)
         playground = screen(
             look,
@@ -191,3 +239,18 @@ class Opener:
         if self.kiosk:
             playground.place |= Place.KIOSK
         return playground
+
+
+def beginning_of(lesson: LessonRecord) -> Record:
+    """Return the record of the setup in which the open page of ``lesson`` stands, before its first step.
+
+    Raises UserError where its scenario cannot be found or played, or a setting does not fit.
+    """
+    from rl_tui.lab.lessons.setups import recipe_of
+    from rl_tui.lab.live.player import START_SPEED
+    from rl_tui.lab.live.record import Record
+    from rl_tui.lab.timeline.branches import RunRecord
+
+    setup = lesson.lesson.setup_of(lesson.page)
+    speed = lesson.lesson.setups[setup].speed or START_SPEED
+    return Record((RunRecord(recipe_of(lesson.lesson, setup)),), speed=speed, lesson=lesson)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from textual.keys import Keys
 from textual.pilot import Pilot
@@ -14,16 +14,13 @@ from textual.widgets import Input
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Train
 from rl_tui.lab.live.player import Player
-from rl_tui.lab.run.recipe import Recipe
-from rl_tui.lab.sessions.session import StoredSession
 from rl_tui.tui.actions.registry import ACTIONS
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
+from rl_tui.tui.app.opening import Start
 from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
+from rl_tui.tui.screens.lessons.lessons import LessonsScreen
 from rl_tui.tui.screens.playground.playground import Playground
-
-if TYPE_CHECKING:
-    from rl_tui.lab.live_programs.watched_program import WatchedProgram
 
 _WAIT: Final = "wait:"
 _SWIFT: Final = 1000.0
@@ -41,12 +38,12 @@ _NAMES: Final = {
 
 
 async def screenshot(
-    start: Recipe | StoredSession | WatchedProgram | None,
+    start: Start,
     size: tuple[int, int],
     keys: Sequence[str] = (),
     display: Display | None = None,
 ) -> str:
-    """Return the SVG of the playground of a recipe, session or program, or of the catalogue, after ``keys``.
+    """Return the SVG of the screen that the app begins with, after ``keys``.
 
     ``size`` is columns and rows. A key is one character or Textual's name of it; ``wait:N`` lets N steps of
     training pass. Nothing depends on the time: steps pass only as keys and waits say, and steps a second are
@@ -73,7 +70,7 @@ async def settle(pilot: Pilot[UserError]) -> None:
         await pilot.pause()
         sent = [each.link.sent for each in _playgrounds(pilot)]
         for screen in pilot.app.screen_stack:
-            if isinstance(screen, Playground | CatalogueScreen):
+            if isinstance(screen, Playground | CatalogueScreen | LessonsScreen):
                 await screen.settled()
         await pilot.pause()
         # a layout that comes late brings cells into view that were not asked for before, and some pictures

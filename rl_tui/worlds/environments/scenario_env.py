@@ -35,7 +35,8 @@ class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]
     ``info["prob"]`` is the probability of what happened. Where a world has states in which not all actions
     are legal, ``info["action_mask"]``, int8 [A], is 1 for those that are in the state just entered. An action
     that is not legal does what the first legal one does. A world without a table, which is stepped for real
-    (cart pole with bins), has neither of them, nor ``P``; its own time limit then counts as well.
+    (cart pole with bins, an egg without a clock), has no ``info["prob"]`` and no ``P``; its own time limit
+    then counts as well.
 
     Raises UserError where there is no such scenario, or its world cannot be made.
     """
@@ -94,7 +95,7 @@ class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]
         if self._mdp is None:
             assert self._stepped is not None
             self.s = self._stepped.reset(seed)
-            return self.s, {}
+            return self.s, self._mask()
         if self._mdp.drift_std > 0.0 and (seed is not None or self._offset is None):
             self._offset = np.zeros(self._mdp.pairs)
         place = 0
@@ -114,7 +115,7 @@ class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]
         if self._stepped is not None:
             result = self._stepped.step(self.lastaction)
             self.s = result.next_state
-            return (*result, {})
+            return (*result, self._mask())
         rows = self._rows.get(self.s)
         if rows is None:
             rows = self._rows[self.s] = rows_of(self._table("step"), self.s)
@@ -134,12 +135,15 @@ class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]
         return moved
 
     def _info(self, probability: float) -> dict[str, Any]:
+        return {"prob": probability, **self._mask()}
+
+    def _mask(self) -> dict[str, Any]:
         if not self._is_masked:
-            return {"prob": probability}
+            return {}
         space = self.world.space
         mask = np.zeros(self._actions, dtype=np.int8)
         mask[space.pair_action[space.first_pair[self.s] : space.first_pair[self.s + 1]]] = 1
-        return {"prob": probability, "action_mask": mask}
+        return {"action_mask": mask}
 
     def render(self) -> str | None:
         """Return the world as text in the mode ``ansi``, else None."""

@@ -34,17 +34,19 @@ def connection_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
     """Yield unknown and unreachable states, pairs given twice and shared places of a raw ``[mdp]`` table."""
     entries = raw.get("transition")
     arrows = [_read(index, entry) for index, entry in enumerate(entries if isinstance(entries, list) else [])]
-    place = raw.get("place")
-    places: Mapping[str, Any] = place if isinstance(place, dict) else {}
+    places, looks = _table(raw.get("place")), _table(raw.get("seen_as"))
     yield from _unpaid(entries if isinstance(entries, list) else [])
     yield from _given_twice(arrows)
     yield from _shared_places(places)
     if not arrows or any(each.state is None for each in arrows):
         return  # without every state that acts, the rest would only repeat that fault
     unknown = [*_unknown_destinations(arrows, places), *_unknown_starts(raw.get("start"), arrows)]
-    unknown += _unknown_places(arrows, places)
+    unknown += _unknown_places(arrows, places, looks)
     yield from unknown
-    mentioned = dict.fromkeys([*places, *(name for each in arrows for name in (each.state or "", *each.to))])
+    yield from _seen_findings(arrows, looks)
+    mentioned = dict.fromkeys(
+        [*places, *looks, *(name for each in arrows for name in (each.state or "", *each.to))]
+    )
     actions = {each.action for each in arrows}
     if len(mentioned) > MOST_STATES_WRITTEN:
         yield Finding(("transition",), f"{len(mentioned):,} states", f"at most {MOST_STATES_WRITTEN:,}")
@@ -52,6 +54,10 @@ def connection_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
         yield Finding(("transition",), f"{len(actions):,} actions", f"at most {MOST_ACTIONS_WRITTEN:,}")
     elif not unknown and all(each.whole for each in arrows):
         yield from _unreachable(raw.get("start"), arrows)
+
+
+def _table(value: object) -> Mapping[str, Any]:
+    return value if isinstance(value, dict) else {}
 
 
 def _read(index: int, entry: object) -> Arrows:
@@ -147,11 +153,44 @@ def _unknown_starts(start: object, arrows: Sequence[Arrows]) -> Iterator[Finding
             yield Finding(("start",), f"terminal state {shown(name)}", "a state with transitions")
 
 
-def _unknown_places(arrows: Sequence[Arrows], places: Mapping[str, Any]) -> Iterator[Finding]:
-    mentioned = {name for each in arrows for name in (each.state or "", *each.to)}
+def _mentioned(arrows: Sequence[Arrows]) -> set[str]:
+    return {name for each in arrows for name in (each.state or "", *each.to)}
+
+
+def _unknown_places(
+    arrows: Sequence[Arrows], places: Mapping[str, Any], looks: Mapping[str, Any]
+) -> Iterator[Finding]:
+    mentioned = _mentioned(arrows)
+    known = mentioned.union(look for look in looks.values() if is_name(look))
     for name in places:
-        if name not in mentioned:
+        if name not in known:
             yield _unknown(("place", name), name, "a state that a transition mentions", mentioned)
+
+
+def _seen_findings(arrows: Sequence[Arrows], looks: Mapping[str, Any]) -> Iterator[Finding]:
+    """Yield states that are not there, and those in which other actions are legal than where it looks so."""
+    mentioned = _mentioned(arrows)
+    legal: dict[str, set[str]] = {name: set() for name in mentioned}
+    for each in arrows:
+        legal[each.state or ""].add(each.action or "")
+    first: dict[str, str] = {}
+    told = set[str]()  # of each look one fault is enough
+    for name in sorted(mentioned, key=lambda name: (name in looks, name)):  # first what is seen as itself
+        look = looks.get(name, name)
+        if not is_name(look) or look in told:
+            continue
+        other = first.setdefault(look, name)
+        if legal[name] != legal[other]:
+            told.add(look)
+            here, there = (", ".join(sorted(legal[state])) or "none" for state in (name, other))
+            yield Finding(
+                ("seen_as", name if name in looks else other),
+                f"{shown(look)} with the actions {here}, but {there} where it is {shown(other)}",
+                "the same actions in all states that look alike",
+            )
+    for name in looks:
+        if name not in mentioned:
+            yield _unknown(("seen_as", name), name, "a state that a transition mentions", mentioned)
 
 
 def _unreachable(start: object, arrows: Sequence[Arrows]) -> Iterator[Finding]:

@@ -118,7 +118,11 @@ class TransitionEntry(FileSection):
 
 
 class MDPSection(WorldSection):
-    """The whole table. States without transitions are terminal."""
+    """The whole table. States without transitions are terminal.
+
+    ``seen_as`` says what the agent sees in place of a state. Where two states look alike there is no table of
+    what it sees: then the world is stepped.
+    """
 
     start: Annotated[
         dict[Name, Probability],
@@ -137,6 +141,9 @@ class MDPSection(WorldSection):
         ],
         Expect(f"a table of states and their [column, row]{_AT_MOST}", _STATES),
     ] = Field(default_factory=dict)
+    seen_as: Annotated[
+        dict[Name, Name], Expect(f"a table of states and what they are seen as{_AT_MOST}", _STATES)
+    ] = Field(default_factory=dict)
     transition: Annotated[
         list[TransitionEntry],
         Expect(f"1 to {MOST_TRANSITIONS:,} tables [[mdp.transition]]", sized(list, MOST_TRANSITIONS, 1)),
@@ -151,12 +158,14 @@ class MDPSection(WorldSection):
         """Return the world; ``generator`` is not touched."""
         from rl_tui.worlds.mdp.tabular_mdp import Transition, tabular_mdp
 
-        states = _in_order(
-            [*self.place, *(name for each in self.transition for name in (each.state, *each.to))]
-        )
+        mentioned = [name for each in self.transition for name in (each.state, *each.to)]
+        seen = _in_order(map(self._look, [*self.place, *mentioned]))
+        states = _in_order(sorted(mentioned, key=lambda name: seen[self._look(name)]))
         actions = _in_order(each.action for each in self.transition)
+        names = [self._look(name) for name in states]
+        is_plain = len(seen) == len(states)
         mdp = tabular_mdp(
-            list(states),
+            names if is_plain else list(states),
             list(actions),
             (
                 Transition(
@@ -167,16 +176,25 @@ class MDPSection(WorldSection):
             {states[name]: probability for name, probability in self.start.items()},
             self.time_limit,
         )
-        return World(mdp, Graph(self._places(states)))
+        if is_plain:
+            return World(mdp, Graph(self._places(names)))
+        from rl_tui.worlds.sections.mdp_observed import observed_world
+
+        return observed_world(mdp, list(seen), [seen[name] for name in names], Graph(self._places(seen)))
+
+    def _look(self, name: str) -> str:
+        return self.seen_as.get(name, name)
 
     def _places(self, states: Iterable[str]) -> tuple[tuple[int, int], ...]:
-        """Return (column, row) of each state; those without one fill rows below the others."""
+        """Return (column, row) of each state as it is seen; those without one fill rows below the others."""
         states = list(states)
+        place = {self._look(name): at for name, at in reversed(self.place.items())}
+        place |= {name: at for name, at in self.place.items() if name in states}
         width = max(1, round(len(states) ** 0.5))
-        below = 1 + max((row for _, row in self.place.values()), default=-1)
-        unplaced = [state for state in states if state not in self.place]
+        below = 1 + max((row for _, row in place.values()), default=-1)
+        unplaced = [state for state in states if state not in place]
         free = {state: (i % width, below + i // width) for i, state in enumerate(unplaced)}
-        return tuple(self.place.get(state) or free[state] for state in states)
+        return tuple(place.get(state) or free[state] for state in states)
 
 
 def _in_order(names: Iterable[str]) -> dict[str, int]:

@@ -3,37 +3,76 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from rl_tui.lab.lessons.record import LessonRecord, run_digest
+from rl_tui.common.errors import UserError
+from rl_tui.lab.lessons.judging.conditions import JudgedTask, judged_task, verdict
+from rl_tui.lab.lessons.judging.live_panels import LivePanels
+from rl_tui.lab.lessons.lesson import Lesson
+from rl_tui.lab.lessons.record import LessonRecord, Passed
 from rl_tui.lab.lessons.view import ConditionView, LessonView, TaskView
 
 if TYPE_CHECKING:
+    from rl_tui.lab.lessons.judging.moment import Kept
     from rl_tui.lab.run.run import Run
 
 
 class TaskJudge:
     """Judges the open page's task at each snapshot; ``on_news`` is called when what takes long is known.
 
-    With ``automatic`` off no answer depends on the time.
+    Once all its conditions held at a step that was judged, the task stays passed, by the evidence of that
+    step, wherever the run goes. With ``automatic`` off no answer depends on the time.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
         self._on_news = on_news
         self._automatic = automatic
+        self._panels = LivePanels(on_news, automatic=automatic)
+        self._kept: Kept | None = None
+        self._lesson: Lesson | None = None
+        self._page = ""
+        self._judged: JudgedTask | None = None
+        self._refused = ""
+        self._passed: Passed | None = None
 
-    def view(self, lesson: LessonRecord, run: Run) -> LessonView:
-        """Return how ``lesson`` stands beside ``run`` at this step."""
-        names = run.world.space.action_names
-        return LessonView(
-            lesson, self._task(lesson, run), run_digest(run.recipe, run.journal, run.step, names)
-        )
-
-    def _task(self, lesson: LessonRecord, run: Run) -> TaskView | None:
-        task = lesson.lesson.page(lesson.page).task
-        if task is None:
-            return None
-        return TaskView(tuple(ConditionView(each.text, None) for each in task.conditions))
+    def view(self, record: LessonRecord, run: Run) -> LessonView:
+        """Return how the lesson of ``record`` stands beside ``run`` at this step."""
+        kept = self._kept = self._kept or self._new_kept()
+        kept.journal.read(run.recipe, run.journal, run.step, run.world.space.action_names)
+        return LessonView(record, self._task(record, run, kept), kept.journal.digest)
 
     def close(self) -> None:
         """End what is worked out in a process of its own, from any thread."""
+        self._panels.close()
+
+    def _new_kept(self) -> Kept:
+        from rl_tui.lab.lessons.judging.moment import Kept, exact_at_once
+        from rl_tui.lab.run.exact_answers import RunAnswers
+
+        return Kept(RunAnswers(self._on_news).at if self._automatic else exact_at_once)
+
+    def _task(self, record: LessonRecord, run: Run, kept: Kept) -> TaskView | None:
+        task = record.lesson.page(record.page).task
+        if task is None:
+            self._panels.end()
+            return None
+        if record.lesson is not self._lesson or record.page != self._page:
+            self._open(record.lesson, record.page)
+        if self._judged is None:
+            return TaskView(tuple(ConditionView(each.text, None, self._refused) for each in task.conditions))
+        view = verdict(self._judged, run, self._panels, kept)
+        if record.has_passed(record.page):
+            return view
+        self._passed = self._passed or view.passed
+        return replace(view, passed=self._passed)
+
+    def _open(self, lesson: Lesson, page: str) -> None:
+        """Judge another task from here on."""
+        self._panels.end()
+        self._lesson, self._page, self._judged, self._refused = lesson, page, None, ""
+        self._passed = None
+        try:
+            self._judged = judged_task(lesson, page)
+        except UserError as reason:
+            self._refused = str(reason)

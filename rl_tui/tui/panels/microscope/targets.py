@@ -97,6 +97,8 @@ def _no_sample(words: StepWords) -> str:
 
 
 def _not_known(story: StepStory) -> str:
+    if story.world.prospects:
+        return "expected: there is none, what follows depends on how one came here"
     if story.world.mdp is None:
         return "expected: not known, this world is stepped and nobody wrote its table down"
     return "expected: not known, not all estimates that it needs are at hand"

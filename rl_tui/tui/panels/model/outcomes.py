@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 from rich.cells import cell_len
@@ -42,17 +43,45 @@ def outcome_lines(world: World, mdp: TabularMDP, pair: int, look: Look, *, secre
         )
     noise = float(mdp.reward_std[mdp.first_outcome[pair]])
     heads = ("p", "went" if slips else "", "r at the start" if mdp.drift_std else "r", "s′", "")
-    spelled = [tuple(to_ascii(cell, glyphs) for cell in row) for row in (heads, *rows)]
-    widths = [max(cell_len(row[column]) for row in spelled) for column in range(len(heads))]
-    lines: list[Line] = []
-    for number, row in enumerate(spelled):
-        style = palette.text if number else palette.dim
-        cells = [
-            Piece(f"   {cell}{' ' * (columns - cell_len(cell))}", palette.accent if cell == "ends" else style)
+    lines = _aligned((heads, *rows), look)
+    if noise > 0.0:
+        for cells in lines[1:]:
+            cells.append(Piece(f"   r ± {numbers.brief(noise, glyphs, decimals=3)} (normal)", palette.dim))
+    return list(lines)
+
+
+def prospect_lines(world: World, pair: int, look: Look) -> list[Line]:
+    """Return the same of a pair whose outcomes depend on how one came there, as far as they do not."""
+    glyphs, space = look.glyphs, world.space
+    rows = [
+        (
+            names.DEPENDS if each.probability is None else names.chance(each.probability, glyphs),
+            " or ".join(numbers.brief(reward, glyphs, decimals=4) for reward in each.rewards)
+            + (f" {names.DEPENDS}" if len(each.rewards) > 1 else ""),
+            names.state_name(world, each.next_state, glyphs),
+            "" if space.pairs_of(each.next_state) else "ends",
+        )
+        for each in world.prospects[pair]
+    ]
+    lines: list[Line] = [*_aligned((("p", "r", "s′", ""), *rows), look)]
+    depends = any(each.probability is None or len(each.rewards) > 1 for each in world.prospects[pair])
+    note: Line = [Piece(f"   {names.DEPENDS} {names.DEPENDS_IN_FULL}", look.palette.dim)]
+    return [*lines, note] if depends else lines
+
+
+def _aligned(rows: Sequence[tuple[str, ...]], look: Look) -> list[list[Piece]]:
+    """Return ``rows``, the first their heads, in columns; columns that are empty are left out."""
+    palette, glyphs = look.palette, look.glyphs
+    spelled = [tuple(to_ascii(cell, glyphs) for cell in row) for row in rows]
+    widths = [max(cell_len(row[column]) for row in spelled) for column in range(len(rows[0]))]
+    return [
+        [
+            Piece(
+                f"   {cell}{' ' * (columns - cell_len(cell))}",
+                palette.accent if cell == "ends" else palette.text if number else palette.dim,
+            )
             for cell, columns in zip(row, widths, strict=True)
             if columns
         ]
-        if number and noise > 0.0:
-            cells.append(Piece(f"   r ± {numbers.brief(noise, glyphs, decimals=3)} (normal)", palette.dim))
-        lines.append(cells)
-    return lines
+        for number, row in enumerate(spelled)
+    ]

@@ -19,7 +19,7 @@ from rl_tui.tui.draw.precision import column_figure
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.last_step.update_text import setting
 from rl_tui.tui.panels.model.bellman import SECRET, bellman_lines, decimals_of
-from rl_tui.tui.panels.model.outcomes import outcome_lines
+from rl_tui.tui.panels.model.outcomes import outcome_lines, prospect_lines
 from rl_tui.tui.panels.model.reward_range import reward_range
 from rl_tui.tui.panels.snapshot_facts import has_estimates, hides_means, is_secret
 from rl_tui.tui.theme.look import Look
@@ -29,6 +29,7 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
 
 UNKNOWN: Final = "unknown: stepped for real, nobody wrote its table down"
+ALIKE: Final = "none: states look alike, so what follows depends on how one came there, not on s and a alone"
 _MANY_NAMES: Final = 100  # no two lines hold more
 _LABEL: Final = 8
 
@@ -42,7 +43,8 @@ def model_lines(snapshot: Snapshot, look: Look, width: int) -> list[Line]:
     actions = _actions(snapshot, look)
     pairs = f"{counted(space.pairs, 'legal pair')} (s, a)"
     if mdp is None:
-        chances, rewards, start = f"{UNKNOWN}; {pairs}", UNKNOWN, "drawn by the environment"
+        reason = ALIKE if snapshot.world.prospects else UNKNOWN
+        chances, rewards, start = f"{reason}; {pairs}", reason, "drawn by the environment"
         end = "where the environment says so" + _time_limit(space)
     else:
         chances = f"{pairs}, {counted(len(mdp.next_state), 'outcome')}"
@@ -101,9 +103,10 @@ def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int) -> list[Li
     ]
     unknown: Line = [Piece(f"   {UNKNOWN}", palette.dim)]
     mdp = world.mdp
+    without = prospect_lines(world, pair, look) if world.prospects else [unknown]
     return [
         head,
-        *([unknown] if mdp is None else outcome_lines(world, mdp, pair, look, secret=secret)),
+        *(without if mdp is None else outcome_lines(world, mdp, pair, look, secret=secret)),
         estimate,
         [Piece("", palette.text)],
         *bellman_lines(snapshot, pair, look, width),

@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from rich.console import RenderableType
 from textual.binding import BindingType
@@ -32,9 +32,16 @@ from rl_tui.tui.actions.action import Place
 from rl_tui.tui.actions.bindings import bindings_of
 from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
-from rl_tui.tui.screens.catalogue.facts import about, about_watching, facts, faults_text, keys_while_watching
+from rl_tui.tui.screens.catalogue.facts import (
+    about,
+    about_learning,
+    about_watching,
+    facts,
+    faults_text,
+    keys_while_watching,
+)
 from rl_tui.tui.screens.catalogue.saved_sessions import SavedSessions
-from rl_tui.tui.screens.catalogue.scenario_list import WATCH, Demonstration, ScenarioList
+from rl_tui.tui.screens.catalogue.scenario_list import LEARN, WATCH, Course, Demonstration, ScenarioList
 from rl_tui.tui.screens.catalogue.session_list import SessionList
 from rl_tui.tui.screens.catalogue.session_text import session_facts, session_fault
 from rl_tui.tui.screens.notes import Notes
@@ -42,20 +49,23 @@ from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.world import World
 
+if TYPE_CHECKING:
+    from rl_tui.lab.course.entries import LessonEntries
+
 _SEED = 0
 _DETAILS = "details"
-_GREETING = "New here? Begin with the first row: enter, and look on."
+_GREETING = "New here? Begin with the first row: enter."
 _NEEDED_TO_PLAY = ("rl_tui.tui.screens.playground.playground", "rl_tui.agents.learner")
 
 
-Entry = Demonstration | Scenario | ScenarioError | StoredSession | SessionError
+Entry = Course | Demonstration | Scenario | ScenarioError | StoredSession | SessionError
 
 
 class CatalogueScreen(SavedSessions):
     """Left the scenarios and the sessions, right what is known of the one under the cursor.
 
-    Worlds are built in a thread after the first paint: that of the first row, and then, once all that is
-    needed to play it is there, the others, those of Gymnasium last.
+    Lessons are read in a thread after the first paint, and worlds built: that of the row that is watched, and
+    then, once all that is needed to play it is there, the others, those of Gymnasium last.
     ``sessions`` is the folder of sessions, None where none are kept.
     """
 
@@ -69,6 +79,16 @@ class CatalogueScreen(SavedSessions):
 
         recipe: Recipe
         watches: bool = False
+
+    @dataclass
+    class LessonsWanted(Message):
+        """The user wants the list of lessons."""
+
+    @dataclass
+    class LessonsRead(Message):
+        """The files of the lessons are read."""
+
+        found: LessonEntries
 
     @dataclass
     class WorldBuilt(Message):
@@ -97,6 +117,8 @@ class CatalogueScreen(SavedSessions):
         self._worlds: dict[str, World | UserError] = {}
         self._shown: Entry | None = None
         self._all_built = asyncio.Event()
+        self._lessons: LessonEntries | None = None
+        self._lessons_read = asyncio.Event()
         self._in_sessions = False
 
     def content(self) -> Iterable[Widget]:
@@ -126,20 +148,26 @@ class CatalogueScreen(SavedSessions):
             self.notify(str(self._fault), severity="error", timeout=15, markup=False)
 
     def begin(self) -> None:
-        """Begin to read the sessions and to build the worlds."""
+        """Begin to read the sessions and lessons, and to build the worlds."""
         super().begin()
-        Thread(target=self._build_worlds, name="build worlds", daemon=True).start()
+        Thread(target=self._read_and_build, name="read and build", daemon=True).start()
 
     # In the thread: only messages leave it
 
-    def _build_worlds(self) -> None:
+    def _read_and_build(self) -> None:
         with suppress(RuntimeError):  # the program has ended meanwhile
+            self._read_lessons()
             scenarios = self._catalogue.scenarios
             for scenario in scenarios[:1]:
                 self._build(scenario)
             self._import_what_is_needed_to_play()
             for scenario in sorted(scenarios[1:], key=lambda each: each.kind == "gymnasium"):
                 self._build(scenario)
+
+    def _read_lessons(self) -> None:
+        from rl_tui.lab.course.entries import lesson_entries
+
+        self.post_message(self.LessonsRead(lesson_entries(self._sessions)))
 
     def _build(self, scenario: Scenario) -> None:
         try:
@@ -157,6 +185,14 @@ class CatalogueScreen(SavedSessions):
         except ImportError as error:
             self.post_message(self.NotImported(str(error)))
 
+    def on_catalogue_screen_lessons_read(self, event: LessonsRead) -> None:
+        """Say how far one has come."""
+        self._lessons = event.found
+        self._lessons_read.set()
+        self.query_one(ScenarioList).show_finished(event.found.finished, len(event.found.entries))
+        if isinstance(self._current, Course):
+            self.show_current()
+
     def on_catalogue_screen_world_built(self, event: WorldBuilt) -> None:
         """Fill in what was missing."""
         self._worlds[event.scenario.id] = event.world
@@ -171,8 +207,9 @@ class CatalogueScreen(SavedSessions):
         self.notify(event.reason, title="cannot load", severity="error", timeout=30, markup=False)
 
     async def settled(self) -> None:
-        """Wait until every world is built, the sessions are read and the details are drawn."""
+        """Wait until every world is built, lessons and sessions are read and the details are drawn."""
         await self._all_built.wait()
+        await self._lessons_read.wait()
         await self.sessions_read()
         while under_way := [each for each in self.workers if each.group == _DETAILS and not each.is_finished]:
             with suppress(WorkerCancelled):
@@ -232,7 +269,9 @@ class CatalogueScreen(SavedSessions):
             # they wait for the world: to say how large it is may take more lines than that it is loading
             await self.query_one(Notes).show("" if world is None else entry.notes)
             return
-        if isinstance(entry, ScenarioError):
+        if isinstance(entry, Course):
+            self._show_text(LEARN, about_learning(self._lessons, self.look))
+        elif isinstance(entry, ScenarioError):
             self._show_text("Faults", faults_text(entry, self.look))
         elif isinstance(entry, SessionError):
             self._show_text("Faults", session_fault(entry, self.look))
@@ -274,9 +313,11 @@ class CatalogueScreen(SavedSessions):
     # Verbs
 
     def action_open(self) -> None:
-        """Play the scenario under the cursor, or go on with the session."""
+        """Play the scenario under the cursor, go on with the session, or go to the lessons."""
         entry = self._current
-        if isinstance(entry, StoredSession):
+        if isinstance(entry, Course):
+            self.post_message(self.LessonsWanted())
+        elif isinstance(entry, StoredSession):
             self.resume(entry)
         elif isinstance(entry, SessionError):
             self.notify("this file cannot be resumed", severity="warning")

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
-from typing import Final
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Final
 
 from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
 from rich.measure import Measurement
@@ -21,12 +21,28 @@ from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.world import World
 
+if TYPE_CHECKING:
+    from rl_tui.lab.course.entries import LessonEntries
+
 _DOT: Final = " · "
 _SHORT: Final = 30
 _WATCHING: Final = (
     "An agent learns to cross a frozen lake. Once it has met the goal, values spread from there, and arrows "
     "point the way."
 )
+_LEARNING: Final = (
+    "A program can learn from rewards alone, by trying. Short lessons show how: say what will happen, do it "
+    "yourself in a small world, compare, and read why."
+)
+_ABLE: Final = (
+    "name agent, state, action and reward",
+    "work out what a choice is worth",
+    "tell when a state says all that counts",
+    "read the Bellman equation in plain words",
+    "do Q-learning by hand, and write it",
+    "try new things just often enough",
+)
+"""What one will be able to do after the lessons."""
 _KEYS: Final = {
     "enter": "begin; nothing else has to be pressed",
     "space": "pause, and go on",
@@ -57,15 +73,41 @@ def facts(scenario: Scenario, world: World | UserError | None, look: Look) -> Re
     return labelled({label: _Parts(line, look) for label, line in lines.items()}, look)
 
 
+def about_learning(found: LessonEntries | None, look: Look) -> RenderableType:
+    """Return what the lessons are for; ``found`` is None while they are being read."""
+    rows = {"lessons": "loading …", "enter": "all lessons, and how far you are"}
+    if found is not None:
+        minutes = sum(entry.lesson.minutes for entry in found.entries)
+        finished = f"{found.finished or 'none'} finished"
+        rows["lessons"] = f"{len(found.entries)} · about {minutes} min · {finished}"
+    return Group(
+        Text(to_ascii(_LEARNING, look.glyphs), look.palette.text),
+        Text("\nAfterwards you can", look.palette.dim),
+        bullets(_ABLE, look),
+        Text(""),
+        labelled({label: Text(separated(line, look.glyphs)) for label, line in rows.items()}, look),
+    )
+
+
 def about_watching(look: Look) -> Text:
-    """Return what there is to see where the first row is opened."""
+    """Return what there is to see where it is watched."""
     return Text(_WATCHING, look.palette.text)
 
 
 def keys_while_watching(look: Look) -> Table:
-    """Return what can be pressed once the first row is open."""
+    """Return what can be pressed once it is watched."""
     rows = {key: Text(to_ascii(what, look.glyphs)) for key, what in _KEYS.items()}
     return labelled({to_ascii(key, look.glyphs): what for key, what in rows.items()}, look)
+
+
+def bullets(lines: Iterable[str], look: Look) -> Table:
+    """Return ``lines``, each after a dash; where one is broken it goes on behind that."""
+    table = Table.grid(padding=(0, 1, 0, 0))
+    table.add_column(no_wrap=True, style=look.palette.dim)
+    table.add_column(style=look.palette.text)
+    for line in lines:
+        table.add_row(Text(to_ascii("–", look.glyphs)), Text(to_ascii(line, look.glyphs)))
+    return table
 
 
 def labelled(rows: Mapping[str, RenderableType], look: Look) -> Table:

@@ -1,4 +1,4 @@
-"""The scenarios in their groups, and the first row, which starts one that needs no further key."""
+"""The scenarios in their groups; before them the row of the lessons, and one that needs no further key."""
 
 from __future__ import annotations
 
@@ -18,9 +18,17 @@ from rl_tui.worlds.files.catalogue import YOURS, Catalogue, group_of
 from rl_tui.worlds.files.scenario import Scenario
 
 _LONGEST_NAME: Final = 255
-_WATCH_ID: Final = "/watch"  # no file can have that name
+_LEARN_ID: Final = "/learn"  # no file can have that name
+_WATCH_ID: Final = "/watch"
+LEARN: Final = "Learn step by step"
+"""What the first row is called, which leads to the lessons."""
 WATCH: Final = "Watch it learn"
-"""What the first row is called."""
+"""What the second row is called."""
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """The lessons, all of them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +38,7 @@ class Demonstration:
     scenario: Scenario
 
 
-Entry = Demonstration | Scenario | ScenarioError
+Entry = Course | Demonstration | Scenario | ScenarioError
 
 
 class ScenarioList(OptionList):
@@ -53,8 +61,15 @@ class ScenarioList(OptionList):
         ids = [option.id for option in self.options]
         self.highlighted = ids.index(scenario) if scenario in ids else 0
 
+    def show_finished(self, finished: int, lessons: int) -> None:
+        """Say in the first row how many of the ``lessons`` are ``finished``, if one is."""
+        if finished:
+            done = f"{LEARN}: {finished} of {lessons} ✓"
+            self.replace_option_prompt(_LEARN_ID, self._content(done))
+
     def _rows(self, catalogue: Catalogue) -> Iterator[tuple[Option, Entry | None]]:
         """Yield each row with what it stands for, None for a heading, which the cursor passes over."""
+        yield Option(self._content(f"{LEARN}: lessons"), id=_LEARN_ID), Course()
         if catalogue.scenarios:
             yield Option(self._content(WATCH), id=_WATCH_ID), Demonstration(catalogue.scenarios[0])
         group = ""

@@ -50,7 +50,8 @@ class SessionRow:
         self._number = f" ({number})" if number > 1 else ""
         name = algorithm_name(session.algorithm)
         step = f"step {numbers.count(session.step, 12)}"
-        self._line = f"  {' · '.join((step, *different, *([] if name in different else [name])))}"
+        of_lesson = [] if session.document.lesson is None else ["lesson"]
+        self._line = f"  {' · '.join((*of_lesson, step, *different, *([] if name in different else [name])))}"
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         glyphs, width = self._look.glyphs, options.max_width
@@ -88,12 +89,15 @@ def session_facts(session: StoredSession, now: datetime, look: Look) -> Renderab
         "file": one_line(str(session.path), _LONGEST_PATH),
     }
     rows = {label: Text(separated(line, glyphs), overflow="fold") for label, line in lines.items()}
-    kept = (
-        "Saved under a name: it stays until you delete it."
-        if document.kept
-        else "Kept by itself. Only the newest 50 of these stay; w in the playground gives it a name."
-    )
-    return Group(labelled(rows, look), Text(""), Text(kept, palette.dim))
+    return Group(labelled(rows, look), Text(""), Text(_how_long(session), palette.dim))
+
+
+def _how_long(session: StoredSession) -> str:
+    if session.document.kept:
+        return "Saved under a name: it stays until you delete it."
+    if session.document.lesson is not None:
+        return "A lesson, kept by itself: it stays until you delete it."
+    return "Kept by itself. Only the newest 50 of these stay; w in the playground gives it a name."
 
 
 def session_fault(error: SessionError, look: Look) -> Text:

@@ -392,6 +392,8 @@ class Playground(ActionScreen):
             self.modes.current.toggle()
         elif self.wanted.was_used(self.snapshot) and self._left_after != self.wanted.last_deed:
             self._left_after = self.wanted.last_deed
-            self.tell(f"esc again goes to the catalogue; {self.session.after_leaving}")
+            is_lesson = self.snapshot is not None and self.snapshot.lesson is not None
+            where = "the lessons" if is_lesson else "the catalogue"
+            self.tell(f"esc again goes to {where}; {self.session.after_leaving}")
         else:
             self.post_message(self.Left(self.recipe))

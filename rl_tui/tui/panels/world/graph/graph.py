@@ -9,8 +9,9 @@ from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.canvas import Canvas, centred, shortened
+from rl_tui.tui.draw.names import DEPENDS, DEPENDS_IN_FULL
 from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
-from rl_tui.tui.panels.legend import Legend
+from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import scrolled_to
 from rl_tui.tui.panels.world.graph.edge_list import draw_edge_list
@@ -45,11 +46,11 @@ class GraphView(WorldView):
 
     def enter(self, world: World) -> None:
         """Take ``world`` for the one that is drawn."""
-        if not isinstance(world.drawing, Graph) or world.mdp is None:
-            raise TypeError("a GraphView draws worlds that have a table and whose drawing is a Graph")
+        if not isinstance(world.drawing, Graph) or (world.mdp is None and not world.prospects):
+            raise TypeError("a GraphView draws worlds whose outcomes are known and whose drawing is a Graph")
         super().enter(world)
-        self._graph, self._mdp = world.drawing, world.mdp
-        self._shape = graph_shape(self._mdp, self._graph, self.look.glyphs)
+        self._graph = world.drawing
+        self._shape = graph_shape(world, self._graph, self.look.glyphs)
         self._shape_glyphs = self.look.glyphs
         self._number_forms = SteadyForms()
 
@@ -62,7 +63,7 @@ class GraphView(WorldView):
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return the graph, or the list of its edges where it does not fit."""
         if self._shape_glyphs is not self.look.glyphs:
-            self._shape = graph_shape(self._mdp, self._graph, self.look.glyphs)
+            self._shape = graph_shape(self.world, self._graph, self.look.glyphs)
             self._shape_glyphs = self.look.glyphs
         heading = f"{HEADING} {self.policy_shown}"
         forms = self.study_headings("V") or (*self.captioned(TITLE), heading)
@@ -86,6 +87,11 @@ class GraphView(WorldView):
         palette = self.look.palette
         return (
             *self.valueless_signs(),
+            *(
+                (LegendSign(DEPENDS, "depends", palette.text, DEPENDS_IN_FULL),)
+                if self.world.prospects
+                else ()
+            ),
             self.policy_sign("bold", palette.greedy),
             *self.value_signs(),
             self.agent_sign(),

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from rl_tui.lab.live.until import Breakpoints
+from rl_tui.tui.draw.names import DEPENDS
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Graph
+from rl_tui.worlds.mdp.space import FiniteSpace
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+from rl_tui.worlds.world import Prospect, World
+
+_LIKELY: Final = 0.5
 
 
 class Node(NamedTuple):
@@ -22,10 +28,13 @@ class Node(NamedTuple):
 
 
 class GraphBranch(NamedTuple):
-    """Where an action may lead. ``label`` is empty where the label of the action says it all."""
+    """Where an action may lead. ``label`` is empty where the label of the action says it all.
+
+    ``probability`` is None where it depends on how one came there.
+    """
 
     target: int
-    probability: float
+    probability: float | None
     label: str
 
 
@@ -41,7 +50,7 @@ class GraphAction(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class GraphShape:
-    """The states and pairs of an MDP, labelled for people."""
+    """States and pairs, labelled for people."""
 
     nodes: tuple[Node, ...]
     actions: tuple[GraphAction, ...]
@@ -63,45 +72,67 @@ class Signs(NamedTuple):
     differing: frozenset[int] = frozenset()
 
 
-def graph_shape(mdp: TabularMDP, graph: Graph, glyphs: Glyphs) -> GraphShape:
-    """Return the shape of ``mdp``. Columns and rows that ``graph`` leaves empty are left out."""
+def graph_shape(world: World, graph: Graph, glyphs: Glyphs) -> GraphShape:
+    """Return the shape of ``world``. Columns and rows that ``graph`` leaves empty are left out."""
+    space, mdp = world.space, world.mdp
     columns = sorted({column for column, _ in graph.places})
     rows = sorted({row for _, row in graph.places})
     nodes = tuple(
-        Node(to_ascii(name, glyphs), columns.index(column), rows.index(row), not mdp.pairs_of(state))
-        for state, (name, (column, row)) in enumerate(zip(mdp.state_names, graph.places, strict=True))
+        Node(to_ascii(name, glyphs), columns.index(column), rows.index(row), not space.pairs_of(state))
+        for state, (name, (column, row)) in enumerate(zip(space.state_names, graph.places, strict=True))
     )
     actions = tuple(
-        _action(mdp, state, pair, glyphs) for state in range(mdp.states) for pair in mdp.pairs_of(state)
+        _action(space, state, pair, world.prospects[pair] if mdp is None else _prospects(mdp, pair), glyphs)
+        for state in range(space.states)
+        for pair in space.pairs_of(state)
     )
     return GraphShape(nodes, actions)
 
 
-def _action(mdp: TabularMDP, state: int, pair: int, glyphs: Glyphs) -> GraphAction:
-    name = to_ascii(mdp.action_names[int(mdp.pair_action[pair])], glyphs)
+def _prospects(mdp: TabularMDP, pair: int) -> tuple[Prospect, ...]:
+    """Return where ``pair`` leads, each state once, with r(s, a, s′), equation 3.6."""
     probabilities: dict[int, float] = {}
     rewards: dict[int, float] = {}
     for outcome in mdp.outcomes_of(pair):
         target, probability = int(mdp.next_state[outcome]), float(mdp.probability[outcome])
         probabilities[target] = probabilities.get(target, 0.0) + probability
         rewards[target] = rewards.get(target, 0.0) + probability * float(mdp.reward[outcome])
-    # r(s, a, s′), equation 3.6: outcomes that lead to the same state share an edge
-    texts = {target: reward_text(rewards[target] / probabilities[target], glyphs) for target in rewards}
-    targets = sorted(probabilities, key=lambda target: -probabilities[target])
+    return tuple(
+        Prospect(target, probability, (rewards[target] / probability,))
+        for target, probability in probabilities.items()
+    )
+
+
+def _action(
+    space: FiniteSpace, state: int, pair: int, prospects: Sequence[Prospect], glyphs: Glyphs
+) -> GraphAction:
+    name = to_ascii(space.action_names[int(space.pair_action[pair])], glyphs)
+    texts = {each.next_state: _rewards_text(each.rewards, glyphs) for each in prospects}
+    targets = sorted(prospects, key=lambda each: -(each.probability or _LIKELY))
     if len(set(texts.values())) == 1:
-        label = f"{name} {texts[targets[0]]}"
+        label = f"{name} {texts[targets[0].next_state]}"
         texts = dict.fromkeys(texts, "")
     else:
         label = name
     branches = tuple(
         GraphBranch(
-            target,
-            probabilities[target],
-            f"{probability_text(probabilities[target])} {texts[target]}".strip() if len(targets) > 1 else "",
+            each.next_state,
+            each.probability,
+            f"{_chance_text(each)} {texts[each.next_state]}".strip() if len(targets) > 1 else "",
         )
-        for target in targets
+        for each in targets
     )
     return GraphAction(pair, state, name, label, branches)
+
+
+def _chance_text(prospect: Prospect) -> str:
+    return DEPENDS if prospect.probability is None else probability_text(prospect.probability)
+
+
+def _rewards_text(rewards: Sequence[float], glyphs: Glyphs) -> str:
+    """Return one reward, or the least and the largest, which depend on how one came there: 0..+10?."""
+    texts = [reward_text(reward, glyphs) for reward in rewards]
+    return texts[0] if len(texts) == 1 else f"{texts[0]}..{texts[-1]}{DEPENDS}"
 
 
 def reward_text(reward: float, glyphs: Glyphs) -> str:

@@ -1,0 +1,151 @@
+"""Tasks that do not do what they say: their recorded attempts are replayed and judged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Final, NamedTuple
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import Finding, Location, shown
+from rl_tui.lab.course.checks.waiting import waiting_findings
+from rl_tui.lab.lessons.figures.figures import Figures
+from rl_tui.lab.lessons.figures.written import in_digits_of
+from rl_tui.lab.lessons.judging.attempts import attempted_run, judged_claim
+from rl_tui.lab.lessons.judging.conditions import Panels, Verdict, is_met, judged_task, verdict
+from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
+from rl_tui.lab.lessons.lesson import Lesson
+from rl_tui.lab.lessons.schema import Attempt, Condition, Page, Proof, Task
+from rl_tui.lab.lessons.view import TaskView
+from rl_tui.lab.run.changes import TAKE, read_change
+from rl_tui.lab.run.recipe import Recipe
+
+LEAST_REJECTS: Final = 3
+SEEDS_OF_VARIANTS: Final = 100
+
+OnAttempt = Callable[[str], None]
+"""Hears the name of each attempt before it is replayed."""
+
+
+class UndecidedPanels:
+    """Leaves open what many seeds would decide."""
+
+    waits = ""
+
+    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[Verdict]:
+        """Return that nothing is known of any condition."""
+        return [Verdict(None, "left out") for _ in conditions]
+
+
+class _Judged(NamedTuple):
+    """How an attempt was judged, and the step at which it ended."""
+
+    view: TaskView
+    step: int
+
+    @property
+    def is_undecided(self) -> bool:
+        """Whether only conditions are in the way that were left open."""
+        return self.view.passed is None and all(each.holds is not False for each in self.view.conditions)
+
+
+class TaskCheck:
+    """Checks the task of one ``page``, whose place among the pages is ``number``."""
+
+    def __init__(self, lesson: Lesson, number: int, page: Page, task: Task, *, quick: bool) -> None:
+        self._lesson = lesson
+        self._page = page
+        self._task = task
+        self._quick = quick
+        self._where: Location = ("pages", number, "task")
+        self._panels: Panels = UndecidedPanels() if quick else PanelsAtOnce()
+
+    def warnings(self) -> Iterator[Finding]:
+        """Yield what a learner or a teacher will miss."""
+        task = self._task
+        if not task.hints:
+            yield Finding(
+                (*self._where, "hints"), "no hint", "one at least, for who does not know how to go on"
+            )
+        if not task.solution:
+            yield Finding((*self._where, "solution"), "no solution", "what is shown after the last hint")
+        if len(task.rejects) < LEAST_REJECTS:
+            found = f"{len(task.rejects)} wrong attempts"
+            yield Finding(
+                (*self._where, "rejects"), found, f"{LEAST_REJECTS} or more that the task is held to"
+            )
+
+    def findings(self, figures: Figures, on_attempt: OnAttempt) -> Iterator[Finding]:
+        """Yield what is wrong with the task."""
+        if self._task.proof is not None:
+            yield from self._proof_findings(self._task.proof, figures)
+        if self._task.program is not None:
+            return
+        if not self._task.accepts:
+            yield Finding((*self._where, "accepts"), "no attempt", "one at least that passes")
+        ends = list[int]()
+        for key, attempts in (("accepts", self._task.accepts), ("rejects", self._task.rejects)):
+            for place, attempt in enumerate(attempts):
+                on_attempt(attempt.name)
+                yield from self._attempt_findings(attempt, (*self._where, key, place), ends)
+        on_attempt("waiting")
+        yield from waiting_findings(judged_task(self._lesson, self._page.id), self._where, ends, self._panels)
+
+    def findings_over_seeds(self, on_attempt: OnAttempt) -> Iterator[Finding]:
+        """Yield which attempts do not hold under all of 100 seeds in place of the setup's own."""
+        for key, attempts in (("accepts", self._task.accepts), ("rejects", self._task.rejects)):
+            for place, attempt in enumerate(attempts):
+                if attempt.claim or attempt.program or _is_by_hand(attempt):
+                    continue
+                on_attempt(attempt.name)
+                passed = 0
+                for seed in range(SEEDS_OF_VARIANTS):
+                    passed += self._judged(attempt, seed).view.passed is not None
+                wanted = SEEDS_OF_VARIANTS if key == "accepts" else 0
+                if passed != wanted:
+                    found = f"{shown(attempt.name)}, which passes under {passed} of {SEEDS_OF_VARIANTS} seeds"
+                    yield Finding((*self._where, key, place), found, f"under {wanted or 'none'} of them")
+
+    def _attempt_findings(self, attempt: Attempt, where: Location, ends: list[int]) -> Iterator[Finding]:
+        """Yield that an attempt is judged as it should not be; ``ends`` takes the step at which it ended."""
+        try:
+            judged = self._judged(attempt)
+        except UserError as fault:
+            yield Finding(where, f"{shown(attempt.name)}: {fault}", "an attempt that can be replayed")
+            return
+        ends.append(judged.step)
+        has_passed = judged.view.passed is not None
+        if has_passed and where[-2] == "rejects":
+            yield Finding(where, f"{shown(attempt.name)}, which passes", "an attempt that the task refuses")
+        if where[-2] == "accepts" and not has_passed and not (self._quick and judged.is_undecided):
+            yield Finding(
+                where, f"{shown(attempt.name)}, refused: {_why(judged.view)}", "an attempt that passes"
+            )
+
+    def _judged(self, attempt: Attempt, seed: int | None = None) -> _Judged:
+        task = judged_task(self._lesson, self._page.id, seed)
+        run = attempted_run(self._lesson, self._page.id, attempt, seed)
+        judge = judged_claim if attempt.claim else verdict
+        return _Judged(judge(task, run, self._panels), run.step)
+
+    def _proof_findings(self, proof: Proof, figures: Figures) -> Iterator[Finding]:
+        """Yield that the best there is would do, so that nothing is proved."""
+        condition = self._task.conditions[proof.condition]
+        try:
+            best = figures.value(proof.best)
+        except UserError:
+            return  # told of the figure itself
+        if is_met(condition, best):
+            found = f"{proof.best}, {in_digits_of(best, '')}, with which {shown(condition.text)} holds"
+            yield Finding((*self._where, "proof", "best"), found, "a best with which it does not hold")
+
+
+def _why(view: TaskView) -> str:
+    """Return the first condition that does not hold, and what was found."""
+    for condition in view.conditions:
+        if not condition.holds:
+            return f"{shown(condition.text)} does not hold ({condition.found or 'nothing'})"
+    return "it is no claim" if view.conditions else "nothing holds"
+
+
+def _is_by_hand(attempt: Attempt) -> bool:
+    return any(read_change(each).name == TAKE for each in attempt.changes)

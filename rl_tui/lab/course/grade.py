@@ -1,0 +1,254 @@
+"""Grading sessions by a lesson: which of its tasks the runs in them do, whatever the sessions say of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+from rl_tui.common.errors import ScenarioError, UserError
+from rl_tui.common.findings import shown
+from rl_tui.lab.course.predictions import NO_PREDICTIONS, Predictions, predictions_in
+from rl_tui.lab.experiments.training import Goal, train
+from rl_tui.lab.lessons.catalogue import find_lesson
+from rl_tui.lab.lessons.judging.attempts import judged_claim, replayed
+from rl_tui.lab.lessons.judging.conditions import JudgedTask, Panels, elsewhere, judged_task, verdict
+from rl_tui.lab.lessons.judging.moment import Kept
+from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
+from rl_tui.lab.lessons.lesson import Lesson
+from rl_tui.lab.lessons.record import LessonRecord, Passed
+from rl_tui.lab.lessons.view import ConditionView, TaskView
+from rl_tui.lab.run.recipe import Recipe, TakeAction, begin
+from rl_tui.lab.run.run import Run
+from rl_tui.lab.sessions.folder import files_in
+from rl_tui.lab.sessions.session import SUFFIX, SessionError, read_session
+from rl_tui.lab.timeline.branches import Branch
+
+PROVES: Final = "A session proves the run, not who made it."
+MOST_STEPS: Final = 20_000_000
+"""Steps of evidence or of a branch: what is longer is not replayed."""
+_MOST_STEPS_IN_ALL: Final = 100_000_000
+_MOST_MOMENTS: Final = 1_000
+"""Steps taken by hand of a branch after which its run is looked at, and twice as many in all."""
+_MOST_SESSIONS: Final = 1_000
+
+
+@dataclass(frozen=True, slots=True)
+class GradedTask:
+    """A task: its page's id and title, whether it is ``passed``, and how its conditions came out."""
+
+    id: str
+    title: str
+    passed: bool
+    conditions: tuple[ConditionView, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class GradedSession:
+    """A session by a lesson. ``remarks`` are sentences on what was left aside."""
+
+    path: Path
+    tasks: tuple[GradedTask, ...] = ()
+    predictions: Predictions = NO_PREDICTIONS
+    remarks: tuple[str, ...] = ()
+    fault: str = ""
+    """Why there is nothing to grade; mostly empty."""
+
+    @property
+    def passed(self) -> bool:
+        """Whether all tasks are."""
+        return not self.fault and all(task.passed for task in self.tasks)
+
+
+class LessonGrading:
+    """Grades sessions by the lesson of this ``name``, an id or a file, one after the other.
+
+    Raises UserError where there is no such lesson, or it sets no task.
+    """
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+        self._lessons = dict[str, Lesson]()
+        self._panels = PanelsAtOnce()
+        self.lesson = self._variant("")
+        """The lesson; its first variant where it has some."""
+
+    def grade(self, path: Path) -> GradedSession:
+        """Return which tasks the runs in a session do. Raises SessionError where the file holds none that
+        can be played.
+        """
+        record = read_session(path).record()
+        remarks = list[str]()
+        taken = record.lesson
+        if taken is not None and taken.lesson.id != self.lesson.id:
+            remarks.append(f"It is a session of the lesson {taken.lesson.id}: only its runs are looked at.")
+            taken = None
+        try:
+            lesson = self._variant("" if taken is None else taken.lesson.variant)
+        except ScenarioError as fault:
+            raise SessionError(path, str(fault.faults[0])) from fault
+        tasks = [judged_task(lesson, page.id) for page in lesson.tasks]
+        views = {task.page: _not_done(task, "nothing of it is in the session") for task in tasks}
+        for task in tasks:
+            evidence = _evidence(taken, task.page)
+            if evidence is not None:
+                views[task.page] = _better(_judged_evidence(task, evidence, self._panels), views[task.page])
+        search = _Search(views, self._panels)
+        for lane in record.lanes:
+            for branch in lane.branches:
+                search.look_at(tasks, lane.recipe, branch)
+        graded = tuple(_graded(lesson, task.page, views[task.page]) for task in tasks)
+        predictions = NO_PREDICTIONS if taken is None else predictions_in(taken, lesson, record)
+        return GradedSession(path, graded, predictions, (*remarks, *search.remarks))
+
+    def _variant(self, variant: str) -> Lesson:
+        if variant not in self._lessons:
+            lesson = find_lesson(self._name, variant)
+            _check(lesson)
+            self._lessons[variant] = lesson
+        return self._lessons[variant]
+
+
+def sessions_to_grade(target: Path) -> list[Path]:
+    """Return the file ``target``, or the session files of that folder by their names.
+
+    Raises UserError where a folder has none, or more than 1,000.
+    """
+    if not target.is_dir():
+        return [target]
+    files = files_in(target)
+    if not files:
+        raise UserError(f"{shown(str(target))}: found no session in this folder; expected {SUFFIX} files")
+    if len(files) > _MOST_SESSIONS:
+        raise UserError(
+            f"{shown(str(target))}: found {len(files):,} {SUFFIX} files; expected at most {_MOST_SESSIONS:,}"
+        )
+    return files
+
+
+def grade_report(lesson: Lesson, graded: GradedSession) -> dict[str, Any]:
+    """Return what ``graded`` came to, as JSON."""
+    report: dict[str, Any] = {
+        "lesson": lesson.id,
+        "passed": graded.passed,
+        "tasks": [
+            {
+                "id": task.id,
+                "passed": task.passed,
+                "conditions": [{"text": each.text, "holds": each.holds is True} for each in task.conditions],
+            }
+            for task in graded.tasks
+        ],
+        "predictions": graded.predictions._asdict(),
+        "remarks": list(graded.remarks),
+    }
+    return report | ({"error": graded.fault} if graded.fault else {})
+
+
+def _check(lesson: Lesson) -> None:
+    """Refuse a lesson by which nothing can be graded. Raises UserError."""
+    if not lesson.tasks:
+        raise UserError(f"the lesson {lesson.id} sets no task, so nothing can be graded by it")
+
+
+def _evidence(taken: LessonRecord | None, page: str) -> Passed | None:
+    return None if taken is None else next((each for each in taken.passed if each.page == page), None)
+
+
+def _judged_evidence(task: JudgedTask, evidence: Passed, panels: Panels) -> TaskView:
+    """Return how the task stands when what ``evidence`` says was done is done again."""
+    if task.task.program is not None:
+        return _not_done(task, "programs of sessions are not run here")
+    if evidence.claim:
+        return judged_claim(task, Run(task.setup, evaluate=False), panels)
+    reason = elsewhere(task.setup, evidence.recipe)
+    if evidence.step > MOST_STEPS:
+        reason = f"its evidence has {evidence.step:,} steps; at most {MOST_STEPS:,} are replayed"
+    if reason:
+        return _not_done(task, reason)
+    recipe = replace(evidence.recipe, scenario=task.setup.scenario)
+    try:
+        run = replayed(recipe, evidence.journal, evidence.step)
+    except UserError as fault:
+        return _not_done(task, f"its evidence cannot be replayed: {fault}")
+    if run.step != evidence.step:
+        return _not_done(task, f"its evidence ends at step {run.step:,}, not {evidence.step:,}")
+    return verdict(task, run, panels)
+
+
+class _Search:
+    """Looks in runs for moments at which tasks hold; ``views`` are the best until now, by page."""
+
+    def __init__(self, views: dict[str, TaskView], panels: Panels) -> None:
+        self._views = views
+        self._panels = panels
+        self._steps = _MOST_STEPS_IN_ALL
+        self._moments = 2 * _MOST_MOMENTS
+        self.remarks = list[str]()
+
+    def look_at(self, tasks: Sequence[JudgedTask], recipe: Recipe, branch: Branch) -> None:
+        """Look for those of ``tasks`` that are not passed yet, wherever ``branch`` may have come to one."""
+        wanted = [
+            task
+            for task in tasks
+            if self._views[task.page].passed is None
+            and task.task.program is None
+            and not elsewhere(task.setup, recipe)
+        ]
+        moments = list(_moments(branch))
+        if not wanted:
+            return
+        if branch.end > min(MOST_STEPS, self._steps) or len(moments) > self._moments:
+            self.remarks.append(f"{branch.name} was not looked at: it has too many steps.")
+            return
+        self._steps -= branch.end
+        self._moments -= len(moments)
+        try:
+            self._judge(wanted, replace(recipe, scenario=wanted[0].setup.scenario), branch, moments)
+        except UserError as fault:
+            self.remarks.append(f"{branch.name} cannot be replayed: {fault}")
+
+    def _judge(
+        self, tasks: Sequence[JudgedTask], recipe: Recipe, branch: Branch, moments: Sequence[int]
+    ) -> None:
+        beginning = begin(recipe)
+        run = Run(recipe, beginning, evaluate=False, episode_limit=beginning.world.budget)
+        kept = Kept()
+        for step in moments:
+            train(run, Goal(steps=step), journal=branch.journal)
+            if run.step != step:
+                return
+            for task in tasks:
+                best = self._views[task.page]
+                if best.passed is None:
+                    self._views[task.page] = _better(verdict(task, run, self._panels, kept), best)
+
+
+def _moments(branch: Branch) -> Iterator[int]:
+    """Yield the steps at which the run of ``branch`` may have come to something: its end, where it stands,
+    and after the first 1,000 steps taken by hand.
+    """
+    by_hand = [
+        entry.step + 1
+        for entry in branch.journal
+        if isinstance(entry.change, TakeAction) and entry.step < branch.end
+    ]
+    yield from sorted({branch.here, branch.end, *by_hand[:_MOST_MOMENTS]})
+
+
+def _not_done(task: JudgedTask, reason: str) -> TaskView:
+    return TaskView(tuple(ConditionView(each.text, False, reason) for each in task.task.conditions))
+
+
+def _better(view: TaskView, best: TaskView) -> TaskView:
+    """Return the one that is passed, or of which more conditions hold; else the first."""
+
+    def rank(each: TaskView) -> tuple[bool, int]:
+        return each.passed is not None, sum(condition.holds is True for condition in each.conditions)
+
+    return best if rank(best) > rank(view) else view
+
+
+def _graded(lesson: Lesson, page: str, view: TaskView) -> GradedTask:
+    return GradedTask(page, lesson.page(page).title, view.passed is not None, view.conditions)

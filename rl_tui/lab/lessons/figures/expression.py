@@ -1,0 +1,174 @@
+"""The expressions by which figures are worked out: arithmetic over names and calls, and nothing else.
+
+An expression is a text of a lesson file, so it is data: it is read by Python's parser, and evaluated here
+node by node. What is not listed is refused.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+import warnings
+from collections.abc import Callable, Mapping
+from typing import Any, Final
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import shown
+
+MOST_NODES: Final = 300
+MOST_DEPTH: Final = 20
+LARGEST: Final = 1e15
+"""Of the numbers that are written out in an expression."""
+
+Value = Any
+"""What an expression comes to: a number, a text, true or false; an argument may be a list or a table."""
+Call = Callable[[str, list[Value], dict[str, Value]], Value]
+"""Works out a function by its name, its arguments in order and those by name."""
+Look = Callable[[str], Value]
+"""Returns what a name stands for."""
+
+FORM: Final = "numbers, texts in quotes, names, calls, + − * / ** and brackets"
+_BINARY: Final[Mapping[type[ast.operator], Callable[[float, float], Any]]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+}
+
+
+class FigureError(UserError):
+    """A figure that cannot be worked out: what was found, and what was expected in its place."""
+
+    def __init__(self, found: str, expected: str) -> None:
+        self.found, self.expected = found, expected
+        super().__init__(f"found {found}; expected {expected}")
+
+
+class Estimate(float):
+    """A mean over seeds: a number with its standard ``error``."""
+
+    error: float
+
+    def __new__(cls, value: float, error: float) -> Estimate:
+        """Return the mean ``value`` with this ``error``."""
+        made = super().__new__(cls, value)
+        made.error = error
+        return made
+
+
+def read_expression(text: str) -> ast.expr:
+    """Return ``text`` as a tree of the kinds that are known, bounded in size. Raises FigureError."""
+    plain = text.replace("−", "-").strip()
+    try:
+        with warnings.catch_warnings(action="ignore"):  # of a text that is no Python
+            tree = ast.parse(plain, mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        raise FigureError(shown(text), f"an expression of {FORM}") from error
+    if sum(1 for _ in ast.walk(tree)) > MOST_NODES:
+        raise FigureError("a very long expression", f"at most {MOST_NODES} numbers, names and signs")
+    _check(tree, 0)
+    return tree
+
+
+def evaluate(tree: ast.expr, look: Look, call: Call) -> Value:
+    """Return what ``tree`` comes to; ``look`` knows the names, ``call`` the functions. Raises FigureError."""
+    return _Evaluation(look, call).value(tree)
+
+
+def _check(node: ast.expr, depth: int) -> None:
+    """Raise FigureError where there is anything that is not known."""
+    if depth > MOST_DEPTH:
+        raise FigureError("brackets within brackets, too deep", f"at most {MOST_DEPTH} within each other")
+    inner: list[ast.expr] = []
+    match node:
+        case ast.Constant(value=bool() | str()) | ast.Name():
+            pass
+        case ast.Constant(value=int() | float() as number) if abs(number) <= LARGEST:
+            pass
+        case ast.Constant(value=int() | float()):
+            raise FigureError("a number that is too large", f"numbers up to {LARGEST:g}")
+        case ast.UnaryOp(op=ast.USub() | ast.UAdd(), operand=operand):
+            inner = [operand]
+        case ast.BinOp(op=op, left=left, right=right) if type(op) in _BINARY:
+            inner = [left, right]
+        case ast.List(elts=elements) | ast.Tuple(elts=elements):
+            inner = elements
+        case ast.Dict(keys=keys, values=values) if all(isinstance(key, ast.Constant) for key in keys):
+            inner = [*(key for key in keys if key is not None), *values]
+        case ast.Call(func=ast.Name(), args=arguments, keywords=by_name) if all(
+            each.arg is not None for each in by_name
+        ):
+            inner = [*arguments, *(each.value for each in by_name)]
+        case _:
+            raise FigureError(shown(ast.unparse(node)), FORM)
+    for each in inner:
+        _check(each, depth + 1)
+
+
+class _Evaluation:
+    """One evaluation of a tree that was checked."""
+
+    def __init__(self, look: Look, call: Call) -> None:
+        self._look = look
+        self._call = call
+
+    def value(self, node: ast.expr) -> Value:
+        """Return what ``node`` comes to."""
+        match node:
+            case ast.Constant(value=constant):
+                return constant
+            case ast.Name(id=name):
+                return self._look(name)
+            case ast.UnaryOp(op=op, operand=operand):
+                number = self._number(operand)
+                return self._arithmetic(ast.Mult(), -1.0, number) if isinstance(op, ast.USub) else number
+            case ast.BinOp(op=op, left=left, right=right):
+                return self._arithmetic(op, self._number(left), self._number(right))
+            case ast.List(elts=elements) | ast.Tuple(elts=elements):
+                return [self.value(each) for each in elements]
+            case ast.Dict(keys=keys, values=values):
+                return {
+                    self.value(key): self.value(value)
+                    for key, value in zip(keys, values, strict=True)
+                    if key is not None
+                }
+            case ast.Call(func=ast.Name(id=name), args=arguments, keywords=by_name):
+                named = {each.arg: self.value(each.value) for each in by_name if each.arg is not None}
+                return self._call(name, [self.value(each) for each in arguments], named)
+        raise FigureError(shown(ast.unparse(node)), FORM)  # read_expression lets nothing else through
+
+    def _number(self, node: ast.expr) -> float:
+        value = self.value(node)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise FigureError(f"{shown(ast.unparse(node))}, which is {shown(value)}", "a number")
+        return value if isinstance(value, Estimate) else float(value)
+
+    def _arithmetic(self, op: ast.operator, left: float, right: float) -> float:
+        try:
+            result = _BINARY[type(op)](left, right)
+        except ZeroDivisionError:
+            raise FigureError("a division by 0", "a number other than 0 below the line") from None
+        except OverflowError:
+            result = math.inf
+        if not isinstance(result, float) or not math.isfinite(result):
+            raise FigureError("a result that is no finite number", "numbers whose result can be written")
+        error = _error_of(op, left, right)
+        return result if error is None else Estimate(result, error)
+
+
+def _error_of(op: ast.operator, left: float, right: float) -> float | None:
+    """Return the standard error of what ``op`` makes of one mean over seeds and a number; else None."""
+    if isinstance(left, Estimate) == isinstance(right, Estimate):
+        return None
+    error = left.error if isinstance(left, Estimate) else getattr(right, "error", 0.0)
+    other = right if isinstance(left, Estimate) else left
+    match op:
+        case ast.Add() | ast.Sub():
+            return error
+        case ast.Mult():
+            return error * abs(other)
+        case ast.Div() if isinstance(left, Estimate):
+            return error / abs(other)
+    return None

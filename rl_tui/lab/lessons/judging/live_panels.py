@@ -1,0 +1,128 @@
+"""Conditions that many seeds decide, worked out beside the run on screen: at most one request at a time."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+from rl_tui.lab.lessons.judging.conditions import Verdict
+from rl_tui.lab.lessons.judging.panel_worker import PanelRequest
+from rl_tui.lab.workers.answering_process import AnsweringProcess
+from rl_tui.worlds.gym.modules import ALLOWED
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.judging.seed_panel import KnownPanels
+    from rl_tui.lab.lessons.schema import Condition
+    from rl_tui.lab.run.recipe import Recipe
+
+WORKER: Final = "rl_tui.lab.lessons.judging.panel_worker"
+"""What runs in the process."""
+
+
+class LivePanels:
+    """Has them worked out in a process of its own, and remembers what came of it.
+
+    ``on_news`` is called, from any thread, when there is more to tell. With ``automatic`` off :meth:`of`
+    works them out itself, so that what is known does not depend on the time.
+    """
+
+    def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
+        self._on_news = on_news
+        self._automatic = automatic
+        self._lock = threading.Lock()  # guards the process and whether there may be one
+        self._process: _PanelProcess | None = None
+        self._is_closed = False
+        self._known: KnownPanels | None = None
+
+    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[Verdict]:
+        """Return what is known by now of ``conditions`` for runs of ``recipe``, and see to the rest."""
+        from rl_tui.lab.lessons.judging.seed_panel import KnownPanels, worked_out
+
+        known = self._known = self._known or KnownPanels()
+        found = known.of(recipe, conditions)
+        if found is None and not self._automatic:
+            found = worked_out(recipe, conditions)
+            known.keep(recipe, conditions, found)
+        if found is not None:
+            return found
+        process = self._process
+        if process is None or not process.is_about(recipe, conditions):
+            process = self._begin(recipe, conditions)
+        if process is None:
+            return [Verdict(None, "no process can be started to work it out")] * len(conditions)
+        if process.verdicts is not None:
+            known.keep(recipe, conditions, process.verdicts)
+            return process.verdicts
+        return [Verdict(None, process.failed or self.waits)] * len(conditions)
+
+    @property
+    def waits(self) -> str:
+        """How many seeds are done of those that are being worked out; empty where none are."""
+        process = self._process
+        if process is None or process.verdicts is not None or process.failed:
+            return ""
+        done, wanted = process.progress
+        return f"{done} of {wanted} seeds are done" if wanted else "seeds are being worked out"
+
+    def end(self) -> None:
+        """End what is being worked out; what is known is remembered."""
+        with self._lock:
+            process, self._process = self._process, None
+        if process is not None:
+            process.end()
+
+    def close(self) -> None:
+        """End it, from any thread, and begin nothing any more."""
+        with self._lock:
+            self._is_closed = True
+            if self._process is not None:
+                self._process.end()
+
+    def _begin(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> _PanelProcess | None:
+        self.end()
+        try:
+            with self._lock:
+                if not self._is_closed:
+                    self._process = _PanelProcess(recipe, conditions, self._on_news)
+        except OSError:
+            return None
+        return self._process
+
+
+class _PanelProcess(AnsweringProcess):
+    """Works out ``conditions`` for runs of ``recipe``; what is known by now stands in its attributes."""
+
+    def __init__(
+        self, recipe: Recipe, conditions: tuple[Condition, ...], on_news: Callable[[], None]
+    ) -> None:
+        self.verdicts: tuple[Verdict, ...] | None = None
+        """What came of it, None before its end."""
+        self.failed = ""
+        """Why nothing came of it; empty unless it has failed."""
+        self.progress = (0, 0)
+        """How many seeds of how many are done; none of none before the first."""
+        self._recipe, self._conditions = recipe, conditions
+        self._on_news = on_news
+        request = PanelRequest(recipe, conditions, frozenset(ALLOWED))
+        super().__init__(WORKER, request, self._take_in, self._has_ended, "seeds of a task")
+
+    def is_about(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> bool:
+        """Return whether this is what it works out."""
+        from rl_tui.lab.lessons.judging.seed_panel import same_panel
+
+        return same_panel(self._recipe, self._conditions, recipe, conditions)
+
+    def _take_in(self, document: Any) -> None:
+        if "done" in document:
+            self.progress = document["done"], document["wanted"]
+        elif "failed" in document:
+            self.failed = str(document["failed"])
+        else:
+            self.verdicts = tuple(Verdict(holds, str(found)) for holds, found in document["verdicts"])
+        self._on_news()
+
+    def _has_ended(self) -> None:
+        if self.verdicts is None and not self.failed:
+            self.failed = "its process ended by itself"
+        self._on_news()

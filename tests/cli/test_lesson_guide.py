@@ -1,0 +1,42 @@
+"""The lesson that the guide writes from nothing is one."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from rl_tui.cli.main import program
+from rl_tui.lab.lessons.lesson import read_lesson
+
+pytestmark = pytest.mark.unit
+
+GUIDE = (Path(__file__).parents[2] / "docs/lessons.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"```toml\n(.*?)```", GUIDE, re.DOTALL)
+
+
+def test_its_parts_are_a_lesson_without_a_fault(tmp_path: Path) -> None:
+    path = tmp_path / "corridor.toml"
+    path.write_text("\n".join(BLOCKS), encoding="utf-8")
+    result = CliRunner().invoke(program, ["check", str(path)])
+    assert (result.exit_code, result.stderr) == (0, "")
+    lesson = read_lesson(path)
+    assert [page.id for page in lesson.pages] == ["worth", "smaller", "walk"]
+
+
+def test_a_number_in_it_that_is_not_so_is_found(tmp_path: Path) -> None:
+    path = tmp_path / "corridor.toml"
+    path.write_text("\n".join(BLOCKS).replace('value = "0.729"', 'value = "0.81"'), encoding="utf-8")
+    result = CliRunner().invoke(program, ["check", str(path)])
+    assert result.exit_code == 1
+    assert "figures.start.value" in result.stderr
+    assert "0.729" in result.stderr
+
+
+def test_the_lessons_listed_are_the_ones_that_learn_lists() -> None:
+    listed = json.loads(CliRunner().invoke(program, ["learn", "--list", "--json"]).stdout)
+    table = re.findall(r"^\| `([a-z-]+)` ", GUIDE, re.MULTILINE)
+    assert [each["id"] for each in listed] == [name for name in table if name in {e["id"] for e in listed}]

@@ -1,0 +1,237 @@
+"""Figures of lessons: values of the literature, those of commands, and what is told where they are not so."""
+
+from __future__ import annotations
+
+import json
+from typing import Any, Final
+
+import pytest
+from click.testing import CliRunner
+from lesson_samples import with_figures
+
+from rl_tui.cli.main import program
+from rl_tui.lab.lessons.figures.figures import Figures
+from rl_tui.lab.lessons.figures.functions import FUNCTIONS
+
+pytestmark = pytest.mark.unit
+
+TOP_ROW: Final = ", ".join(
+    [
+        "'else': 'up'",
+        *(f"'{cell}': 'right'" for cell in range(11)),
+        *(f"'{cell}': 'down'" for cell in (11, 23, 35)),
+    ]
+)
+
+KNOWN: Final = (
+    ("6.3415", "optimal_value('Class')"),
+    ("6.3415", "optimal_value()"),
+    ("0.25", "flip(1)"),
+    ("1", "flips()"),
+    ("7.5", "optimal_return()"),
+    ("7.5", "best_return()"),
+    ("2.25", "policy_steps('optimal')"),
+    ("4.0436", "policy_value('Class', 'uniform')"),
+    ("2.3993", "policy_value('Phone')"),
+    ("10", "policy_value('Pass')"),
+    ("80 %", "chance('Class', 'study', 'Pass')"),
+    ("−2", "reward('Class', 'study', 'Pass')"),
+    ("−1.5", "-alpha * 3"),
+    ("q-learning", "algorithm"),
+    ("5", "abs(min(-5, max(1, 2)))"),
+    ("3", "sqrt(9) + log(1) + log10(1) + exp(0) - round(1.2)"),
+    ("71.7", "mean_episodes(scenario='frozenlake', ties='random')"),
+    ("50", "median_episodes(scenario='frozenlake', ties='random')"),
+    (".013940", "first_update_chance(scenario='frozenlake', ties='random')"),
+    ("184,616", "mean_episodes(scenario='frozenlake', ties='first', epsilon=0.1)"),
+    ("94.7 %", "(1 - first_update_chance(scenario='frozenlake', ties='first', epsilon=0.1)) ** 10000"),
+    ("10,741", "mean_episodes(scenario='frozenlake-slippery', ties='first', epsilon=0.1)"),
+    ("0.86284", "optimal_q(14, 'down', scenario='frozenlake-slippery')"),
+    ("0.542026", "optimal_value(0, scenario='frozenlake-slippery')"),
+    ("0.7402", "optimal_return(scenario='frozenlake-slippery')"),
+    ("0.7442", "best_return(scenario='frozenlake-slippery')"),
+    ("14/17", "unlimited_return(scenario='frozenlake-slippery')"),
+    ("0.4055", "policy_return('optimal', 0.1, scenario='frozenlake-slippery')"),
+    ("−50.80", "policy_return('optimal', epsilon=0.1, scenario='cliff')"),
+    ("−20.71", "soft_return(0.1, 0.1, scenario='cliff')"),
+    ("15", "soft_steps(0.1, 0, scenario='cliff')"),
+    ("−28.63", "soft_return(0.2, 0.2, scenario='cliff')"),
+    ("−22.27", f"policy_return({{{TOP_ROW}}}, 0.1, scenario='cliff')"),
+    ("1", "policy_ends('optimal', scenario='cliff')"),
+    (".5133", "optimal_value(scenario='maze')"),
+    (".5188", "way_flip(1, scenario='discount')"),
+    ("10", "pairs(scenario='bandit')"),
+    ("1,000", "budget(scenario='bandit')"),
+    ("16", "states(scenario='frozenlake')"),
+    ("11", "live_states(scenario='frozenlake')"),
+    ("44", "pairs(scenario='frozenlake')"),
+    ("4", "actions(scenario='frozenlake')"),
+    ("2", "actions('Class')"),
+    ("100", "time_limit(scenario='frozenlake')"),
+)
+HANDS: Final = '["0:take=study", "1:take=study", "2:take=sleep", "3:take=study"]'
+RUNS: Final = (
+    ("−1", f"run('q', steps=1, changes={HANDS}, state='Class', action='study')"),
+    ("−1.5", f"run('q', steps=2, changes={HANDS}, state='Class', action='study')"),
+    ("0.5", f"run('q', steps=4, changes={HANDS}, state='Class', action='study')"),
+    ("+4.0", f"run('td_error', steps=4, changes={HANDS})"),
+    ("check phone", "run('policy_in', episodes=3, state='Class')"),
+    ("study", "attempt('do', 'study', 'policy_in', state='Class', setup='evening') "),
+    ("−1", "attempt('do', 'study', 'q', state='Class', action='study')"),
+    ("100 %", "share('policy_in', equals='study', state='Class', episodes=100, initial_q=5)"),
+    ("0", "count('policy_in', equals='study', state='Class', episodes=100, seeds=20)"),
+)
+
+
+def finding(value: str, by: str) -> str:
+    """What is wrong with a figure that is written ``value``, in one line; empty where it is so."""
+    lesson = with_figures(f"tried = {{ value = {json.dumps(value)}, by = {json.dumps(by)} }}")
+    found = Figures(lesson).finding("tried")
+    return "" if found is None else f"{found.location[-1]}: {found.found}; {found.expected}"
+
+
+@pytest.mark.parametrize(("value", "by"), [*KNOWN, *(row for row in RUNS if not row[1].endswith(" "))])
+def test_known_values(value: str, by: str) -> None:
+    assert finding(value, by) == ""
+
+
+@pytest.mark.parametrize(("value", "by"), KNOWN[:9])
+def test_another_value_is_not_so(value: str, by: str) -> None:
+    assert finding(f"{value}7" if "." in value else f"{value}1", by).startswith("value: ")
+
+
+@pytest.mark.parametrize(
+    ("value", "by", "told"),
+    [
+        ("1", "optimal_valu('Class')", 'did you mean "optimal_value"?'),
+        ("1", "optimal_value('Clas')", 'did you mean "Class"?'),
+        ("1", "optimal_q('Class', 'studdy')", 'did you mean "study"?'),
+        ("1", "optimal_q('Pass', 'study')", "one of sleep"),
+        ("1", "optimal_q('Class')", "optimal_q(state, action)"),
+        ("1", "optimal_value('Class', gama=0.5)", 'did you mean "gamma"?'),
+        ("1", "optimal_value('Class', gamma=2)", "[0, 1]"),
+        ("1", "optimal_value(setup='evenings')", 'did you mean "evening"?'),
+        ("1", "optimal_value(scenario='studnet')", "student"),
+        ("1", "frist + 1", 'did you mean "first"?'),
+        ("1", "flip(2)", "a whole number, 1 to 1"),
+        ("1", "policy_value('Class', 'best')", "uniform, optimal, soft, first"),
+        ("1", "run('q', steps=1)", "q with state, action"),
+        ("1", "run('qq', steps=1)", "the name of a measure"),
+        ("1", "run('reward')", "how far a run goes"),
+        ("1", "run('reward', steps=1, changes=['0:epsilon=7'])", "epsilon"),
+        ("1", "run('regret', steps=1)", "no bandit"),
+        ("1", "mean('episodes', seeds=20, steps=9)", "50 to 10,000"),
+        ("1", "share('episodes', steps=9)", "one of at_least"),
+        ("1", "share('policy_in', steps=9, state='Class', at_least=1)", "held against"),
+        ("1", "mean('policy_in', steps=9, state='Class')", "a number under every seed"),
+        ("1", "mean('first_reward_episode', steps=1)", "a number under every seed"),
+        ("1", "ahead('steps', 1, {}, steps=9)", "a table of settings"),
+        ("1", "attempt('doo', 'study', 'steps')", 'did you mean "do"?'),
+        ("1", "attempt('do', 'studi', 'steps')", 'did you mean "study"?'),
+        ("1", "sqrt(-1)", "sqrt(x)"),
+        ("1", "log('a')", "log of numbers"),
+        ("1", "tried + 1", "tried → tried, a circle"),
+        ("1", "algorithm", '"q-learning"'),
+        ("about one", "1", "a number, such as 1"),
+        ("1 ± 0.1", "1", "no mean over seeds"),
+    ],
+)
+def test_what_is_told_of_a_figure(value: str, by: str, told: str) -> None:
+    assert told in finding(value, by)
+
+
+def test_figures_that_ask_for_each_other() -> None:
+    lesson = with_figures(
+        'here = { value = "1", by = "there" }', 'there = { value = "1", by = "over_there" }',
+        'over-there = { value = "1", by = "here" }',
+    )  # fmt: skip
+    found = Figures(lesson).finding("here")
+    assert found is not None
+    assert found.found == "here → there → over-there → here, a circle"
+
+
+def test_figures_that_ask_for_very_many_others() -> None:
+    chain = (f'f{n} = {{ value = "1", by = "f{n + 1} * 1" }}' for n in range(280))
+    lesson = with_figures(*chain, 'f280 = { value = "1", by = "1" }')
+    found = Figures(lesson).finding("f0")
+    assert found is None or "too deep" in found.found
+    assert not Figures(lesson).needs_seeds("f0")
+
+
+def test_a_figure_may_not_be_mistaken_for_a_setting() -> None:
+    lesson = with_figures(
+        'epsilon = { value = "0.5", by = "alpha" }', 'gamma = { value = "0.9", by = "gamma" }'
+    )
+    assert Figures(lesson).finding("epsilon") is not None
+    assert Figures(lesson).finding("gamma") is None
+
+
+def test_a_mean_over_seeds_is_written_with_its_error() -> None:
+    by = "mean('first_reward_episode', seeds=50, episodes=400, scenario='frozenlake')"
+    figures = Figures(with_figures(f'tried = {{ value = "1", by = "{by}" }}'))
+    wanted = figures.value("tried")
+    assert wanted == pytest.approx(71.7, abs=4 * wanted.error)
+    assert finding(f"{wanted:.1f} ± {wanted.error:.1f}", by) == ""
+    assert finding(f"{wanted:.1f}", by) == ""
+    assert finding(f"{wanted:.1f} ± {wanted.error + 1:.1f}", by).startswith("value: ")
+    assert finding(f"{wanted + 1:.1f} ± {wanted.error:.1f}", by).startswith("value: ")
+    assert finding(f"{10 * wanted:.0f} ± {10 * wanted.error:.0f}", f"10 * {by}") == ""
+    assert finding(f"−{wanted / 2:.1f} ± {wanted.error / 2:.1f}", f"-{by} / 2") == ""
+    assert finding(f"{1 - wanted:.1f} ± {wanted.error:.1f}", f"1 - {by}") == ""
+    assert finding(f"1 ± {wanted.error:.1f}", f"{by} / {by}").startswith("value: ")
+    assert finding(f"{wanted.error:.2f}", by.replace("mean", "error_of_mean")) == ""
+
+
+def test_runs_over_seeds_are_those_of_the_command() -> None:
+    runs = document("train", "student", "--runs", "50", "--episodes", "20", "--alpha", "0.3", "--seed", "0")[
+        "runs"
+    ]
+    returns = [row["return_mean"] for row in runs]
+    over = "'return_mean', seeds=50, episodes=20, scenario='student', alpha=0.3"
+    for name, exact in (("least", min(returns)), ("greatest", max(returns)), ("mean", sum(returns) / 50)):
+        figures = Figures(with_figures(f'tried = {{ value = "1", by = "{name}({over})" }}'))
+        assert figures.value("tried") == pytest.approx(exact, rel=1e-12)
+    share = sum(value >= 5 for value in returns) / 50
+    assert finding(f"{share:.0%}", f"share({over}, at_least=5)") == ""
+    by = "ahead('return_mean', {'alpha': 0.3}, {'alpha': 0.3}, seeds=50, episodes=20)"
+    assert finding("0", by) == ""
+
+
+def test_exact_figures_are_those_of_the_commands() -> None:
+    solved = document("solve", "student", "--gamma", "0.5", "--flips")
+    asked = Figures(
+        with_figures(
+            *(
+                f'{name} = {{ value = "1", by = "{by}" }}'
+                for name, by in (
+                    ("v", "optimal_value('Class', gamma=0.5)"),
+                    ("q", "optimal_q('Class', 'study', gamma=0.5)"),
+                    ("fixed", "flip(1)"),
+                    ("value", "policy_value(policy='uniform', epsilon=0.2, scenario='cliff')"),
+                    ("long", "policy_steps('uniform', 0.2, scenario='cliff')"),
+                    ("wait", "mean_episodes(scenario='frozenlake', ties='first')"),
+                )
+            )
+        )
+    )
+    place = solved["states"].index("Class")
+    assert asked.value("v") == solved["v"][place]
+    assert asked.value("q") == solved["q"][place][solved["actions"].index("study")]
+    assert asked.value("fixed") == solved["flips"][0]["gamma"]
+    evaluated = document("evaluate", "cliff", "--policy", "uniform", "--epsilon", "0.2")
+    assert (asked.value("value"), asked.value("long")) == (evaluated["value_at_start"], evaluated["steps"])
+    why = document("why", "frozenlake", "--ties", "first")
+    assert asked.value("wait") == why["first_update"]["mean_episodes"]
+
+
+def test_every_function_has_its_line() -> None:
+    for name, row in FUNCTIONS.items():
+        assert name == row.name
+        assert row.meaning[:1].isupper()
+        assert row.meaning.endswith((".", "…"))
+
+
+def document(*args: str) -> Any:
+    result = CliRunner().invoke(program, [*args, "--json"])
+    assert result.exit_code == 0, result.stderr
+    return json.loads(result.stdout)

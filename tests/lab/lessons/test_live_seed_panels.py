@@ -1,0 +1,141 @@
+"""Tasks judged beside a living run, with what many seeds say worked out in a process of its own."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from lab.lessons.task_samples import condition, lesson_with, recipe_in
+
+from rl_tui.common.kiosk import VARIABLE
+from rl_tui.lab.lessons.judging import live_panels
+from rl_tui.lab.lessons.judging.conditions import judged_task, verdict
+from rl_tui.lab.lessons.judging.judge import TaskJudge
+from rl_tui.lab.lessons.judging.live_panels import LivePanels
+from rl_tui.lab.lessons.lesson import Lesson
+from rl_tui.lab.lessons.record import begun, run_digest
+from rl_tui.lab.lessons.view import LessonView, TaskView
+from rl_tui.lab.run.recipe import SetParameter
+from rl_tui.lab.run.run import Run
+
+pytestmark = pytest.mark.process
+
+LONGEST = 60.0
+PANEL: dict[str, Any] = {
+    "measure": "steps_of_episodes",
+    "first": 2,
+    "last": 10,
+    "at_most": 300,
+    "seeds": 20,
+    "hold": 18,
+    "episodes": 10,
+}
+
+
+class News:
+    """Waits for news, as a player does."""
+
+    def __init__(self) -> None:
+        self._event = threading.Event()
+
+    def __call__(self) -> None:
+        self._event.set()
+
+    def until(self, is_there: Callable[[], bool]) -> None:
+        while not is_there():
+            assert self._event.wait(LONGEST)
+            self._event.clear()
+
+
+@pytest.fixture
+def news() -> News:
+    return News()
+
+
+@pytest.fixture
+def judge(news: News) -> Iterator[TaskJudge]:
+    made = TaskJudge(news, automatic=True)
+    yield made
+    made.close()
+
+
+def maze_task(planning: int) -> tuple[Lesson, Run]:
+    asked = ({"measure": "episodes", "at_least": 1}, PANEL)
+    lesson = lesson_with(*asked, scenario="maze", algorithm="dyna-q", planning_steps=planning)
+    run = Run(judged_task(lesson, "only").setup)
+    return lesson, run
+
+
+def task_of(view: LessonView) -> TaskView:
+    assert view.task is not None
+    return view.task
+
+
+@pytest.mark.parametrize(("planning", "expected"), [(50, True), (5, False)])
+@pytest.mark.parametrize("is_kiosk", [False, True])
+def test_a_panel_comes_to_what_the_replay_says(
+    judge: TaskJudge,
+    news: News,
+    monkeypatch: pytest.MonkeyPatch,
+    planning: int,
+    expected: bool,
+    is_kiosk: bool,
+) -> None:
+    if is_kiosk:
+        monkeypatch.setenv(VARIABLE, "1")
+    lesson, run = maze_task(planning)
+    record = begun(lesson)
+    assert [each.holds for each in task_of(judge.view(record, run)).conditions] == [False, False]
+    run.advance(episodes=1)
+    first = task_of(judge.view(record, run))
+    assert (first.conditions[1].holds, bool(first.waits), first.passed) == (None, True, None)
+    news.until(lambda: task_of(judge.view(record, run)).conditions[1].holds is not None)
+    known = task_of(judge.view(record, run))
+    assert (known.conditions[1].holds, known.waits) == (expected, "")
+    assert known == verdict(judged_task(lesson, "only"), run)
+
+
+def test_without_time_it_is_known_at_once() -> None:
+    lesson, run = maze_task(50)
+    run.advance(episodes=1)
+    judge = TaskJudge(lambda: None, automatic=False)
+    view = judge.view(begun(lesson), run)
+    assert task_of(view).passed is not None
+    assert view.digest == run_digest(run.recipe, run.journal, run.step, run.world.space.action_names)
+
+
+def test_what_is_known_of_settings_is_not_worked_out_again(
+    news: News, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    panels = LivePanels(news, automatic=True)
+    asked, recipe = (condition("steps", at_least=1, seeds=2, hold=2, steps=5),), recipe_in("student")
+    asked = (asked[0].model_copy(update={"equals": None}),)
+    panels.of(recipe, asked)
+    news.until(lambda: panels.of(recipe, asked)[0].holds is not None)
+    monkeypatch.setattr(live_panels, "WORKER", "there.is.no.such.module")
+    again = panels.of(recipe_in("student", seed=9), asked)
+    assert again[0].holds is True
+    others = recipe_in("student", epsilon=0.9)
+    panels.of(others, asked)
+    news.until(lambda: panels.waits == "")
+    failed = panels.of(others, asked)
+    assert (failed[0].holds, bool(failed[0].found)) == (None, True)
+    panels.close()
+
+
+def test_once_closed_nothing_is_begun(news: News) -> None:
+    panels = LivePanels(news, automatic=True)
+    panels.close()
+    asked = (condition("steps", seeds=2, hold=2, steps=5),)
+    assert panels.of(recipe_in("student"), asked)[0].holds is None
+    assert panels.waits == ""
+
+
+def test_a_page_without_a_task_has_none_and_a_digest(judge: TaskJudge) -> None:
+    lesson, run = maze_task(50)
+    run.apply(SetParameter("epsilon", 0.3))
+    before = judge.view(begun(lesson), run).digest
+    run.advance(1)
+    assert judge.view(begun(lesson), run).digest != before

@@ -1,0 +1,365 @@
+"""The list of lessons, and the way from it into a lesson and back, by real keys."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import pytest
+from drawn_text import rows_of, words_of
+from seams import notes, press, screen_text, snapshot
+from textual.pilot import Pilot
+
+from rl_tui.common.errors import UserError
+from rl_tui.lab.course.entries import lesson_entries, start_of
+from rl_tui.lab.lessons.lesson import Lesson, lesson_of
+from rl_tui.lab.lessons.record import Given, LessonRecord, begun
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.sessions.folder import files_in
+from rl_tui.lab.sessions.session import encoded, read_session
+from rl_tui.tui.actions.action import Place
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
+from rl_tui.tui.app.opening import beginning_of
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
+from rl_tui.tui.screens.dialogs.confirm import Confirm
+from rl_tui.tui.screens.lessons.lesson_list import LessonList
+from rl_tui.tui.screens.lessons.lessons import LessonsScreen
+from rl_tui.tui.screens.playground.playground import Playground
+
+WALK = """
+title = "A walk"
+summary = "Three pages, two worlds."
+order = 10
+minutes = 12
+goals = ["walk from page to page"]
+[setups.evening]
+scenario = "student"
+seed = 5
+speed = 3
+settings = { alpha = 0.5 }
+[setups.lake]
+scenario = "frozenlake"
+[setups.nowhere]
+world = '''
+title = "Nowhere"
+[gymnasium]
+id = "NoSuchWorld-v0"
+'''
+[[pages]]
+id = "start"
+title = "The beginning"
+setup = "evening"
+[[pages]]
+id = "guess"
+title = "A guess"
+[pages.prediction]
+ask = "What will it be?"
+answer = 1
+tolerance = 0.1
+[[pages]]
+id = "lake"
+title = "On the ice"
+setup = "lake"
+[pages.task]
+do = "Take five steps."
+conditions = [{ text = "five steps", measure = "steps", at_least = 5 }]
+[[pages]]
+id = "nowhere"
+title = "Nowhere"
+setup = "nowhere"
+"""
+OTHER = WALK.replace("A walk", "A second walk").replace("order = 10", "order = 20")
+
+MakeLessonApp = Callable[..., RlTuiApp]
+
+
+@pytest.fixture
+def lessons(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with two lessons in place of the shipped ones."""
+    folder = tmp_path / "lessons"
+    folder.mkdir()
+    (folder / "walk.toml").write_text(WALK, encoding="utf-8")
+    (folder / "other.toml").write_text(OTHER, encoding="utf-8")
+    for module in ("lessons.catalogue", "sessions.stored_lesson"):
+        monkeypatch.setattr(f"rl_tui.lab.{module}.lesson_folder", lambda: folder)
+    return folder
+
+
+@pytest.fixture
+def make_lesson_app(lessons: Path, tmp_path: Path) -> MakeLessonApp:
+    """The list of lessons, with a folder of sessions of its own."""
+
+    def make(start: object = Place.LESSONS, *, kiosk: bool = False, **display: object) -> RlTuiApp:
+        app = RlTuiApp(
+            Display(**{"fps": 1000.0, **display}),
+            start,
+            make_player=partial(Player, automatic=False),
+            picture=True,
+            sessions=None if kiosk else tmp_path / "sessions",
+            kiosk=kiosk,
+        )
+        app.NOTIFICATION_TIMEOUT = 3600.0
+        return app
+
+    return make
+
+
+def walk(lessons: Path) -> Lesson:
+    return lesson_of(WALK, lessons / "walk.toml")
+
+
+def keep(tmp_path: Path, record: LessonRecord, step: int = 4, order: int = 0) -> Path:
+    """Write a session of ``record``, its run at ``step``; of two that of the higher ``order`` is newer."""
+    beginning = beginning_of(record)
+    lane = beginning.lanes[0]
+    branch = replace(lane.branches[0], end=step, here=step)
+    folder = tmp_path / "sessions"
+    folder.mkdir(exist_ok=True)
+    path = folder / f"{record.lesson.id}-{order}.json"
+    path.write_bytes(encoded(replace(beginning, lanes=(replace(lane, branches=(branch,)),))))
+    os.utime(path, ns=(order, order))
+    return path
+
+
+def listed(pilot: Pilot[UserError]) -> str:
+    """The words of the list, without its frame."""
+    rows = rows_of(pilot.app.screen.query_one(LessonList))[1:-1]
+    return " ".join(" ".join(row.strip("│ ") for row in rows).split())
+
+
+def details(pilot: Pilot[UserError]) -> str:
+    return words_of(pilot.app.screen.query_one("#about"))
+
+
+def lesson_on_screen(pilot: Pilot[UserError]) -> LessonRecord:
+    view = snapshot(pilot).lesson
+    assert view is not None
+    return view.record
+
+
+async def settled(pilot: Pilot[UserError], *keys: str) -> None:
+    for key in keys:
+        await pilot.press(key)
+        await all_work_done(pilot)
+    await all_work_done(pilot)
+
+
+async def all_work_done(pilot: Pilot[UserError]) -> None:
+    for worker in list(pilot.app.workers):
+        if worker.name in ("open the lesson", "resume the session"):
+            await worker.wait()
+    await settle(pilot)
+
+
+async def test_it_lists_the_lessons_in_their_order(make_lesson_app: MakeLessonApp) -> None:
+    async with make_lesson_app().run_test(size=(80, 24)) as pilot:
+        await settled(pilot)
+        assert listed(pilot) == "1 A walk not begun · 12 min 2 A second walk not begun · 12 min"
+        assert "Three pages, two worlds." in details(pilot)
+        assert "walk from page to page" in details(pilot)
+
+
+async def test_enter_begins_a_lesson_with_the_run_of_its_first_page(make_lesson_app: MakeLessonApp) -> None:
+    app = make_lesson_app()
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settled(pilot, "enter")
+        shown = snapshot(pilot)
+        assert lesson_on_screen(pilot).page == "start"
+        assert (shown.recipe.scenario.id, shown.recipe.seed, shown.counters.step) == ("student", 5, 0)
+        assert shown.recipe.hyperparameters.alpha == 0.5
+        assert shown.playback.speed == 3.0
+
+
+async def test_a_lesson_under_way_says_so_and_goes_on_where_it_was_left(
+    make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path
+) -> None:
+    given = Given("guess", 1.0, is_right=True, step=4)
+    path = keep(tmp_path, begun(walk(lessons)).open("guess").give(given))
+    async with make_lesson_app().run_test(size=(80, 24)) as pilot:
+        await settled(pilot)
+        assert "page 2 of 4 · 12 min" in listed(pilot)
+        assert "page 2 of 4: A guess" in details(pilot)
+        assert "0 of 1 passed" in details(pilot)
+        assert "1 of 1 right" in details(pilot)
+        await settled(pilot, "enter")
+        record = lesson_on_screen(pilot)
+        assert (record.page, record.given, snapshot(pilot).counters.step) == ("guess", (given,), 4)
+        await press(pilot, "s")
+        await settled(pilot, "escape", "escape")
+        assert isinstance(pilot.app.screen, LessonsScreen)
+        assert files_in(tmp_path / "sessions") == [path]
+        assert read_session(path).step == 5
+
+
+async def test_a_finished_lesson_is_a_reference_from_its_first_page(
+    make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path
+) -> None:
+    given = Given("guess", 3.0, is_right=False, step=4)
+    path = keep(tmp_path, replace(begun(walk(lessons)).open("lake").give(given), finished=True))
+    before = path.read_bytes()
+    async with make_lesson_app().run_test(size=(80, 24)) as pilot:
+        await settled(pilot)
+        assert "✓ finished" in listed(pilot)
+        assert "1 of 2 finished" in screen_text(pilot.app)
+        assert "0 of 1 right" in details(pilot)
+        await settled(pilot, "enter")
+        record = lesson_on_screen(pilot)
+        assert (record.page, record.given, record.finished) == ("start", (given,), True)
+        assert (snapshot(pilot).recipe.scenario.id, snapshot(pilot).counters.step) == ("student", 0)
+        await settled(pilot, "escape")
+        assert path.read_bytes() == before
+
+
+async def test_r_asks_once_and_begins_again_beside_what_was_done(
+    make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path
+) -> None:
+    path = keep(tmp_path, begun(walk(lessons)).open("guess"))
+    async with make_lesson_app().run_test(size=(80, 24)) as pilot:
+        await settled(pilot, "r")
+        assert isinstance(pilot.app.screen, Confirm)
+        await settled(pilot, "escape")
+        assert isinstance(pilot.app.screen, LessonsScreen)
+        await settled(pilot, "r", "enter")
+        assert (lesson_on_screen(pilot).page, snapshot(pilot).counters.step) == ("start", 0)
+        await press(pilot, "s")
+        await settled(pilot, "escape", "escape")
+        assert len(files_in(tmp_path / "sessions")) == 2
+        assert read_session(path).step == 4
+        assert "page 1 of 4" in listed(pilot)
+
+
+async def test_r_on_a_lesson_that_is_not_begun_begins_it_at_once(make_lesson_app: MakeLessonApp) -> None:
+    async with make_lesson_app().run_test(size=(80, 24)) as pilot:
+        await settled(pilot, "r")
+        assert lesson_on_screen(pilot).page == "start"
+
+
+async def test_from_a_lesson_escape_comes_back_to_it_and_then_to_the_catalogue(
+    make_lesson_app: MakeLessonApp,
+) -> None:
+    async with make_lesson_app().run_test(size=(80, 24)) as pilot:
+        await settled(pilot, "down", "enter")
+        assert lesson_on_screen(pilot).lesson.id == "other"
+        await settled(pilot, "escape")
+        assert isinstance(pilot.app.screen, LessonsScreen)
+        assert pilot.app.screen.query_one(LessonList).highlighted == 1
+        await settled(pilot, "escape")
+        assert isinstance(pilot.app.screen, CatalogueScreen)
+
+
+async def test_a_file_with_faults_stands_at_the_end_with_them(
+    make_lesson_app: MakeLessonApp, lessons: Path
+) -> None:
+    (lessons / "a-bad-one.toml").write_text(WALK.replace("minutes = 12", "minutes = 0"), encoding="utf-8")
+    async with make_lesson_app().run_test(size=(80, 24)) as pilot:
+        await settled(pilot, "end")
+        assert listed(pilot).endswith("a-bad-one.toml faulty")
+        assert "minutes: found 0" in details(pilot)
+        for key in ("enter", "r"):
+            await settled(pilot, key)
+            assert isinstance(pilot.app.screen, LessonsScreen)
+            assert notes(pilot.app)[-1] == "this file has faults; mend them first"
+
+
+async def test_a_folder_without_lessons_is_said_to_be_empty(
+    make_lesson_app: MakeLessonApp, lessons: Path
+) -> None:
+    for path in lessons.iterdir():
+        path.unlink()
+    async with make_lesson_app().run_test(size=(80, 24)) as pilot:
+        await settled(pilot, "enter", "r")
+        assert isinstance(pilot.app.screen, LessonsScreen)
+        assert "No lessons are here" in details(pilot)
+
+
+async def test_another_setup_takes_the_place_of_the_run_and_the_same_session_goes_on(
+    make_lesson_app: MakeLessonApp, tmp_path: Path
+) -> None:
+    async with make_lesson_app().run_test(size=(80, 24)) as pilot:
+        await settled(pilot, "enter")
+        await press(pilot, "s", "s")
+        await turn_to(pilot, "lake")
+        assert lesson_on_screen(pilot).page == "lake"
+        assert (snapshot(pilot).recipe.scenario.id, snapshot(pilot).counters.step) == ("frozenlake", 0)
+        await press(pilot, "s", "s", "s")
+        await turn_to(pilot, "start")
+        assert (snapshot(pilot).recipe.scenario.id, snapshot(pilot).counters.step) == ("student", 0)
+        await press(pilot, "s")
+        await settled(pilot, "escape", "escape")
+        (path,) = files_in(tmp_path / "sessions")
+        document = read_session(path).document
+        assert document.lesson is not None
+        assert (document.lesson.page, document.scenario.id, read_session(path).step) == (
+            "start",
+            "student",
+            1,
+        )
+
+
+async def test_a_setup_that_cannot_be_built_is_told_and_the_lesson_stays(
+    make_lesson_app: MakeLessonApp,
+) -> None:
+    async with make_lesson_app().run_test(size=(80, 24)) as pilot:
+        await settled(pilot, "enter")
+        await press(pilot, "s", "s")
+        await turn_to(pilot, "nowhere")
+        assert "NoSuchWorld-v0" in notes(pilot.app)[-1]
+        assert (lesson_on_screen(pilot).page, snapshot(pilot).counters.step) == ("start", 2)
+        assert (await press(pilot, "s")).counters.step == 3
+
+
+async def turn_to(pilot: Pilot[UserError], page: str) -> None:
+    """Ask for ``page`` of the lesson, which is of another setup."""
+    screen = pilot.app.screen
+    assert isinstance(screen, Playground)
+    screen.post_message(Playground.SetupWanted(lesson_on_screen(pilot).open(page)))
+    await settle(pilot)
+
+
+async def test_in_a_kiosk_a_lesson_is_kept_nowhere(make_lesson_app: MakeLessonApp, tmp_path: Path) -> None:
+    async with make_lesson_app(kiosk=True).run_test(size=(80, 24)) as pilot:
+        await settled(pilot)
+        assert "kiosk" in screen_text(pilot.app)
+        await settled(pilot, "enter")
+        await press(pilot, "s")
+        await turn_to(pilot, "lake")
+        assert (await press(pilot, "s")).recipe.scenario.id == "frozenlake"
+        await settled(pilot, "escape", "escape")
+        assert "not begun" in listed(pilot)
+        assert not (tmp_path / "sessions").exists()
+
+
+async def test_the_catalogue_says_how_many_are_finished_and_its_sessions_are_lessons(
+    make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path
+) -> None:
+    keep(tmp_path, replace(begun(walk(lessons)).open("lake"), finished=True), order=1)
+    async with make_lesson_app(None).run_test(size=(80, 24)) as pilot:
+        await settled(pilot)
+        assert "Learn step by step: 1 of 2 ✓" in screen_text(pilot.app)
+        assert "1 finished" in words_of(pilot.app.screen.query_one("#facts"))
+        await settled(pilot, "shift+tab", "enter")
+        assert (lesson_on_screen(pilot).page, snapshot(pilot).counters.step) == ("lake", 4)
+
+
+async def test_in_ascii_it_is_ascii(make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path) -> None:
+    keep(tmp_path, replace(begun(walk(lessons)).open("lake"), finished=True))
+    async with make_lesson_app(ascii=True).run_test(size=(120, 40)) as pilot:
+        await settled(pilot)
+        assert screen_text(pilot.app).isascii()
+
+
+@pytest.mark.unit
+def test_what_was_finished_once_stays_finished_while_it_is_taken_again(lessons: Path, tmp_path: Path) -> None:
+    keep(tmp_path, replace(begun(walk(lessons)).open("lake"), finished=True), order=1)
+    keep(tmp_path, begun(walk(lessons)).open("guess"), order=2)
+    found = lesson_entries(tmp_path / "sessions")
+    assert found.finished == 1
+    entry = found.entries[0]
+    assert (entry.is_finished, entry.is_at_end) == (True, False)
+    assert entry.progress is not None
+    assert start_of(entry.lesson, entry.progress) is entry.progress.session
