@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from functools import partial
@@ -10,7 +10,7 @@ from functools import partial
 import pytest
 from lesson_texts import LESSON
 from seams import choose, notes, playground, press, screen_text, show, snapshot, train
-from textual import on
+from textual.message import Message
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -37,22 +37,14 @@ small = (80, 24)
 wide = (120, 40)
 
 
-class LessonApp(RlTuiApp):
-    """It keeps what the playground asks for."""
-
-    wanted: LessonRecord | None = None
-
-    @on(Playground.SetupWanted)
-    def keep(self, event: Playground.SetupWanted) -> None:
-        self.wanted = event.record
-
-
 @asynccontextmanager
-async def lesson(size: tuple[int, int], page: str = "start") -> AsyncIterator[Pilot[UserError]]:
+async def lesson(
+    size: tuple[int, int], page: str = "start", hook: Callable[[Message], None] | None = None
+) -> AsyncIterator[Pilot[UserError]]:
     recipe = recipe_of(LESSON, LESSON.setup_of(page))
-    app = LessonApp(Display(fps=1000.0), recipe, partial(Player, automatic=False), picture=True)
+    app = RlTuiApp(Display(fps=1000.0), recipe, partial(Player, automatic=False), picture=True)
     app.NOTIFICATION_TIMEOUT = 3600.0
-    async with app.run_test(size=size, notifications=True) as pilot:
+    async with app.run_test(size=size, notifications=True, message_hook=hook) as pilot:
         await settle(pilot)
         playground(pilot).send(KeepLesson(begun(LESSON).open(page)))
         await settle(pilot)
@@ -274,11 +266,15 @@ async def test_the_run_is_set_up_again_after_asking(size: tuple[int, int]) -> No
 
 
 async def test_another_setup_is_another_playground() -> None:
-    async with lesson(wide, "never") as pilot:
+    wanted: dict[str, LessonRecord] = {}
+
+    def hear(message: Message) -> None:
+        if isinstance(message, Playground.SetupWanted):
+            wanted["record"] = message.record
+
+    async with lesson(wide, "never", hear) as pilot:
         await press(pilot, ".", ".")
-        assert isinstance(pilot.app, LessonApp)
-        assert pilot.app.wanted is not None
-        assert (pilot.app.wanted.page, pilot.app.wanted.skipped) == ("lake", ("never",))
+        assert (wanted["record"].page, wanted["record"].skipped) == ("lake", ("never",))
         assert record(pilot).page == "never"
 
 
