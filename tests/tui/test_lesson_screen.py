@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from functools import partial
@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 from lesson_texts import LESSON, TEXT
 from seams import choose, notes, playground, press, screen_text, show, snapshot, train
-from textual.message import Message
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -40,13 +39,11 @@ wide = (120, 40)
 
 
 @asynccontextmanager
-async def lesson(
-    size: tuple[int, int], page: str = "start", hook: Callable[[Message], None] | None = None
-) -> AsyncIterator[Pilot[UserError]]:
+async def lesson(size: tuple[int, int], page: str = "start") -> AsyncIterator[Pilot[UserError]]:
     recipe = recipe_of(LESSON, LESSON.setup_of(page))
     app = RlTuiApp(Display(fps=1000.0), recipe, partial(Player, automatic=False), picture=True)
     app.NOTIFICATION_TIMEOUT = 3600.0
-    async with app.run_test(size=size, notifications=True, message_hook=hook) as pilot:
+    async with app.run_test(size=size, notifications=True) as pilot:
         await settle(pilot)
         playground(pilot).send(KeepLesson(begun(LESSON).open(page)))
         await settle(pilot)
@@ -281,16 +278,12 @@ async def test_the_run_is_set_up_again_after_asking(size: tuple[int, int]) -> No
 
 
 async def test_another_setup_is_another_playground() -> None:
-    wanted: dict[str, LessonRecord] = {}
-
-    def hear(message: Message) -> None:
-        if isinstance(message, Playground.SetupWanted):
-            wanted["record"] = message.record
-
-    async with lesson(wide, "never", hear) as pilot:
+    async with lesson(wide, "never") as pilot:
+        before = playground(pilot)
         await press(pilot, ".", ".")
-        assert (wanted["record"].page, wanted["record"].skipped) == ("lake", ("never",))
-        assert record(pilot).page == "never"
+        assert playground(pilot) is not before
+        assert (record(pilot).page, record(pilot).skipped) == ("lake", ("never",))
+        assert snapshot(pilot).recipe.scenario.id == "frozenlake"
 
 
 async def test_the_last_page_finishes_the_lesson_once_it_is_done() -> None:
