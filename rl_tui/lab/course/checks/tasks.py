@@ -155,7 +155,9 @@ class TaskCheck:
 
 
 def _why(view: TaskView) -> str:
-    """Return the first condition that does not hold, and what was found."""
+    """Return the first condition that does not hold, and what was found; of a program what is wrong first."""
+    if view.remarks:
+        return view.remarks[0]
     for condition in view.conditions:
         if not condition.holds:
             return f"{shown(condition.text)} does not hold ({condition.found or 'nothing'})"

@@ -127,7 +127,7 @@ def program_verdict(judged: JudgedTask, program: str, seen: SeenProgram) -> Task
 def program_verdicts(conditions: Sequence[Condition], seen: SeenProgram) -> list[Verdict]:
     """Return the verdict on each of ``conditions``; of a program with an error none holds."""
     if seen.error:
-        return [Verdict(False, "it did not come to its end") for _ in conditions]
+        return [Verdict(False) for _ in conditions]
     return [_of_program(each, seen) for each in conditions]
 
 

@@ -321,6 +321,10 @@ def _record() -> Iterable[Measure]:
     yield row("best_arm_rate", "the share of pulls of its best arm", _best_arm_rate)
 
 
+_OF_NO_RULE: Final = ("Q(s′, a)", "max Q(s)", "argmax Q(s′)")
+"""What a target may take for the value of the next state, and should not."""
+
+
 def _no_program(moment: Moment, condition: Condition) -> Value:
     raise MissingError("no program was watched")
 
@@ -329,6 +333,13 @@ def _found(value: float | None, seen: SeenProgram, what: str) -> float:
     if value is None:
         raise MissingError(seen.verdict.update.reason or f"nothing tells {what}")
     return value
+
+
+def _rule(seen: SeenProgram) -> str:
+    """Return the rule, and what its target takes where no rule of the book takes that."""
+    update = seen.verdict.update
+    takes_another = update.target.value in _OF_NO_RULE and update.rule.value != "unknown"
+    return f"{update.rule.value} with {update.target.value}" if takes_another else update.rule.value
 
 
 def _departs(seen: SeenProgram) -> float:
@@ -356,7 +367,7 @@ def _programs() -> Iterable[Measure]:
     yield row("program_world", "the id of the environment it learns in", lambda s: s.environment, text)
     yield row("program_steps", "steps that it took", lambda s: s.steps)
     yield row("program_episodes", "episodes that it finished", lambda s: s.episodes)
-    yield row("program_rule", "the update that it makes", lambda s: s.verdict.update.rule.value, text)
+    yield row("program_rule", "the update that it makes", _rule, text)
     yield row("program_departs", "the first step not explained by that, 0 for none", _departs)
     yield row("program_faults", "its faults", _faults)
     yield row("program_alpha", "its α", lambda s: _found(s.verdict.update.alpha, s, "its α"))

@@ -38,12 +38,10 @@ class SeenProgram:
 def seen_program(log: ProgramLog, verdict: ProgramVerdict) -> SeenProgram:
     """Return what the program that told ``log`` has come to."""
     environment, error = environment_of(log), error_of(log)
-    remarks = [
-        *_departure(log, verdict),
-        *(_of_finding(each) for each in verdict.findings),
-        *verdict.notes,
-        *log.notes,
-    ]
+    remarks = [*_departure(log, verdict), *(_of_finding(each) for each in verdict.findings)]
+    if error is None:  # what is not known of half a program is no news
+        remarks += verdict.notes
+    remarks += log.notes
     return SeenProgram(
         verdict,
         log.recording.count,
@@ -62,7 +60,7 @@ def _in_a_line(error: ProgramError) -> str:
 
 def _of_finding(finding: CodeFinding) -> str:
     place = "" if finding.line is None else f"line {finding.line}: "
-    return f"{place}{finding.text} {finding.correction}"
+    return f"{place}{finding.text.rstrip('.')}. Mend it: {finding.correction.rstrip('.')}."
 
 
 def _departure(log: ProgramLog, verdict: ProgramVerdict) -> list[str]:
