@@ -9,6 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from rl_tui.cli.main import program
+from rl_tui.lab.lessons.catalogue import shipped_lessons
 
 
 def picture(tmp_path: Path, name: str, *args: str) -> bytes:
@@ -39,6 +40,23 @@ def test_training_and_keys_show(tmp_path: Path) -> None:
 @pytest.mark.screen
 def test_without_a_scenario_it_is_the_catalogue(tmp_path: Path) -> None:
     assert b"Scenarios" in picture(tmp_path, "a.svg", "--size", "80x24").replace(b"&#160;", b" ")
+
+
+@pytest.mark.screen
+def test_a_lesson_is_shown_at_its_first_page_and_goes_on_by_keys(tmp_path: Path) -> None:
+    lesson = shipped_lessons()[0]
+    call = ("--lesson", lesson.id, "--size", "120x40")
+    first, second = picture(tmp_path, "a.svg", *call), picture(tmp_path, "b.svg", *call)
+    assert first == second
+    assert lesson.pages[0].title in first.decode().replace("&#160;", " ")
+    turned = picture(tmp_path, "c.svg", *call, "--keys", ".").decode().replace("&#160;", " ")
+    assert lesson.pages[1].title in turned
+
+
+@pytest.mark.parametrize("more", [("student",), ("--seed", "3"), ("--alpha", "0.1"), ("--watch", "a.py")])
+def test_a_lesson_brings_its_own_runs(more: tuple[str, ...]) -> None:
+    result = CliRunner().invoke(program, ["screenshot", "--lesson", "loop", *more, "--out", "-"])
+    assert (result.exit_code, result.stdout, result.stderr.count("\n")) == (2, "", 1)
 
 
 @pytest.mark.screen

@@ -97,7 +97,7 @@ def test_the_playground_has_exactly_its_keys() -> None:
     } == PLAYGROUND_KEYS | opening
 
 
-@pytest.mark.parametrize("place", [Place.CATALOGUE, Place.PLAYGROUND])
+@pytest.mark.parametrize("place", [Place.CATALOGUE, Place.LESSONS, Place.PLAYGROUND])
 def test_no_key_does_two_things(place: Place) -> None:
     keys = [key for action in actions_of(place) for key in action.keys]
     assert len(keys) == len(set(keys))
@@ -108,11 +108,13 @@ def test_every_action_has_a_name_of_its_own_and_says_what_it_does() -> None:
     assert all(action.help.endswith(".") and action.shown and action.label for action in ACTIONS)
 
 
-@pytest.mark.parametrize("place", [Place.CATALOGUE, Place.PLAYGROUND])
+@pytest.mark.parametrize("place", [Place.CATALOGUE, Place.LESSONS, Place.PLAYGROUND])
 async def test_every_action_can_be_done_on_its_screen(make_app: MakeApp, place: Place) -> None:
     app = make_app("student" if place is Place.PLAYGROUND else None)
     async with app.run_test(size=(80, 24)) as pilot:
         await settle(pilot)
+        if place is Place.LESSONS:
+            await pilot.press("enter")
         for action in actions_of(place):
             target, method, _ = parse(action.command or action.id)
             if target == "app":

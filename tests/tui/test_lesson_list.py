@@ -277,18 +277,6 @@ async def test_a_folder_without_lessons_is_said_to_be_empty(
         assert "No lessons are here" in details(pilot)
 
 
-async def test_a_lesson_whose_world_cannot_be_built_leads_back_and_says_why(
-    make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path
-) -> None:
-    keep(tmp_path, begun(walk(lessons)).open("nowhere"), step=0)
-    async with make_lesson_app().run_test(size=(80, 24)) as pilot:
-        await settled(pilot, "enter")
-        while isinstance(pilot.app.screen, Playground):
-            await pilot.pause()
-        assert isinstance(pilot.app.screen, LessonsScreen)
-        assert "NoSuchWorld-v0" in notes(pilot.app)[-1]
-
-
 async def test_another_setup_takes_the_place_of_the_run_and_the_same_session_goes_on(
     make_lesson_app: MakeLessonApp, tmp_path: Path
 ) -> None:

@@ -6,14 +6,15 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import pytest
-from lesson_texts import LESSON
+from lesson_texts import LESSON, TEXT
 from seams import choose, notes, playground, press, screen_text, show, snapshot, train
-from textual import on
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
+from rl_tui.lab.lessons.lesson import lesson_of
 from rl_tui.lab.lessons.record import LessonRecord, Passed, begun, run_digest
 from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.live.commands import Apply, KeepLesson
@@ -37,20 +38,10 @@ small = (80, 24)
 wide = (120, 40)
 
 
-class LessonApp(RlTuiApp):
-    """It keeps what the playground asks for."""
-
-    wanted: LessonRecord | None = None
-
-    @on(Playground.SetupWanted)
-    def keep(self, event: Playground.SetupWanted) -> None:
-        self.wanted = event.record
-
-
 @asynccontextmanager
 async def lesson(size: tuple[int, int], page: str = "start") -> AsyncIterator[Pilot[UserError]]:
     recipe = recipe_of(LESSON, LESSON.setup_of(page))
-    app = LessonApp(Display(fps=1000.0), recipe, partial(Player, automatic=False), picture=True)
+    app = RlTuiApp(Display(fps=1000.0), recipe, partial(Player, automatic=False), picture=True)
     app.NOTIFICATION_TIMEOUT = 3600.0
     async with app.run_test(size=size, notifications=True) as pilot:
         await settle(pilot)
@@ -275,11 +266,11 @@ async def test_the_run_is_set_up_again_after_asking(size: tuple[int, int]) -> No
 
 async def test_another_setup_is_another_playground() -> None:
     async with lesson(wide, "never") as pilot:
+        before = playground(pilot)
         await press(pilot, ".", ".")
-        assert isinstance(pilot.app, LessonApp)
-        assert pilot.app.wanted is not None
-        assert (pilot.app.wanted.page, pilot.app.wanted.skipped) == ("lake", ("never",))
-        assert record(pilot).page == "never"
+        assert playground(pilot) is not before
+        assert (record(pilot).page, record(pilot).skipped) == ("lake", ("never",))
+        assert snapshot(pilot).recipe.scenario.id == "frozenlake"
 
 
 async def test_the_last_page_finishes_the_lesson_once_it_is_done() -> None:
@@ -351,3 +342,26 @@ async def test_keys_palette_and_help_offer_a_lesson_only_where_there_is_one() ->
 async def test_the_status_line_names_the_lesson(size: tuple[int, int]) -> None:
     async with lesson(size) as pilot:
         assert playground(pilot).status.render_line(0).text.strip().startswith("Q-learning by hand")
+
+
+@both_sizes
+@pytest.mark.parametrize("ascii", [False, True])
+@pytest.mark.parametrize("panel", ["last_step", "controls", "timeline", "world"])
+async def test_every_panel_in_the_spotlight_is_marked_without_colours(
+    size: tuple[int, int],
+    panel: str,
+    ascii: bool,  # noqa: A002
+) -> None:
+    taught = lesson_of(TEXT.replace('spotlight = "table"', f'spotlight = "{panel}"'), Path("spot.toml"))
+    display = Display(fps=1000.0, ascii=ascii, colors="16")
+    app = RlTuiApp(display, recipe_of(taught, "evening"), partial(Player, automatic=False), picture=True)
+    async with app.run_test(size=size) as pilot:
+        await settle(pilot)
+        playground(pilot).send(KeepLesson(begun(taught)))
+        await settle(pilot)
+        if size == small:
+            await press(pilot, "R")
+        lit = playground(pilot).board.panel(panel)
+        row = lit.region.y + min(1, lit.region.height - 1)
+        assert screen_text(app).splitlines()[row][lit.region.x] == ("|" if ascii else "┃")
+        assert lit.has_class("-spotlit")

@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Any, Final
 
 from rl_tui.common.errors import ScenarioError, UserError
-from rl_tui.common.findings import near, shown
+from rl_tui.common.findings import shown
 from rl_tui.lab.course.predictions import NO_PREDICTIONS, Predictions, predictions_in
 from rl_tui.lab.experiments.training import Goal, train
 from rl_tui.lab.lessons.catalogue import find_lesson
 from rl_tui.lab.lessons.judging.attempts import judged_claim, judged_program, replayed
 from rl_tui.lab.lessons.judging.conditions import JudgedTask, Panels, elsewhere, judged_task, verdict
-from rl_tui.lab.lessons.judging.measures import MEASURES
 from rl_tui.lab.lessons.judging.moment import Kept
 from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
 from rl_tui.lab.lessons.lesson import Lesson
@@ -66,8 +65,7 @@ class LessonGrading:
     """Grades sessions by the lesson of this ``name``, an id or a file, one after the other.
 
     With ``runs_programs`` a program that a session holds is watched, which is no sandbox; else its task is
-    not judged. Raises UserError where there is no such lesson, it sets no task, or one of its tasks cannot be
-    judged.
+    not judged. Raises UserError where there is no such lesson, or it sets no task.
     """
 
     def __init__(self, name: str, *, runs_programs: bool = False) -> None:
@@ -161,13 +159,6 @@ def _check(lesson: Lesson) -> None:
     """Refuse a lesson by which nothing can be graded. Raises UserError."""
     if not lesson.tasks:
         raise UserError(f"the lesson {lesson.id} sets no task, so nothing can be graded by it")
-    for page in lesson.tasks:
-        for condition in page.task.conditions if page.task else ():
-            if page.task and page.task.program is None and condition.measure not in MEASURES:
-                raise UserError(
-                    f"lesson {lesson.id}, page {page.id}: there is no measure {shown(condition.measure)}"
-                    f"{near(condition.measure, MEASURES)}; rl-tui check has more"
-                )
 
 
 def _evidence(taken: LessonRecord | None, page: str) -> Passed | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from difflib import get_close_matches
+from functools import lru_cache
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -38,11 +39,18 @@ def read_lessons() -> Lessons:
     found = Lessons([], [])
     for path in sorted(lesson_folder().glob(f"*{SUFFIX}")):
         try:
-            found.lessons.append(read_lesson(path))
+            status = path.stat()
+            found.lessons.append(_read(path, (status.st_mtime_ns, status.st_size)))
         except ScenarioError as error:
             found.broken.append(error)
     found.lessons.sort(key=lambda lesson: (lesson.order, lesson.id))
     return found
+
+
+@lru_cache(maxsize=64)
+def _read(path: Path, _written: tuple[int, int]) -> Lesson:
+    """Return the lesson of ``path``, read once: catalogue and list of lessons come up again and again."""
+    return read_lesson(path)
 
 
 def find_lesson(name_or_path: str, variant: str = "") -> Lesson:

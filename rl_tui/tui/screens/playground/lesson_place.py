@@ -58,13 +58,14 @@ class LessonPlace:
 
     def focus(self) -> None:
         """Give the page the focus."""
-        if not self.panel.has_focus:
-            self._focused_before = self._board.screen.focused
+        focused = self._board.screen.focused
+        if focused is not self.panel:
+            self._focused_before = focused
             self.panel.focus()
 
     def leave(self) -> None:
         """Give the focus back to where it was before the page had it."""
-        if self.panel.has_focus:
+        if self._board.screen.focused is self.panel:
             before, self._focused_before = self._focused_before, None
             self._board.screen.set_focus(before if before is not None and before.is_attached else None)
 
@@ -75,7 +76,7 @@ class LessonPlace:
         if snapshot.lesson is None:
             return
         self.panel.set_class(self._arrangement.has_lesson_in_a_row(size), IN_A_ROW)
-        if self.reads and not self.is_docked and not self.panel.has_focus:
+        if self.reads and not self.is_docked:
             self.focus()
         self._point_at(open_page(snapshot.lesson.record).spotlight, size)
 
