@@ -89,7 +89,7 @@ def test_a_panel_comes_to_what_the_replay_says(
         monkeypatch.setenv(VARIABLE, "1")
     lesson, run = maze_task(planning)
     record = begun(lesson)
-    assert [each.holds for each in task_of(judge.view(record, run)).conditions] == [False, False]
+    assert [each.holds for each in task_of(judge.view(record, run)).conditions] == [False, None]
     run.advance(episodes=1)
     first = task_of(judge.view(record, run))
     assert (first.conditions[1].holds, bool(first.waits), first.passed) == (None, True, None)
