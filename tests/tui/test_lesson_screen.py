@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from functools import partial
@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 from lesson_texts import LESSON, TEXT
 from seams import choose, notes, playground, press, screen_text, show, snapshot, train
-from textual.message import Message
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
+from rl_tui.lab.lessons.judging.journal_reader import run_digest
 from rl_tui.lab.lessons.lesson import lesson_of
-from rl_tui.lab.lessons.record import LessonRecord, Passed, begun, run_digest
+from rl_tui.lab.lessons.record import LessonRecord, Passed, begun
 from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.live.commands import Apply, KeepLesson
 from rl_tui.lab.live.player import Player
@@ -40,13 +40,11 @@ wide = (120, 40)
 
 
 @asynccontextmanager
-async def lesson(
-    size: tuple[int, int], page: str = "start", hook: Callable[[Message], None] | None = None
-) -> AsyncIterator[Pilot[UserError]]:
+async def lesson(size: tuple[int, int], page: str = "start") -> AsyncIterator[Pilot[UserError]]:
     recipe = recipe_of(LESSON, LESSON.setup_of(page))
     app = RlTuiApp(Display(fps=1000.0), recipe, partial(Player, automatic=False), picture=True)
     app.NOTIFICATION_TIMEOUT = 3600.0
-    async with app.run_test(size=size, notifications=True, message_hook=hook) as pilot:
+    async with app.run_test(size=size, notifications=True) as pilot:
         await settle(pilot)
         playground(pilot).send(KeepLesson(begun(LESSON).open(page)))
         await settle(pilot)
@@ -113,6 +111,19 @@ async def test_without_room_page_and_world_take_turns() -> None:
         assert snapshot(pilot).counters.step == 1
         await press(pilot, ".")
         assert not board.shows(WORLD)
+
+
+@both_sizes
+async def test_digits_act_from_the_page_as_it_says(size: tuple[int, int]) -> None:
+    async with lesson(size) as pilot:
+        await press(pilot, "y", "R", "1")
+        assert snapshot(pilot).counters.step == 1
+        assert playground(pilot).board.shows(WORLD)
+        await press(pilot, "y")
+        if not page_panel(pilot).has_focus:
+            await press(pilot, "R")
+        await press(pilot, "1")
+        assert snapshot(pilot).counters.step == 1
 
 
 async def test_it_follows_the_size_of_the_terminal() -> None:
@@ -268,16 +279,12 @@ async def test_the_run_is_set_up_again_after_asking(size: tuple[int, int]) -> No
 
 
 async def test_another_setup_is_another_playground() -> None:
-    wanted: dict[str, LessonRecord] = {}
-
-    def hear(message: Message) -> None:
-        if isinstance(message, Playground.SetupWanted):
-            wanted["record"] = message.record
-
-    async with lesson(wide, "never", hear) as pilot:
+    async with lesson(wide, "never") as pilot:
+        before = playground(pilot)
         await press(pilot, ".", ".")
-        assert (wanted["record"].page, wanted["record"].skipped) == ("lake", ("never",))
-        assert record(pilot).page == "never"
+        assert playground(pilot) is not before
+        assert (record(pilot).page, record(pilot).skipped) == ("lake", ("never",))
+        assert snapshot(pilot).recipe.scenario.id == "frozenlake"
 
 
 async def test_the_last_page_finishes_the_lesson_once_it_is_done() -> None:
