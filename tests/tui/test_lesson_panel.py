@@ -11,7 +11,6 @@ from rich.cells import cell_len
 from samples import look, student
 from snapshots import changed
 
-from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.lab.lessons.lesson import lesson_of
 from rl_tui.lab.lessons.record import Given, LessonRecord, Passed, begun
 from rl_tui.lab.lessons.view import ConditionView, LessonView, TaskView

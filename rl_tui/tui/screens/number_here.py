@@ -238,5 +238,5 @@ class _Teller:
             return f"The true mean is {SECRET}."
         if refused := self._snapshot.exact_answer.refused:
             return f"There is no exact value: {refused}"
-        key = "the lesson keeps it back" if keeps_back(self._snapshot, "answer") else "h shows it"
+        key = shown_by(self._snapshot)
         return f"The exact {symbol} is hidden: {key}." if is_secret(self._snapshot) else ""

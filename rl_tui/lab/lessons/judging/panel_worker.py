@@ -21,12 +21,13 @@ _LONGEST_REASON: Final = 200
 class PanelRequest:
     """What is to be worked out: ``conditions`` for runs of ``recipe`` under the seeds from 0.
 
-    ``modules`` are those that the id of an environment may import.
+    ``modules`` are those that the id of an environment may import, ``known`` what came of the first seeds.
     """
 
     recipe: Recipe
     conditions: tuple[Condition, ...]
     modules: frozenset[str]
+    known: tuple[list[float | str | bool | None], ...] = ()
 
 
 def main() -> None:
@@ -43,13 +44,14 @@ def _work(request: PanelRequest, tell: Callable[[dict[str, Any]], None]) -> None
     bound_processor_time(MOST_SECONDS)
     ALLOWED.update(request.modules)
 
-    def on_seed(done: int, wanted: int) -> None:
-        if done == 1:  # until then it may have waited for machine code
+    def on_seed(done: int, wanted: int, values: list[float | str | bool | None]) -> None:
+        if done == len(request.known) + 1:  # until then it may have waited for machine code
             let_others_go_first()
-        tell({"done": done, "wanted": wanted})
+        tell({"done": done, "wanted": wanted, "values": values})
 
     try:
-        tell({"verdicts": [list(each) for each in worked_out(request.recipe, request.conditions, on_seed)]})
+        verdicts = worked_out(request.recipe, request.conditions, on_seed, request.known)
+        tell({"verdicts": [list(each) for each in verdicts]})
     except Exception as error:  # whatever a world may do to this process
         name = "" if isinstance(error, UserError) else f"{type(error).__name__}: "
         tell({"failed": one_line(f"{name}{error}", _LONGEST_REASON)})

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import groupby
-from typing import Final
+from typing import Final, TypeVar
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
@@ -21,10 +21,12 @@ from rl_tui.lab.run.run import Run
 KEPT: Final = 64
 """Settings of which the verdicts are remembered."""
 
-OnSeed = Callable[[int, int], None]
+SeedValues = list[Value | None]
+"""What each of the conditions that share a run measures of one seed; None where that has no value."""
+OnSeed = Callable[[int, int, SeedValues], None]
 
 
-def no_news(done: int, wanted: int) -> None:
+def no_news(done: int, wanted: int, values: SeedValues) -> None:
     """Ignore how many seeds are done."""
 
 
@@ -33,12 +35,16 @@ class _TooLongError(Exception):
 
 
 def worked_out(
-    recipe: Recipe, conditions: Sequence[Condition], on_seed: OnSeed = no_news
+    recipe: Recipe,
+    conditions: Sequence[Condition],
+    on_seed: OnSeed = no_news,
+    known: Sequence[SeedValues] = (),
 ) -> tuple[Verdict, ...]:
     """Return the verdict on each of ``conditions`` for runs of ``recipe`` under the seeds from 0.
 
-    Those that go equally far share their runs. ``on_seed`` hears how many seeds of how many are done. Raises
-    UserError where the world cannot be built.
+    Those that go equally far share their runs. ``on_seed`` hears how many seeds of how many are done, and
+    what came of the last one; ``known`` is what it heard of the first ones before, which are not run again.
+    Raises UserError where the world cannot be built.
     """
     begun = replace(recipe, seed=0)
     order = sorted(range(len(conditions)), key=lambda place: _extent(conditions[place]))
@@ -50,12 +56,14 @@ def worked_out(
         first = conditions[group[0]]
         goal = Goal(steps=first.steps, episodes=first.episodes)
         runs = SeededRuns(begun)
-        runs.get_machine_code(first.seeds, goal, no_compiling)
-        values: list[list[Value | None]] = []
-        for seed in range(first.seeds):
+        values = list(known[done : done + first.seeds])
+        done += len(values)
+        if len(values) < first.seeds:
+            runs.get_machine_code(first.seeds - len(values), goal, no_compiling)
+        for seed in range(len(values), first.seeds):
             values.append(_of_seed(runs, seed, goal, [conditions[place] for place in group]))
             done += 1
-            on_seed(done, wanted)
+            on_seed(done, wanted, values[-1])
         for number, place in enumerate(group):
             found[place] = _over_seeds(conditions[place], [each[number] for each in values])
     return tuple(found[place] for place in range(len(conditions)))
@@ -65,7 +73,7 @@ def _extent(condition: Condition) -> tuple[int, int, int]:
     return condition.seeds, condition.episodes or 0, condition.steps or 0
 
 
-def _of_seed(runs: SeededRuns, seed: int, goal: Goal, conditions: Sequence[Condition]) -> list[Value | None]:
+def _of_seed(runs: SeededRuns, seed: int, goal: Goal, conditions: Sequence[Condition]) -> SeedValues:
     """Return what each of ``conditions`` measures of one seed; None where that has no value."""
     run = runs.new_run(seed)
 
@@ -87,9 +95,10 @@ def _of_seed(runs: SeededRuns, seed: int, goal: Goal, conditions: Sequence[Condi
 
 def _measured(run: Run, condition: Condition, kept: Kept) -> Value | None:
     try:
-        return MEASURES[condition.measure].of(Moment(run, run.recipe, kept), condition)
+        value = MEASURES[condition.measure].of(Moment(run, run.recipe, kept), condition)
     except MissingError:
         return None
+    return value if isinstance(value, str | bool) else float(value)
 
 
 def _over_seeds(condition: Condition, values: Sequence[Value | None]) -> Verdict:
@@ -122,21 +131,38 @@ class PanelsAtOnce:
 
 
 class KnownPanels:
-    """The verdicts of the last settings that were asked for."""
+    """The verdicts of the last settings that were asked for, and the seeds that are done where they lack."""
 
     def __init__(self) -> None:
-        self._known: list[tuple[Recipe, tuple[Condition, ...], tuple[Verdict, ...]]] = []
+        self._verdicts: list[tuple[_Panel, tuple[Verdict, ...]]] = []
+        self._seeds: list[tuple[_Panel, tuple[SeedValues, ...]]] = []
 
     def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> tuple[Verdict, ...] | None:
         """Return what is known of ``conditions`` for runs of ``recipe``, None where that is nothing."""
-        for other, same, known in self._known:
-            if same_panel(other, same, recipe, conditions):
-                return known
-        return None
+        return _of(self._verdicts, (recipe, conditions))
 
     def keep(self, recipe: Recipe, conditions: tuple[Condition, ...], verdicts: tuple[Verdict, ...]) -> None:
         """Remember ``verdicts``; of very many, the oldest are forgotten."""
-        self._known = [*self._known, (recipe, conditions, verdicts)][-KEPT:]
+        self._verdicts = [*self._verdicts, ((recipe, conditions), verdicts)][-KEPT:]
+
+    def seeds_of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> tuple[SeedValues, ...]:
+        """Return what came of the seeds that were done when the work on them ended."""
+        return _of(self._seeds, (recipe, conditions)) or ()
+
+    def keep_seeds(
+        self, recipe: Recipe, conditions: tuple[Condition, ...], seeds: tuple[SeedValues, ...]
+    ) -> None:
+        """Remember what came of the first seeds."""
+        others = [each for each in self._seeds if not same_panel(*each[0], recipe, conditions)]
+        self._seeds = [*others, ((recipe, conditions), seeds)][-KEPT:]
+
+
+_Panel = tuple[Recipe, tuple[Condition, ...]]
+_Of = TypeVar("_Of")
+
+
+def _of(kept: Sequence[tuple[_Panel, _Of]], panel: _Panel) -> _Of | None:
+    return next((known for other, known in kept if same_panel(*other, *panel)), None)
 
 
 def same_panel(one: Recipe, its: tuple[Condition, ...], other: Recipe, others: tuple[Condition, ...]) -> bool:

@@ -133,7 +133,7 @@ def _ways_to_truth(ask: Ask, missing: int, snapshot: Snapshot, *, is_manual: boo
 
 
 def summary_line(view: LessonView, snapshot: Snapshot, look: Look, width: int) -> Line:
-    """Return page and how it stands in one row, for where it is not in view; the status line has the lesson."""
+    """Return page and how it stands in one row, for where it is not in view; the lesson stands above."""
     record, palette = view.record, look.palette
     page, marks = open_page(record), list(_marks(view, snapshot, look))
     tail: list[Piece] = [Piece("  ", palette.text), *marks] if marks else []

@@ -26,7 +26,7 @@ def notes(snapshot: Snapshot, look: Look) -> Iterator[Note]:
     """Yield the notes, those that matter most first, and of each whether it is about figures."""
     is_bandit = isinstance(snapshot.world.drawing, Arms)
     if is_bandit and is_kept_back(snapshot, PolicyKind.UNIFORM):
-        yield "what they earn tells of the true means: h shows them", False
+        yield f"what they earn tells of the true means: {shown_by(snapshot, 'them')}", False
         return
     yield from _gaps(snapshot, look)
     yield from _reasons(snapshot)
@@ -112,7 +112,7 @@ def _reasons(snapshot: Snapshot) -> Iterator[Note]:
     for kind, name in POLICY_NAMES.items():
         if is_kept_back(snapshot, kind):
             which = f" {_GAMMA_BEST}," if kind is PolicyKind.OPTIMAL else ""
-            yield f"{name.line}:{which} hidden, h shows it", False
+            yield f"{name.line}:{which} hidden, {shown_by(snapshot)}", False
         elif (refused := answer_of(snapshot, kind).refused) and refused not in said:
             said.add(refused)
             is_of_all = refused in (TOO_MANY, WHILE_RUNNING)
