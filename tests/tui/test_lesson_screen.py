@@ -14,8 +14,9 @@ from seams import choose, notes, playground, press, screen_text, show, snapshot,
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
+from rl_tui.lab.lessons.judging.journal_reader import run_digest
 from rl_tui.lab.lessons.lesson import lesson_of
-from rl_tui.lab.lessons.record import LessonRecord, Passed, begun, run_digest
+from rl_tui.lab.lessons.record import LessonRecord, Passed, begun
 from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.live.commands import Apply, KeepLesson
 from rl_tui.lab.live.player import Player
@@ -110,6 +111,19 @@ async def test_without_room_page_and_world_take_turns() -> None:
         assert snapshot(pilot).counters.step == 1
         await press(pilot, ".")
         assert not board.shows(WORLD)
+
+
+@both_sizes
+async def test_digits_act_from_the_page_as_it_says(size: tuple[int, int]) -> None:
+    async with lesson(size) as pilot:
+        await press(pilot, "y", "R", "1")
+        assert snapshot(pilot).counters.step == 1
+        assert playground(pilot).board.shows(WORLD)
+        await press(pilot, "y")
+        if not page_panel(pilot).has_focus:
+            await press(pilot, "R")
+        await press(pilot, "1")
+        assert snapshot(pilot).counters.step == 1
 
 
 async def test_it_follows_the_size_of_the_terminal() -> None:

@@ -27,9 +27,11 @@ from rl_tui.lab.lessons.schema import (
     Setup,
 )
 from rl_tui.lab.lessons.variants import readable, variant_text, variants_of
+from rl_tui.worlds.files.shipped import shipped_folder
 from rl_tui.worlds.files.toml_file import tables_in
 from rl_tui.worlds.sections.schema import is_plain, parsed
 
+FOLDER: Final = "lessons"
 _PLACEHOLDER: Final = re.compile(r"\{([a-z][a-z0-9_-]*)\}")
 _LITERAL: Final = ("figures", "setups", "variants", "program", "skeleton")
 """Tables and keys in whose texts braces mean nothing."""
@@ -80,6 +82,11 @@ class Lesson:
             if page.id == page_id:
                 break
         return setup
+
+
+def lesson_folder() -> Path:
+    """Return the folder of the shipped lessons: beside that of the scenarios."""
+    return shipped_folder().parent / FOLDER
 
 
 def read_lesson(path: str | Path, variant: str = "") -> Lesson:

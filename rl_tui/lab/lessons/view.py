@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from rl_tui.lab.lessons.record import LessonRecord, Passed
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.record import LessonRecord, Passed
 
 
 class ConditionView(NamedTuple):
@@ -28,6 +29,8 @@ class TaskView:
     """What is being worked out, in words; mostly empty."""
     awaited: Passed | None = None
     """The evidence, where all hold now but for what is being worked out."""
+    remarks: tuple[str, ...] = ()
+    """What was found of a program that was watched, besides: sentences for who wrote it."""
 
 
 @dataclass(frozen=True, slots=True)

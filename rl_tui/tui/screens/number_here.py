@@ -18,7 +18,7 @@ from rl_tui.tui.panels.model.bellman import SECRET
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.q_table.layers import Layer, exact_q, other_lane, policy_q
 from rl_tui.tui.panels.q_table.q_table import QTable
-from rl_tui.tui.panels.snapshot_facts import has_estimates, hides_means, is_secret, keeps_back
+from rl_tui.tui.panels.snapshot_facts import has_estimates, hides_means, is_secret, shown_by
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms

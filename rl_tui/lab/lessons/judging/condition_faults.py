@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.findings import Finding, near, shown
 from rl_tui.lab.lessons.judging.measures import ARGUMENTS, MEASURES, Gives, Kind, Measure
-from rl_tui.lab.lessons.schema import Ask, Attempt, Condition, Measured, Task
 from rl_tui.lab.run.changes import read_change
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.schema import Ask, Attempt, Condition, Measured, Task
 
 ALGORITHM: Final = "algorithm"
 FIRST_EPISODES: Final = 100

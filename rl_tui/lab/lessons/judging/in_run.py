@@ -63,8 +63,8 @@ class InRun:
 def _measured(
     shows: Measured, run: Run, setup: Recipe, entries: tuple[JournalEntry, ...], due: int, kept: Kept
 ) -> Value | None:
-    from rl_tui.lab.lessons.judging.attempts import replayed
     from rl_tui.lab.lessons.judging.moment import Kept, Moment
+    from rl_tui.lab.lessons.judging.replays import replayed
 
     if run.step > due:
         if due > FARTHEST:

@@ -27,12 +27,12 @@ from rl_tui.lab.run.exact_answers import (
 )
 from rl_tui.lab.run.recipe import Recipe, TakeAction
 from rl_tui.lab.run.run import Run
-from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 if TYPE_CHECKING:
     from rl_tui.agents.last_step import Author, LastStep
     from rl_tui.worlds.files.scenario import Scenario
+    from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 
 ExactAnswer = Callable[[TabularMDP, float], Answer]
 """Gives the exact answer of a world for a γ; neither a solution nor a reason while it is worked out."""

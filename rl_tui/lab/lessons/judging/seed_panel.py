@@ -5,24 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import groupby
-from typing import Final, TypeVar
+from typing import TYPE_CHECKING
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
 from rl_tui.lab.experiments.training import Goal
 from rl_tui.lab.lessons.judging.condition_faults import MOST_STEPS_OF_A_SEED
-from rl_tui.lab.lessons.judging.conditions import Verdict, in_words, is_met
 from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, Value
 from rl_tui.lab.lessons.judging.moment import Kept, Moment
-from rl_tui.lab.lessons.schema import Condition
-from rl_tui.lab.run.recipe import Recipe
-from rl_tui.lab.run.run import Run
+from rl_tui.lab.lessons.judging.panel_request import KnownPanels, SeedValues
+from rl_tui.lab.lessons.judging.verdicts import Verdict, in_words, is_met
 
-KEPT: Final = 64
-"""Settings of which the verdicts are remembered."""
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.schema import Condition
+    from rl_tui.lab.run.recipe import Recipe
+    from rl_tui.lab.run.run import Run
 
-SeedValues = list[Value | None]
-"""What each of the conditions that share a run measures of one seed; None where that has no value."""
+
 OnSeed = Callable[[int, int, SeedValues], None]
 
 
@@ -128,48 +127,3 @@ class PanelsAtOnce:
             known = worked_out(recipe, conditions)
             self._known.keep(recipe, conditions, known)
         return known
-
-
-class KnownPanels:
-    """The verdicts of the last settings that were asked for, and the seeds that are done where they lack."""
-
-    def __init__(self) -> None:
-        self._verdicts: list[tuple[_Panel, tuple[Verdict, ...]]] = []
-        self._seeds: list[tuple[_Panel, tuple[SeedValues, ...]]] = []
-
-    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> tuple[Verdict, ...] | None:
-        """Return what is known of ``conditions`` for runs of ``recipe``, None where that is nothing."""
-        return _of(self._verdicts, (recipe, conditions))
-
-    def keep(self, recipe: Recipe, conditions: tuple[Condition, ...], verdicts: tuple[Verdict, ...]) -> None:
-        """Remember ``verdicts``; of very many, the oldest are forgotten."""
-        self._verdicts = [*self._verdicts, ((recipe, conditions), verdicts)][-KEPT:]
-
-    def seeds_of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> tuple[SeedValues, ...]:
-        """Return what came of the seeds that were done when the work on them ended."""
-        return _of(self._seeds, (recipe, conditions)) or ()
-
-    def keep_seeds(
-        self, recipe: Recipe, conditions: tuple[Condition, ...], seeds: tuple[SeedValues, ...]
-    ) -> None:
-        """Remember what came of the first seeds."""
-        others = [each for each in self._seeds if not same_panel(*each[0], recipe, conditions)]
-        self._seeds = [*others, ((recipe, conditions), seeds)][-KEPT:]
-
-
-_Panel = tuple[Recipe, tuple[Condition, ...]]
-_Of = TypeVar("_Of")
-
-
-def _of(kept: Sequence[tuple[_Panel, _Of]], panel: _Panel) -> _Of | None:
-    return next((known for other, known in kept if same_panel(*other, *panel)), None)
-
-
-def same_panel(one: Recipe, its: tuple[Condition, ...], other: Recipe, others: tuple[Condition, ...]) -> bool:
-    """Return whether both ask for the same runs and the same conditions, whatever seed the recipes have."""
-    return (
-        one.algorithm == other.algorithm
-        and one.hyperparameters == other.hyperparameters
-        and (one.scenario is other.scenario or one.scenario.section == other.scenario.section)
-        and (its is others or its == others)
-    )

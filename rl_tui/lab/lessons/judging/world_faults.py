@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.common.errors import Fault, UserError
 from rl_tui.common.findings import Finding, Location, near, place, shown
 from rl_tui.lab.lessons.judging.measures import MEASURES, Kind
 from rl_tui.lab.lessons.judging.moment import why_too_dear
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.schema import Attempt, Condition, Measured
 from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.run.changes import journal_of, read_change
 from rl_tui.lab.run.recipe import Recipe, begin
-from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.lessons.schema import Attempt, Condition, Measured
+    from rl_tui.worlds.world import World
 
 _OF_BANDITS = ("winnings", "regret", "best_arm_rate")
 

@@ -14,6 +14,7 @@ from rl_tui.tui.draw.to_ascii import separated
 from rl_tui.tui.panels.lesson.prose import plain
 from rl_tui.tui.panels.lesson.stage import (
     Stage,
+    asks_for_program,
     is_last_page,
     open_page,
     page_place,
@@ -99,6 +100,8 @@ def next_keys(
             return f"{answer}: say what you expect", f"{answer}: predict"
         case Stage.TO_ANSWER:
             return (f"{answer}: answer",)
+        case Stage.TO_DO if asks_for_program(record):
+            return (f"{answer}: your program",)
         case Stage.TO_DO:
             return (*leads, "enter: do it") if has_focus else ("R: read here",)
         case Stage.LOCKED:
@@ -133,7 +136,7 @@ def _ways_to_truth(ask: Ask, missing: int, snapshot: Snapshot, *, is_manual: boo
 
 
 def summary_line(view: LessonView, snapshot: Snapshot, look: Look, width: int) -> Line:
-    """Return page and how it stands in one row, for where it is not in view; the lesson stands above."""
+    """Return in one row how the open page stands, for where it is not in view."""
     record, palette = view.record, look.palette
     page, marks = open_page(record), list(_marks(view, snapshot, look))
     tail: list[Piece] = [Piece("  ", palette.text), *marks] if marks else []

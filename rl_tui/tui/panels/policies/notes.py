@@ -14,6 +14,7 @@ from rl_tui.tui.panels.last_step.update_text import setting
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.policies.studied import is_kept_back
 from rl_tui.tui.panels.policies.table import amount, answer_of, may_not_end
+from rl_tui.tui.panels.snapshot_facts import shown_by
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
