@@ -251,3 +251,19 @@ def test_a_program_is_judged_by_what_watching_it_found(found: ProgramVerdict, ex
     assert holds(view) == expected
     assert (view.passed is not None) is all(expected)
     assert view.passed is None or view.passed.program == "code"
+
+
+def test_what_only_a_step_can_tell_is_open_before_the_first_one() -> None:
+    lesson = lesson_with(
+        {"measure": "gamma", "equals": 0.9},
+        {"measure": "reward", "equals": -2},
+        {"measure": "steps", "at_least": 1},
+        {"measure": "q", "state": "Class", "action": "study", "below": 0, "seeds": 2, "hold": 2, "steps": 3},
+    )
+    judged = judged_task(lesson, "only")
+    run = Run(judged.setup)
+    view = verdict(judged, run)
+    assert [each.holds for each in view.conditions] == [None, None, False, None]
+    assert view.passed is None
+    run.advance(1)
+    assert verdict(judged, run).conditions[0].holds is True
