@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.training import Goal, train
@@ -16,6 +17,9 @@ from rl_tui.lab.run.changes import journal_of, read_change
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.lab.run.recipe import JournalEntry, OrderSweep, Recipe, TakeAction, begin
 from rl_tui.lab.run.run import Run
+
+MOST_STEPS: Final = 20_000_000
+"""Of an attempt: what goes further is not replayed."""
 
 
 def passes(
@@ -54,7 +58,7 @@ def evidence_holds(
 def attempted_run(lesson: Lesson, page: str, attempt: Attempt, seed: int | None = None) -> Run:
     """Return the run that ``attempt`` comes to: as far as it says, else until all its changes are made.
 
-    Raises UserError where a setting or a change does not fit, or a step breaks the run down.
+    Raises UserError where a setting or a change does not fit, a step breaks the run down, or it goes too far.
     """
     name = lesson.setup_of(page)
     setup = lesson.setups[name]
@@ -72,7 +76,12 @@ def attempted_run(lesson: Lesson, page: str, attempt: Attempt, seed: int | None 
     goal = Goal(steps=attempt.steps, episodes=attempt.episodes)
     if attempt.episodes is None and attempt.steps is None:
         goal = Goal(steps=max(map(_step_after, journal), default=0))
-    train(run, goal, journal=journal)
+
+    def on_progress(done: int, wanted: int) -> None:
+        if max(run.step, goal.steps or 0) > MOST_STEPS:
+            raise UserError(f"it goes on for more than {MOST_STEPS:,} steps")
+
+    train(run, goal, on_progress, journal)
     return run
 
 
