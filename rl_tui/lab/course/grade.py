@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.findings import shown
-from rl_tui.lab.course.predictions import NO_PREDICTIONS, Predictions, predictions_in
+from rl_tui.lab.course.predictions import NO_PREDICTIONS, PredictionScore, predictions_in
 from rl_tui.lab.experiments.training import Goal, train
 from rl_tui.lab.lessons.catalogue import find_lesson
 from rl_tui.lab.lessons.judging.attempts import judged_claim
@@ -54,7 +54,7 @@ class GradedSession:
 
     path: Path
     tasks: tuple[GradedTask, ...] = ()
-    predictions: Predictions = NO_PREDICTIONS
+    predictions: PredictionScore = NO_PREDICTIONS
     remarks: tuple[str, ...] = ()
     fault: str = ""
     """Why there is nothing to grade; mostly empty."""

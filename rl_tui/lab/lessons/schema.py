@@ -93,7 +93,7 @@ class Setup(FileSection):
         return self
 
 
-class Choice(FileSection):
+class AnswerChoice(FileSection):
     """One answer to choose, and what is said to who chooses it."""
 
     text: Line
@@ -118,7 +118,7 @@ class Ask(FileSection):
     answer: Number | None = None
     tolerance: Annotated[float, number(0)] = 0.0
     wrong: Annotated[tuple[WrongAnswer, ...], _list("wrong answers")] = ()
-    choices: Annotated[tuple[Choice, ...], _list("choices")] = ()
+    choices: Annotated[tuple[AnswerChoice, ...], _list("choices")] = ()
     steps: Count = 0
 
     @model_validator(mode="after")
@@ -197,14 +197,14 @@ class Attempt(FileSection):
     program: Annotated[str, markdown(LONGEST_WORLD)] = ""
 
 
-class Proof(FileSection):
+class ImpossibilityProof(FileSection):
     """Why a task cannot be done: the best that there is of the condition's measure, a name of a figure."""
 
     condition: Count
     best: Word
 
 
-class Program(FileSection):
+class ProgramToWrite(FileSection):
     """Code that a learner writes: the name of its file, and what stands in it at first."""
 
     file: ShortLine
@@ -225,8 +225,8 @@ class Task(FileSection):
     solution: Prose = ""
     accepts: Annotated[tuple[Attempt, ...], _list("attempts")] = ()
     rejects: Annotated[tuple[Attempt, ...], _list("attempts")] = ()
-    proof: Proof | None = None
-    program: Program | None = None
+    proof: ImpossibilityProof | None = None
+    program: ProgramToWrite | None = None
 
 
 class Page(FileSection):

@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, NotYetError
-from rl_tui.lab.lessons.judging.verdicts import Panels, Verdict, in_words, is_met
+from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict, Panels, in_words, is_met
 from rl_tui.lab.lessons.record import Passed
 from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.lessons.view import ConditionView, TaskView
 
 if TYPE_CHECKING:
     from rl_tui.lab.detective.verdict import ProgramVerdict
-    from rl_tui.lab.lessons.judging.moment import Kept, Moment
+    from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
     from rl_tui.lab.lessons.lesson import Lesson
     from rl_tui.lab.lessons.schema import Condition, Task
     from rl_tui.lab.run.recipe import Recipe
@@ -48,27 +48,27 @@ def verdict(judged: JudgedTask, run: Run, panels: Panels, kept: Kept | None = No
     Conditions that many seeds decide are worked out once all others hold, by ``panels``.
     ``kept`` makes the next verdict on the same run cheaper.
     """
-    from rl_tui.lab.lessons.judging.moment import Kept, Moment
+    from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
 
     kept = kept or Kept()
     conditions = judged.task.conditions
     reason = elsewhere(judged.setup, run.recipe, kept)
     if reason:
         return TaskView(tuple(ConditionView(each.text, False, reason) for each in conditions))
-    moment = Moment(run, judged.setup, kept)
+    moment = JudgedMoment(run, judged.setup, kept)
     verdicts = {place: judged_at(moment, each) for place, each in enumerate(conditions) if not each.seeds}
     waits = ""
     by_seeds = {place: each for place, each in enumerate(conditions) if each.seeds}
     if by_seeds:
         spoilt = _spoilt(moment)
         if spoilt:
-            verdicts |= dict.fromkeys(by_seeds, Verdict(False, spoilt))
+            verdicts |= dict.fromkeys(by_seeds, ConditionVerdict(False, spoilt))
         elif all(each.holds for each in verdicts.values()):
             found = panels.of(moment.journal.start, tuple(by_seeds.values()))
             verdicts |= dict(zip(by_seeds, found, strict=True))
             waits = panels.waits
         else:
-            verdicts |= dict.fromkeys(by_seeds, Verdict(None, "worked out once the others hold"))
+            verdicts |= dict.fromkeys(by_seeds, ConditionVerdict(None, "worked out once the others hold"))
     ordered = [verdicts[place] for place in range(len(conditions))]
     passed = None
     if all(each.holds for each in ordered) and judged.task.proof is None:
@@ -77,15 +77,15 @@ def verdict(judged: JudgedTask, run: Run, panels: Panels, kept: Kept | None = No
     return TaskView(tuple(views), passed, waits)
 
 
-def judged_at(moment: Moment, condition: Condition) -> Verdict:
+def judged_at(moment: JudgedMoment, condition: Condition) -> ConditionVerdict:
     """Return whether ``condition`` holds at ``moment``, the seeds that it may ask for left aside."""
     try:
         value = MEASURES[condition.measure].of(moment, condition)
     except MissingError as reason:
-        return Verdict(False, str(reason))
+        return ConditionVerdict(False, str(reason))
     except NotYetError:
-        return Verdict(None, "being worked out")
-    return Verdict(is_met(condition, value), in_words(value))
+        return ConditionVerdict(None, "being worked out")
+    return ConditionVerdict(is_met(condition, value), in_words(value))
 
 
 def program_verdict(judged: JudgedTask, program: str, found: ProgramVerdict) -> TaskView:
@@ -101,15 +101,15 @@ def program_verdict(judged: JudgedTask, program: str, found: ProgramVerdict) -> 
     return TaskView(tuple(views), Passed(judged.page, judged.setup, program=program) if passes else None)
 
 
-def _of_program(condition: Condition, found: ProgramVerdict) -> Verdict:
+def _of_program(condition: Condition, found: ProgramVerdict) -> ConditionVerdict:
     of_program = MEASURES[condition.measure].of_program
     try:
         value = None if of_program is None else of_program(found)
     except MissingError as reason:
-        return Verdict(False, str(reason))
+        return ConditionVerdict(False, str(reason))
     if value is None:
-        return Verdict(False, "this is not measured of a program")
-    return Verdict(is_met(condition, value), in_words(value))
+        return ConditionVerdict(False, "this is not measured of a program")
+    return ConditionVerdict(is_met(condition, value), in_words(value))
 
 
 def elsewhere(setup: Recipe, recipe: Recipe, kept: Kept | None = None) -> str:
@@ -123,7 +123,7 @@ def elsewhere(setup: Recipe, recipe: Recipe, kept: Kept | None = None) -> str:
     return ""
 
 
-def _spoilt(moment: Moment) -> str:
+def _spoilt(moment: JudgedMoment) -> str:
     """Return why nothing that many seeds decide can hold; empty where it can."""
     journal = moment.journal
     if not journal.step:

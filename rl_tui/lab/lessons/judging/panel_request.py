@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from rl_tui.lab.lessons.judging.verdicts import Verdict
+    from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict
     from rl_tui.lab.lessons.schema import Condition
     from rl_tui.lab.run.recipe import Recipe
 
@@ -30,16 +30,18 @@ class KnownPanels:
     """The verdicts of the last settings that were asked for."""
 
     def __init__(self) -> None:
-        self._known: list[tuple[Recipe, tuple[Condition, ...], tuple[Verdict, ...]]] = []
+        self._known: list[tuple[Recipe, tuple[Condition, ...], tuple[ConditionVerdict, ...]]] = []
 
-    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> tuple[Verdict, ...] | None:
+    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> tuple[ConditionVerdict, ...] | None:
         """Return what is known of ``conditions`` for runs of ``recipe``, None where that is nothing."""
         for other, same, known in self._known:
             if same_panel(other, same, recipe, conditions):
                 return known
         return None
 
-    def keep(self, recipe: Recipe, conditions: tuple[Condition, ...], verdicts: tuple[Verdict, ...]) -> None:
+    def keep(
+        self, recipe: Recipe, conditions: tuple[Condition, ...], verdicts: tuple[ConditionVerdict, ...]
+    ) -> None:
         """Remember ``verdicts``; of very many, the oldest are forgotten."""
         self._known = [*self._known, (recipe, conditions, verdicts)][-KEPT:]
 

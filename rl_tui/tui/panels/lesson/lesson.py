@@ -13,7 +13,7 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import strips_of
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.lesson.page_lines import Spotlight, page_lines
-from rl_tui.tui.panels.lesson.stage import Stage, page_place, stage_of
+from rl_tui.tui.panels.lesson.stage import PageStage, page_place, stage_of
 from rl_tui.tui.panels.lesson.words import next_keys, summary_line
 from rl_tui.tui.panels.scrolled_panel import ScrolledPanel, scroll_bindings
 from rl_tui.tui.theme.look import Look
@@ -35,7 +35,7 @@ class LessonPanel(ScrolledPanel):
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)
         self.spotlight: Spotlight | None = None
-        self._shown: tuple[str, Stage | None, int] = ("", None, 0)
+        self._shown: tuple[str, PageStage | None, int] = ("", None, 0)
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the page, or its row."""
@@ -78,7 +78,7 @@ class LessonPanel(ScrolledPanel):
             return *(f"↓ {below:,} more · {each}" for each in keys), f"↓ {below:,} more"
         return (*(f"↑ · {each}" for each in keys), *keys) if self._first else keys
 
-    def _follow(self, shown: tuple[str, Stage | None, int], news: int, rows: int, height: int) -> None:
+    def _follow(self, shown: tuple[str, PageStage | None, int], news: int, rows: int, height: int) -> None:
         """Bring the top of a new page, or what is new on the same one, into view."""
         before, self._shown = self._shown, shown
         if before[0] != shown[0]:

@@ -15,7 +15,7 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.actions.playground_actions import LESSON_ACTIONS
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.lesson.prose import plain
-from rl_tui.tui.panels.lesson.stage import DONE, Stage, is_last_page, open_page, stage_of
+from rl_tui.tui.panels.lesson.stage import DONE, PageStage, is_last_page, open_page, stage_of
 from rl_tui.tui.panels.lesson.words import answer_text
 from rl_tui.tui.panels.row import PanelRow
 from rl_tui.tui.screens.dialogs.choice import Candidate, Choice
@@ -52,7 +52,7 @@ class LessonActions(Subject):
         return self.link.wanted.lesson
 
     @property
-    def stage(self) -> Stage | None:
+    def stage(self) -> PageStage | None:
         """Where the open page stands, None before that is known."""
         snapshot, record = self.snapshot, self.record
         if snapshot is None or snapshot.lesson is None or record is None:
@@ -68,7 +68,7 @@ class LessonActions(Subject):
         page, idle = open_page(record), set[str]()
         if page.task is None or record.has_passed(page.id) or not _hints_of(page):
             idle.add("lesson.hint")
-        if self.stage in (*DONE, Stage.LOCKED):
+        if self.stage in (*DONE, PageStage.LOCKED):
             idle.add("lesson.answer")
         return frozenset(idle | ({"session.save", "next_scenario", "previous_scenario"}))
 
@@ -90,9 +90,9 @@ class LessonActions(Subject):
 
     def go_on(self) -> None:
         """Do what the page asks next."""
-        if self.stage in (Stage.TO_PREDICT, Stage.TO_ANSWER):
+        if self.stage in (PageStage.TO_PREDICT, PageStage.TO_ANSWER):
             self.answer()
-        elif self.stage in (Stage.TO_DO, Stage.LOCKED):
+        elif self.stage in (PageStage.TO_DO, PageStage.LOCKED):
             self.read()
         else:
             self.next_page()
