@@ -113,6 +113,19 @@ async def test_without_room_page_and_world_take_turns() -> None:
         assert not board.shows(WORLD)
 
 
+@both_sizes
+async def test_digits_act_from_the_page_as_it_says(size: tuple[int, int]) -> None:
+    async with lesson(size) as pilot:
+        await press(pilot, "y", "R", "1")
+        assert snapshot(pilot).counters.step == 1
+        assert playground(pilot).board.shows(WORLD)
+        await press(pilot, "y")
+        if not page_panel(pilot).has_focus:
+            await press(pilot, "R")
+        await press(pilot, "1")
+        assert snapshot(pilot).counters.step == 1
+
+
 async def test_it_follows_the_size_of_the_terminal() -> None:
     async with lesson(wide) as pilot:
         await pilot.resize_terminal(*small)

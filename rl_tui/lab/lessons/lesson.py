@@ -13,7 +13,11 @@ from rl_tui.common.findings import Finding, in_file_order, near, place, shown
 from rl_tui.common.limits import MOST_FAULTS
 from rl_tui.common.text_file import UnreadableError, read_text
 from rl_tui.lab.lessons.figures.written import written_number
-from rl_tui.lab.lessons.judging.condition_faults import setting_findings, task_findings
+from rl_tui.lab.lessons.judging.condition_faults import (
+    prediction_findings,
+    setting_findings,
+    task_findings,
+)
 from rl_tui.lab.lessons.schema import (
     LONGEST_LESSON,
     LONGEST_SHORT_LINE,
@@ -199,6 +203,8 @@ def _reference_findings(file: LessonFile) -> Iterator[Finding]:
         seen.add(page.id)
         if page.setup is not None and page.setup not in file.setups:
             yield Finding((*where, "setup"), shown(page.setup), f"one of {', '.join(file.setups)}")
+        if page.prediction is not None:
+            yield from (each.inside(*where, "prediction") for each in prediction_findings(page.prediction))
         if page.task is not None:
             yield from (each.inside(*where, "task") for each in task_findings(page.task))
         proof = page.task.proof if page.task else None

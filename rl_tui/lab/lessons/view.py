@@ -39,3 +39,6 @@ class LessonView:
     """The task of the open page; None where that sets none."""
     digest: str = ""
     """That of the run as it stands: what a prediction is locked with."""
+    in_run: float | str | bool | None = None
+    """What the open page's prediction shows of the run at the step where its truth is due, or in words why
+    there is nothing; None before that, and where it shows nothing."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, NotYetError
+from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, NoStepError, NotYetError
 from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict, Panels, in_words, is_met
 from rl_tui.lab.lessons.record import Passed
 from rl_tui.lab.lessons.setups import recipe_of
@@ -61,7 +61,9 @@ def verdict(judged: JudgedTask, run: Run, panels: Panels, kept: Kept | None = No
     by_seeds = {place: each for place, each in enumerate(conditions) if each.seeds}
     if by_seeds:
         spoilt = _spoilt(moment)
-        if spoilt:
+        if not run.step:
+            verdicts |= dict.fromkeys(by_seeds, ConditionVerdict(None, "no step is taken yet"))
+        elif spoilt:
             verdicts |= dict.fromkeys(by_seeds, ConditionVerdict(False, spoilt))
         elif all(each.holds for each in verdicts.values()):
             found = panels.of(moment.journal.start, tuple(by_seeds.values()))
@@ -78,9 +80,14 @@ def verdict(judged: JudgedTask, run: Run, panels: Panels, kept: Kept | None = No
 
 
 def judged_at(moment: JudgedMoment, condition: Condition) -> ConditionVerdict:
-    """Return whether ``condition`` holds at ``moment``, the seeds that it may ask for left aside."""
+    """Return whether ``condition`` holds at ``moment``, the seeds that it may ask for left aside.
+
+    What only a step can tell is not known before the first one.
+    """
     try:
         value = MEASURES[condition.measure].of(moment, condition)
+    except NoStepError as reason:
+        return ConditionVerdict(None, str(reason))
     except MissingError as reason:
         return ConditionVerdict(False, str(reason))
     except NotYetError:
@@ -126,8 +133,6 @@ def elsewhere(setup: Recipe, recipe: Recipe, kept: Kept | None = None) -> str:
 def _spoilt(moment: JudgedMoment) -> str:
     """Return why nothing that many seeds decide can hold; empty where it can."""
     journal = moment.journal
-    if not journal.step:
-        return "no step is taken yet"
     if journal.taken:
         return "steps were taken by hand on the way: r begins again"
     return "" if journal.is_as_begun else "settings were changed on the way: r begins again"

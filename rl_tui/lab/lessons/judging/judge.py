@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.lessons.judging.conditions import JudgedTask, judged_task, verdict
+from rl_tui.lab.lessons.judging.in_run import InRun
 from rl_tui.lab.lessons.judging.live_panels import LivePanels
 from rl_tui.lab.lessons.view import ConditionView, LessonView, TaskView
 
@@ -30,6 +31,7 @@ class TaskJudge:
         self._automatic = automatic
         self._panels = LivePanels(on_news, automatic=automatic)
         self._kept: Kept | None = None
+        self._in_run = InRun()
         self._lesson: Lesson | None = None
         self._page = ""
         self._judged: JudgedTask | None = None
@@ -40,7 +42,8 @@ class TaskJudge:
         """Return how the lesson of ``record`` stands beside ``run`` at this step."""
         kept = self._kept = self._kept or self._new_kept()
         kept.journal.read(run.recipe, run.journal, run.step, run.world.space.action_names)
-        return LessonView(record, self._task(record, run, kept), kept.journal.digest)
+        task, digest = self._task(record, run, kept), kept.journal.digest
+        return LessonView(record, task, digest, self._in_run.of(record, run, kept))
 
     def close(self) -> None:
         """End what is worked out in a process of its own, from any thread."""

@@ -13,7 +13,7 @@ from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE
 if TYPE_CHECKING:
     from rl_tui.lab.detective.verdict import ProgramVerdict
     from rl_tui.lab.lessons.judging.moment import JudgedMoment
-    from rl_tui.lab.lessons.schema import Condition
+    from rl_tui.lab.lessons.schema import Measured
     from rl_tui.lab.run.bandit import BanditFigures
     from rl_tui.lab.run.recipe import Recipe
 
@@ -22,6 +22,13 @@ Value = float | str | bool
 
 class MissingError(Exception):
     """A measure has no value at this moment; the text says why."""
+
+
+class NoStepError(MissingError):
+    """A measure has no value before the first step."""
+
+    def __init__(self) -> None:
+        super().__init__("no step is taken yet")
 
 
 class NotYetError(Exception):
@@ -62,7 +69,7 @@ class Measure:
     name: str
     help: str
     kind: MeasureKind
-    of: Callable[[JudgedMoment, Condition], Value]
+    of: Callable[[JudgedMoment, Measured], Value]
     needs: tuple[str, ...] = ()
     gives: Gives = Gives.NUMBER
     accepts: tuple[str, ...] = ()
@@ -83,9 +90,9 @@ def settings_of(recipe: Recipe) -> dict[str, float | str]:
     return {"algorithm": recipe.algorithm, **values}
 
 
-def _setting(moment: JudgedMoment, condition: Condition) -> float | str:
+def _setting(moment: JudgedMoment, condition: Measured) -> float | str:
     if not moment.run.step:
-        raise MissingError("no step is taken yet")
+        raise NoStepError
     name = condition.measure
     if condition.at == "start":
         algorithm, values = moment.journal.start.algorithm, moment.journal.start.hyperparameters
@@ -106,16 +113,16 @@ def _settings() -> Iterable[Measure]:
         yield row(each.name, each.help, gives, each.words)
 
 
-def _changed_settings(moment: JudgedMoment, condition: Condition) -> float:
+def _changed_settings(moment: JudgedMoment, condition: Measured) -> float:
     begun, wanted = settings_of(moment.journal.start), settings_of(moment.setup)
     return sum(begun[name] != wanted[name] for name in wanted)
 
 
 def _counts() -> Iterable[Measure]:
-    def row(name: str, text: str, of: Callable[[JudgedMoment, Condition], Value]) -> Measure:
+    def row(name: str, text: str, of: Callable[[JudgedMoment, Measured], Value]) -> Measure:
         return Measure(name, text, MeasureKind.COUNT, of)
 
-    def of_a_person(name: str, text: str, of: Callable[[JudgedMoment, Condition], Value]) -> Measure:
+    def of_a_person(name: str, text: str, of: Callable[[JudgedMoment, Measured], Value]) -> Measure:
         return Measure(name, text, MeasureKind.COUNT, of, differs_by_seed=False)
 
     yield row("steps", "steps taken", lambda m, c: m.run.step)
@@ -129,29 +136,29 @@ def _counts() -> Iterable[Measure]:
     yield of_a_person("seed", "the seed of the run", lambda m, c: m.run.recipe.seed)
 
 
-def _by_agent(moment: JudgedMoment, condition: Condition) -> float:
+def _by_agent(moment: JudgedMoment, condition: Measured) -> float:
     length = moment.last_episode[1]
     return length - moment.taken_since(moment.run.step - length)
 
 
-def _ended(moment: JudgedMoment, condition: Condition) -> str:
+def _ended(moment: JudgedMoment, condition: Measured) -> str:
     last = moment.last
     return "terminated" if last.terminated else "truncated" if last.truncated else "no"
 
 
-def _td_error(moment: JudgedMoment, condition: Condition) -> float:
+def _td_error(moment: JudgedMoment, condition: Measured) -> float:
     if not moment.last.learned:
         raise MissingError("nothing was learned with this step")
     return moment.last.td_error
 
 
-def _reward(moment: JudgedMoment, condition: Condition) -> float:
+def _reward(moment: JudgedMoment, condition: Measured) -> float:
     if moment.last.planned:
         raise MissingError("a planner has no rewards")
     return moment.last.reward
 
 
-def _episode_ended(moment: JudgedMoment, condition: Condition) -> str:
+def _episode_ended(moment: JudgedMoment, condition: Measured) -> str:
     return "terminated" if moment.last_episode and moment.last.terminated else "truncated"
 
 
@@ -167,11 +174,11 @@ def _steps() -> Iterable[Measure]:
     yield Measure("ended", "whether it ended an episode", last, _ended, gives=text, accepts=(*ends, "no"))
 
 
-def _q(moment: JudgedMoment, condition: Condition) -> float:
+def _q(moment: JudgedMoment, condition: Measured) -> float:
     return float(moment.run.learner.q[moment.pair(condition.state, condition.action)])
 
 
-def _value(moment: JudgedMoment, condition: Condition) -> float:
+def _value(moment: JudgedMoment, condition: Measured) -> float:
     state = moment.state(condition.state)
     planned = moment.planned_values
     if planned is not None:
@@ -180,13 +187,13 @@ def _value(moment: JudgedMoment, condition: Condition) -> float:
     return float(moment.run.learner.q[own.start : own.stop].max()) if own else 0.0
 
 
-def _gap(moment: JudgedMoment, condition: Condition) -> float:
+def _gap(moment: JudgedMoment, condition: Measured) -> float:
     one, other = (moment.pair(condition.state, action) for action in condition.actions)
     q = moment.run.learner.q
     return abs(float(q[one]) - float(q[other]))
 
 
-def _policy_in(moment: JudgedMoment, condition: Condition) -> str:
+def _policy_in(moment: JudgedMoment, condition: Measured) -> str:
     q = moment.run.learner.q
 
     def best(own: range) -> list[int]:
@@ -196,7 +203,7 @@ def _policy_in(moment: JudgedMoment, condition: Condition) -> str:
     return moment.actions_in(condition.state, best)
 
 
-def _visits(moment: JudgedMoment, condition: Condition) -> float:
+def _visits(moment: JudgedMoment, condition: Measured) -> float:
     return int(moment.run.learner.visits[moment.pair(condition.state, condition.action)])
 
 
@@ -208,7 +215,7 @@ def _learned() -> Iterable[Measure]:
     def row(
         name: str,
         text: str,
-        of: Callable[[JudgedMoment, Condition], Value],
+        of: Callable[[JudgedMoment, Measured], Value],
         *needs: str,
         gives: Gives = Gives.NUMBER,
     ) -> Measure:
@@ -232,15 +239,15 @@ def _learned() -> Iterable[Measure]:
     )
 
 
-def _max_error(moment: JudgedMoment, condition: Condition) -> float:
+def _max_error(moment: JudgedMoment, condition: Measured) -> float:
     return float(abs(moment.run.learner.q - moment.optimum.q).max())
 
 
-def _optimal_value(moment: JudgedMoment, condition: Condition) -> float:
+def _optimal_value(moment: JudgedMoment, condition: Measured) -> float:
     return float(moment.optimum.v[moment.state(condition.state)])
 
 
-def _optimal_actions(moment: JudgedMoment, condition: Condition) -> str:
+def _optimal_actions(moment: JudgedMoment, condition: Measured) -> str:
     greedy = moment.optimum.greedy
     return moment.actions_in(condition.state, lambda own: [pair for pair in own if greedy[pair]])
 
@@ -249,7 +256,7 @@ def _exact() -> Iterable[Measure]:
     def row(
         name: str,
         text: str,
-        of: Callable[[JudgedMoment, Condition], Value],
+        of: Callable[[JudgedMoment, Measured], Value],
         *needs: str,
         gives: Gives = Gives.NUMBER,
     ) -> Measure:
@@ -272,20 +279,20 @@ def _last_100(moment: JudgedMoment, place: int) -> float:
     return found
 
 
-def _return_mean(moment: JudgedMoment, condition: Condition) -> float:
+def _return_mean(moment: JudgedMoment, condition: Measured) -> float:
     if not moment.episodes or moment.run.mean_return is None:
         raise MissingError("no episode is finished yet")
     return moment.run.mean_return
 
 
-def _first_reward(moment: JudgedMoment, condition: Condition) -> float:
+def _first_reward(moment: JudgedMoment, condition: Measured) -> float:
     episode = moment.run.learner.first_reward_episode
     if not episode:
         raise MissingError("there was no reward yet")
     return episode
 
 
-def _steps_of_episodes(moment: JudgedMoment, condition: Condition) -> float:
+def _steps_of_episodes(moment: JudgedMoment, condition: Measured) -> float:
     first, last = condition.first or 1, condition.last or 1
     lengths = moment.run.history.first_lengths[:last]
     if len(lengths) < last:
@@ -300,7 +307,7 @@ def _bandit(moment: JudgedMoment) -> BanditFigures:
     return found
 
 
-def _best_arm_rate(moment: JudgedMoment, condition: Condition) -> float:
+def _best_arm_rate(moment: JudgedMoment, condition: Measured) -> float:
     rate = _bandit(moment).best_arm_rate
     if rate is None:
         raise MissingError("no arm is pulled yet")
@@ -308,7 +315,7 @@ def _best_arm_rate(moment: JudgedMoment, condition: Condition) -> float:
 
 
 def _record() -> Iterable[Measure]:
-    def row(name: str, text: str, of: Callable[[JudgedMoment, Condition], Value], *needs: str) -> Measure:
+    def row(name: str, text: str, of: Callable[[JudgedMoment, Measured], Value], *needs: str) -> Measure:
         return Measure(name, text, MeasureKind.RECORD, of, needs)
 
     yield row("return_last_100", "mean return of the last 100 episodes", lambda m, c: _last_100(m, 0))
@@ -321,7 +328,7 @@ def _record() -> Iterable[Measure]:
     yield row("best_arm_rate", "the share of pulls of its best arm", _best_arm_rate)
 
 
-def _no_program(moment: JudgedMoment, condition: Condition) -> Value:
+def _no_program(moment: JudgedMoment, condition: Measured) -> Value:
     raise MissingError("no program was watched")
 
 

@@ -16,7 +16,7 @@ from rl_tui.agents.exact.policy_figures import chance_of_ending
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
 from rl_tui.agents.exact.solve import solve
 from rl_tui.lab.lessons.judging.journal_reader import JournalReader
-from rl_tui.lab.lessons.judging.measures import MissingError, NotYetError
+from rl_tui.lab.lessons.judging.measures import MissingError, NoStepError, NotYetError
 from rl_tui.lab.run.exact_answers import (
     AT_ONCE_STATES,
     DEAREST_LIVE,
@@ -138,7 +138,7 @@ class JudgedMoment:
         """The last step."""
         last = self.run.learner.last_step
         if last is None:
-            raise MissingError("no step is taken yet")
+            raise NoStepError
         return last
 
     @property

@@ -23,7 +23,8 @@ class LessonPanel(ScrolledPanel):
     """Draws the open page of the lesson in the newest snapshot; a new page begins at its top.
 
     What is new on it, such as an answer or a hint, comes into view. In one row it says how the page stands.
-    ``spotlight`` is the panel that the page says to look at;
+    ``spotlight`` is the panel that the page says to look at; ``is_manual`` says that a person acts in place
+    of the agent.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -35,6 +36,7 @@ class LessonPanel(ScrolledPanel):
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)
         self.spotlight: Spotlight | None = None
+        self.is_manual = False
         self._shown: tuple[str, PageStage | None, int] = ("", None, 0)
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
@@ -69,7 +71,7 @@ class LessonPanel(ScrolledPanel):
         """Return the key of what is to do next."""
         if snapshot is None or snapshot.lesson is None:
             return ("R: to the world",)
-        return next_keys(snapshot.lesson, snapshot, has_focus=self.has_focus)
+        return next_keys(snapshot.lesson, snapshot, has_focus=self.has_focus, is_manual=self.is_manual)
 
     def _footings(self, keys: Sequence[str], height: int) -> Sequence[str]:
         """Return ``keys`` behind how many rows there are below, the longest form first."""

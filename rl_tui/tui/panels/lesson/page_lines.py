@@ -16,9 +16,11 @@ from rl_tui.tui.panels.lesson.words import (
     answer_text,
     condition_sign,
     counted,
+    in_run_text,
     reply_to,
     truth_text,
     verdict_piece,
+    went_another_way,
 )
 from rl_tui.tui.theme.look import Look
 
@@ -100,13 +102,23 @@ class _Writer:
         self._locked(ask, given)
         missing = steps_to_truth(ask, given, self._snapshot)
         if missing:
-            self._say(f"The truth comes {counted(missing, 'step')} later.", is_dim=True)
+            to_go = f": {missing:,} to go" if missing < ask.steps else ""
+            self._say(f"The truth comes {counted(ask.steps, 'step')} later{to_go}.", is_dim=True)
             return
         truth = truth_text(ask, self._look.glyphs)
         self._row([verdict_piece(given.is_right, self._look), Piece(f" – it is {truth}", self._palette.text)])
+        self._in_run(ask)
         self._reply(reply_to(ask, given.answer, is_right=given.is_right))
         right, made = self._record.predictions
         self._say(f"{right} of {counted(made, 'prediction')} right so far.", is_dim=True)
+
+    def _in_run(self, ask: Ask) -> None:
+        in_run = self._view.in_run
+        if in_run is None:
+            return
+        self._say(f"In your run: {in_run_text(in_run, self._look.glyphs)}", is_strong=True)
+        if went_another_way(ask, in_run):
+            self._say("Your run went another way: b goes back, N sets it up again.")
 
     def _locked(self, ask: Ask, given: Given) -> None:
         at = "" if given.step == NO_STEP else f" at step {given.step:,}"
