@@ -25,6 +25,7 @@ from rl_tui.worlds.sections.schema import (
 LONGEST_LINE: Final = 300
 LONGEST_TEXT: Final = 6_000
 LONGEST_WORLD: Final = 100_000
+LONGEST_PROGRAM: Final = 200_000
 LONGEST_SHORT_LINE: Final = 60
 LONGEST_LESSON: Final = 1_000_000
 MOST_PAGES: Final = 60
@@ -36,11 +37,17 @@ HIDEABLE: Final = ("answer", "policies", "why", "flips", "many seeds", "model", 
 """What a page may keep back until its prediction is in; ``run`` is whatever takes a step."""
 
 _WORD: Final = re.compile(r"[a-z][a-z0-9_-]*")
+_PYTHON_FILE: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*\.py")
 
 
 def is_word(value: object) -> bool:
     """Return whether a value can name a page, a setup or a figure."""
     return isinstance(value, str) and len(value) <= 60 and _WORD.fullmatch(value) is not None
+
+
+def is_file_name(value: object) -> bool:
+    """Return whether a value can name the file of a program, in whatever folder."""
+    return isinstance(value, str) and len(value) <= 60 and _PYTHON_FILE.fullmatch(value) is not None
 
 
 def _list(what: str, least: int = 0) -> Expect:
@@ -218,7 +225,7 @@ class ImpossibilityProof(FileSection):
 class ProgramToWrite(FileSection):
     """Code that a learner writes: the name of its file, and what stands in it at first."""
 
-    file: ShortLine
+    file: Annotated[str, Expect("the name of a Python file, such as my_agent.py", is_file_name)]
     skeleton: Annotated[str, markdown(LONGEST_WORLD)]
 
 

@@ -14,6 +14,7 @@ from rl_tui.lab.lessons.judging.replays import attempted_run
 from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
 from rl_tui.lab.lessons.judging.verdicts import in_words, is_met
 from rl_tui.lab.lessons.lesson import Lesson
+from rl_tui.lab.lessons.programs.seen_program import SeenProgram
 from rl_tui.lab.lessons.record import Passed
 from rl_tui.lab.lessons.view import TaskView
 from rl_tui.lab.run.recipe import JournalEntry, SetParameter, TakeAction
@@ -246,7 +247,7 @@ def test_a_program_is_judged_by_what_watching_it_found(found: ProgramVerdict, ex
         {"measure": "program_gamma", "equals": 0.9},
     ]
     lesson = lesson_with(*asked, more='program = { file = "mine.py", skeleton = "" }\n')
-    view = program_verdict(judged_task(lesson, "only"), "code", found)
+    view = program_verdict(judged_task(lesson, "only"), "code", SeenProgram(found))
     assert holds(view) == expected
     assert (view.passed is not None) is all(expected)
     assert view.passed is None or view.passed.program == "code"

@@ -12,9 +12,11 @@ from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.lessons.view import ConditionView, TaskView
 
 if TYPE_CHECKING:
-    from rl_tui.lab.detective.verdict import ProgramVerdict
+    from collections.abc import Sequence
+
     from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
     from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.lessons.programs.seen_program import SeenProgram
     from rl_tui.lab.lessons.schema import Condition, Task
     from rl_tui.lab.run.recipe import Recipe
     from rl_tui.lab.run.run import Run
@@ -95,23 +97,36 @@ def judged_at(moment: JudgedMoment, condition: Condition) -> ConditionVerdict:
     return ConditionVerdict(is_met(condition, value), in_words(value))
 
 
-def program_verdict(judged: JudgedTask, program: str, found: ProgramVerdict) -> TaskView:
-    """Return how a task that asks for a program stands: what watching it to its end has ``found``.
+def program_verdict(judged: JudgedTask, program: str, seen: SeenProgram) -> TaskView:
+    """Return how a task that asks for a program stands, by what was ``seen`` of it up to its end.
 
     ``program`` is the code.
     """
-    verdicts = [_of_program(each, found) for each in judged.task.conditions]
-    views = (
-        ConditionView(each.text, *one) for each, one in zip(judged.task.conditions, verdicts, strict=True)
-    )
-    passes = all(each.holds for each in verdicts)
-    return TaskView(tuple(views), Passed(judged.page, judged.setup, program=program) if passes else None)
+    conditions = judged.task.conditions
+    verdicts = program_verdicts(conditions, seen)
+    views = (ConditionView(each.text, *one) for each, one in zip(conditions, verdicts, strict=True))
+    passed = None
+    if all(each.holds for each in verdicts) and judged.task.proof is None:
+        passed = Passed(judged.page, judged.setup, program=program)
+    return TaskView(tuple(views), passed, remarks=remarks_on(seen))
 
 
-def _of_program(condition: Condition, found: ProgramVerdict) -> ConditionVerdict:
+def program_verdicts(conditions: Sequence[Condition], seen: SeenProgram) -> list[ConditionVerdict]:
+    """Return the verdict on each of ``conditions``; of a program with an error none holds."""
+    if seen.error:
+        return [ConditionVerdict(False) for _ in conditions]
+    return [_of_program(each, seen) for each in conditions]
+
+
+def remarks_on(seen: SeenProgram) -> tuple[str, ...]:
+    """Return what is to be said of a program besides: first what kept it from its end."""
+    return (seen.error, *seen.remarks) if seen.error else seen.remarks
+
+
+def _of_program(condition: Condition, seen: SeenProgram) -> ConditionVerdict:
     of_program = MEASURES[condition.measure].of_program
     try:
-        value = None if of_program is None else of_program(found)
+        value = None if of_program is None else of_program(seen)
     except MissingError as reason:
         return ConditionVerdict(False, str(reason))
     if value is None:

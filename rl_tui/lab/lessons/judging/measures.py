@@ -11,8 +11,8 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE
 
 if TYPE_CHECKING:
-    from rl_tui.lab.detective.verdict import ProgramVerdict
     from rl_tui.lab.lessons.judging.moment import JudgedMoment
+    from rl_tui.lab.lessons.programs.seen_program import SeenProgram
     from rl_tui.lab.lessons.schema import Measured
     from rl_tui.lab.run.bandit import BanditFigures
     from rl_tui.lab.run.recipe import Recipe
@@ -74,7 +74,7 @@ class Measure:
     gives: Gives = Gives.NUMBER
     accepts: tuple[str, ...] = ()
     differs_by_seed: bool = True
-    of_program: Callable[[ProgramVerdict], Value] | None = None
+    of_program: Callable[[SeenProgram], Value] | None = None
 
 
 ARGUMENTS: Final = ("state", "action", "actions", "first", "last")
@@ -328,36 +328,62 @@ def _record() -> Iterable[Measure]:
     yield row("best_arm_rate", "the share of pulls of its best arm", _best_arm_rate)
 
 
+_OF_NO_RULE: Final = ("Q(s′, a)", "max Q(s)", "argmax Q(s′)")
+"""What a target may take for the value of the next state, and should not."""
+
+
 def _no_program(moment: JudgedMoment, condition: Measured) -> Value:
     raise MissingError("no program was watched")
 
 
-def _found(value: float | None, verdict: ProgramVerdict, what: str) -> float:
+def _found(value: float | None, seen: SeenProgram, what: str) -> float:
     if value is None:
-        raise MissingError(verdict.update.reason or f"nothing tells {what}")
+        raise MissingError(seen.verdict.update.reason or f"nothing tells {what}")
     return value
 
 
-def _departs(verdict: ProgramVerdict) -> float:
-    if verdict.update.rule.value == "unknown":
-        raise MissingError(verdict.update.reason or "its update is not known")
-    step = verdict.update.departs_at
-    return 0 if step is None else step + 1
+def _rule(seen: SeenProgram) -> str:
+    """Return the rule, and what its target takes where no rule of the book takes that."""
+    update = seen.verdict.update
+    takes_another = update.target.value in _OF_NO_RULE and update.rule.value != "unknown"
+    return f"{update.rule.value} with {update.target.value}" if takes_another else update.rule.value
+
+
+def _departs(seen: SeenProgram) -> float:
+    update = seen.verdict.update
+    if update.rule.value == "unknown":
+        raise MissingError("its update is not known")
+    return 0 if update.departs_at is None else update.departs_at + 1
+
+
+def _faults(seen: SeenProgram) -> float:
+    return sum(finding.kind == "fault" for finding in seen.verdict.findings)
+
+
+def _program_return(seen: SeenProgram) -> float:
+    if seen.expected_return is None:
+        raise MissingError("it has no table of which that can be worked out")
+    return seen.expected_return
 
 
 def _programs() -> Iterable[Measure]:
-    def row(
-        name: str, text: str, of: Callable[[ProgramVerdict], Value], gives: Gives = Gives.NUMBER
-    ) -> Measure:
+    def row(name: str, text: str, of: Callable[[SeenProgram], Value], gives: Gives = Gives.NUMBER) -> Measure:
         return Measure(
             name, text, MeasureKind.PROGRAM, _no_program, (), gives, differs_by_seed=False, of_program=of
         )
 
-    yield row("program_rule", "the update that it makes", lambda v: v.update.rule.value, Gives.TEXT)
+    text = Gives.TEXT
+    yield row("program_world", "the id of the environment it learns in", lambda s: s.environment, text)
+    yield row("program_steps", "steps that it took", lambda s: s.steps)
+    yield row("program_episodes", "episodes that it finished", lambda s: s.episodes)
+    yield row("program_rule", "the update that it makes", _rule, text)
     yield row("program_departs", "the first step not explained by that, 0 for none", _departs)
-    yield row("program_faults", "its faults", lambda v: sum(f.kind == "fault" for f in v.findings))
-    yield row("program_alpha", "its α", lambda v: _found(v.update.alpha, v, "its α"))
-    yield row("program_gamma", "its γ", lambda v: _found(v.update.gamma, v, "its γ"))
+    yield row("program_faults", "its faults", _faults)
+    yield row("program_alpha", "its α", lambda s: _found(s.verdict.update.alpha, s, "its α"))
+    yield row("program_gamma", "its γ", lambda s: _found(s.verdict.update.gamma, s, "its γ"))
+    yield row(
+        "program_return", "what the greedy policy of its table earns, undiscounted, exactly", _program_return
+    )
 
 
 MEASURES: Final[Mapping[str, Measure]] = {

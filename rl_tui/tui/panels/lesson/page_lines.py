@@ -161,15 +161,32 @@ class _Writer:
             self._beside(sign, condition.text, found)
         if view is not None and view.waits and not is_passed:
             self._say(view.waits, is_dim=True)
+        self._remarks(() if view is None else view.remarks)
         if not is_passed:
             self._hints(task)
             self._gap()
-            self._key("A", "say that it cannot be done")
+            self._what_to_press(task)
             return
         self._gap()
         self._news()
         self._row([Piece(f"{self._look.glyphs.holds} PASSED", self._palette.good)])
         self._hints(task)
+
+    def _remarks(self, remarks: Sequence[str]) -> None:
+        """Write what was found of a program, each with a sign of its own."""
+        if not remarks:
+            return
+        self._gap()
+        self._news()
+        for remark in remarks:
+            self._beside(Piece(self._look.glyphs.cursor, self._palette.accent), remark)
+
+    def _what_to_press(self, task: Task) -> None:
+        if task.program is None:
+            self._key("A", "say that it cannot be done")
+            return
+        self._key("A", f"writes {task.program.file}, and once it is there checks it")
+        self._say(f"rl-tui watch {task.program.file} in another terminal shows it at work.", is_dim=True)
 
     def _hints(self, task: Task) -> None:
         all_hints = [*task.hints, *([task.solution] if task.solution else [])]

@@ -14,6 +14,7 @@ from rl_tui.tui.draw.to_ascii import separated
 from rl_tui.tui.panels.lesson.prose import plain
 from rl_tui.tui.panels.lesson.stage import (
     PageStage,
+    asks_for_program,
     is_last_page,
     open_page,
     page_place,
@@ -99,6 +100,8 @@ def next_keys(
             return f"{answer}: say what you expect", f"{answer}: predict"
         case PageStage.TO_ANSWER:
             return (f"{answer}: answer",)
+        case PageStage.TO_DO if asks_for_program(record):
+            return (f"{answer}: your program",)
         case PageStage.TO_DO:
             return (*leads, "enter: do it") if has_focus else ("R: read here",)
         case PageStage.LOCKED:
