@@ -101,13 +101,11 @@ class LessonActions(Subject):
 
     def go_on(self) -> None:
         """Do what the page asks next."""
-        record = self.record
-        asks_program = record is not None and asks_for_program(record)
-        if self.stage in (PageStage.TO_PREDICT, PageStage.TO_ANSWER) or (
-            asks_program and self.stage is PageStage.TO_DO
-        ):
+        record, stage = self.record, self.stage
+        wants_program = stage is PageStage.TO_DO and record is not None and asks_for_program(record)
+        if wants_program or stage in (PageStage.TO_PREDICT, PageStage.TO_ANSWER):
             self.answer()
-        elif self.stage in (PageStage.TO_DO, PageStage.LOCKED):
+        elif stage in (PageStage.TO_DO, PageStage.LOCKED):
             self.read()
         else:
             self.next_page()

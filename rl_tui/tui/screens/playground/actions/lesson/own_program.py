@@ -9,7 +9,7 @@ from typing import Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.export.files import new_path, write_text
-from rl_tui.lab.lessons.schema import Page, is_file_name
+from rl_tui.lab.lessons.schema import Page, ProgramToWrite, is_file_name
 from rl_tui.lab.live.commands import WatchProgram
 from rl_tui.terminal.driver_choice import in_browser
 from rl_tui.tui.draw.to_ascii import to_ascii
