@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.findings import shown
-from rl_tui.lab.course.predictions import NO_PREDICTIONS, Predictions, predictions_in
+from rl_tui.lab.course.predictions import NO_PREDICTIONS, PredictionScore, predictions_in
 from rl_tui.lab.experiments.training import Goal, train
 from rl_tui.lab.lessons.catalogue import find_lesson
 from rl_tui.lab.lessons.judging.attempts import judged_claim, judged_program
@@ -18,7 +18,7 @@ from rl_tui.lab.lessons.judging.moment import Kept
 from rl_tui.lab.lessons.judging.panel_request import same_panel
 from rl_tui.lab.lessons.judging.replays import replayed
 from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
-from rl_tui.lab.lessons.judging.verdicts import Panels, Verdict
+from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict, Panels
 from rl_tui.lab.lessons.lesson import Lesson
 from rl_tui.lab.lessons.view import ConditionView, TaskView
 from rl_tui.lab.run.recipe import Recipe, TakeAction, begin
@@ -59,7 +59,7 @@ class GradedSession:
 
     path: Path
     tasks: tuple[GradedTask, ...] = ()
-    predictions: Predictions = NO_PREDICTIONS
+    predictions: PredictionScore = NO_PREDICTIONS
     remarks: tuple[str, ...] = ()
     fault: str = ""
     """Why there is nothing to grade; mostly empty."""
@@ -209,12 +209,12 @@ class _FewPanels:
         self._asked: list[tuple[Recipe, tuple[Condition, ...]]] = []
         self._left_out = False
 
-    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[Verdict]:
+    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
         """Return the verdict on each of ``conditions`` for runs of ``recipe``."""
         if not any(same_panel(*asked, recipe, conditions) for asked in self._asked):
             if len(self._asked) >= _MOST_PANELS:
                 self._left_out = True
-                return [Verdict(None, "too many settings were tried")] * len(conditions)
+                return [ConditionVerdict(None, "too many settings were tried")] * len(conditions)
             self._asked.append((recipe, conditions))
         return self._panels.of(recipe, conditions)
 
