@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -18,7 +18,7 @@ from rl_tui.lab.course.entries import LessonStart
 from rl_tui.lab.lessons.judging.conditions import judged_task
 from rl_tui.lab.lessons.lesson import Lesson
 from rl_tui.lab.lessons.record import LessonRecord, begun
-from rl_tui.lab.lessons.schema import Ask, Attempt, Page, Task
+from rl_tui.lab.lessons.schema import Ask, Attempt, Page
 from rl_tui.lab.lessons.view import LessonView
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Phase, Snapshot
@@ -27,12 +27,9 @@ from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.panels.lesson.prose import plain
-from rl_tui.tui.panels.lesson.stage import is_last_page, open_page, steps_to_truth
-from rl_tui.tui.panels.lesson.words import truth_text
-from rl_tui.tui.panels.row import WORLD
+from rl_tui.tui.panels.lesson.stage import open_page
 from rl_tui.tui.screens.dialogs.confirm import Confirm
-from rl_tui.tui.screens.playground.actions.lesson.lesson import LAST_PAGE, NOT_DONE
+from rl_tui.tui.screens.playground.actions.lesson.lesson import NOT_DONE
 from rl_tui.tui.screens.playground.actions.modes.action_keys import (
     action_towards,
     acts_in,
@@ -40,7 +37,6 @@ from rl_tui.tui.screens.playground.actions.modes.action_keys import (
     has_directions,
 )
 from rl_tui.tui.screens.playground.actions.modes.mode import STEPS
-from rl_tui.tui.theme.glyphs import UNICODE
 
 BY_HAND: Final[Mapping[tuple[str, str], tuple[str, ...]]] = {
     ("loop", "second"): ("down", "down", "right", "right", "down", "right"),
