@@ -14,8 +14,9 @@ from seams import choose, notes, playground, press, screen_text, show, snapshot,
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
+from rl_tui.lab.lessons.judging.journal_reader import run_digest
 from rl_tui.lab.lessons.lesson import lesson_of
-from rl_tui.lab.lessons.record import LessonRecord, Passed, begun, run_digest
+from rl_tui.lab.lessons.record import LessonRecord, Passed, begun
 from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.live.commands import Apply, KeepLesson
 from rl_tui.lab.live.player import Player

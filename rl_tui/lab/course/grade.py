@@ -5,25 +5,29 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.findings import shown
 from rl_tui.lab.course.predictions import NO_PREDICTIONS, Predictions, predictions_in
 from rl_tui.lab.experiments.training import Goal, train
 from rl_tui.lab.lessons.catalogue import find_lesson
-from rl_tui.lab.lessons.judging.attempts import judged_claim, replayed
-from rl_tui.lab.lessons.judging.conditions import JudgedTask, Panels, elsewhere, judged_task, verdict
+from rl_tui.lab.lessons.judging.attempts import judged_claim, judged_program
+from rl_tui.lab.lessons.judging.conditions import JudgedTask, elsewhere, judged_task, verdict
 from rl_tui.lab.lessons.judging.moment import Kept
+from rl_tui.lab.lessons.judging.replays import replayed
 from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
+from rl_tui.lab.lessons.judging.verdicts import Panels
 from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.record import LessonRecord, Passed
 from rl_tui.lab.lessons.view import ConditionView, TaskView
 from rl_tui.lab.run.recipe import Recipe, TakeAction, begin
 from rl_tui.lab.run.run import Run
 from rl_tui.lab.sessions.folder import files_in
 from rl_tui.lab.sessions.session import SUFFIX, SessionError, read_session
-from rl_tui.lab.timeline.branches import Branch
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.record import LessonRecord, Passed
+    from rl_tui.lab.timeline.branches import Branch
 
 PROVES: Final = "A session proves the run, not who made it."
 MOST_STEPS: Final = 20_000_000
@@ -64,11 +68,13 @@ class GradedSession:
 class LessonGrading:
     """Grades sessions by the lesson of this ``name``, an id or a file, one after the other.
 
-    Raises UserError where there is no such lesson, or it sets no task.
+    With ``runs_programs`` a program that a session holds is watched, which is no sandbox; else its task is
+    not judged. Raises UserError where there is no such lesson, or it sets no task.
     """
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, *, runs_programs: bool = False) -> None:
         self._name = name
+        self._runs_programs = runs_programs
         self._lessons = dict[str, Lesson]()
         self._panels = PanelsAtOnce()
         self.lesson = self._variant("")
@@ -93,7 +99,7 @@ class LessonGrading:
         for task in tasks:
             evidence = _evidence(taken, task.page)
             if evidence is not None:
-                views[task.page] = _better(_judged_evidence(task, evidence, self._panels), views[task.page])
+                views[task.page] = _better(self._judged(task, evidence), views[task.page])
         search = _Search(views, self._panels)
         for lane in record.lanes:
             for branch in lane.branches:
@@ -101,6 +107,13 @@ class LessonGrading:
         graded = tuple(_graded(lesson, task.page, views[task.page]) for task in tasks)
         predictions = NO_PREDICTIONS if taken is None else predictions_in(taken, lesson, record)
         return GradedSession(path, graded, predictions, (*remarks, *search.remarks))
+
+    def _judged(self, task: JudgedTask, evidence: Passed) -> TaskView:
+        if task.task.program is None or evidence.claim:
+            return _judged_evidence(task, evidence, self._panels)
+        if not self._runs_programs:
+            return _not_done(task, "not judged: --programs watches the program that is in the session")
+        return judged_program(task, evidence.program)
 
     def _variant(self, variant: str) -> Lesson:
         if variant not in self._lessons:
@@ -158,8 +171,6 @@ def _evidence(taken: LessonRecord | None, page: str) -> Passed | None:
 
 def _judged_evidence(task: JudgedTask, evidence: Passed, panels: Panels) -> TaskView:
     """Return how the task stands when what ``evidence`` says was done is done again."""
-    if task.task.program is not None:
-        return _not_done(task, "programs of sessions are not run here")
     if evidence.claim:
         return judged_claim(task, Run(task.setup, evaluate=False), panels)
     reason = elsewhere(task.setup, evidence.recipe)

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rl_tui.lab.lessons.judging.conditions import elsewhere
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.record import Given, LessonRecord, RunDigest
+from rl_tui.lab.lessons.judging.journal_reader import RunDigest
+from rl_tui.lab.lessons.record import Given, LessonRecord
 from rl_tui.lab.lessons.setups import recipe_of
-from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.recipe import JournalEntry, Recipe, TakeAction, begin
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.live.record import Record
 
 _MOST_ENTRIES: Final = 1_000_000
 """Changes that are gone through, of all runs; what is locked with later ones stays unknown."""

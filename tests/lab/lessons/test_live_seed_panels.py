@@ -12,10 +12,12 @@ from lab.lessons.task_samples import condition, lesson_with, recipe_in
 from rl_tui.common.kiosk import VARIABLE
 from rl_tui.lab.lessons.judging import live_panels
 from rl_tui.lab.lessons.judging.conditions import judged_task, verdict
+from rl_tui.lab.lessons.judging.journal_reader import run_digest
 from rl_tui.lab.lessons.judging.judge import TaskJudge
 from rl_tui.lab.lessons.judging.live_panels import LivePanels
+from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
 from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.record import begun, run_digest
+from rl_tui.lab.lessons.record import begun
 from rl_tui.lab.lessons.view import LessonView, TaskView
 from rl_tui.lab.run.recipe import SetParameter
 from rl_tui.lab.run.run import Run
@@ -94,7 +96,7 @@ def test_a_panel_comes_to_what_the_replay_says(
     news.until(lambda: task_of(judge.view(record, run)).conditions[1].holds is not None)
     known = task_of(judge.view(record, run))
     assert (known.conditions[1].holds, known.waits) == (expected, "")
-    assert known == verdict(judged_task(lesson, "only"), run)
+    assert known == verdict(judged_task(lesson, "only"), run, PanelsAtOnce())
 
 
 def test_without_time_it_is_known_at_once() -> None:

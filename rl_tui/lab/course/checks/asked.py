@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.findings import Finding, Location, near, shown
-from rl_tui.lab.lessons.figures.figures import Figures
 from rl_tui.lab.lessons.figures.written import in_digits_of
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.schema import Ask
 from rl_tui.lab.lessons.spotlights import SPOTLIGHTS
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.figures.figures import Figures
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.lessons.schema import Ask
 
 _FIGURE: Final = re.compile(r"\{([a-z][a-z0-9_-]*)\}")
 _SLACK: Final = 1e-9

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.agents.catalogue import parameters_of
 from rl_tui.common.errors import UserError
@@ -16,10 +16,12 @@ from rl_tui.common.findings import Finding, Location, shown
 from rl_tui.lab.lessons.figures.expression import FigureError
 from rl_tui.lab.lessons.figures.subject import Subject
 from rl_tui.lab.lessons.figures.written import written_number
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.schema import Page
 from rl_tui.lab.run.changes import read_change
 from rl_tui.worlds.drawing import Grid
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.lessons.schema import Page
 
 PROSE: Final = frozenset(
     ("title", "summary", "goals", "text", "explanation", "ask", "reply", "do", "hints", "solution")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -23,8 +23,10 @@ from rl_tui.common.findings import near, shown
 from rl_tui.lab.experiments.learned_length import best_actions
 from rl_tui.lab.lessons.figures.expression import FigureError
 from rl_tui.lab.lessons.figures.subject import Subject, name_of, share, whole
-from rl_tui.worlds.mdp.space import FloatArray
-from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+if TYPE_CHECKING:
+    from rl_tui.worlds.mdp.space import FloatArray
+    from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 POLICIES: Final = ("uniform", "optimal", "soft", "first")
 ELSEWHERE: Final = "else"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding, near, shown
@@ -11,8 +11,10 @@ from rl_tui.lab.lessons.figures.expression import Estimate, FigureError, evaluat
 from rl_tui.lab.lessons.figures.functions import called
 from rl_tui.lab.lessons.figures.subject import SETTINGS, Subject, plain_name, subject_of
 from rl_tui.lab.lessons.figures.written import WrittenNumber, in_digits_of, written_number
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.schema import Figure
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.lessons.schema import Figure
 
 OVER_SEEDS: Final = frozenset(
     ("mean", "error_of_mean", "median", "least", "greatest", "share", "count", "ahead")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.findings import near, shown
 from rl_tui.lab.lessons.figures.expression import FigureError
@@ -11,7 +11,9 @@ from rl_tui.lab.lessons.figures.subject import name_of, whole
 from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, Value
 from rl_tui.lab.lessons.judging.moment import Kept, Moment
 from rl_tui.lab.lessons.schema import MOST_STEPS, Condition
-from rl_tui.lab.run.run import Run
+
+if TYPE_CHECKING:
+    from rl_tui.lab.run.run import Run
 
 ARGUMENTS: Final = ("state", "action", "actions", "first", "last", "at")
 """What some measures take besides."""

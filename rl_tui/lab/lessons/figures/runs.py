@@ -6,7 +6,7 @@ import math
 import statistics
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
@@ -16,11 +16,13 @@ from rl_tui.lab.experiments.training import Goal, no_progress, train
 from rl_tui.lab.lessons.figures.expression import Estimate, FigureError
 from rl_tui.lab.lessons.figures.measuring import measured, measured_of_each
 from rl_tui.lab.lessons.figures.subject import Subject, name_of, whole
-from rl_tui.lab.lessons.judging.attempts import attempted_run
-from rl_tui.lab.lessons.judging.measures import Value
+from rl_tui.lab.lessons.judging.replays import attempted_run
 from rl_tui.lab.run.changes import journal_of, read_change
-from rl_tui.lab.run.recipe import JournalEntry
 from rl_tui.lab.run.run import Run
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.judging.measures import Value
+    from rl_tui.lab.run.recipe import JournalEntry
 
 LEAST_SEEDS: Final = 50
 """Of what is said about learning: fewer may say anything."""

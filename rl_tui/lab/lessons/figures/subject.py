@@ -5,20 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
-from rl_tui.agents.exact.solution import Solution
 from rl_tui.agents.exact.solve import solve
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.common.findings import near, shown
 from rl_tui.lab.lessons.figures.expression import FigureError
-from rl_tui.lab.lessons.lesson import Lesson
 from rl_tui.lab.lessons.setups import scenario_for
 from rl_tui.lab.run.exact_answers import NO_TABLE
 from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.run.recipe import Recipe, begin
-from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
-from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from rl_tui.agents.exact.solution import Solution
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+    from rl_tui.worlds.world import World
 
 OTHER_WORLD: Final = ("setup", "scenario", "seed")
 SETTINGS: Final = ("algorithm", *PARAMETERS)

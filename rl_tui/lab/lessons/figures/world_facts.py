@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from rl_tui.common.findings import shown
 from rl_tui.lab.lessons.figures.expression import FigureError
 from rl_tui.lab.lessons.figures.subject import Subject, name_of
-from rl_tui.worlds.mdp.space import IntArray
+
+if TYPE_CHECKING:
+    from rl_tui.worlds.mdp.space import IntArray
 
 
 def states(subject: Subject) -> int:

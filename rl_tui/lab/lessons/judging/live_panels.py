@@ -6,13 +6,12 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
-from rl_tui.lab.lessons.judging.conditions import Verdict
-from rl_tui.lab.lessons.judging.panel_worker import PanelRequest
+from rl_tui.lab.lessons.judging.panel_request import KnownPanels, PanelRequest, same_panel
+from rl_tui.lab.lessons.judging.verdicts import Verdict
 from rl_tui.lab.workers.answering_process import AnsweringProcess
 from rl_tui.worlds.gym.modules import ALLOWED
 
 if TYPE_CHECKING:
-    from rl_tui.lab.lessons.judging.seed_panel import KnownPanels
     from rl_tui.lab.lessons.schema import Condition
     from rl_tui.lab.run.recipe import Recipe
 
@@ -24,7 +23,7 @@ class LivePanels:
     """Has them worked out in a process of its own, and remembers what came of it.
 
     ``on_news`` is called, from any thread, when there is more to tell. With ``automatic`` off :meth:`of`
-    works them out itself, so that what is known does not depend on the time.
+    waits for the end, so that what is known does not depend on the time.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -33,17 +32,11 @@ class LivePanels:
         self._lock = threading.Lock()  # guards the process and whether there may be one
         self._process: _PanelProcess | None = None
         self._is_closed = False
-        self._known: KnownPanels | None = None
+        self._known = KnownPanels()
 
     def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[Verdict]:
         """Return what is known by now of ``conditions`` for runs of ``recipe``, and see to the rest."""
-        from rl_tui.lab.lessons.judging.seed_panel import KnownPanels, worked_out
-
-        known = self._known = self._known or KnownPanels()
-        found = known.of(recipe, conditions)
-        if found is None and not self._automatic:
-            found = worked_out(recipe, conditions)
-            known.keep(recipe, conditions, found)
+        found = self._known.of(recipe, conditions)
         if found is not None:
             return found
         process = self._process
@@ -51,8 +44,10 @@ class LivePanels:
             process = self._begin(recipe, conditions)
         if process is None:
             return [Verdict(None, "no process can be started to work it out")] * len(conditions)
+        if not self._automatic:
+            process.wait()
         if process.verdicts is not None:
-            known.keep(recipe, conditions, process.verdicts)
+            self._known.keep(recipe, conditions, process.verdicts)
             return process.verdicts
         return [Verdict(None, process.failed or self.waits)] * len(conditions)
 
@@ -109,8 +104,6 @@ class _PanelProcess(AnsweringProcess):
 
     def is_about(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> bool:
         """Return whether this is what it works out."""
-        from rl_tui.lab.lessons.judging.seed_panel import same_panel
-
         return same_panel(self._recipe, self._conditions, recipe, conditions)
 
     def _take_in(self, document: Any) -> None:

@@ -3,30 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.lab.workers.answering import answer, bound_processor_time, let_others_go_first
 
 if TYPE_CHECKING:
-    from rl_tui.lab.lessons.schema import Condition
-    from rl_tui.lab.run.recipe import Recipe
+    from rl_tui.lab.lessons.judging.panel_request import PanelRequest
 
 MOST_SECONDS: Final = 300
 """Of a processor."""
 _LONGEST_REASON: Final = 200
-
-
-@dataclass(frozen=True, slots=True)
-class PanelRequest:
-    """What is to be worked out: ``conditions`` for runs of ``recipe`` under the seeds from 0.
-
-    ``modules`` are those that the id of an environment may import.
-    """
-
-    recipe: Recipe
-    conditions: tuple[Condition, ...]
-    modules: frozenset[str]
 
 
 def main() -> None:

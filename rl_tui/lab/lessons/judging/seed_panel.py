@@ -5,21 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import groupby
-from typing import Final
+from typing import TYPE_CHECKING
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
 from rl_tui.lab.experiments.training import Goal
 from rl_tui.lab.lessons.judging.condition_faults import MOST_STEPS_OF_A_SEED
-from rl_tui.lab.lessons.judging.conditions import Verdict, in_words, is_met
 from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, Value
 from rl_tui.lab.lessons.judging.moment import Kept, Moment
-from rl_tui.lab.lessons.schema import Condition
-from rl_tui.lab.run.recipe import Recipe
-from rl_tui.lab.run.run import Run
+from rl_tui.lab.lessons.judging.panel_request import KnownPanels
+from rl_tui.lab.lessons.judging.verdicts import Verdict, in_words, is_met
 
-KEPT: Final = 64
-"""Settings of which the verdicts are remembered."""
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.schema import Condition
+    from rl_tui.lab.run.recipe import Recipe
+    from rl_tui.lab.run.run import Run
+
 
 OnSeed = Callable[[int, int], None]
 
@@ -119,31 +120,3 @@ class PanelsAtOnce:
             known = worked_out(recipe, conditions)
             self._known.keep(recipe, conditions, known)
         return known
-
-
-class KnownPanels:
-    """The verdicts of the last settings that were asked for."""
-
-    def __init__(self) -> None:
-        self._known: list[tuple[Recipe, tuple[Condition, ...], tuple[Verdict, ...]]] = []
-
-    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> tuple[Verdict, ...] | None:
-        """Return what is known of ``conditions`` for runs of ``recipe``, None where that is nothing."""
-        for other, same, known in self._known:
-            if same_panel(other, same, recipe, conditions):
-                return known
-        return None
-
-    def keep(self, recipe: Recipe, conditions: tuple[Condition, ...], verdicts: tuple[Verdict, ...]) -> None:
-        """Remember ``verdicts``; of very many, the oldest are forgotten."""
-        self._known = [*self._known, (recipe, conditions, verdicts)][-KEPT:]
-
-
-def same_panel(one: Recipe, its: tuple[Condition, ...], other: Recipe, others: tuple[Condition, ...]) -> bool:
-    """Return whether both ask for the same runs and the same conditions, whatever seed the recipes have."""
-    return (
-        one.algorithm == other.algorithm
-        and one.hyperparameters == other.hyperparameters
-        and (one.scenario is other.scenario or one.scenario.section == other.scenario.section)
-        and (its is others or its == others)
-    )

@@ -16,9 +16,11 @@ from rl_tui.tui.panels.lesson.words import (
     answer_text,
     condition_sign,
     counted,
+    in_run_text,
     reply_to,
     truth_text,
     verdict_piece,
+    went_another_way,
 )
 from rl_tui.tui.theme.look import Look
 
@@ -100,13 +102,23 @@ class _Writer:
         self._locked(ask, given)
         missing = steps_to_truth(ask, given, self._snapshot)
         if missing:
-            self._say(f"The truth comes {counted(missing, 'step')} later.", is_dim=True)
+            to_go = f": {missing:,} to go" if missing < ask.steps else ""
+            self._say(f"The truth comes {counted(ask.steps, 'step')} later{to_go}.", is_dim=True)
             return
         truth = truth_text(ask, self._look.glyphs)
         self._row([verdict_piece(given.is_right, self._look), Piece(f" – {truth}", self._palette.text)])
+        self._in_run(ask)
         self._reply(reply_to(ask, given.answer, is_right=given.is_right))
         right, made = self._record.predictions
         self._say(f"{right} of {counted(made, 'prediction')} right so far.", is_dim=True)
+
+    def _in_run(self, ask: Ask) -> None:
+        in_run = self._view.in_run
+        if in_run is None:
+            return
+        self._say(f"In your run: {in_run_text(in_run, self._look.glyphs)}", is_strong=True)
+        if went_another_way(ask, in_run):
+            self._say("Your run went another way: b goes back, N sets it up again.")
 
     def _locked(self, ask: Ask, given: Given) -> None:
         at = "" if given.step == NO_STEP else f" at step {given.step:,}"
@@ -150,15 +162,32 @@ class _Writer:
             self._beside(sign, condition.text, found)
         if view is not None and view.waits and not is_passed:
             self._say(view.waits, is_dim=True)
+        self._remarks(() if view is None else view.remarks)
         if not is_passed:
             self._hints(task)
             self._gap()
-            self._key("A", "say that it cannot be done")
+            self._what_to_press(task)
             return
         self._gap()
         self._news()
         self._row([Piece(f"{self._look.glyphs.holds} PASSED", self._palette.good)])
         self._hints(task)
+
+    def _remarks(self, remarks: Sequence[str]) -> None:
+        """Write what was found of a program, each with a sign of its own."""
+        if not remarks:
+            return
+        self._gap()
+        self._news()
+        for remark in remarks:
+            self._beside(Piece(self._look.glyphs.cursor, self._palette.accent), remark)
+
+    def _what_to_press(self, task: Task) -> None:
+        if task.program is None:
+            self._key("A", "say that it cannot be done")
+            return
+        self._key("A", f"writes {task.program.file}, and once it is there checks it")
+        self._say(f"rl-tui watch {task.program.file} in another terminal shows it at work.", is_dim=True)
 
     def _hints(self, task: Task) -> None:
         all_hints = [*task.hints, *([task.solution] if task.solution else [])]

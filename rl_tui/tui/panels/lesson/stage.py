@@ -79,6 +79,12 @@ def keeping_page(record: LessonRecord, what: str) -> Page | None:
     return None
 
 
+def asks_for_program(record: LessonRecord) -> bool:
+    """Return whether the task of the open page asks for a program."""
+    task = open_page(record).task
+    return task is not None and task.program is not None
+
+
 def page_place(record: LessonRecord) -> str:
     """Return the place of the open page among all, such as 3/9."""
     return f"{record.lesson.number_of(record.page) + 1}/{len(record.lesson.pages)}"

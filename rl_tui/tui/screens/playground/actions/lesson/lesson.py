@@ -15,13 +15,21 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.actions.playground_actions import LESSON_ACTIONS
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.lesson.prose import plain
-from rl_tui.tui.panels.lesson.stage import DONE, Stage, is_last_page, open_page, stage_of
+from rl_tui.tui.panels.lesson.stage import (
+    DONE,
+    Stage,
+    asks_for_program,
+    is_last_page,
+    open_page,
+    stage_of,
+)
 from rl_tui.tui.panels.lesson.words import answer_text
 from rl_tui.tui.panels.row import PanelRow
 from rl_tui.tui.screens.dialogs.choice import Candidate, Choice
 from rl_tui.tui.screens.dialogs.confirm import Confirm
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.screens.playground.actions.lesson.kept_back import KeptBack
+from rl_tui.tui.screens.playground.actions.lesson.own_program import OwnProgram
 from rl_tui.tui.screens.playground.actions.lesson.typed_answer import read_answer
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
@@ -45,6 +53,9 @@ class LessonActions(Subject):
     set_out: Callable[[LessonRecord], None]
     _to_be_skipped: str = ""
     """The page that one more press skips."""
+
+    def __post_init__(self) -> None:
+        self._own_program = OwnProgram(self.screen, self.board, self.link)
 
     @property
     def record(self) -> LessonRecord | None:
@@ -90,7 +101,9 @@ class LessonActions(Subject):
 
     def go_on(self) -> None:
         """Do what the page asks next."""
-        if self.stage in (Stage.TO_PREDICT, Stage.TO_ANSWER):
+        record = self.record
+        asks_program = record is not None and asks_for_program(record)
+        if self.stage in (Stage.TO_PREDICT, Stage.TO_ANSWER) or (asks_program and self.stage is Stage.TO_DO):
             self.answer()
         elif self.stage in (Stage.TO_DO, Stage.LOCKED):
             self.read()
@@ -157,7 +170,9 @@ class LessonActions(Subject):
             return
         page = open_page(record)
         given = record.last_given_on(page.id)
-        if page.task is not None:
+        if page.task is not None and page.task.program is not None and not record.has_passed(page.id):
+            self._own_program.answer(page, page.task.program, lambda: self._ask_claim(record, page))
+        elif page.task is not None:
             self._ask_claim(record, page)
         elif page.asked is None:
             self.screen.tell("this page asks nothing; . turns it")

@@ -126,9 +126,9 @@ class ManualControl(KeyMode):
     def _show(self, *, is_on: bool) -> None:
         if self.board.world is not None:
             self.board.world.is_manual = is_on
-        status = self.screen.query_one(StatusLine)
-        status.is_manual = is_on
-        status.redraw()
+        for each in (self.screen.query_one(StatusLine), self.board.lesson.panel):
+            each.is_manual = is_on
+            each.redraw()
 
 
 _HINTS: Final = (
