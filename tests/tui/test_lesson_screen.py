@@ -244,6 +244,7 @@ async def test_a_claim_is_right_only_where_there_is_a_proof() -> None:
         assert not record(pilot).passed
         await press(pilot, "A", "enter")
         assert [(each.page, each.claim) for each in record(pilot).passed] == [("never", True)]
+        assert notes(pilot.app)[-1] == "task passed"
         assert "PASSED" in screen_text(pilot.app)
         assert record(pilot).page == "never"
 

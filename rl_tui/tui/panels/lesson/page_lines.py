@@ -106,7 +106,7 @@ class _Writer:
             self._say(f"The truth comes {counted(ask.steps, 'step')} later{to_go}.", is_dim=True)
             return
         truth = truth_text(ask, self._look.glyphs)
-        self._row([verdict_piece(given.is_right, self._look), Piece(f" – it is {truth}", self._palette.text)])
+        self._row([verdict_piece(given.is_right, self._look), Piece(f" – {truth}", self._palette.text)])
         self._in_run(ask)
         self._reply(reply_to(ask, given.answer, is_right=given.is_right))
         right, made = self._record.predictions
@@ -141,6 +141,7 @@ class _Writer:
         self._row([verdict_piece(given.is_right, self._look), Piece(f" – {said}", self._palette.text)])
         self._reply(reply_to(ask, given.answer, is_right=given.is_right))
         if not given.is_right:
+            self._gap()
             self._choices(ask)
             self._gap()
             self._key("A", "try again")

@@ -51,12 +51,20 @@ def stage_of(view: LessonView, snapshot: Snapshot) -> PageStage:
 def steps_to_truth(ask: Ask, given: Given, snapshot: Snapshot) -> int:
     """Return how many steps are missing to the truth of a prediction; 0 once the run has been there.
 
-    The run may have gone back since: how far the branch has come counts.
+    The run may have gone back since: how far the branch has come counts. And it may have been set up again,
+    or be that of another setup: who has done something on a later page, or all of it, is told.
     """
-    if given.step == NO_STEP or not ask.steps:
+    record = None if snapshot.lesson is None else snapshot.lesson.record
+    if given.step == NO_STEP or not ask.steps or (record is not None and _is_past(record, given.page)):
         return 0
     reached = max(snapshot.counters.step, snapshot.timeline.current.end)
     return max(0, given.step + ask.steps - reached)
+
+
+def _is_past(record: LessonRecord, page: str) -> bool:
+    here, number_of = record.lesson.number_of(page), record.lesson.number_of
+    done = (each.page for each in (*record.given, *record.passed))
+    return record.finished or any(number_of(each) > here for each in done)
 
 
 def keeping_page(record: LessonRecord, what: str) -> Page | None:

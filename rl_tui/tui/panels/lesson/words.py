@@ -50,10 +50,10 @@ def answer_text(ask: Ask, answer: float, glyphs: Glyphs) -> str:
 
 
 def truth_text(ask: Ask, glyphs: Glyphs) -> str:
-    """Return the right answer to ``ask``; of several right choices all."""
+    """Return what is right, such as "it is 0.5"; of several right choices all."""
     if ask.answer is not None:
-        return number_text(ask.answer, glyphs)
-    return "; ".join(plain(choice.text) for choice in ask.choices if choice.right)
+        return f"it is {number_text(ask.answer, glyphs)}"
+    return f"the answer: {'; '.join(plain(choice.text) for choice in ask.choices if choice.right)}"
 
 
 def in_run_text(in_run: float | str | bool, glyphs: Glyphs) -> str:

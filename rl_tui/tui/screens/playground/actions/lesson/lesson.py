@@ -227,6 +227,7 @@ class LessonActions(Subject):
             self.screen.tell(CAN_BE_DONE, timeout=_LONGEST_REPLY)
             return
         self._keep(record.passes(Passed(page.id, snapshot.recipe, (), snapshot.counters.step, claim=True)))
+        self._tell_passed()
 
     def hint(self) -> None:
         """Show the next hint, at the end the solution."""
@@ -280,7 +281,11 @@ class LessonActions(Subject):
         if passed is None or record.has_passed(passed.page):
             return  # the page may have been turned since
         self._keep(record.passes(passed))
-        self.screen.tell("task passed: R reads why" if not self.board.lesson.is_docked else "task passed")
+        self._tell_passed()
+
+    def _tell_passed(self) -> None:
+        place = self.board.lesson
+        self.screen.tell("task passed" if place.is_docked or place.reads else "task passed: R reads why")
 
 
 def is_right(ask: Ask, answer: float) -> bool:
