@@ -1,11 +1,11 @@
 """The numbers that texts say: which of them stand in ``tests/said/``, and which need nothing behind them.
 
-A file there belongs to one text. ``said`` are pieces of the text with names of figures in braces, and
-``[figures]`` says what each is worked out by, as a lesson does (docs/lessons.md). ``[copies.NAME]`` is a copy
-of the scenario file with other values of some keys, the setup NAME of figures. ``[constants]`` are numbers
-that the program holds under a name. ``quoted`` are numbers that somebody else has measured, printed or laid
-down, who is named beside them. ``chosen`` are numbers that the text chooses: settings to try and occasions
-that no rule below knows.
+A file there belongs to one text. ``said`` are pieces of the text with names of figures in braces
+(``{name:words}``: written as a word), and ``[figures]`` says what each is worked out by, as a lesson does
+(docs/lessons.md). ``[copies.NAME]`` is a copy of the scenario file with other values of some keys, the setup
+NAME of figures. ``[constants]`` are numbers that the program holds under a name. ``quoted`` are numbers that
+somebody else has measured, printed or laid down, who is named beside them. ``chosen`` are numbers that the
+text chooses: settings to try and occasions that no rule below knows.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import importlib
 import itertools
 import re
 import tomllib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -30,7 +30,12 @@ from rl_tui.worlds.files.scenario import Scenario
 
 FOLDER: Final = Path(__file__).parent / "said"
 HERE: Final = "here"
-_PLACEHOLDER: Final = re.compile(r"\{([a-z][a-z0-9_]*)\}")
+_PLACEHOLDER: Final = re.compile(r"\{([a-z][a-z0-9_]*)(?::(words|Words|th))?\}")
+_WORDS: Final = (
+    *("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"),
+    *("eleven", "twelve", "thirteen", "fourteen", "fifteen", "sixteen", "seventeen", "eighteen"),
+    *("nineteen", "twenty"),
+)
 _NUMBER: Final = re.compile(r"(?<![\w.])\.?\d+(?:,\d{3})*(?:\.\d+)?(?:e[-+]?\d+)?")
 _SENTENCE: Final = re.compile(r"(?<=[.?!])\*{0,2} (?:\* )?(?=[^a-z])")
 
@@ -81,10 +86,21 @@ def said_of(text_id: str) -> Said:
     }
     values = {name: figure.value for name, figure in figures.items()}
     values |= {name: value for name, (value, _) in constants.items()}
-    pieces = tuple(_PLACEHOLDER.sub(lambda match: values[match[1]], piece) for piece in table.get("said", ()))
-    names_in = tuple(tuple(_PLACEHOLDER.findall(piece)) for piece in table.get("said", ()))
+    every = table.get("said", ())
+    pieces = tuple(
+        _PLACEHOLDER.sub(lambda match: _put_in(values[match[1]], match[2]), piece) for piece in every
+    )
+    names_in = tuple(tuple(match[1] for match in _PLACEHOLDER.finditer(piece)) for piece in every)
     quoted, chosen = (tuple(table.get(name, ())) for name in ("quoted", "chosen"))
     return Said(text_id, pieces, names_in, quoted, chosen, Figures(lesson), tuple(figures), constants)
+
+
+def _put_in(value: str, form: str | None) -> str:
+    """Return a figure as its piece has it: in digits, as a word, or as one that counts places."""
+    if form is None:
+        return value
+    word = _WORDS[int(number(value))]
+    return {"words": word, "Words": word.capitalize(), "th": f"{word}th"}[form]
 
 
 def copied(scenario: Scenario, changes: Mapping[str, str]) -> str:
@@ -117,7 +133,7 @@ def plain(text: str) -> str:
 
 @functools.cache
 def held_by_tests(path: Path) -> tuple[str, ...]:
-    """Return the pieces of texts with numbers that stand as they are in a test module, which holds them so."""
+    """Return the strings with numbers of a test module: pieces of texts which its tests hold."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
     strings = {each.value for each in ast.walk(tree) if isinstance(each, ast.Constant)}
     return tuple(
@@ -139,42 +155,63 @@ RULES: Final[Mapping[str, str]] = {
     "a year": r"(?<=[( ])(?:1[89]|20)\d\d(?=[),;:\]]| \()|\bin (?:1[89]|20)\d\d\b",
     "a speed to try": r"\d+ steps/s",
     "what the program calls the mean of the last hundred": r"\b[Ll]ast 100\b",
-    "a setting to try": rf"{_SETTING} (?:(?:=|to|of|at|is|above|below|from|starts? at) )?(?:about )?{_LIST}",
-    "settings to try": rf"(?:\b[Tt]ry|at) {_LIST}(?= (?:and|:|planning)|[:?;,])",
     "a number by which a thing is called": r"TD\(\d\)|N\(\d, \d\)|FrozenLake \d×\d",
     "a number of a list": r"(?:^| )\d\. (?=\*\*)",
     "a range that comes from the table of settings": r"a (?:whole )?number in [\[(][^\])]*[\])]",
 }
 """Why a number needs nothing, and what shows it: each number within such a match is left alone."""
+_SETTINGS: Final = (
+    rf"{_SETTING} (?:(?:=|to|of|at|is|above|below|from|starts? at) )?(?:about )?{_LIST}",
+    rf"(?:\b[Tt]ry|at) {_LIST}(?= (?:and|:|planning)|[:?;,])",
+)
+"""What shows that numbers are settings."""
 
 
 @dataclass(frozen=True, slots=True)
-class Unheld:
-    """A number of a text that nothing stands behind, and the sentence that has it."""
+class Mention:
+    """A number that a text mentions outside of all pieces and rules, what stands around it, its sentence.
+
+    ``is_setting`` is of one that is written like a setting; ``has_piece`` says that a piece stands in the
+    same sentence, so that the number may be a condition of what is said.
+    """
 
     number: str
+    before: str
+    behind: str
     sentence: str
+    is_setting: bool
+    has_piece: bool
+
+    @property
+    def is_setting_to_try(self) -> bool:
+        """Whether nothing is said of what comes of that setting."""
+        return self.is_setting and not self.has_piece
 
 
-def unheld_numbers(
-    text: str, pieces: Sequence[str], is_own: Callable[[str, str, bool], bool]
-) -> Iterator[Unheld]:
-    """Yield the numbers of ``text`` that stand in none of ``pieces`` and need something behind them.
-
-    ``is_own`` knows numbers by their surroundings: it gets the number, what follows it, and whether its
-    sentence has one of the pieces, and returns whether it is one of the text's own.
-    """
+def mentions(text: str, pieces: Sequence[str], others: Sequence[str] = ()) -> Iterator[Mention]:
+    """Yield the numbers of ``text`` that stand in no piece, in none of the ``others`` and under no rule."""
     held = [span for piece in pieces for span in _places(text, piece)]
-    free = [match.span() for pattern in RULES.values() for match in re.finditer(pattern, text)]
+    free = [span for piece in others for span in _places(text, piece)]
+    free += [match.span() for pattern in RULES.values() for match in re.finditer(pattern, text)]
+    settings = [match.span() for pattern in _SETTINGS for match in re.finditer(pattern, text)]
     breaks = [0, *(match.end() for match in _SENTENCE.finditer(text)), len(text)]
     for match in _NUMBER.finditer(text):
-        place = match.start()
-        if any(first <= place < last for first, last in (*held, *free)):
+        place, end = match.span()
+        if _is_within(place, held) or _is_within(place, free):
             continue
         first, last = next((a, b) for a, b in itertools.pairwise(breaks) if a <= place < b)
-        has_piece = any(begin < last and end > first for begin, end in held)
-        if not is_own(match[0], text[match.end() : match.end() + 20], has_piece):
-            yield Unheld(match[0], text[first:last].strip())
+        yield Mention(
+            match[0],
+            text[first:place],
+            text[end:last],
+            text[first:last].strip(),
+            _is_within(place, settings),
+            any(begin < last and end > first for begin, end in held),
+        )
+
+
+def _is_within(place: int, spans: Iterable[tuple[int, int]]) -> bool:
+    return any(first <= place < last for first, last in spans)
 
 
 def _places(text: str, piece: str) -> Iterator[tuple[int, int]]:

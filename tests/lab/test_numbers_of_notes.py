@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Final
 
 import pytest
-from numbers_said import FOLDER, Said, held_by_tests, number, numbers_in, plain, said_of, unheld_numbers
+from numbers_said import FOLDER, Mention, Said, held_by_tests, mentions, number, numbers_in, plain, said_of
 from recipes import recipe
 from test_figures_of_notes import CLAIMS
 
@@ -29,14 +29,16 @@ EXACT, OVER_SEEDS = (
     [each for each in FIGURES if said_of(each[0]).figures.needs_seeds(each[1]) is needs_seeds]
     for needs_seeds in (False, True)
 )
-_RUNS: Final = re.compile(r" (?:\w+ )?(?:runs?|seeds?|lakes?)\b")
+_RUNS: Final = re.compile(r" (?:\w+ )?(?:runs?|seeds?|lakes)\b")
+_PAYS: Final = re.compile(r"\b(?:costs?|pays?|brings|a reward of) [+−]?$")
 _EPISODES: Final = re.compile(r" (?:\w+ )?(?:episodes?|pulls?|walks?|hands?)\b")
 
 
-def held(said: Said) -> list[str]:
-    """The pieces of a text that tests hold: those of its file, and those of the tests beside this one."""
-    neighbours = [piece for path in NEIGHBOURS for piece in held_by_tests(path)]
-    return [*said.pieces, *said.quoted, *said.chosen, *neighbours]
+@functools.cache
+def rewards_of(scenario: str) -> frozenset[float]:
+    """The rewards of its table without their signs; none where it has no table."""
+    mdp = begin(recipe(scenario)).world.mdp
+    return frozenset() if mdp is None else frozenset(abs(each) for each in mdp.reward.tolist())
 
 
 @functools.cache
@@ -80,10 +82,7 @@ def test_a_figure_over_seeds_is_so(scenario: str, name: str) -> None:
     found, written = said.figures.value(name), written_number(said.figures_by_name[name].value)
     assert written is not None
     if isinstance(found, Estimate) and written.error is not None:
-        assert abs(found - written.value) <= 4 * math.hypot(written.error.value, found.error), (
-            found,
-            written,
-        )
+        assert abs(found - written.value) <= 4 * math.hypot(written.error.value, found.error)
     else:
         assert said.figures.finding(name) is None
 
@@ -98,25 +97,30 @@ def test_what_is_said_of_so_many_runs_is_counted_in_as_many(scenario: str) -> No
             assert not seeds or number(runs[0] or runs[1]) in seeds, piece
 
 
-def counts_of(said: Said) -> frozenset[float]:
-    """The numbers of runs, episodes and steps by which the figures and claims of a text are worked out."""
-    counts = re.findall(r"(?:episodes|seeds|steps)=([\d_]+)", said.expressions)
-    return frozenset(
-        {float(each) for each in counts}
-        | {float(claim.episodes) for claim in CLAIMS if claim.scenario == said.id}
-    )
+def settings_of(said: Said) -> frozenset[float]:
+    """The numbers of settings, episodes and steps by which figures and claims of a text are worked out."""
+    claims = [claim for claim in CLAIMS if claim.scenario == said.id]
+    numbers = {float(each) for each in re.findall(r"(?<![\w.])\d+(?:\.\d+)?", said.expressions)}
+    numbers |= {float(claim.episodes) for claim in claims}
+    return frozenset(numbers.union(*(numbers_in(claim.values) for claim in claims)))
 
 
 @pytest.mark.parametrize("scenario", IDS)
 def test_every_number_is_held(scenario: str) -> None:
-    own, said = own_numbers(scenario), said_of(scenario)
-    counts = counts_of(said)
+    said, own = said_of(scenario), own_numbers(scenario)
+    settings, rewards = settings_of(said), rewards_of(scenario)
+    neighbours = [piece for path in NEIGHBOURS for piece in held_by_tests(path)]
 
-    def is_own(text: str, behind: str, has_piece: bool) -> bool:
-        """A number of runs says how well a figure is known; fewer are run here than for the notes."""
-        value = number(text)
-        if _RUNS.match(behind):
-            return has_piece
-        return value in own or (_EPISODES.match(behind) is not None and has_piece and value in counts)
+    def needs_nothing(mention: Mention) -> bool:
+        value = number(mention.number)
+        if rewards and _PAYS.search(mention.before):
+            return value in rewards
+        if _RUNS.match(mention.behind):  # how well a figure is known; for the notes more are run than here
+            return mention.has_piece
+        is_condition = mention.has_piece and (
+            mention.is_setting or _EPISODES.match(mention.behind) is not None
+        )
+        return value in own or mention.is_setting_to_try or (is_condition and value in settings)
 
-    assert list(unheld_numbers(plain(find(scenario).notes), held(said), is_own)) == []
+    found = mentions(plain(find(scenario).notes), [*said.pieces, *neighbours], [*said.quoted, *said.chosen])
+    assert [mention for mention in found if not needs_nothing(mention)] == []
