@@ -11,7 +11,7 @@ from rl_tui.lab.lessons.view import LessonView
 from rl_tui.lab.live.snapshot import Snapshot
 
 
-class Stage(Enum):
+class PageStage(Enum):
     """Where a page stands."""
 
     TO_READ = auto()  # it asks nothing
@@ -24,7 +24,7 @@ class Stage(Enum):
     PASSED = auto()
 
 
-DONE: Final = (Stage.TO_READ, Stage.TOLD, Stage.ANSWERED, Stage.PASSED)
+DONE: Final = (PageStage.TO_READ, PageStage.TOLD, PageStage.ANSWERED, PageStage.PASSED)
 """Stages in which a page asks nothing any more."""
 
 
@@ -33,19 +33,19 @@ def open_page(record: LessonRecord) -> Page:
     return record.lesson.page(record.page)
 
 
-def stage_of(view: LessonView, snapshot: Snapshot) -> Stage:
+def stage_of(view: LessonView, snapshot: Snapshot) -> PageStage:
     """Return where the open page stands beside the run of ``snapshot``."""
     record, page = view.record, open_page(view.record)
     if page.task is not None:
-        return Stage.PASSED if record.has_passed(page.id) else Stage.TO_DO
+        return PageStage.PASSED if record.has_passed(page.id) else PageStage.TO_DO
     if page.question is not None:
-        return Stage.ANSWERED if record.is_done(page.id) else Stage.TO_ANSWER
+        return PageStage.ANSWERED if record.is_done(page.id) else PageStage.TO_ANSWER
     if page.prediction is None:
-        return Stage.TO_READ
+        return PageStage.TO_READ
     given = record.given_on(page.id)
     if given is None:
-        return Stage.TO_PREDICT
-    return Stage.LOCKED if steps_to_truth(page.prediction, given, snapshot) else Stage.TOLD
+        return PageStage.TO_PREDICT
+    return PageStage.LOCKED if steps_to_truth(page.prediction, given, snapshot) else PageStage.TOLD
 
 
 def steps_to_truth(ask: Ask, given: Given, snapshot: Snapshot) -> int:
