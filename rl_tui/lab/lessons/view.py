@@ -27,6 +27,8 @@ class TaskView:
     """The evidence, where all hold now; None where they do not."""
     waits: str = ""
     """What is being worked out, in words; mostly empty."""
+    awaited: Passed | None = None
+    """The evidence, where all hold now but for what is being worked out."""
     remarks: tuple[str, ...] = ()
     """What was found of a program that was watched, besides: sentences for who wrote it."""
 

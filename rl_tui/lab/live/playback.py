@@ -7,7 +7,14 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import LOOKING, MOVES, TAKES_STEPS, Command, Restart, is_taken_while_seeking
+from rl_tui.lab.live.commands import (
+    LOOKING,
+    MOVES,
+    Command,
+    Restart,
+    is_taken_while_seeking,
+    takes_steps,
+)
 from rl_tui.lab.live.compilation import LOOK_AGAIN, Compilation
 from rl_tui.lab.live.handlers import HANDLERS
 from rl_tui.lab.live.questions import Questions
@@ -142,7 +149,7 @@ class Playback:
         self.touched = self.touched or kind not in LOOKING
         if self.state is not State.BUILDING:
             self.questions.judge(self.group.current.run)
-        is_locked = kind in TAKES_STEPS and self.questions.keeps_back("run")
+        is_locked = takes_steps(command) and self.questions.keeps_back("run")
         if is_locked or (self.state in ENDED and kind in MOVES):
             return
         try:

@@ -126,6 +126,8 @@ def test_another_value_is_not_so(value: str, by: str) -> None:
         ("1", "mean('policy_in', steps=9, state='Class')", "a number under every seed"),
         ("1", "mean('first_reward_episode', steps=1)", "a number under every seed"),
         ("1", "ahead('steps', 1, {}, steps=9)", "a table of settings"),
+        ("1", "run('steps', steps=9, changes=5)", "a list of changes"),
+        ("1", "mean('steps', steps=30_000_000)", "at most 1,000,000,000"),
         ("1", "attempt('doo', 'study', 'steps')", 'did you mean "do"?'),
         ("1", "attempt('do', 'studi', 'steps')", 'did you mean "study"?'),
         ("1", "sqrt(-1)", "sqrt(x)"),

@@ -12,7 +12,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
 from rl_tui.lab.experiments.patience import cores
 from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
-from rl_tui.lab.experiments.training import Goal, no_progress, train
+from rl_tui.lab.experiments.training import Goal, OnProgress, train
 from rl_tui.lab.lessons.figures.expression import FigureError, SeedMean
 from rl_tui.lab.lessons.figures.measuring import measured, measured_of_each
 from rl_tui.lab.lessons.figures.subject import FigureSubject, name_of, whole
@@ -28,6 +28,9 @@ LEAST_SEEDS: Final = 50
 """Of what is said about learning: fewer may say anything."""
 MOST_SEEDS: Final = 10_000
 MOST_STEPS: Final = 10**9
+"""Of all runs of a figure together."""
+MOST_STEPPED: Final = 10**7
+"""Of an environment that is stepped for real, which takes its time."""
 MOST_KEPT: Final = 4
 """Runs over seeds that are kept, of which other measures may be asked."""
 
@@ -45,7 +48,7 @@ def run(
     key = "run", id(subject), goal, journal
     if key not in subject.known:
         made = Run(subject.recipe, None, evaluate=False)
-        train(made, goal, no_progress, journal)
+        train(made, goal, _bounded(made, goal, 1), journal)
         subject.known[key] = made
     return measured(subject.known[key], _name(measure), arguments)
 
@@ -188,11 +191,12 @@ def _runs(subject: FigureSubject, goal: Goal, journal: tuple[JournalEntry, ...],
     if key in kept:
         return kept[key]
     seeded = SeededRuns(subject.with_seed(0), journal)
+    _bounded(seeded.first, goal, seeds)  # before anything takes long
     seeded.get_machine_code(seeds, goal, no_compiling)
 
     def trained(seed: int) -> Run:
         made = seeded.new_run(seed)
-        seeded.train(made, goal, no_progress)
+        seeded.train(made, goal, _bounded(made, goal, seeds))
         return made
 
     with ThreadPoolExecutor(min(cores(), seeds), thread_name_prefix="figure") as pool:
@@ -201,6 +205,25 @@ def _runs(subject: FigureSubject, goal: Goal, journal: tuple[JournalEntry, ...],
         kept.pop(next(iter(kept)))
     kept[key] = runs
     return runs
+
+
+def _bounded(run: Run, goal: Goal, seeds: int) -> OnProgress:
+    """Return what ends ``run``, one of so many, where all of them would take too many steps.
+
+    Raises FigureError, at once where ``goal`` says so already.
+    """
+    in_all = MOST_STEPS if run.learner.rewindable else MOST_STEPPED
+    most = in_all // seeds
+    found = f"a run of more than {most:,} steps"
+    expected = f"fewer: all runs of a figure together take at most {in_all:,}"
+    if (goal.steps or 0) > most:
+        raise FigureError(found, expected)
+
+    def on_progress(done: int, wanted: int) -> None:
+        if run.step > most:
+            raise FigureError(found, expected)
+
+    return on_progress
 
 
 def _many(seeds: object) -> int:
@@ -221,8 +244,8 @@ def _goal(steps: object, episodes: object) -> Goal:
     return Goal(episodes=whole(episodes, "episodes", 0, MOST_STEPS))
 
 
-def _journal(subject: FigureSubject, changes: Sequence[object]) -> tuple[JournalEntry, ...]:
-    if isinstance(changes, str) or not all(isinstance(each, str) for each in changes):
+def _journal(subject: FigureSubject, changes: object) -> tuple[JournalEntry, ...]:
+    if not isinstance(changes, list | tuple) or not all(isinstance(each, str) for each in changes):
         raise FigureError(shown(changes), 'a list of changes, ["STEP:NAME=VALUE"]')
     try:
         texts = [read_change(str(each)) for each in changes]

@@ -74,11 +74,13 @@ def verdict(judged: JudgedTask, run: Run, panels: Panels, kept: Kept | None = No
         else:
             verdicts |= dict.fromkeys(by_seeds, ConditionVerdict(None, "worked out once the others hold"))
     ordered = [verdicts[place] for place in range(len(conditions))]
-    passed = None
-    if all(each.holds for each in ordered) and judged.task.proof is None:
-        passed = Passed(judged.page, run.recipe, run.journal[: moment.journal.count], run.step)
-    views = (ConditionView(each.text, *found) for each, found in zip(conditions, ordered, strict=True))
-    return TaskView(tuple(views), passed, waits)
+    evidence = None
+    if all(each.holds is not False for each in ordered) and judged.task.proof is None:
+        evidence = Passed(judged.page, run.recipe, run.journal[: moment.journal.count], run.step)
+    views = tuple(ConditionView(each.text, *found) for each, found in zip(conditions, ordered, strict=True))
+    if all(each.holds for each in ordered):
+        return TaskView(views, evidence, waits)
+    return TaskView(views, None, waits, evidence if waits else None)
 
 
 def judged_at(moment: JudgedMoment, condition: Condition) -> ConditionVerdict:

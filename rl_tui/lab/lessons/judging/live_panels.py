@@ -12,6 +12,7 @@ from rl_tui.lab.workers.answering_process import AnsweringProcess
 from rl_tui.worlds.gym.modules import ALLOWED
 
 if TYPE_CHECKING:
+    from rl_tui.lab.lessons.judging.panel_request import SeedValues
     from rl_tui.lab.lessons.schema import Condition
     from rl_tui.lab.run.recipe import Recipe
 
@@ -20,7 +21,7 @@ WORKER: Final = "rl_tui.lab.lessons.judging.panel_worker"
 
 
 class LivePanels:
-    """Has them worked out in a process of its own, and remembers what came of it.
+    """Has them worked out in a process of its own, and remembers what came of it, be it of some seeds only.
 
     ``on_news`` is called, from any thread, when there is more to tell. With ``automatic`` off :meth:`of`
     waits for the end, so that what is known does not depend on the time.
@@ -58,14 +59,18 @@ class LivePanels:
         if process is None or process.verdicts is not None or process.failed:
             return ""
         done, wanted = process.progress
-        return f"{done} of {wanted} seeds are done" if wanted else "seeds are being worked out"
+        return (
+            f"judging: {done} of {wanted} seeds" if wanted else f"judging: {len(process.seeds)} seeds so far"
+        )
 
     def end(self) -> None:
-        """End what is being worked out; what is known is remembered."""
+        """End what is being worked out; what is known is remembered, so that it may go on from there."""
         with self._lock:
             process, self._process = self._process, None
         if process is not None:
             process.end()
+            if process.verdicts is None:
+                self._known.keep_seeds(*process.panel, tuple(process.seeds))
 
     def close(self) -> None:
         """End it, from any thread, and begin nothing any more."""
@@ -76,20 +81,28 @@ class LivePanels:
 
     def _begin(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> _PanelProcess | None:
         self.end()
+        seeds = self._known.seeds_of(recipe, conditions)
         try:
             with self._lock:
                 if not self._is_closed:
-                    self._process = _PanelProcess(recipe, conditions, self._on_news)
+                    self._process = _PanelProcess(recipe, conditions, seeds, self._on_news)
         except OSError:
             return None
         return self._process
 
 
 class _PanelProcess(AnsweringProcess):
-    """Works out ``conditions`` for runs of ``recipe``; what is known by now stands in its attributes."""
+    """Works out ``conditions`` for runs of ``recipe``; what is known by now stands in its attributes.
+
+    ``seeds`` is what came of the first ones before.
+    """
 
     def __init__(
-        self, recipe: Recipe, conditions: tuple[Condition, ...], on_news: Callable[[], None]
+        self,
+        recipe: Recipe,
+        conditions: tuple[Condition, ...],
+        seeds: tuple[SeedValues, ...],
+        on_news: Callable[[], None],
     ) -> None:
         self.verdicts: tuple[ConditionVerdict, ...] | None = None
         """What came of it, None before its end."""
@@ -97,18 +110,22 @@ class _PanelProcess(AnsweringProcess):
         """Why nothing came of it; empty unless it has failed."""
         self.progress = (0, 0)
         """How many seeds of how many are done; none of none before the first."""
-        self._recipe, self._conditions = recipe, conditions
+        self.seeds = list(seeds)
+        """What came of the seeds that are done."""
+        self.panel = recipe, conditions
+        """What is worked out."""
         self._on_news = on_news
-        request = PanelRequest(recipe, conditions, frozenset(ALLOWED))
+        request = PanelRequest(recipe, conditions, frozenset(ALLOWED), seeds)
         super().__init__(WORKER, request, self._take_in, self._has_ended, "seeds of a task")
 
     def is_about(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> bool:
         """Return whether this is what it works out."""
-        return same_panel(self._recipe, self._conditions, recipe, conditions)
+        return same_panel(*self.panel, recipe, conditions)
 
     def _take_in(self, document: Any) -> None:
         if "done" in document:
             self.progress = document["done"], document["wanted"]
+            self.seeds.append(document["values"])
         elif "failed" in document:
             self.failed = str(document["failed"])
         else:

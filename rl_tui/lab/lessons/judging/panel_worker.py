@@ -29,13 +29,14 @@ def _work(request: PanelRequest, tell: Callable[[dict[str, Any]], None]) -> None
     bound_processor_time(MOST_SECONDS)
     ALLOWED.update(request.modules)
 
-    def on_seed(done: int, wanted: int) -> None:
-        if done == 1:  # until then it may have waited for machine code
+    def on_seed(done: int, wanted: int, values: list[float | str | bool | None]) -> None:
+        if done == len(request.known) + 1:  # until then it may have waited for machine code
             let_others_go_first()
-        tell({"done": done, "wanted": wanted})
+        tell({"done": done, "wanted": wanted, "values": values})
 
     try:
-        tell({"verdicts": [list(each) for each in worked_out(request.recipe, request.conditions, on_seed)]})
+        verdicts = worked_out(request.recipe, request.conditions, on_seed, request.known)
+        tell({"verdicts": [list(each) for each in verdicts]})
     except Exception as error:  # whatever a world may do to this process
         name = "" if isinstance(error, UserError) else f"{type(error).__name__}: "
         tell({"failed": one_line(f"{name}{error}", _LONGEST_REASON)})

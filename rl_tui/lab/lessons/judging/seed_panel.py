@@ -13,7 +13,7 @@ from rl_tui.lab.experiments.training import Goal
 from rl_tui.lab.lessons.judging.condition_faults import MOST_STEPS_OF_A_SEED
 from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, Value
 from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
-from rl_tui.lab.lessons.judging.panel_request import KnownPanels
+from rl_tui.lab.lessons.judging.panel_request import KnownPanels, SeedValues
 from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict, in_words, is_met
 
 if TYPE_CHECKING:
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from rl_tui.lab.run.run import Run
 
 
-OnSeed = Callable[[int, int], None]
+OnSeed = Callable[[int, int, SeedValues], None]
 
 
-def no_news(done: int, wanted: int) -> None:
+def no_news(done: int, wanted: int, values: SeedValues) -> None:
     """Ignore how many seeds are done."""
 
 
@@ -34,12 +34,16 @@ class _TooLongError(Exception):
 
 
 def worked_out(
-    recipe: Recipe, conditions: Sequence[Condition], on_seed: OnSeed = no_news
+    recipe: Recipe,
+    conditions: Sequence[Condition],
+    on_seed: OnSeed = no_news,
+    known: Sequence[SeedValues] = (),
 ) -> tuple[ConditionVerdict, ...]:
     """Return the verdict on each of ``conditions`` for runs of ``recipe`` under the seeds from 0.
 
-    Those that go equally far share their runs. ``on_seed`` hears how many seeds of how many are done. Raises
-    UserError where the world cannot be built.
+    Those that go equally far share their runs. ``on_seed`` hears how many seeds of how many are done, and
+    what came of the last one; ``known`` is what it heard of the first ones before, which are not run again.
+    Raises UserError where the world cannot be built.
     """
     begun = replace(recipe, seed=0)
     order = sorted(range(len(conditions)), key=lambda place: _extent(conditions[place]))
@@ -51,12 +55,14 @@ def worked_out(
         first = conditions[group[0]]
         goal = Goal(steps=first.steps, episodes=first.episodes)
         runs = SeededRuns(begun)
-        runs.get_machine_code(first.seeds, goal, no_compiling)
-        values: list[list[Value | None]] = []
-        for seed in range(first.seeds):
+        values = list(known[done : done + first.seeds])
+        done += len(values)
+        if len(values) < first.seeds:
+            runs.get_machine_code(first.seeds - len(values), goal, no_compiling)
+        for seed in range(len(values), first.seeds):
             values.append(_of_seed(runs, seed, goal, [conditions[place] for place in group]))
             done += 1
-            on_seed(done, wanted)
+            on_seed(done, wanted, values[-1])
         for number, place in enumerate(group):
             found[place] = _over_seeds(conditions[place], [each[number] for each in values])
     return tuple(found[place] for place in range(len(conditions)))
@@ -66,7 +72,7 @@ def _extent(condition: Condition) -> tuple[int, int, int]:
     return condition.seeds, condition.episodes or 0, condition.steps or 0
 
 
-def _of_seed(runs: SeededRuns, seed: int, goal: Goal, conditions: Sequence[Condition]) -> list[Value | None]:
+def _of_seed(runs: SeededRuns, seed: int, goal: Goal, conditions: Sequence[Condition]) -> SeedValues:
     """Return what each of ``conditions`` measures of one seed; None where that has no value."""
     run = runs.new_run(seed)
 
@@ -88,9 +94,10 @@ def _of_seed(runs: SeededRuns, seed: int, goal: Goal, conditions: Sequence[Condi
 
 def _measured(run: Run, condition: Condition, kept: Kept) -> Value | None:
     try:
-        return MEASURES[condition.measure].of(JudgedMoment(run, run.recipe, kept), condition)
+        value = MEASURES[condition.measure].of(JudgedMoment(run, run.recipe, kept), condition)
     except MissingError:
         return None
+    return value if isinstance(value, str | bool) else float(value)
 
 
 def _over_seeds(condition: Condition, values: Sequence[Value | None]) -> ConditionVerdict:

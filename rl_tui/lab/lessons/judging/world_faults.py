@@ -16,7 +16,7 @@ from rl_tui.lab.run.recipe import Recipe, begin
 
 if TYPE_CHECKING:
     from rl_tui.lab.lessons.lesson import Lesson
-    from rl_tui.lab.lessons.schema import Attempt, Condition, Measured
+    from rl_tui.lab.lessons.schema import Attempt, Measured
     from rl_tui.worlds.world import World
 
 _OF_BANDITS = ("winnings", "regret", "best_arm_rate")
@@ -77,6 +77,8 @@ def _of_condition(condition: Measured, world: World) -> Iterator[Finding]:
 
 def _actions_named(condition: Measured) -> Iterator[tuple[Location, str]]:
     """Yield every action that ``condition`` names, and where."""
+    from rl_tui.lab.lessons.schema import Condition
+
     if condition.action is not None:
         yield ("action",), condition.action
     for number, action in enumerate(condition.actions):

@@ -10,7 +10,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.lessons.record import Given, LessonRecord, Passed
 from rl_tui.lab.lessons.schema import Ask, Page
 from rl_tui.lab.lessons.setups import recipe_of
-from rl_tui.lab.live.commands import KeepLesson, Pause, Restart, SetSpeed
+from rl_tui.lab.live.commands import KeepLesson, Restart, SetSpeed
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.actions.playground_actions import LESSON_ACTIONS
 from rl_tui.tui.draw.to_ascii import to_ascii
@@ -151,8 +151,6 @@ class LessonActions(Subject):
             self.set_out(opened)
             return
         self._keep(opened)
-        if "run" in opened.hidden:
-            self.link.send(Pause())
         self.kept_back.close_what_is_kept(opened)
         self.board.lesson.reads = True
 
@@ -279,8 +277,8 @@ class LessonActions(Subject):
         if before is None or before.lesson is None:
             self.board.lesson.reads = True
         passed = None if view.task is None else view.task.passed
-        if passed is None or passed.page != record.page or record.has_passed(record.page):
-            return
+        if passed is None or record.has_passed(passed.page):
+            return  # the page may have been turned since
         self._keep(record.passes(passed))
         self.screen.tell("task passed: R reads why" if not self.board.lesson.is_docked else "task passed")
 
