@@ -17,7 +17,7 @@ from rl_tui.lab.lessons.view import ConditionView, LessonView, TaskView
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.lesson.lesson import LessonPanel
 from rl_tui.tui.panels.lesson.page_lines import Spotlight
-from rl_tui.tui.panels.lesson.stage import Stage, keeping_page, stage_of
+from rl_tui.tui.panels.lesson.stage import PageStage, keeping_page, stage_of
 
 CONDITIONS = (ConditionView("study is greedy", False, "check phone"), ConditionView("no step by you", True))
 SAID = Given("predict", -2.0, is_right=False, step=3, digest="x")
@@ -49,9 +49,16 @@ def text(snapshot: Snapshot, width: int = 42) -> str:
     return " ".join(" ".join(drawn(snapshot, width)).split())
 
 
-def stage(snapshot: Snapshot) -> Stage:
+def stage(snapshot: Snapshot) -> PageStage:
     assert snapshot.lesson is not None
     return stage_of(snapshot.lesson, snapshot)
+
+
+def test_who_went_on_is_told_the_truth_though_the_run_was_set_up_again() -> None:
+    later = Given("quiz", 0, is_right=False, step=0)
+    assert stage(at("predict", SAID)) is Stage.LOCKED
+    assert stage(at("predict", SAID, later)) is Stage.TOLD
+    assert stage(at("predict", SAID, finished=True)) is Stage.TOLD
 
 
 def test_a_page_of_text_has_its_title_and_its_place() -> None:
@@ -65,7 +72,7 @@ def test_a_page_of_text_has_its_title_and_its_place() -> None:
 
 def test_an_open_prediction_names_its_key_and_tells_nothing() -> None:
     said = text(at("predict"))
-    assert stage(at("predict")) is Stage.TO_PREDICT
+    assert stage(at("predict")) is PageStage.TO_PREDICT
     assert "A say what you expect" in said
     assert "Half the way" not in said
     assert "−1.5" not in said
@@ -74,7 +81,7 @@ def test_an_open_prediction_names_its_key_and_tells_nothing() -> None:
 def test_a_locked_prediction_waits_for_its_steps() -> None:
     for step, missing in ((3, "later."), (4, "later: 1 to go.")):
         said = text(at("predict", SAID, step=step))
-        assert stage(at("predict", SAID, step=step)) is Stage.LOCKED
+        assert stage(at("predict", SAID, step=step)) is PageStage.LOCKED
         assert "You said −2 at step 3; locked." in said
         assert f"The truth comes 2 steps {missing}" in said
         assert "−1.5" not in said

@@ -19,7 +19,7 @@ _MOST_ENTRIES: Final = 1_000_000
 """Changes that are gone through, of all runs; what is locked with later ones stays unknown."""
 
 
-class Predictions(NamedTuple):
+class PredictionScore(NamedTuple):
     """Of the ``made`` ones, how many were ``right``, and how many are ``locked``: given at a step to which a
     run in the session came, or which its setup begins with, all that was changed before included.
     """
@@ -29,7 +29,7 @@ class Predictions(NamedTuple):
     locked: int = 0
 
 
-NO_PREDICTIONS: Final = Predictions()
+NO_PREDICTIONS: Final = PredictionScore()
 
 
 class _Known(NamedTuple):
@@ -40,7 +40,7 @@ class _Known(NamedTuple):
     end: int
 
 
-def predictions_in(taken: LessonRecord, lesson: Lesson, record: Record) -> Predictions:
+def predictions_in(taken: LessonRecord, lesson: Lesson, record: Record) -> PredictionScore:
     """Return the predictions of ``taken``, of which ``record`` has the runs.
 
     What is right is what ``lesson`` says. Of each page the first answer counts. Raises UserError where a
@@ -58,7 +58,7 @@ def predictions_in(taken: LessonRecord, lesson: Lesson, record: Record) -> Predi
         _locked(lesson, setup, [given for given in made if lesson.setup_of(given.page) == setup], known)
         for setup in setups
     )
-    return Predictions(right, len(made), locked)
+    return PredictionScore(right, len(made), locked)
 
 
 def _locked(lesson: Lesson, setup: str, made: Sequence[Given], known: Sequence[_Known]) -> int:

@@ -30,7 +30,7 @@ class LessonProgress:
     finished: bool
 
 
-class Progress:
+class StoredProgress:
     """What the sessions in ``folder`` tell of lessons, read once; None: no sessions are kept."""
 
     def __init__(self, folder: Path | None) -> None:

@@ -100,7 +100,7 @@ class Setup(FileSection):
         return self
 
 
-class Choice(FileSection):
+class AnswerChoice(FileSection):
     """One answer to choose, and what is said to who chooses it."""
 
     text: Line
@@ -142,7 +142,7 @@ class Ask(FileSection):
     answer: Number | None = None
     tolerance: Annotated[float, number(0)] = 0.0
     wrong: Annotated[tuple[WrongAnswer, ...], _list("wrong answers")] = ()
-    choices: Annotated[tuple[Choice, ...], _list("choices")] = ()
+    choices: Annotated[tuple[AnswerChoice, ...], _list("choices")] = ()
     steps: Count = 0
     shows: Measured | None = None
 
@@ -215,14 +215,14 @@ class Attempt(FileSection):
     program: Annotated[str, markdown(LONGEST_WORLD)] = ""
 
 
-class Proof(FileSection):
+class ImpossibilityProof(FileSection):
     """Why a task cannot be done: the best that there is of the condition's measure, a name of a figure."""
 
     condition: Count
     best: Word
 
 
-class Program(FileSection):
+class ProgramToWrite(FileSection):
     """Code that a learner writes: the name of its file, and what stands in it at first."""
 
     file: Annotated[str, Expect("the name of a Python file, such as my_agent.py", is_file_name)]
@@ -243,8 +243,8 @@ class Task(FileSection):
     solution: Prose = ""
     accepts: Annotated[tuple[Attempt, ...], _list("attempts")] = ()
     rejects: Annotated[tuple[Attempt, ...], _list("attempts")] = ()
-    proof: Proof | None = None
-    program: Program | None = None
+    proof: ImpossibilityProof | None = None
+    program: ProgramToWrite | None = None
 
 
 class Page(FileSection):

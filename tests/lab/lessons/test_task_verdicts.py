@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from lab.lessons.task_samples import attempt, condition, lesson_with, recipe_in
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.detective.verdict import CodeFault, CodeFinding, ProgramVerdict, Rule, UpdateFound
 from rl_tui.lab.lessons.judging.attempts import evidence_holds, passes
 from rl_tui.lab.lessons.judging.conditions import judged_task, program_verdict, verdict
@@ -78,6 +79,13 @@ def test_an_attempt_that_does_what_is_asked_passes_and_its_evidence_too() -> Non
     assert evidence_holds(lesson, view.passed).passed is not None
     less = passes(lesson, "only", attempt(changes=BY_HAND[:2]))
     assert (holds(less), less.passed) == ([True, False], None)
+
+
+@pytest.mark.parametrize("how", [{"steps": 10**9}, {"changes": ["900000000:gamma=0.5"]}])
+def test_an_attempt_that_goes_on_for_too_long_is_refused_at_once(how: dict[str, Any]) -> None:
+    lesson = lesson_with({"measure": "steps", "at_least": 3}, **EVENING)
+    with pytest.raises(UserError, match="for more than 20,000,000 steps"):
+        passes(lesson, "only", attempt(**how))
 
 
 def test_evidence_is_judged_by_its_replay_not_by_its_word() -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.findings import Finding, near, shown
-from rl_tui.lab.lessons.judging.measures import ARGUMENTS, MEASURES, Gives, Kind, Measure
+from rl_tui.lab.lessons.judging.measures import ARGUMENTS, MEASURES, Gives, Measure, MeasureKind
 from rl_tui.lab.run.changes import read_change
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ def _measure_findings(measured: Measured) -> Iterator[Finding]:
         yield Finding(("measure",), shown(measured.measure), expected)
         return
     yield from _argument_findings(measured, measure)
-    if measured.at == "start" and measure.kind is not Kind.SETTING:
+    if measured.at == "start" and measure.kind is not MeasureKind.SETTING:
         expected = f"no at: {measure.name} is no setting"
         yield Finding(("at",), shown(measured.at), expected)
 
@@ -137,7 +137,7 @@ def _wanted_findings(condition: Condition, measure: Measure) -> Iterator[Finding
 
 def _refused(measure: Measure, value: float | str | bool) -> str:
     """Return what ``measure`` can be in place of ``value``; empty where it can be that."""
-    if measure.kind is Kind.SETTING:
+    if measure.kind is MeasureKind.SETTING:
         finding = _setting_finding(measure.name, value)
         return "" if finding is None else finding.expected
     if isinstance(value, bool) != (measure.gives is Gives.TRUTH):

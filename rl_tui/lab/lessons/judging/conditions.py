@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, NoStepError, NotYetError
-from rl_tui.lab.lessons.judging.verdicts import Panels, Verdict, in_words, is_met
+from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict, Panels, in_words, is_met
 from rl_tui.lab.lessons.record import Passed
 from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.lessons.view import ConditionView, TaskView
@@ -14,7 +14,7 @@ from rl_tui.lab.lessons.view import ConditionView, TaskView
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from rl_tui.lab.lessons.judging.moment import Kept, Moment
+    from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
     from rl_tui.lab.lessons.lesson import Lesson
     from rl_tui.lab.lessons.programs.seen_program import SeenProgram
     from rl_tui.lab.lessons.schema import Condition, Task
@@ -50,29 +50,29 @@ def verdict(judged: JudgedTask, run: Run, panels: Panels, kept: Kept | None = No
     Conditions that many seeds decide are worked out once all others hold, by ``panels``.
     ``kept`` makes the next verdict on the same run cheaper.
     """
-    from rl_tui.lab.lessons.judging.moment import Kept, Moment
+    from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
 
     kept = kept or Kept()
     conditions = judged.task.conditions
     reason = elsewhere(judged.setup, run.recipe, kept)
     if reason:
         return TaskView(tuple(ConditionView(each.text, False, reason) for each in conditions))
-    moment = Moment(run, judged.setup, kept)
+    moment = JudgedMoment(run, judged.setup, kept)
     verdicts = {place: judged_at(moment, each) for place, each in enumerate(conditions) if not each.seeds}
     waits = ""
     by_seeds = {place: each for place, each in enumerate(conditions) if each.seeds}
     if by_seeds:
         spoilt = _spoilt(moment)
         if not run.step:
-            verdicts |= dict.fromkeys(by_seeds, Verdict(None, "no step is taken yet"))
+            verdicts |= dict.fromkeys(by_seeds, ConditionVerdict(None, "no step is taken yet"))
         elif spoilt:
-            verdicts |= dict.fromkeys(by_seeds, Verdict(False, spoilt))
+            verdicts |= dict.fromkeys(by_seeds, ConditionVerdict(False, spoilt))
         elif all(each.holds for each in verdicts.values()):
             found = panels.of(moment.journal.start, tuple(by_seeds.values()))
             verdicts |= dict(zip(by_seeds, found, strict=True))
             waits = panels.waits
         else:
-            verdicts |= dict.fromkeys(by_seeds, Verdict(None, "worked out once the others hold"))
+            verdicts |= dict.fromkeys(by_seeds, ConditionVerdict(None, "worked out once the others hold"))
     ordered = [verdicts[place] for place in range(len(conditions))]
     evidence = None
     if all(each.holds is not False for each in ordered) and judged.task.proof is None:
@@ -83,7 +83,7 @@ def verdict(judged: JudgedTask, run: Run, panels: Panels, kept: Kept | None = No
     return TaskView(views, None, waits, evidence if waits else None)
 
 
-def judged_at(moment: Moment, condition: Condition) -> Verdict:
+def judged_at(moment: JudgedMoment, condition: Condition) -> ConditionVerdict:
     """Return whether ``condition`` holds at ``moment``, the seeds that it may ask for left aside.
 
     What only a step can tell is not known before the first one.
@@ -91,12 +91,12 @@ def judged_at(moment: Moment, condition: Condition) -> Verdict:
     try:
         value = MEASURES[condition.measure].of(moment, condition)
     except NoStepError as reason:
-        return Verdict(None, str(reason))
+        return ConditionVerdict(None, str(reason))
     except MissingError as reason:
-        return Verdict(False, str(reason))
+        return ConditionVerdict(False, str(reason))
     except NotYetError:
-        return Verdict(None, "being worked out")
-    return Verdict(is_met(condition, value), in_words(value))
+        return ConditionVerdict(None, "being worked out")
+    return ConditionVerdict(is_met(condition, value), in_words(value))
 
 
 def program_verdict(judged: JudgedTask, program: str, seen: SeenProgram) -> TaskView:
@@ -113,10 +113,10 @@ def program_verdict(judged: JudgedTask, program: str, seen: SeenProgram) -> Task
     return TaskView(tuple(views), passed, remarks=remarks_on(seen))
 
 
-def program_verdicts(conditions: Sequence[Condition], seen: SeenProgram) -> list[Verdict]:
+def program_verdicts(conditions: Sequence[Condition], seen: SeenProgram) -> list[ConditionVerdict]:
     """Return the verdict on each of ``conditions``; of a program with an error none holds."""
     if seen.error:
-        return [Verdict(False) for _ in conditions]
+        return [ConditionVerdict(False) for _ in conditions]
     return [_of_program(each, seen) for each in conditions]
 
 
@@ -125,15 +125,15 @@ def remarks_on(seen: SeenProgram) -> tuple[str, ...]:
     return (seen.error, *seen.remarks) if seen.error else seen.remarks
 
 
-def _of_program(condition: Condition, seen: SeenProgram) -> Verdict:
+def _of_program(condition: Condition, seen: SeenProgram) -> ConditionVerdict:
     of_program = MEASURES[condition.measure].of_program
     try:
         value = None if of_program is None else of_program(seen)
     except MissingError as reason:
-        return Verdict(False, str(reason))
+        return ConditionVerdict(False, str(reason))
     if value is None:
-        return Verdict(False, "this is not measured of a program")
-    return Verdict(is_met(condition, value), in_words(value))
+        return ConditionVerdict(False, "this is not measured of a program")
+    return ConditionVerdict(is_met(condition, value), in_words(value))
 
 
 def elsewhere(setup: Recipe, recipe: Recipe, kept: Kept | None = None) -> str:
@@ -147,7 +147,7 @@ def elsewhere(setup: Recipe, recipe: Recipe, kept: Kept | None = None) -> str:
     return ""
 
 
-def _spoilt(moment: Moment) -> str:
+def _spoilt(moment: JudgedMoment) -> str:
     """Return why nothing that many seeds decide can hold; empty where it can."""
     journal = moment.journal
     if journal.taken:

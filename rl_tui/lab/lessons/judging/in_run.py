@@ -63,14 +63,16 @@ class InRun:
 def _measured(
     shows: Measured, run: Run, setup: Recipe, entries: tuple[JournalEntry, ...], due: int, kept: Kept
 ) -> Value | None:
-    from rl_tui.lab.lessons.judging.moment import Kept, Moment
-    from rl_tui.lab.lessons.judging.replays import replayed
+    from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
+    from rl_tui.lab.run.run import Run
 
     if run.step > due:
         if due > FARTHEST:
             return None
-        run, kept = replayed(run.recipe, entries, due), Kept()
+        earlier = Run(run.recipe, evaluate=False)
+        earlier.follow(entries, due)
+        run, kept = earlier, Kept()
     try:
-        return MEASURES[shows.measure].of(Moment(run, setup, kept), shows)
+        return MEASURES[shows.measure].of(JudgedMoment(run, setup, kept), shows)
     except MissingError as reason:
         return str(reason)

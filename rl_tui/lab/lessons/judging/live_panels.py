@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.lab.lessons.judging.panel_request import KnownPanels, PanelRequest, same_panel
-from rl_tui.lab.lessons.judging.verdicts import Verdict
+from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict
 from rl_tui.lab.workers.answering_process import AnsweringProcess
 from rl_tui.worlds.gym.modules import ALLOWED
 
@@ -35,7 +35,7 @@ class LivePanels:
         self._is_closed = False
         self._known = KnownPanels()
 
-    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[Verdict]:
+    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
         """Return what is known by now of ``conditions`` for runs of ``recipe``, and see to the rest."""
         found = self._known.of(recipe, conditions)
         if found is not None:
@@ -44,13 +44,13 @@ class LivePanels:
         if process is None or not process.is_about(recipe, conditions):
             process = self._begin(recipe, conditions)
         if process is None:
-            return [Verdict(None, "no process can be started to work it out")] * len(conditions)
+            return [ConditionVerdict(None, "no process can be started to work it out")] * len(conditions)
         if not self._automatic:
             process.wait()
         if process.verdicts is not None:
             self._known.keep(recipe, conditions, process.verdicts)
             return process.verdicts
-        return [Verdict(None, process.failed or self.waits)] * len(conditions)
+        return [ConditionVerdict(None, process.failed or self.waits)] * len(conditions)
 
     @property
     def waits(self) -> str:
@@ -104,7 +104,7 @@ class _PanelProcess(AnsweringProcess):
         seeds: tuple[SeedValues, ...],
         on_news: Callable[[], None],
     ) -> None:
-        self.verdicts: tuple[Verdict, ...] | None = None
+        self.verdicts: tuple[ConditionVerdict, ...] | None = None
         """What came of it, None before its end."""
         self.failed = ""
         """Why nothing came of it; empty unless it has failed."""
@@ -129,7 +129,9 @@ class _PanelProcess(AnsweringProcess):
         elif "failed" in document:
             self.failed = str(document["failed"])
         else:
-            self.verdicts = tuple(Verdict(holds, str(found)) for holds, found in document["verdicts"])
+            self.verdicts = tuple(
+                ConditionVerdict(holds, str(found)) for holds, found in document["verdicts"]
+            )
         self._on_news()
 
     def _has_ended(self) -> None:

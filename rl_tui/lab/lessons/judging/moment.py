@@ -109,7 +109,7 @@ class Kept:
         return self._optimum[2]
 
 
-class Moment:
+class JudgedMoment:
     """``run`` where it stands, with the settings by which its last step was taken; ``setup`` is the task's.
 
     What was set since then is not in force yet: it would not be in a replay that ends here. Its members raise

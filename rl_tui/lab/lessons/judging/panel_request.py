@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeVar
 
 if TYPE_CHECKING:
-    from rl_tui.lab.lessons.judging.verdicts import Verdict
+    from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict
     from rl_tui.lab.lessons.schema import Condition
     from rl_tui.lab.run.recipe import Recipe
 
@@ -36,14 +36,16 @@ class KnownPanels:
     """The verdicts of the last settings that were asked for, and the seeds that are done where they lack."""
 
     def __init__(self) -> None:
-        self._verdicts: list[tuple[_Panel, tuple[Verdict, ...]]] = []
+        self._verdicts: list[tuple[_Panel, tuple[ConditionVerdict, ...]]] = []
         self._seeds: list[tuple[_Panel, tuple[SeedValues, ...]]] = []
 
-    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> tuple[Verdict, ...] | None:
+    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> tuple[ConditionVerdict, ...] | None:
         """Return what is known of ``conditions`` for runs of ``recipe``, None where that is nothing."""
         return _of(self._verdicts, (recipe, conditions))
 
-    def keep(self, recipe: Recipe, conditions: tuple[Condition, ...], verdicts: tuple[Verdict, ...]) -> None:
+    def keep(
+        self, recipe: Recipe, conditions: tuple[Condition, ...], verdicts: tuple[ConditionVerdict, ...]
+    ) -> None:
         """Remember ``verdicts``; of very many, the oldest are forgotten."""
         self._verdicts = [*self._verdicts, ((recipe, conditions), verdicts)][-KEPT:]
 

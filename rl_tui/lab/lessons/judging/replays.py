@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.training import Goal, train
@@ -16,11 +16,14 @@ if TYPE_CHECKING:
     from rl_tui.lab.lessons.lesson import Lesson
     from rl_tui.lab.lessons.schema import Attempt
 
+MOST_STEPS: Final = 20_000_000
+"""Of an attempt: what goes further is not replayed."""
+
 
 def attempted_run(lesson: Lesson, page: str, attempt: Attempt, seed: int | None = None) -> Run:
     """Return the run that ``attempt`` comes to: as far as it says, else until all its changes are made.
 
-    Raises UserError where a setting or a change does not fit, or a step breaks the run down.
+    Raises UserError where a setting or a change does not fit, a step breaks the run down, or it goes too far.
     """
     name = lesson.setup_of(page)
     setup = lesson.setups[name]
@@ -38,7 +41,12 @@ def attempted_run(lesson: Lesson, page: str, attempt: Attempt, seed: int | None 
     goal = Goal(steps=attempt.steps, episodes=attempt.episodes)
     if attempt.episodes is None and attempt.steps is None:
         goal = Goal(steps=max(map(_step_after, journal), default=0))
-    train(run, goal, journal=journal)
+
+    def on_progress(done: int, wanted: int) -> None:
+        if max(run.step, goal.steps or 0) > MOST_STEPS:
+            raise UserError(f"it goes on for more than {MOST_STEPS:,} steps")
+
+    train(run, goal, on_progress, journal)
     return run
 
 

@@ -12,9 +12,9 @@ from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
 from rl_tui.lab.experiments.training import Goal
 from rl_tui.lab.lessons.judging.condition_faults import MOST_STEPS_OF_A_SEED
 from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, Value
-from rl_tui.lab.lessons.judging.moment import Kept, Moment
+from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
 from rl_tui.lab.lessons.judging.panel_request import KnownPanels, SeedValues
-from rl_tui.lab.lessons.judging.verdicts import Verdict, in_words, is_met
+from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict, in_words, is_met
 
 if TYPE_CHECKING:
     from rl_tui.lab.lessons.schema import Condition
@@ -38,7 +38,7 @@ def worked_out(
     conditions: Sequence[Condition],
     on_seed: OnSeed = no_news,
     known: Sequence[SeedValues] = (),
-) -> tuple[Verdict, ...]:
+) -> tuple[ConditionVerdict, ...]:
     """Return the verdict on each of ``conditions`` for runs of ``recipe`` under the seeds from 0.
 
     Those that go equally far share their runs. ``on_seed`` hears how many seeds of how many are done, and
@@ -49,7 +49,7 @@ def worked_out(
     order = sorted(range(len(conditions)), key=lambda place: _extent(conditions[place]))
     groups = [list(each) for _, each in groupby(order, key=lambda place: _extent(conditions[place]))]
     wanted = sum(conditions[group[0]].seeds for group in groups)
-    found = dict[int, Verdict]()
+    found = dict[int, ConditionVerdict]()
     done = 0
     for group in groups:
         first = conditions[group[0]]
@@ -94,22 +94,24 @@ def _of_seed(runs: SeededRuns, seed: int, goal: Goal, conditions: Sequence[Condi
 
 def _measured(run: Run, condition: Condition, kept: Kept) -> Value | None:
     try:
-        value = MEASURES[condition.measure].of(Moment(run, run.recipe, kept), condition)
+        value = MEASURES[condition.measure].of(JudgedMoment(run, run.recipe, kept), condition)
     except MissingError:
         return None
     return value if isinstance(value, str | bool) else float(value)
 
 
-def _over_seeds(condition: Condition, values: Sequence[Value | None]) -> Verdict:
+def _over_seeds(condition: Condition, values: Sequence[Value | None]) -> ConditionVerdict:
     known = [value for value in values if value is not None]
     if not condition.mean:
         held = sum(is_met(condition, value) for value in known)
-        return Verdict(held >= condition.hold, f"{held} of {condition.seeds} seeds")
+        return ConditionVerdict(held >= condition.hold, f"{held} of {condition.seeds} seeds")
     numbers = [value for value in known if not isinstance(value, str | bool)]
     if len(numbers) < len(values):
-        return Verdict(False, f"{len(values) - len(numbers)} of {condition.seeds} seeds have no value")
+        return ConditionVerdict(
+            False, f"{len(values) - len(numbers)} of {condition.seeds} seeds have no value"
+        )
     mean = sum(numbers) / len(numbers)
-    return Verdict(is_met(condition, mean), f"mean {in_words(mean)} of {condition.seeds} seeds")
+    return ConditionVerdict(is_met(condition, mean), f"mean {in_words(mean)} of {condition.seeds} seeds")
 
 
 class PanelsAtOnce:
@@ -120,7 +122,7 @@ class PanelsAtOnce:
 
     waits = ""
 
-    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[Verdict]:
+    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
         """Return the verdict on each of ``conditions`` for runs of ``recipe``."""
         known = self._known.of(recipe, conditions)
         if known is None:

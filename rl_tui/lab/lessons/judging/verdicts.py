@@ -14,7 +14,7 @@ TOLERANCE: Final = 1e-9
 """Numbers no further apart are equal."""
 
 
-class Verdict(NamedTuple):
+class ConditionVerdict(NamedTuple):
     """Whether a condition holds, None while that is not known, and the measure in words."""
 
     holds: bool | None
@@ -24,7 +24,7 @@ class Verdict(NamedTuple):
 class Panels(Protocol):
     """What works out conditions that many seeds decide."""
 
-    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[Verdict]:
+    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
         """Return the verdict on each of ``conditions`` for runs of ``recipe``, whatever seed that has."""
 
     @property

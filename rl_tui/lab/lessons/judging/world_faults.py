@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.common.errors import Fault, UserError
 from rl_tui.common.findings import Finding, Location, near, place, shown
-from rl_tui.lab.lessons.judging.measures import MEASURES, Kind
+from rl_tui.lab.lessons.judging.measures import MEASURES, MeasureKind
 from rl_tui.lab.lessons.judging.moment import why_too_dear
 from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.run.changes import journal_of, read_change
@@ -16,7 +16,7 @@ from rl_tui.lab.run.recipe import Recipe, begin
 
 if TYPE_CHECKING:
     from rl_tui.lab.lessons.lesson import Lesson
-    from rl_tui.lab.lessons.schema import Attempt, Condition, Measured
+    from rl_tui.lab.lessons.schema import Attempt, Measured
     from rl_tui.worlds.world import World
 
 _OF_BANDITS = ("winnings", "regret", "best_arm_rate")
@@ -67,9 +67,9 @@ def _of_condition(condition: Measured, world: World) -> Iterator[Finding]:
         yield from _of_action(where, action, state, world)
     if measure.name in _OF_BANDITS and world.budget is None:
         yield Finding(("measure",), shown(measure.name), "a measure of this world: it is no bandit")
-    if measure.kind is Kind.EXACT and world.mdp is None:
+    if measure.kind is MeasureKind.EXACT and world.mdp is None:
         yield Finding(("measure",), shown(measure.name), "a measure without a table: this world has none")
-    elif measure.kind is Kind.EXACT and world.mdp is not None:
+    elif measure.kind is MeasureKind.EXACT and world.mdp is not None:
         refused = why_too_dear(world.mdp, value_of_policy=measure.name == "value_at_start")
         if refused:
             yield Finding(("measure",), shown(measure.name), f"no such figure: {refused}")
@@ -77,6 +77,8 @@ def _of_condition(condition: Measured, world: World) -> Iterator[Finding]:
 
 def _actions_named(condition: Measured) -> Iterator[tuple[Location, str]]:
     """Yield every action that ``condition`` names, and where."""
+    from rl_tui.lab.lessons.schema import Condition
+
     if condition.action is not None:
         yield ("action",), condition.action
     for number, action in enumerate(condition.actions):

@@ -13,12 +13,12 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import strips_of
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.lesson.page_lines import Spotlight, page_lines
-from rl_tui.tui.panels.lesson.stage import Stage, page_place, stage_of
+from rl_tui.tui.panels.lesson.stage import PageStage, page_place, stage_of
 from rl_tui.tui.panels.lesson.words import next_keys, summary_line
 from rl_tui.tui.panels.scrolled_panel import ScrolledPanel, scroll_bindings
 from rl_tui.tui.theme.look import Look
 
-_Shown = tuple[str, Stage | None, int, tuple[str, ...]]
+_Shown = tuple[str, PageStage | None, int, tuple[str, ...]]
 """The open page, where it stands, how many hints and answers there were, and the remarks on a program."""
 
 

@@ -13,7 +13,7 @@ from rl_tui.tui.draw.pieces import Line, Piece, length, spelled
 from rl_tui.tui.draw.to_ascii import separated
 from rl_tui.tui.panels.lesson.prose import plain
 from rl_tui.tui.panels.lesson.stage import (
-    Stage,
+    PageStage,
     asks_for_program,
     is_last_page,
     open_page,
@@ -50,10 +50,10 @@ def answer_text(ask: Ask, answer: float, glyphs: Glyphs) -> str:
 
 
 def truth_text(ask: Ask, glyphs: Glyphs) -> str:
-    """Return the right answer to ``ask``; of several right choices all."""
+    """Return what is right, such as "it is 0.5"; of several right choices all."""
     if ask.answer is not None:
-        return number_text(ask.answer, glyphs)
-    return "; ".join(plain(choice.text) for choice in ask.choices if choice.right)
+        return f"it is {number_text(ask.answer, glyphs)}"
+    return f"the answer: {'; '.join(plain(choice.text) for choice in ask.choices if choice.right)}"
 
 
 def in_run_text(in_run: float | str | bool, glyphs: Glyphs) -> str:
@@ -96,15 +96,15 @@ def next_keys(
     answer, turn = ("enter", "enter") if has_focus else ("A", ".")
     leads = ("enter: to the world",) if has_focus else ()
     match stage:
-        case Stage.TO_PREDICT:
+        case PageStage.TO_PREDICT:
             return f"{answer}: say what you expect", f"{answer}: predict"
-        case Stage.TO_ANSWER:
+        case PageStage.TO_ANSWER:
             return (f"{answer}: answer",)
-        case Stage.TO_DO if asks_for_program(record):
+        case PageStage.TO_DO if asks_for_program(record):
             return (f"{answer}: your program",)
-        case Stage.TO_DO:
+        case PageStage.TO_DO:
             return (*leads, "enter: do it") if has_focus else ("R: read here",)
-        case Stage.LOCKED:
+        case PageStage.LOCKED:
             ask, given = open_page(record).prediction, record.given_on(record.page)
             if ask is None or given is None:
                 return leads
@@ -156,18 +156,18 @@ def _marks(view: LessonView, snapshot: Snapshot, look: Look) -> Iterator[Piece]:
     """Yield how the page stands: of a task a sign for each condition."""
     palette, stage = look.palette, stage_of(view, snapshot)
     match stage:
-        case Stage.TO_DO if view.task is not None:
+        case PageStage.TO_DO if view.task is not None:
             for condition in view.task.conditions:
                 yield condition_sign(condition.holds, look)
             if view.task.waits:
                 yield Piece(f" {view.task.waits}", palette.dim)
-        case Stage.PASSED:
+        case PageStage.PASSED:
             yield Piece(f"{look.glyphs.holds} PASSED", palette.good)
-        case Stage.TO_PREDICT:
+        case PageStage.TO_PREDICT:
             yield Piece("A: your prediction", palette.accent)
-        case Stage.TO_ANSWER:
+        case PageStage.TO_ANSWER:
             yield Piece("A: your answer", palette.accent)
-        case Stage.LOCKED:
+        case PageStage.LOCKED:
             ask, given = open_page(view.record).prediction, view.record.given_on(view.record.page)
             if ask is not None and given is not None:
                 said = answer_text(ask, given.answer, look.glyphs)
@@ -176,7 +176,7 @@ def _marks(view: LessonView, snapshot: Snapshot, look: Look) -> Iterator[Piece]:
                     f"you said {shortened(said, _LONGEST_SAID, look.glyphs.ellipsis)}; {missing}",
                     palette.accent,
                 )
-        case Stage.TOLD:
+        case PageStage.TOLD:
             ask, given = open_page(view.record).prediction, view.record.given_on(view.record.page)
             if given is not None:
                 yield verdict_piece(given.is_right, look)

@@ -372,8 +372,8 @@ class Playground(ActionScreen):
         self._left_after = None
 
     def help_screen(self, *, at_keys: bool = False) -> HelpScreen:
-        """Return the help, with the notes of the scenario."""
-        notes = self.recipe.scenario.notes
+        """Return the help, with the notes of the scenario, which tell answers."""
+        notes = self.kept_back.notes or self.recipe.scenario.notes
         panels = self.lesson.rows(tuple(self.program.in_order_of_help(self.panel_rows)))
         return HelpScreen(self.look, self.actions, panels, notes, at_keys=at_keys)
 
