@@ -42,9 +42,15 @@ def text_of(scenario: str) -> str:
 
 @functools.cache
 def rewards_of(scenario: str) -> frozenset[float]:
-    """The rewards of its table without their signs; none where it has no table."""
+    """The rewards of its table and of its file without their signs; none where it has no table.
+
+    In a table a goal pays what its step costs as well.
+    """
     mdp = begin(recipe(scenario)).world.mdp
-    return frozenset() if mdp is None else frozenset(abs(each) for each in mdp.reward.tolist())
+    if mdp is None:
+        return frozenset()
+    of_file = re.findall(r"reward = -?([\d.]+)", find(scenario).text)
+    return frozenset({*map(float, of_file), *map(abs, mdp.reward.tolist())})
 
 
 @functools.cache
