@@ -24,7 +24,7 @@ IDS: Final = tuple(scenario.id for scenario in scenarios())
 NEIGHBOURS: Final = [
     Path(__file__).with_name(name) for name in ("test_figures_of_notes.py", "test_exact_claims_of_notes.py")
 ]
-FIGURES: Final = [(text_id, name) for text_id in IDS for name in said_of(text_id).names]
+FIGURES: Final = [(text_id, name) for text_id in IDS for name in said_of(text_id).figures_by_name]
 EXACT, OVER_SEEDS = (
     [each for each in FIGURES if said_of(each[0]).figures.needs_seeds(each[1]) is needs_seeds]
     for needs_seeds in (False, True)
