@@ -229,15 +229,12 @@ def number(text: str) -> float:
 
 
 def numbers_in(value: Any) -> Iterator[float]:
-    """Yield the numbers of a table of TOML, without their signs, those within its texts included."""
+    """Yield the numbers of a table of TOML, without their signs."""
     if isinstance(value, dict):
-        for key, inner in value.items():
-            yield from numbers_in(key)
+        for inner in value.values():
             yield from numbers_in(inner)
     elif isinstance(value, list):
         for inner in value:
             yield from numbers_in(inner)
-    elif isinstance(value, str):
-        yield from (abs(float(each)) for each in re.findall(r"\d+(?:\.\d+)?", value))
     elif isinstance(value, int | float) and not isinstance(value, bool):
         yield abs(float(value))

@@ -43,7 +43,7 @@ async def predict(learner: Learner, ask: Ask) -> None:
         await learner.run_to(given.step + ask.steps)
     seen = await learner.read()
     right, made = learner.record.predictions
-    assert f"right – {truth_text(ask, UNICODE)}" in seen
+    assert f"right{truth_text(ask, given, UNICODE)}" in seen
     assert right == made
     assert f"{right} of {made} prediction" in seen
 

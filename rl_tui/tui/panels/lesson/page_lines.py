@@ -105,8 +105,8 @@ class _Writer:
             to_go = f": {missing:,} to go" if missing < ask.steps else ""
             self._say(f"The truth comes {counted(ask.steps, 'step')} later{to_go}.", is_dim=True)
             return
-        truth = truth_text(ask, self._look.glyphs)
-        self._row([verdict_piece(given.is_right, self._look), Piece(f" – {truth}", self._palette.text)])
+        truth = truth_text(ask, given, self._look.glyphs)
+        self._row([verdict_piece(given.is_right, self._look), Piece(truth, self._palette.text)])
         self._in_run(ask)
         self._reply(reply_to(ask, given.answer, is_right=given.is_right))
         right, made = self._record.predictions

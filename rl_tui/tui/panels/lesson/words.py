@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from rl_tui.lab.lessons.record import Given
 from rl_tui.lab.lessons.schema import Ask
 from rl_tui.lab.lessons.view import LessonView
 from rl_tui.lab.live.snapshot import Snapshot
@@ -49,11 +50,13 @@ def answer_text(ask: Ask, answer: float, glyphs: Glyphs) -> str:
     return plain(ask.choices[min(max(int(answer), 0), len(ask.choices) - 1)].text)
 
 
-def truth_text(ask: Ask, glyphs: Glyphs) -> str:
-    """Return what is right, such as "it is 0.5"; of several right choices all."""
+def truth_text(ask: Ask, given: Given, glyphs: Glyphs) -> str:
+    """Return what stands behind the verdict on ``given``: what is right, of a right choice nothing more."""
     if ask.answer is not None:
-        return f"it is {number_text(ask.answer, glyphs)}"
-    return f"the answer: {'; '.join(plain(choice.text) for choice in ask.choices if choice.right)}"
+        return f" – it is {number_text(ask.answer, glyphs)}"
+    if given.is_right:
+        return ""
+    return f" – the answer: {'; '.join(plain(choice.text) for choice in ask.choices if choice.right)}"
 
 
 def in_run_text(in_run: float | str | bool, glyphs: Glyphs) -> str:
