@@ -22,6 +22,7 @@ from rl_tui.tui.screens.playground.actions.modes.drawing_texts import title
 from rl_tui.tui.theme.glyphs import UNICODE
 
 pytestmark = pytest.mark.unit
+BANDIT = bandit(100)
 
 
 def kept(picture: Snapshot, *what: str) -> Snapshot:
@@ -38,7 +39,7 @@ def test_what_is_hidden_names_its_key_or_that_it_waits() -> None:
     assert shown_by(kept(student(), "answer"), "them") == "the lesson keeps them back"
 
 
-@pytest.mark.parametrize("picture", [student(), bandit()])
+@pytest.mark.parametrize("picture", [student(), BANDIT])
 def test_notes_of_policies_say_what_keeps_them_back(picture: Snapshot) -> None:
     said = [note for note, _ in notes(kept(picture, "answer"), look())]
     assert any("the lesson keeps" in note for note in said)
@@ -51,20 +52,20 @@ def test_who_draws_a_policy_is_told_that_its_return_waits() -> None:
     drawn = student().answers.drawn.with_action(0, 0)
     for picture, expected in (
         (kept(student(), "answer"), "its return is hidden (the lesson keeps it back)"),
-        (changed(bandit(), is_hidden=True), "its return is hidden (h shows it)"),
+        (changed(BANDIT, is_hidden=True), "its return is hidden (h shows it)"),
     ):
         studied = changed(picture, drawn=drawn, studied=PolicyKind.DRAWN)
         assert any(expected in form for form in title(studied, UNICODE))
 
 
 def test_texts_of_a_bandit_name_no_key_while_a_lesson_keeps_its_means_back() -> None:
-    secret = changed(bandit(), is_hidden=True)
+    secret = changed(BANDIT, is_hidden=True)
     assert "h  shows regret" in text_of(budget_lines(secret, look(), 60))
-    said = text_of(budget_lines(kept(bandit(), "answer"), look(), 60))
+    said = text_of(budget_lines(kept(BANDIT, "answer"), look(), 60))
     assert "regret and the best arm: the lesson keeps it back for now" in said
     assert "h  shows" not in said
     assert "until h" in means_key(secret)[0]
-    assert means_key(kept(bandit(), "answer")) == ("the lesson keeps it back for now",)
+    assert means_key(kept(BANDIT, "answer")) == ("the lesson keeps it back for now",)
     assert means_key(student()) == ()
 
 
@@ -77,19 +78,21 @@ def with_other_chances(picture: Snapshot) -> Snapshot:
     """``picture`` in a world whose outcomes have their probabilities turned round, pair by pair."""
     mdp = picture.world.mdp
     assert mdp is not None
-    chances = np.array(mdp.probability)
+    chances, sums = np.array(mdp.probability), np.array(mdp.cumulative)
     for pair in range(mdp.pairs):
         own = list(mdp.outcomes_of(pair))
         chances[own] = chances[own[::-1]]
-    return changed(picture, world=replace(picture.world, space=replace(mdp, probability=chances)))
+        sums[own] = np.cumsum(chances[own])
+    other = replace(mdp, probability=chances, cumulative=sums)
+    return changed(picture, world=replace(picture.world, space=other))
 
 
 def test_a_graph_keeps_the_probabilities_of_the_model_back() -> None:
-    picture = student()
-    assert " .8" in graph(picture)
+    picture = student(0)
+    assert ".8" in graph(picture)
     said = graph(kept(picture, "model"))
-    assert " .8" not in said
-    assert " .2" not in said
+    assert ".8" not in said
+    assert ".2" not in said
     assert "?" in said
     other = with_other_chances(picture)
     assert graph(other) != graph(picture)
