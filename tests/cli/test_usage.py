@@ -401,7 +401,7 @@ def test_an_interrupt_is_quiet(tmp_path: Path, name: str) -> None:
 @pytest.mark.parametrize(
     ("option", "message"),
     [
-        ("--kiosk", "there is no option --kiosk here; it is one of rl-tui, rl-tui play"),
+        ("--kiosk", "there is no option --kiosk here; it is one of rl-tui, rl-tui play, rl-tui learn"),
         ("--runes=3", "there is no option --runes; did you mean --runs?"),
         ("--zzz", "there is no option --zzz"),
         ("-z", "there is no option -z"),
