@@ -131,7 +131,7 @@ def _run_app(display: Display, start: Start) -> None:
     _stand_somewhere()
     _share_heap()
     with _nothing_collected():
-        from rl_tui.lab.sessions.folder import session_folder
+        from rl_tui.lab.sessions.place import session_folder
         from rl_tui.tui.app.app import RlTuiApp
 
     if in_kiosk():

@@ -12,10 +12,12 @@ import pytest
 from lesson_texts import LESSON, TEXT
 from seams import choose, notes, playground, press, screen_text, show, snapshot, train
 from textual.pilot import Pilot
+from textual.widgets import Markdown
 
 from rl_tui.common.errors import UserError
+from rl_tui.lab.lessons.judging.journal_reader import run_digest
 from rl_tui.lab.lessons.lesson import lesson_of
-from rl_tui.lab.lessons.record import LessonRecord, Passed, begun, run_digest
+from rl_tui.lab.lessons.record import LessonRecord, Passed, begun
 from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.live.commands import Apply, KeepLesson
 from rl_tui.lab.live.player import Player
@@ -110,6 +112,19 @@ async def test_without_room_page_and_world_take_turns() -> None:
         assert snapshot(pilot).counters.step == 1
         await press(pilot, ".")
         assert not board.shows(WORLD)
+
+
+@both_sizes
+async def test_digits_act_from_the_page_as_it_says(size: tuple[int, int]) -> None:
+    async with lesson(size) as pilot:
+        await press(pilot, "y", "R", "1")
+        assert snapshot(pilot).counters.step == 1
+        assert playground(pilot).board.shows(WORLD)
+        await press(pilot, "y")
+        if not page_panel(pilot).has_focus:
+            await press(pilot, "R")
+        await press(pilot, "1")
+        assert snapshot(pilot).counters.step == 1
 
 
 async def test_it_follows_the_size_of_the_terminal() -> None:
@@ -229,6 +244,7 @@ async def test_a_claim_is_right_only_where_there_is_a_proof() -> None:
         assert not record(pilot).passed
         await press(pilot, "A", "enter")
         assert [(each.page, each.claim) for each in record(pilot).passed] == [("never", True)]
+        assert notes(pilot.app)[-1] == "task passed"
         assert "PASSED" in screen_text(pilot.app)
         assert record(pilot).page == "never"
 
@@ -245,6 +261,37 @@ async def test_a_task_that_holds_is_kept_as_passed_and_the_page_stays(size: tupl
         assert record(pilot).has_passed("learn")
         assert record(pilot).page == "learn"
         assert any("task passed" in note for note in notes(pilot.app))
+
+
+async def test_a_task_that_holds_as_its_page_is_turned_is_kept_too() -> None:
+    async with lesson(wide, "learn") as pilot:
+        run = snapshot(pilot)
+        assert run.lesson is not None
+        assert run.lesson.task is not None
+        held = replace(run.lesson.task, passed=Passed("learn", run.recipe, (), 0))
+        await press(pilot, ".", ".")
+        show(playground(pilot), replace(run, lesson=replace(run.lesson, task=held)))
+        await settle(pilot)
+        assert record(pilot).has_passed("learn")
+        assert record(pilot).page == "never"
+
+
+@both_sizes
+@pytest.mark.parametrize(("page", "tells"), [("predict", False), ("start", False), ("quiz", True)])
+async def test_the_help_keeps_the_notes_of_the_scenario_back(
+    size: tuple[int, int], page: str, *, tells: bool
+) -> None:
+    async with lesson(size, page) as pilot:
+        notes_told = playground(pilot).help_screen()
+        await pilot.app.push_screen(notes_told)
+        await settle(pilot)
+        await pilot.press("end")
+        await settle(pilot)
+        await pilot.press("end")
+        await settle(pilot)
+        markdown = "".join(each.source for each in notes_told.query(Markdown))
+        assert ("6.34" in markdown) is tells
+        assert ("kept back until" in markdown) is not tells
 
 
 @both_sizes

@@ -5,25 +5,31 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.findings import shown
-from rl_tui.lab.course.predictions import NO_PREDICTIONS, Predictions, predictions_in
+from rl_tui.lab.course.predictions import NO_PREDICTIONS, PredictionScore, predictions_in
 from rl_tui.lab.experiments.training import Goal, train
 from rl_tui.lab.lessons.catalogue import find_lesson
-from rl_tui.lab.lessons.judging.attempts import judged_claim, judged_program, replayed
-from rl_tui.lab.lessons.judging.conditions import JudgedTask, Panels, elsewhere, judged_task, verdict
+from rl_tui.lab.lessons.judging.attempts import judged_claim, judged_program
+from rl_tui.lab.lessons.judging.conditions import JudgedTask, elsewhere, judged_task, verdict
 from rl_tui.lab.lessons.judging.moment import Kept
+from rl_tui.lab.lessons.judging.panel_request import same_panel
+from rl_tui.lab.lessons.judging.replays import replayed
 from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
+from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict, Panels
 from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.record import LessonRecord, Passed
 from rl_tui.lab.lessons.view import ConditionView, TaskView
 from rl_tui.lab.run.recipe import Recipe, TakeAction, begin
 from rl_tui.lab.run.run import Run
 from rl_tui.lab.sessions.folder import files_in
 from rl_tui.lab.sessions.session import SUFFIX, SessionError, read_session
-from rl_tui.lab.timeline.branches import Branch
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.record import LessonRecord, Passed
+    from rl_tui.lab.lessons.schema import Condition
+    from rl_tui.lab.timeline.branches import Branch
 
 PROVES: Final = "A session proves the run, not who made it."
 MOST_STEPS: Final = 20_000_000
@@ -31,6 +37,9 @@ MOST_STEPS: Final = 20_000_000
 _MOST_STEPS_IN_ALL: Final = 100_000_000
 _MOST_MOMENTS: Final = 1_000
 """Steps taken by hand of a branch after which its run is looked at, and twice as many in all."""
+_MOST_PANELS: Final = 30
+"""Settings of a session that are worked out under many seeds: each takes as long as some hundred runs."""
+_MOST_REMARKS: Final = 10
 _MOST_SESSIONS: Final = 1_000
 
 
@@ -50,7 +59,7 @@ class GradedSession:
 
     path: Path
     tasks: tuple[GradedTask, ...] = ()
-    predictions: Predictions = NO_PREDICTIONS
+    predictions: PredictionScore = NO_PREDICTIONS
     remarks: tuple[str, ...] = ()
     fault: str = ""
     """Why there is nothing to grade; mostly empty."""
@@ -91,22 +100,28 @@ class LessonGrading:
         except ScenarioError as fault:
             raise SessionError(path, str(fault.faults[0])) from fault
         tasks = [judged_task(lesson, page.id) for page in lesson.tasks]
+        panels, steps = _FewPanels(self._panels), _MOST_STEPS_IN_ALL
         views = {task.page: _not_done(task, "nothing of it is in the session") for task in tasks}
         for task in tasks:
             evidence = _evidence(taken, task.page)
             if evidence is not None:
-                views[task.page] = _better(self._judged(task, evidence), views[task.page])
-        search = _Search(views, self._panels)
+                judged = self._judged(task, evidence, panels, min(MOST_STEPS, steps))
+                views[task.page] = _better(judged, views[task.page])
+                steps -= min(evidence.step, steps)
+        search = _Search(views, panels)
         for lane in record.lanes:
             for branch in lane.branches:
                 search.look_at(tasks, lane.recipe, branch)
         graded = tuple(_graded(lesson, task.page, views[task.page]) for task in tasks)
         predictions = NO_PREDICTIONS if taken is None else predictions_in(taken, lesson, record)
-        return GradedSession(path, graded, predictions, (*remarks, *search.remarks))
+        remarks += [*search.remarks[:_MOST_REMARKS], *panels.remarks]
+        if len(search.remarks) > _MOST_REMARKS:
+            remarks.append(f"So were {len(search.remarks) - _MOST_REMARKS:,} more.")
+        return GradedSession(path, graded, predictions, tuple(remarks))
 
-    def _judged(self, task: JudgedTask, evidence: Passed) -> TaskView:
+    def _judged(self, task: JudgedTask, evidence: Passed, panels: Panels, most_steps: int) -> TaskView:
         if task.task.program is None or evidence.claim:
-            return _judged_evidence(task, evidence, self._panels)
+            return _judged_evidence(task, evidence, panels, most_steps)
         if not self._runs_programs:
             return _not_done(task, "not judged: --programs watches the program that is in the session")
         return judged_program(task, evidence.program)
@@ -165,13 +180,13 @@ def _evidence(taken: LessonRecord | None, page: str) -> Passed | None:
     return None if taken is None else next((each for each in taken.passed if each.page == page), None)
 
 
-def _judged_evidence(task: JudgedTask, evidence: Passed, panels: Panels) -> TaskView:
-    """Return how the task stands when what ``evidence`` says was done is done again."""
+def _judged_evidence(task: JudgedTask, evidence: Passed, panels: Panels, most_steps: int) -> TaskView:
+    """Return how the task stands when what ``evidence`` says was done is done again, if in so many steps."""
     if evidence.claim:
         return judged_claim(task, Run(task.setup, evaluate=False), panels)
     reason = elsewhere(task.setup, evidence.recipe)
-    if evidence.step > MOST_STEPS:
-        reason = f"its evidence has {evidence.step:,} steps; at most {MOST_STEPS:,} are replayed"
+    if evidence.step > most_steps:
+        reason = f"its evidence has {evidence.step:,} steps; at most {most_steps:,} are replayed"
     if reason:
         return _not_done(task, reason)
     recipe = replace(evidence.recipe, scenario=task.setup.scenario)
@@ -182,6 +197,32 @@ def _judged_evidence(task: JudgedTask, evidence: Passed, panels: Panels) -> Task
     if run.step != evidence.step:
         return _not_done(task, f"its evidence ends at step {run.step:,}, not {evidence.step:,}")
     return verdict(task, run, panels)
+
+
+class _FewPanels:
+    """The ``panels`` of one session: of very many settings, those that come first."""
+
+    waits = ""
+
+    def __init__(self, panels: Panels) -> None:
+        self._panels = panels
+        self._asked: list[tuple[Recipe, tuple[Condition, ...]]] = []
+        self._left_out = False
+
+    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
+        """Return the verdict on each of ``conditions`` for runs of ``recipe``."""
+        if not any(same_panel(*asked, recipe, conditions) for asked in self._asked):
+            if len(self._asked) >= _MOST_PANELS:
+                self._left_out = True
+                return [ConditionVerdict(None, "too many settings were tried")] * len(conditions)
+            self._asked.append((recipe, conditions))
+        return self._panels.of(recipe, conditions)
+
+    @property
+    def remarks(self) -> list[str]:
+        """What is to be said of those that were left out."""
+        said = f"Only the first {_MOST_PANELS} settings were tried under many seeds: there are more."
+        return [said] if self._left_out else []
 
 
 class _Search:

@@ -6,14 +6,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from rl_tui.agents.sweep_phases import SweepPhase
-from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.lab.lessons.record import LessonRecord
-from rl_tui.lab.live.until import Until
-from rl_tui.lab.live.viewport import Viewport
-from rl_tui.lab.run.recipe import Change, Recipe, Setting
+from rl_tui.lab.run.recipe import TakeAction
 
 if TYPE_CHECKING:
+    from rl_tui.agents.sweep_phases import SweepPhase
+    from rl_tui.lab.answers.policy_kind import PolicyKind
+    from rl_tui.lab.lessons.record import LessonRecord
+    from rl_tui.lab.live.until import Until
+    from rl_tui.lab.live.viewport import Viewport
+    from rl_tui.lab.run.recipe import Change, Recipe, Setting
     from rl_tui.lab.timeline.seek import Seek
 
 
@@ -245,7 +246,10 @@ class ChooseTable(Command):
 
 @dataclass(frozen=True, slots=True)
 class KeepLesson(Command):
-    """Keep with the runs how far the learner has come in a lesson, and judge the task of its open page."""
+    """Keep with the runs how far the learner has come in a lesson, and judge the task of its open page.
+
+    With a prediction open, the run shown stands still.
+    """
 
     lesson: LessonRecord
 
@@ -264,8 +268,7 @@ LOOKING: Final = (*_AT_ANY_TIME, StudySeeds)
 MOVES: Final = (Play, WatchLearning, Pause, Step, RunEpisode, RunUntil, Take, Train)
 """Commands that mean nothing where a run takes no further step."""
 
-TAKES_STEPS: Final = (Play, WatchLearning, Step, RunEpisode, RunSweep, RunUntil, Take, Train)
-"""Commands by which runs go further."""
+_TAKES_STEPS: Final = (Play, WatchLearning, Step, RunEpisode, RunSweep, RunUntil, Take, Train)
 
 _WHILE_SEEKING: Final = (
     *(StepBack, GoTo, Pause, DropLane, DrawAction, ClearDrawing, HideAnswer, KeepLesson, WatchProgram),
@@ -275,6 +278,12 @@ _WHILE_SEEKING: Final = (
 
 _FROM_HERE: Final = (StepBack, EpisodeBack, ChooseBranch)
 """Commands that need to know where the run shown is to stand, but not where the others are."""
+
+
+def takes_steps(command: Command) -> bool:
+    """Return True if runs go further by ``command``."""
+    is_action = isinstance(command, Apply) and isinstance(command.change, TakeAction)
+    return is_action or isinstance(command, _TAKES_STEPS)
 
 
 def is_taken_while_seeking(command: Command, seek: Seek | None) -> bool:

@@ -105,6 +105,8 @@ def _hide_answer(playback: Playback, command: commands.HideAnswer) -> None:
 
 def _keep_lesson(playback: Playback, command: commands.KeepLesson) -> None:
     playback.questions.lesson = command.lesson
+    if playback.questions.keeps_back("run"):
+        playback.rest()
 
 
 def _watch_program(playback: Playback, command: commands.WatchProgram) -> None:

@@ -138,6 +138,29 @@ def test_a_branch_without_end_is_left_out(grading: LessonGrading, tmp_path: Path
     assert graded.remarks == ("branch 1 was not looked at: it has too many steps.",)
 
 
+def test_only_so_many_settings_are_worked_out_under_many_seeds(tmp_path: Path) -> None:
+    luck = '{ text = "fifty", measure = "steps", seeds = 1, hold = 1, steps = 50, at_least = 51 }'
+    (tmp_path / "evening.toml").write_text(
+        TEXT.replace('conditions = [{ text = "fifty', f'conditions = [{luck}, {{ text = "fifty')
+    )
+    tried = tuple(
+        Branch(f"branch {n}", (JournalEntry(0, SetParameter("gamma", n / 100)),), None, 0, 60, 60)
+        for n in range(40)
+    )
+    path = write(tmp_path, "a.json", None, RunRecord(LAKE, tried))
+    remarks = LessonGrading(str(tmp_path / "evening.toml")).grade(path).remarks
+    assert remarks == ("Only the first 30 settings were tried under many seeds: there are more.",)
+    path = write(tmp_path, "b.json", None, RunRecord(LAKE, tried[:20]))
+    assert LessonGrading(str(tmp_path / "evening.toml")).grade(path).remarks == ()
+
+
+def test_not_every_branch_without_end_has_a_remark(grading: LessonGrading, tmp_path: Path) -> None:
+    endless = tuple(Branch(f"branch {n}", (), None, 0, 10**15, 10**15) for n in range(40))
+    remarks = grading.grade(write(tmp_path, "a.json", None, RunRecord(LAKE, endless))).remarks
+    assert len(remarks) == 11
+    assert remarks[-1] == "So were 30 more."
+
+
 def locked(grading: LessonGrading, folder: Path, given: Given, *runs: RunRecord) -> int:
     return grading.grade(write(folder, "a.json", BEGUN.give(given), *runs)).predictions.locked
 

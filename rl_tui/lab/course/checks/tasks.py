@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding, Location, shown
 from rl_tui.lab.course.checks.waiting import waiting_findings
-from rl_tui.lab.lessons.figures.figures import Figures
 from rl_tui.lab.lessons.figures.written import in_digits_of
-from rl_tui.lab.lessons.judging.attempts import attempted_run, judged_claim, judged_program
-from rl_tui.lab.lessons.judging.conditions import Panels, Verdict, is_met, judged_task, verdict
+from rl_tui.lab.lessons.judging.attempts import judged_claim, judged_program
+from rl_tui.lab.lessons.judging.conditions import judged_task, verdict
+from rl_tui.lab.lessons.judging.replays import attempted_run
 from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.schema import Attempt, Condition, Page, Program, Proof, Task
-from rl_tui.lab.lessons.view import TaskView
+from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict, Panels, is_met
 from rl_tui.lab.run.changes import TAKE, read_change
-from rl_tui.lab.run.recipe import Recipe
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.figures.figures import LessonFigures
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.lessons.schema import Attempt, Condition, ImpossibilityProof, Page, ProgramToWrite, Task
+    from rl_tui.lab.lessons.view import TaskView
+    from rl_tui.lab.run.recipe import Recipe
 
 LEAST_REJECTS: Final = 3
 SEEDS_OF_VARIANTS: Final = 100
@@ -31,9 +35,9 @@ class UndecidedPanels:
 
     waits = ""
 
-    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[Verdict]:
+    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
         """Return that nothing is known of any condition."""
-        return [Verdict(None, "left out") for _ in conditions]
+        return [ConditionVerdict(None, "left out") for _ in conditions]
 
 
 class _Judged(NamedTuple):
@@ -74,7 +78,7 @@ class TaskCheck:
                 (*self._where, "rejects"), found, f"{LEAST_REJECTS} or more that the task is held to"
             )
 
-    def findings(self, figures: Figures, on_attempt: OnAttempt) -> Iterator[Finding]:
+    def findings(self, figures: LessonFigures, on_attempt: OnAttempt) -> Iterator[Finding]:
         """Yield what is wrong with the task."""
         if self._task.proof is not None:
             yield from self._proof_findings(self._task.proof, figures)
@@ -94,7 +98,7 @@ class TaskCheck:
         on_attempt("waiting")
         yield from waiting_findings(judged_task(self._lesson, self._page.id), self._where, ends, self._panels)
 
-    def _skeleton_findings(self, program: Program) -> Iterator[Finding]:
+    def _skeleton_findings(self, program: ProgramToWrite) -> Iterator[Finding]:
         """Yield that what the learner begins with passes as it is."""
         if self._judged_program(program.skeleton).view.passed is not None:
             where = (*self._where, "program", "skeleton")
@@ -142,7 +146,7 @@ class TaskCheck:
         judge = judged_claim if attempt.claim else verdict
         return _Judged(judge(task, run, self._panels), run.step)
 
-    def _proof_findings(self, proof: Proof, figures: Figures) -> Iterator[Finding]:
+    def _proof_findings(self, proof: ImpossibilityProof, figures: LessonFigures) -> Iterator[Finding]:
         """Yield that the best there is would do, so that nothing is proved."""
         condition = self._task.conditions[proof.condition]
         try:

@@ -1,21 +1,21 @@
-"""Attempts at a task, recorded in a lesson or a session, replayed and judged."""
+"""Attempts at a task, recorded in a lesson or a session: made again and judged."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from rl_tui.common.errors import UserError
-from rl_tui.lab.experiments.training import Goal, train
-from rl_tui.lab.lessons.judging.conditions import JudgedTask, Panels, judged_task, program_verdict, verdict
-from rl_tui.lab.lessons.lesson import Lesson
+from rl_tui.lab.lessons.judging.conditions import JudgedTask, judged_task, program_verdict, verdict
+from rl_tui.lab.lessons.judging.replays import attempted_run, replayed
+from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
+from rl_tui.lab.lessons.judging.verdicts import Panels
 from rl_tui.lab.lessons.record import Passed
-from rl_tui.lab.lessons.schema import Attempt
-from rl_tui.lab.lessons.setups import scenario_for
-from rl_tui.lab.lessons.view import TaskView
-from rl_tui.lab.run.changes import journal_of, read_change
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.lab.run.recipe import JournalEntry, OrderSweep, Recipe, TakeAction, begin
 from rl_tui.lab.run.run import Run
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.lessons.schema import Attempt
+    from rl_tui.lab.lessons.view import TaskView
 
 
 def passes(
@@ -30,7 +30,9 @@ def passes(
     if judged.task.program is not None and not attempt.claim:
         return judged_program(judged, attempt.program)
     run = attempted_run(lesson, page, attempt, seed)
-    return judged_claim(judged, run, panels) if attempt.claim else verdict(judged, run, panels)
+    return (
+        judged_claim(judged, run, panels) if attempt.claim else verdict(judged, run, panels or PanelsAtOnce())
+    )
 
 
 def judged_program(judged: JudgedTask, code: str) -> TaskView:
@@ -43,7 +45,7 @@ def judged_program(judged: JudgedTask, code: str) -> TaskView:
 
 def judged_claim(judged: JudgedTask, run: Run, panels: Panels | None = None) -> TaskView:
     """Return how the claim that the task cannot be done is judged, made where ``run`` stands."""
-    view = verdict(judged, run, panels)
+    view = verdict(judged, run, panels or PanelsAtOnce())
     is_right = judged.task.proof is not None
     return replace(view, passed=Passed(judged.page, judged.setup, claim=True) if is_right else None)
 
@@ -60,46 +62,5 @@ def evidence_holds(
         return judged_claim(judged, Run(judged.setup, evaluate=False), panels)
     if judged.task.program is not None:
         return judged_program(judged, evidence.program)
-    return verdict(judged, replayed(evidence.recipe, evidence.journal, evidence.step), panels)
-
-
-def attempted_run(lesson: Lesson, page: str, attempt: Attempt, seed: int | None = None) -> Run:
-    """Return the run that ``attempt`` comes to: as far as it says, else until all its changes are made.
-
-    Raises UserError where a setting or a change does not fit, or a step breaks the run down.
-    """
-    name = lesson.setup_of(page)
-    setup = lesson.setups[name]
-    recipe = recipe_for(
-        scenario_for(lesson, name),
-        {**setup.settings, **attempt.settings},
-        setup.seed if seed is None else seed,
-    )
-    run = _new_run(recipe)
-    try:
-        changes = [read_change(each) for each in attempt.changes]
-    except ValueError as fault:
-        raise UserError(str(fault)) from fault
-    journal = journal_of(changes, run.world.space.action_names)
-    goal = Goal(steps=attempt.steps, episodes=attempt.episodes)
-    if attempt.episodes is None and attempt.steps is None:
-        goal = Goal(steps=max(map(_step_after, journal), default=0))
-    train(run, goal, journal=journal)
-    return run
-
-
-def replayed(recipe: Recipe, journal: tuple[JournalEntry, ...], step: int) -> Run:
-    """Return the run of ``recipe`` and ``journal`` at ``step``; raises UserError as :func:`passes` does."""
-    run = _new_run(recipe)
-    train(run, Goal(steps=step), journal=journal)
-    return run
-
-
-def _new_run(recipe: Recipe) -> Run:
-    beginning = begin(recipe)
-    return Run(recipe, beginning, evaluate=False, episode_limit=beginning.world.budget)
-
-
-def _step_after(entry: JournalEntry) -> int:
-    """Return the step at which ``entry`` has had its effect."""
-    return entry.step + isinstance(entry.change, TakeAction | OrderSweep)
+    run = replayed(evidence.recipe, evidence.journal, evidence.step)
+    return verdict(judged, run, panels or PanelsAtOnce())

@@ -9,14 +9,17 @@ from typing import TYPE_CHECKING
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.lessons.judging.conditions import JudgedTask, judged_task, verdict
+from rl_tui.lab.lessons.judging.in_run import InRun
 from rl_tui.lab.lessons.judging.live_panels import LivePanels
-from rl_tui.lab.lessons.lesson import Lesson
 from rl_tui.lab.lessons.programs.live_program import LiveProgram
-from rl_tui.lab.lessons.record import LessonRecord, Passed
 from rl_tui.lab.lessons.view import ConditionView, LessonView, TaskView
 
 if TYPE_CHECKING:
     from rl_tui.lab.lessons.judging.moment import Kept
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.lessons.record import LessonRecord, Passed
+    from rl_tui.lab.lessons.schema import Task
+    from rl_tui.lab.run.recipe import Recipe
     from rl_tui.lab.run.run import Run
 
 
@@ -24,7 +27,8 @@ class TaskJudge:
     """Judges the open page's task at each snapshot; ``on_news`` is called when what takes long is known.
 
     Once all its conditions held at a step that was judged, the task stays passed, by the evidence of that
-    step, wherever the run goes. With ``automatic`` off no answer depends on the time.
+    step, wherever the run goes; also where it went on while many seeds were still being worked out. With
+    ``automatic`` off no answer depends on the time.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -33,17 +37,20 @@ class TaskJudge:
         self._panels = LivePanels(on_news, automatic=automatic)
         self._program = LiveProgram(on_news, automatic=automatic)
         self._kept: Kept | None = None
+        self._in_run = InRun()
         self._lesson: Lesson | None = None
         self._page = ""
         self._judged: JudgedTask | None = None
         self._refused = ""
         self._passed: Passed | None = None
+        self._awaited: tuple[Passed, Recipe] | None = None  # and the settings of its first step
 
     def view(self, record: LessonRecord, run: Run) -> LessonView:
         """Return how the lesson of ``record`` stands beside ``run`` at this step."""
         kept = self._kept = self._kept or self._new_kept()
         kept.journal.read(run.recipe, run.journal, run.step, run.world.space.action_names)
-        return LessonView(record, self._task(record, run, kept), kept.journal.digest)
+        task, digest = self._task(record, run, kept), kept.journal.digest
+        return LessonView(record, task, digest, self._in_run.of(record, run, kept))
 
     def watch(self, record: LessonRecord, path: Path) -> None:
         """Watch the program in the file ``path`` for the open page's task, if that asks for one."""
@@ -80,7 +87,21 @@ class TaskJudge:
         if has_passed:
             return view
         self._passed = self._passed or view.passed
+        if view.awaited is not None:
+            self._awaited = view.awaited, kept.journal.start
+        elif self._awaited is not None and self._passed is None and not view.waits:
+            view = self._with_awaited(view, task, *self._awaited)
         return replace(view, passed=self._passed)
+
+    def _with_awaited(self, view: TaskView, task: Task, evidence: Passed, start: Recipe) -> TaskView:
+        """Return ``view`` of a run that has gone on, with what is known of the seeds asked for before."""
+        found = self._panels.of(start, tuple(each for each in task.conditions if each.seeds))
+        if all(each.holds for each in found):
+            self._passed = evidence
+        if not self._panels.waits:
+            self._awaited = None
+            return view
+        return replace(view, waits=f"{self._panels.waits}, as of step {evidence.step:,}")
 
     def _open_page_of(self, record: LessonRecord) -> None:
         """Judge the task of the open page from here on, if that is another one."""
@@ -90,7 +111,7 @@ class TaskJudge:
         self._panels.end()
         self._program.end()
         self._lesson, self._page, self._judged, self._refused = lesson, page, None, ""
-        self._passed = None
+        self._passed = self._awaited = None
         if lesson.page(page).task is None:
             return
         try:

@@ -4,26 +4,35 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from rl_tui.lab.lessons.programs.program_worker import ProgramTask, judged_file
 from rl_tui.lab.lessons.record import Passed
 from rl_tui.lab.lessons.view import ConditionView, TaskView
 from rl_tui.lab.workers.answering_process import AnsweringProcess
 
 if TYPE_CHECKING:
     from rl_tui.lab.lessons.judging.conditions import JudgedTask
+    from rl_tui.lab.lessons.schema import Condition
 
 WORKER: Final = "rl_tui.lab.lessons.programs.program_worker"
 """What runs in the process."""
 
 
+@dataclass(frozen=True, slots=True)
+class ProgramTask:
+    """What is asked: the program in the file ``path``, held to ``conditions``."""
+
+    path: Path
+    conditions: tuple[Condition, ...]
+
+
 class LiveProgram:
     """Has a program watched and judged in a process of its own, and tells how it stands.
 
-    ``on_news`` is called, from any thread, when there is more to tell. With ``automatic`` off the program is
-    watched at once, so that what is known does not depend on the time.
+    ``on_news`` is called, from any thread, when there is more to tell. With ``automatic`` off :meth:`begin`
+    waits for its end, so that what is known does not depend on the time.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -40,15 +49,15 @@ class LiveProgram:
         self.end()
         task = ProgramTask(path, judged.task.conditions)
         self._name = path.name
-        if not self._automatic:
-            self._found = judged_file(task, lambda steps, episodes: None)
-            return
         try:
             with self._lock:
                 if not self._is_closed:
                     self._process = _Watching(task, self._on_news)
         except OSError as error:
             self._found = {"fault": f"no process can be started to watch it ({error})"}
+            return
+        if self._process is not None and not self._automatic:
+            self._process.wait()
 
     def view(self, judged: JudgedTask, *, has_passed: bool) -> TaskView:
         """Return how the task stands by what is known of the program; ``has_passed`` says that one has."""

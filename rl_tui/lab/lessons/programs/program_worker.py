@@ -4,26 +4,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.lab.workers.answering import answer, bound_processor_time
 
 if TYPE_CHECKING:
-    from rl_tui.lab.lessons.schema import Condition
+    from rl_tui.lab.lessons.programs.live_program import ProgramTask
 
 MOST_SECONDS: Final = 300
 """Of a processor, for judging what was seen; the program has limits of its own."""
 _TELLS_EVERY: Final = 0.25  # seconds
-
-
-@dataclass(frozen=True, slots=True)
-class ProgramTask:
-    """What is asked: the program in the file ``path``, held to ``conditions``."""
-
-    path: Path
-    conditions: tuple[Condition, ...]
 
 
 def main() -> None:
@@ -33,18 +23,18 @@ def main() -> None:
 
 def _work(task: ProgramTask, tell: Callable[[dict[str, Any]], None]) -> None:
     bound_processor_time(MOST_SECONDS)
-    told = 0.0
+    last = 0.0
 
     def on_steps(steps: int, episodes: int) -> None:
-        nonlocal told
-        if time.monotonic() - told > _TELLS_EVERY:
-            told = time.monotonic()
+        nonlocal last
+        if time.monotonic() - last > _TELLS_EVERY:
+            last = time.monotonic()
             tell({"steps": steps, "episodes": episodes})
 
-    tell(judged_file(task, on_steps))
+    tell(_judged_file(task, on_steps))
 
 
-def judged_file(task: ProgramTask, on_steps: Callable[[int, int], None]) -> dict[str, Any]:
+def _judged_file(task: ProgramTask, on_steps: Callable[[int, int], None]) -> dict[str, Any]:
     """Return how the program of ``task`` is judged, as JSON: its code, verdicts and remarks, or a fault."""
     from rl_tui.common.errors import UserError
     from rl_tui.lab.lessons.judging.conditions import program_verdicts, remarks_on

@@ -15,8 +15,9 @@ from textual.widget import Widget
 from rl_tui.common.errors import UserError
 from rl_tui.lab.lessons.record import LessonRecord
 from rl_tui.lab.live.commands import Command
-from rl_tui.lab.live.player import START_SPEED, Player
+from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.speed.pacing import START_SPEED
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.sessions.autosave import Autosave
 from rl_tui.lab.sessions.session import StoredSession
@@ -371,8 +372,8 @@ class Playground(ActionScreen):
         self._left_after = None
 
     def help_screen(self, *, at_keys: bool = False) -> HelpScreen:
-        """Return the help, with the notes of the scenario."""
-        notes = self.recipe.scenario.notes
+        """Return the help, with the notes of the scenario, which tell answers."""
+        notes = self.kept_back.notes or self.recipe.scenario.notes
         panels = self.lesson.rows(tuple(self.program.in_order_of_help(self.panel_rows)))
         return HelpScreen(self.look, self.actions, panels, notes, at_keys=at_keys)
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from rl_tui.lab.lessons.record import LessonRecord
-from rl_tui.lab.lessons.schema import Page
+from rl_tui.lab.lessons.schema import HIDEABLE, Page
 from rl_tui.lab.live.commands import StudyPolicy
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.tui.panels.lesson.stage import keeping_page
@@ -98,6 +98,15 @@ class KeptBack(Subject):
         if "run" in record.hidden:
             kept |= _STEPS
         return frozenset(kept | {_ID_OF.get(command, command) for command in kept})
+
+    @property
+    def notes(self) -> str:
+        """What the help says in place of the notes of the scenario; empty where nothing is kept back."""
+        record = self.record
+        if record is None:
+            return ""
+        page = next((page for what in HIDEABLE if (page := keeping_page(record, what))), None)
+        return "" if page is None else f"They are {_kept_until(record, page)}."
 
     def _is_pause(self, command: str) -> bool:
         phase = None if self.snapshot is None else self.snapshot.playback.phase

@@ -10,14 +10,14 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.lessons.record import Given, LessonRecord, Passed
 from rl_tui.lab.lessons.schema import Ask, Page
 from rl_tui.lab.lessons.setups import recipe_of
-from rl_tui.lab.live.commands import KeepLesson, Pause, Restart, SetSpeed
+from rl_tui.lab.live.commands import KeepLesson, Restart, SetSpeed
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.actions.playground_actions import LESSON_ACTIONS
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.lesson.prose import plain
 from rl_tui.tui.panels.lesson.stage import (
     DONE,
-    Stage,
+    PageStage,
     asks_for_program,
     is_last_page,
     open_page,
@@ -63,7 +63,7 @@ class LessonActions(Subject):
         return self.link.wanted.lesson
 
     @property
-    def stage(self) -> Stage | None:
+    def stage(self) -> PageStage | None:
         """Where the open page stands, None before that is known."""
         snapshot, record = self.snapshot, self.record
         if snapshot is None or snapshot.lesson is None or record is None:
@@ -79,7 +79,7 @@ class LessonActions(Subject):
         page, idle = open_page(record), set[str]()
         if page.task is None or record.has_passed(page.id) or not _hints_of(page):
             idle.add("lesson.hint")
-        if self.stage in (*DONE, Stage.LOCKED):
+        if self.stage in (*DONE, PageStage.LOCKED):
             idle.add("lesson.answer")
         return frozenset(idle | ({"session.save", "next_scenario", "previous_scenario"}))
 
@@ -101,11 +101,11 @@ class LessonActions(Subject):
 
     def go_on(self) -> None:
         """Do what the page asks next."""
-        record = self.record
-        asks_program = record is not None and asks_for_program(record)
-        if self.stage in (Stage.TO_PREDICT, Stage.TO_ANSWER) or (asks_program and self.stage is Stage.TO_DO):
+        record, stage = self.record, self.stage
+        wants_program = stage is PageStage.TO_DO and record is not None and asks_for_program(record)
+        if wants_program or stage in (PageStage.TO_PREDICT, PageStage.TO_ANSWER):
             self.answer()
-        elif self.stage in (Stage.TO_DO, Stage.LOCKED):
+        elif stage in (PageStage.TO_DO, PageStage.LOCKED):
             self.read()
         else:
             self.next_page()
@@ -151,8 +151,6 @@ class LessonActions(Subject):
             self.set_out(opened)
             return
         self._keep(opened)
-        if "run" in opened.hidden:
-            self.link.send(Pause())
         self.kept_back.close_what_is_kept(opened)
         self.board.lesson.reads = True
 
@@ -229,6 +227,7 @@ class LessonActions(Subject):
             self.screen.tell(CAN_BE_DONE, timeout=_LONGEST_REPLY)
             return
         self._keep(record.passes(Passed(page.id, snapshot.recipe, (), snapshot.counters.step, claim=True)))
+        self._tell_passed()
 
     def hint(self) -> None:
         """Show the next hint, at the end the solution."""
@@ -279,10 +278,14 @@ class LessonActions(Subject):
         if before is None or before.lesson is None:
             self.board.lesson.reads = True
         passed = None if view.task is None else view.task.passed
-        if passed is None or passed.page != record.page or record.has_passed(record.page):
-            return
+        if passed is None or record.has_passed(passed.page):
+            return  # the page may have been turned since
         self._keep(record.passes(passed))
-        self.screen.tell("task passed: R reads why" if not self.board.lesson.is_docked else "task passed")
+        self._tell_passed()
+
+    def _tell_passed(self) -> None:
+        place = self.board.lesson
+        self.screen.tell("task passed" if place.is_docked or place.reads else "task passed: R reads why")
 
 
 def is_right(ask: Ask, answer: float) -> bool:

@@ -9,7 +9,7 @@ from typing import Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.export.files import new_path, write_text
-from rl_tui.lab.lessons.schema import Page, Program, is_file_name
+from rl_tui.lab.lessons.schema import Page, ProgramToWrite, is_file_name
 from rl_tui.lab.live.commands import WatchProgram
 from rl_tui.terminal.driver_choice import in_browser
 from rl_tui.tui.draw.to_ascii import to_ascii
@@ -28,7 +28,7 @@ class OwnProgram(Subject):
 
     files: dict[str, Path] = field(default_factory=dict)
 
-    def answer(self, page: Page, program: Program, claim: Callable[[], None]) -> None:
+    def answer(self, page: Page, program: ProgramToWrite, claim: Callable[[], None]) -> None:
         """Begin the program of ``page``; once it is begun, choose what to do with it.
 
         ``claim`` says that its task cannot be done.
@@ -52,12 +52,12 @@ class OwnProgram(Subject):
         }
         self.ask(Choice("Your program", candidates, "", self.glyphs), lambda chosen: does[chosen]())
 
-    def _ask_name(self, page: Page, program: Program) -> None:
+    def _ask_name(self, page: Page, program: ProgramToWrite) -> None:
         hint = "A new file gets the beginning of the program; one that is there is taken as it is."
         prompt = Prompt("Your program", to_ascii(hint, self.glyphs), program.file, _read_name, "take")
         self.ask(prompt, lambda name: self._begin(page, program, Path(str(name))))
 
-    def _begin(self, page: Page, program: Program, path: Path) -> None:
+    def _begin(self, page: Page, program: ProgramToWrite, path: Path) -> None:
         """Write the skeleton where there is no such file; whatever is there stays as it is."""
         try:
             written = not path.exists()
