@@ -56,9 +56,9 @@ def stage(snapshot: Snapshot) -> PageStage:
 
 def test_who_went_on_is_told_the_truth_though_the_run_was_set_up_again() -> None:
     later = Given("quiz", 0, is_right=False, step=0)
-    assert stage(at("predict", SAID)) is Stage.LOCKED
-    assert stage(at("predict", SAID, later)) is Stage.TOLD
-    assert stage(at("predict", SAID, finished=True)) is Stage.TOLD
+    assert stage(at("predict", SAID)) is PageStage.LOCKED
+    assert stage(at("predict", SAID, later)) is PageStage.TOLD
+    assert stage(at("predict", SAID, finished=True)) is PageStage.TOLD
 
 
 def test_a_page_of_text_has_its_title_and_its_place() -> None:
