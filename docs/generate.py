@@ -43,6 +43,7 @@ _LAKE = "frozenlake-slippery"
 PICTURES = {
     "playground.svg": (_LAKE, "--keys", "wait:20000"),
     "microscope.svg": (_LAKE, "--keys", "wait:60000,d"),
+    "lesson.svg": ("--lesson", "q-by-hand", "--keys", ".,.,.,.,y,1,.,A,-,2,enter,1"),
     "own-code.svg": ("--watch", str(FOLDER / "lake.py"), "--keys", "wait:12000,F"),
 }
 

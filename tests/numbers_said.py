@@ -50,23 +50,20 @@ class Said:
     """The names of figures in each of the pieces."""
     quoted: tuple[str, ...]
     chosen: tuple[str, ...]
+    lesson: Lesson
     figures: Figures
-    names: tuple[str, ...]
     constants: Mapping[str, tuple[str, float]]
     """The number as it is written, and what the program holds, by name."""
 
     @property
     def expressions(self) -> str:
         """All by which its figures are worked out."""
-        return " ".join(self.figures_by_name[name].by for name in self.names)
+        return " ".join(figure.by for figure in self.figures_by_name.values())
 
     @property
     def figures_by_name(self) -> Mapping[str, Figure]:
         """The figures as they are written."""
-        return _lessons[self.id].figures
-
-
-_lessons: Final[dict[str, Lesson]] = {}
+        return self.lesson.figures
 
 
 @functools.cache
@@ -79,7 +76,6 @@ def said_of(text_id: str) -> Said:
     setups = {HERE: Setup(scenario=table.get("scenario", text_id))}
     setups |= {name: Setup(world=world) for name, world in copies.items()}
     lesson = Lesson(text_id, text_id, "", 0, 1, (), figures, setups, (), path, "")
-    _lessons[text_id] = lesson
     constants = {
         name: (row["value"], _held(row["is"]) + row.get("and", 0))
         for name, row in table.get("constants", {}).items()
@@ -92,7 +88,7 @@ def said_of(text_id: str) -> Said:
     )
     names_in = tuple(tuple(match[1] for match in _PLACEHOLDER.finditer(piece)) for piece in every)
     quoted, chosen = (tuple(table.get(name, ())) for name in ("quoted", "chosen"))
-    return Said(text_id, pieces, names_in, quoted, chosen, Figures(lesson), tuple(figures), constants)
+    return Said(text_id, pieces, names_in, quoted, chosen, lesson, Figures(lesson), constants)
 
 
 def _put_in(value: str, form: str | None) -> str:
@@ -229,15 +225,12 @@ def number(text: str) -> float:
 
 
 def numbers_in(value: Any) -> Iterator[float]:
-    """Yield the numbers of a table of TOML, without their signs, those within its texts included."""
+    """Yield the numbers of a table of TOML, without their signs."""
     if isinstance(value, dict):
-        for key, inner in value.items():
-            yield from numbers_in(key)
+        for inner in value.values():
             yield from numbers_in(inner)
     elif isinstance(value, list):
         for inner in value:
             yield from numbers_in(inner)
-    elif isinstance(value, str):
-        yield from (abs(float(each)) for each in re.findall(r"\d+(?:\.\d+)?", value))
     elif isinstance(value, int | float) and not isinstance(value, bool):
         yield abs(float(value))

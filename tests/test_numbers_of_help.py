@@ -84,7 +84,7 @@ def test_each_piece_stands_in_a_text(file: str) -> None:
 
 
 def figures(*, over_seeds: bool) -> list[tuple[str, str]]:
-    every = [(file, name) for file in ("help", "README", "agents") for name in said_of(file).names]
+    every = [(file, name) for file in ("help", "README", "agents") for name in said_of(file).figures_by_name]
     return [each for each in every if said_of(each[0]).figures.needs_seeds(each[1]) is over_seeds]
 
 

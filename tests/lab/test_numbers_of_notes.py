@@ -24,21 +24,33 @@ IDS: Final = tuple(scenario.id for scenario in scenarios())
 NEIGHBOURS: Final = [
     Path(__file__).with_name(name) for name in ("test_figures_of_notes.py", "test_exact_claims_of_notes.py")
 ]
-FIGURES: Final = [(text_id, name) for text_id in IDS for name in said_of(text_id).names]
+FIGURES: Final = [(text_id, name) for text_id in IDS for name in said_of(text_id).figures_by_name]
 EXACT, OVER_SEEDS = (
     [each for each in FIGURES if said_of(each[0]).figures.needs_seeds(each[1]) is needs_seeds]
     for needs_seeds in (False, True)
 )
 _RUNS: Final = re.compile(r" (?:\w+ )?(?:runs?|seeds?|lakes)\b")
-_PAYS: Final = re.compile(r"\b(?:costs?|pays?|brings|a reward of) [+−]?$")
+_PAYS: Final = re.compile(r"\b(?:costs?|pays?|brings|reward (?:of|is)) −?$|\+$")
 _EPISODES: Final = re.compile(r" (?:\w+ )?(?:episodes?|pulls?|walks?|hands?)\b")
+
+
+def text_of(scenario: str) -> str:
+    """Its summary and its notes."""
+    file = find(scenario)
+    return plain(f"{file.summary} {file.notes}")
 
 
 @functools.cache
 def rewards_of(scenario: str) -> frozenset[float]:
-    """The rewards of its table without their signs; none where it has no table."""
+    """The rewards of its table and of its file without their signs; none where it has no table.
+
+    In a table a goal pays what its step costs as well.
+    """
     mdp = begin(recipe(scenario)).world.mdp
-    return frozenset() if mdp is None else frozenset(abs(each) for each in mdp.reward.tolist())
+    if mdp is None:
+        return frozenset()
+    of_file = re.findall(r"reward = -?([\d.]+)", find(scenario).text)
+    return frozenset({*map(float, of_file), *map(abs, mdp.reward.tolist())})
 
 
 @functools.cache
@@ -46,9 +58,8 @@ def own_numbers(scenario: str) -> frozenset[float]:
     """0, 1, what the file says, and of its world the limits, the size of the map, rewards and chances."""
     file = find(scenario)
     raw = {name: value for name, value in tomllib.loads(file.text).items() if name != "notes"}
-    made = recipe(scenario)
-    world = begin(made).world
-    numbers = {0.0, 1.0, *numbers_in(raw), *numbers_in(made.hyperparameters.as_dict())}
+    world = begin(recipe(scenario)).world
+    numbers = {0.0, 1.0, *numbers_in(raw)}
     numbers |= {float(world.space.time_limit), float(world.budget or 0)}
     if isinstance(world.drawing, Grid):
         numbers |= {float(world.drawing.rows), float(world.drawing.columns)}
@@ -61,7 +72,7 @@ def own_numbers(scenario: str) -> frozenset[float]:
 
 @pytest.mark.parametrize("scenario", IDS)
 def test_each_piece_stands_in_the_notes(scenario: str) -> None:
-    said, notes = said_of(scenario), plain(find(scenario).notes)
+    said, notes = said_of(scenario), text_of(scenario)
     assert [piece for piece in (*said.pieces, *said.quoted, *said.chosen) if piece not in notes] == []
 
 
@@ -122,5 +133,6 @@ def test_every_number_is_held(scenario: str) -> None:
         )
         return value in own or mention.is_setting_to_try or (is_condition and value in settings)
 
-    found = mentions(plain(find(scenario).notes), [*said.pieces, *neighbours], [*said.quoted, *said.chosen])
+    names = [name for name in begin(recipe(scenario)).world.space.state_names if not name.isdecimal()]
+    found = mentions(text_of(scenario), [*said.pieces, *neighbours], [*said.quoted, *said.chosen, *names])
     assert [mention for mention in found if not needs_nothing(mention)] == []

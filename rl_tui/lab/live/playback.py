@@ -195,8 +195,7 @@ class Playback:
         if has_trail and not self._automatic:
             self.group.find_trails(math.inf)  # in pieces it would depend on the time
         snapshot = self._builder.build(self.group, view_of(self), self.questions, has_trail=has_trail)
-        seeks = self.state is State.SEEKING
-        returns = seeks and self.group.current.seek is not None and not self.touched
+        returns = self.state is State.SEEKING and self.group.current.seek is not None and not self.touched
         return as_left(snapshot, self._record) if returns else snapshot
 
     def answer(self) -> Answer:
@@ -221,8 +220,7 @@ class Playback:
 
     def _return(self) -> None:
         """Leave a state that passes, for what was done before it."""
-        self.state = self._next
-        self.phase = PHASES[self.state]
+        self.state, self.phase = self._next, PHASES[self._next]
         self.changed = True
 
     def _go_on(self) -> None:
@@ -345,9 +343,8 @@ class Playback:
             self.breakpoints = Breakpoints()
             self.questions.change_world(old.recipe, recipe)
         self._recipe = recipe
-        self._start(
-            Record(group.restarted(recipe), group.shown, self.breakpoints, self.transport.speed), beginning
-        )
+        lanes = group.restarted(recipe)
+        self._start(Record(lanes, group.shown, self.breakpoints, self.transport.speed), beginning)
 
     def _continue_seek(self) -> float:
         self.waits = self.compilation.waits(self.transport.steps_to_seek)

@@ -270,8 +270,8 @@ def test_what_only_a_step_can_tell_is_open_before_the_first_one() -> None:
     )
     judged = judged_task(lesson, "only")
     run = Run(judged.setup)
-    view = verdict(judged, run)
+    view = verdict(judged, run, PanelsAtOnce())
     assert [each.holds for each in view.conditions] == [None, None, False, None]
     assert view.passed is None
     run.advance(1)
-    assert verdict(judged, run).conditions[0].holds is True
+    assert verdict(judged, run, PanelsAtOnce()).conditions[0].holds is True

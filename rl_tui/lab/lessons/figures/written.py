@@ -11,9 +11,9 @@ from typing import Final
 _RAISED: Final = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _NUMBER: Final = re.compile(
     r"(?P<sign>[-+]?)(?P<digits>[0-9]{1,3}(?:,[0-9]{3})+(?:\.[0-9]+)?|[0-9]+(?:\.[0-9]*)?|\.[0-9]+)"
-    r"(?:[eE](?P<power>[-+]?[0-9]{1,3})|·10(?P<raised>⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]{1,3}))?"
+    r"(?:[eE](?P<power>[-+]?[0-9]{1,2})|·10(?P<raised>⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]{1,2}))?"
 )
-_POWER_OF_TEN: Final = re.compile(r"(?P<sign>[-+]?)10(?P<raised>⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]{1,3})")
+_POWER_OF_TEN: Final = re.compile(r"(?P<sign>[-+]?)10(?P<raised>⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹]{1,2})")
 _FRACTION: Final = re.compile(r"([-+]?[0-9]{1,9})/([0-9]{1,9})")
 _EXACT: Final = 1e-9
 """Relative: what floats may have lost of a number that is a fraction, or lies between two digits."""

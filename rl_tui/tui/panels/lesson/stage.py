@@ -63,8 +63,8 @@ def steps_to_truth(ask: Ask, given: Given, snapshot: Snapshot) -> int:
 
 def _is_past(record: LessonRecord, page: str) -> bool:
     here, number_of = record.lesson.number_of(page), record.lesson.number_of
-    done = (each.page for each in (*record.given, *record.passed))
-    return record.finished or any(number_of(each) > here for each in done)
+    done = [*(each.page for each in record.given), *(each.page for each in record.passed)]
+    return record.finished or any(number_of(page) > here for page in done)
 
 
 def keeping_page(record: LessonRecord, what: str) -> Page | None:
