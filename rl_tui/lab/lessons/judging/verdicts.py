@@ -53,13 +53,14 @@ def is_met(condition: Condition, value: Value) -> bool:
 
 
 def in_words(value: Value) -> str:
-    """Return a value as people read it, of a number six digits."""
+    """Return a value as people read it: of a number six digits, of a share or a chance four."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, str):
         return value
     is_whole = abs(value) < 1e15 and value == int(value)
-    return (f"{value:,.0f}" if is_whole else f"{value:.6g}").replace("-", "−")
+    digits = 4 if abs(value) < 1.0 else 6
+    return (f"{value:,.0f}" if is_whole else f"{value:.{digits}g}").replace("-", "−")
 
 
 def _equal(value: Value, wanted: Value) -> bool:

@@ -122,9 +122,9 @@ class _Writer:
 
     def _locked(self, ask: Ask, given: Given) -> None:
         at = "" if given.step == NO_STEP else f" at step {given.step:,}"
-        self._say(
-            f"You said {answer_text(ask, given.answer, self._look.glyphs)}{at}; locked.", is_strong=True
-        )
+        said = answer_text(ask, given.answer, self._look.glyphs)
+        text = f"You said: {said} (locked{at})" if ask.choices else f"You said {said}{at}; locked."
+        self._say(text, is_strong=True)
 
     def _question(self, ask: Ask) -> None:
         self._head("Question")
