@@ -190,7 +190,7 @@ class LessonActions(Subject):
         if ask is None:
             return
         given = Given(
-            record.page, answer, is_right(ask, answer), snapshot.counters.step, snapshot.lesson.digest
+            record.page, answer, ask.is_right(answer), snapshot.counters.step, snapshot.lesson.digest
         )
         self._keep(record.give(given))
 
@@ -266,14 +266,6 @@ class LessonActions(Subject):
             return  # the page may have been turned since
         self._keep(record.passes(passed))
         self.screen.tell("task passed: R reads why" if not self.board.lesson.is_docked else "task passed")
-
-
-def is_right(ask: Ask, answer: float) -> bool:
-    """Return whether ``answer`` is right: a number within the tolerance, or the place of a right choice."""
-    if ask.choices:
-        return ask.choices[int(answer)].right
-    slack = 1e-9 * max(1.0, abs(answer))
-    return ask.answer is not None and abs(answer - ask.answer) <= ask.tolerance + slack
 
 
 def _hints_of(page: Page) -> tuple[str, ...]:
