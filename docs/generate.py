@@ -21,7 +21,7 @@ from rl_tui.cli.main import program
 from rl_tui.cli.options.help_sections import OPTIONS, SOME, TITLES, section_of
 from rl_tui.lab.lessons.catalogue import shipped_lessons
 from rl_tui.lab.lessons.figures.functions import FUNCTIONS
-from rl_tui.lab.lessons.judging.measures import MEASURES, Kind
+from rl_tui.lab.lessons.judging.measures import MEASURES, MeasureKind
 from rl_tui.lab.run.library import listing
 from rl_tui.tui.actions.action import Action, Group, Place
 from rl_tui.tui.actions.registry import ACTIONS
@@ -43,6 +43,7 @@ _LAKE = "frozenlake-slippery"
 PICTURES = {
     "playground.svg": (_LAKE, "--keys", "wait:20000"),
     "microscope.svg": (_LAKE, "--keys", "wait:60000,d"),
+    "lesson.svg": ("--lesson", "q-by-hand", "--keys", ".,.,.,.,y,1,.,A,-,2,enter,1"),
     "own-code.svg": ("--watch", str(FOLDER / "lake.py"), "--keys", "wait:12000,F"),
 }
 
@@ -107,9 +108,9 @@ def lessons() -> str:
 def measures() -> str:
     """Return what can be measured of a run, a list for each kind; settings are named by their options."""
     parts = []
-    for kind in Kind:
+    for kind in MeasureKind:
         rows = [each for each in MEASURES.values() if each.kind is kind]
-        if kind is Kind.SETTING:
+        if kind is MeasureKind.SETTING:
             text = "`algorithm`, and every setting by its name in JSON: [settings](agents.md#settings)."
             parts.append(f"* **{_sentence(kind)[:-1]}**: {text}")
             continue

@@ -6,7 +6,7 @@ import os
 import sys
 import threading
 from contextlib import suppress
-from pkgutil import iter_modules
+from pkgutil import walk_packages
 from typing import ClassVar, Final, NoReturn
 
 import click
@@ -27,10 +27,12 @@ _LONGEST_NUMBER: Final = 40
 
 
 class RlTui(Program):
-    """The commands of rl-tui: each module of the folder ``commands`` is one, with its name."""
+    """The commands of rl-tui: each module in or below the folder ``commands`` is one, with its name."""
 
     modules: ClassVar = {
-        each.name: f"{commands.__name__}.{each.name}" for each in iter_modules(commands.__path__)
+        each.name.rpartition(".")[2]: each.name
+        for each in walk_packages(commands.__path__, f"{commands.__name__}.")
+        if not each.ispkg
     }
     first_in_help = (
         *("play", "learn", "train", "watch", "replay", "solve", "evaluate"),

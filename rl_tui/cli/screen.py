@@ -22,7 +22,7 @@ from rl_tui.cli.program import USAGE
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import printable
 from rl_tui.common.kiosk import in_kiosk
-from rl_tui.terminal.driver_choice import IN_BROWSER
+from rl_tui.terminal.driver_choice import in_browser
 from rl_tui.tui.app.display import Display
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class NoTerminalError(click.ClickException):
 
 def require_terminal(instead: str = "rl-tui train and rl-tui screenshot do without") -> None:
     """Raise NoTerminalError, in one sentence that ends with ``instead``, where nothing can be drawn."""
-    if os.environ.get("TEXTUAL_DRIVER") == IN_BROWSER:
+    if in_browser():
         return
     streams = {"stdin": sys.stdin, "stdout": sys.stdout}
     elsewhere = [name for name, stream in streams.items() if not (stream and stream.isatty())]
@@ -122,7 +122,7 @@ def _waiting_said(program: WatchedProgram) -> Iterator[Callable[[], bool]]:
 
 def refuse_where_served() -> None:
     """Raise UserError where others use the program: somebody's own code runs with all rights of its user."""
-    if in_kiosk() or os.environ.get("TEXTUAL_DRIVER") == IN_BROWSER:
+    if in_kiosk() or in_browser():
         raise UserError("your own code runs neither in a kiosk nor where the program is served")
 
 
@@ -131,7 +131,7 @@ def _run_app(display: Display, start: Start) -> None:
     _stand_somewhere()
     _share_heap()
     with _nothing_collected():
-        from rl_tui.lab.sessions.folder import session_folder
+        from rl_tui.lab.sessions.place import session_folder
         from rl_tui.tui.app.app import RlTuiApp
 
     if in_kiosk():
@@ -147,7 +147,7 @@ def _run_app(display: Display, start: Start) -> None:
         raise fault
     if app.return_code:
         click.get_current_context().exit(app.return_code)
-    if app.kept is not None and os.environ.get("TEXTUAL_DRIVER") != IN_BROWSER:  # where there is no shell
+    if app.kept is not None and not in_browser():  # where there is no shell
         _tell_what_is_kept(app.kept, app.look.glyphs)
 
 

@@ -12,6 +12,11 @@ if TYPE_CHECKING:
 IN_BROWSER: Final = "rl_tui.terminal.browser_driver:BrowserDriver"  # TEXTUAL_DRIVER of what the server starts
 
 
+def in_browser() -> bool:
+    """Return whether this process is served to a browser, where others than its owner may sit."""
+    return os.environ.get("TEXTUAL_DRIVER") == IN_BROWSER
+
+
 def driver_class() -> type[Driver] | None:
     """Return ours for a terminal of Unix and for a browser, None for whatever Textual takes.
 

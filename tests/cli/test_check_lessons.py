@@ -11,7 +11,7 @@ from lab.lessons.lesson_samples import SOUND, changed, written
 
 from rl_tui.cli.main import program
 from rl_tui.lab.course.check import check_lesson
-from rl_tui.lab.lessons.catalogue import lesson_folder
+from rl_tui.lab.lessons.lesson import lesson_folder
 from rl_tui.lab.lessons.spotlights import SPOTLIGHTS
 from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.worlds.files.shipped import shipped_folder

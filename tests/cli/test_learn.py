@@ -16,11 +16,11 @@ from click.testing import CliRunner, Result
 from rl_tui.cli.main import program
 from rl_tui.common.kiosk import VARIABLE
 from rl_tui.lab.course.entries import LessonStart
-from rl_tui.lab.lessons.catalogue import find_lesson, lesson_folder, shipped_lessons
-from rl_tui.lab.lessons.lesson import Lesson, read_lesson
+from rl_tui.lab.lessons.catalogue import find_lesson, shipped_lessons
+from rl_tui.lab.lessons.lesson import Lesson, lesson_folder, read_lesson
 from rl_tui.lab.lessons.record import LessonRecord, begun
 from rl_tui.lab.lessons.setups import recipe_of
-from rl_tui.lab.sessions.folder import session_folder
+from rl_tui.lab.sessions.place import session_folder
 from rl_tui.lab.sessions.session import StoredSession, encoded
 from rl_tui.tui.actions.action import Place
 from rl_tui.tui.app.opening import Start, beginning_of

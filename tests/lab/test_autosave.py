@@ -22,7 +22,8 @@ from rl_tui.lab.run.recipe import SetParameter
 from rl_tui.lab.sessions import held_file
 from rl_tui.lab.sessions.atomic_file import draft_of, write_atomically
 from rl_tui.lab.sessions.autosave import Autosave
-from rl_tui.lab.sessions.folder import session_folder, sessions_in
+from rl_tui.lab.sessions.folder import sessions_in
+from rl_tui.lab.sessions.place import session_folder
 from rl_tui.lab.sessions.session import digest_of, encoded, read_session
 
 
@@ -384,7 +385,7 @@ def test_the_home_of_nobody_is_not_made(tmp_path: Path, monkeypatch: pytest.Monk
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("RL_TUI_SESSIONS_DIR")
-    monkeypatch.setattr("rl_tui.lab.sessions.folder.platformdirs.user_state_path", homeless)
+    monkeypatch.setattr("rl_tui.lab.sessions.place.platformdirs.user_state_path", homeless)
     autosave = kept(session_folder(), OPENED, at(1))
     (notice,) = notices_of(autosave)
     assert notice == (

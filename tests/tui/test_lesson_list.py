@@ -363,3 +363,18 @@ def test_what_was_finished_once_stays_finished_while_it_is_taken_again(lessons: 
     assert (entry.is_finished, entry.is_at_end) == (True, False)
     assert entry.progress is not None
     assert start_of(entry.lesson, entry.progress) is entry.progress.session
+
+
+async def test_a_session_whose_world_cannot_be_built_leads_back_to_the_list(
+    make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path
+) -> None:
+    keep(tmp_path, replace(begun(walk(lessons)), page="nowhere"))
+    async with make_lesson_app().run_test(size=(80, 24)) as pilot:
+        await settled(pilot)
+        await pilot.press("enter")
+        while not notes(pilot.app):  # the screen of a run that cannot begin is left by itself
+            await pilot.pause()
+        assert "NoSuchWorld-v0" in notes(pilot.app)[-1]
+        assert isinstance(pilot.app.screen, LessonsScreen)
+        await settled(pilot, "down", "enter")
+        assert lesson_on_screen(pilot).page == "start"

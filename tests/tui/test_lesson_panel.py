@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
-from lesson_texts import LESSON
+from lesson_texts import LESSON, TEXT
 from rich.cells import cell_len
 from samples import look, student
 from snapshots import changed
 
+from rl_tui.lab.lessons.lesson import lesson_of
 from rl_tui.lab.lessons.record import Given, LessonRecord, Passed, begun
 from rl_tui.lab.lessons.view import ConditionView, LessonView, TaskView
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.lesson.lesson import LessonPanel
 from rl_tui.tui.panels.lesson.page_lines import Spotlight
-from rl_tui.tui.panels.lesson.stage import Stage, keeping_page, stage_of
+from rl_tui.tui.panels.lesson.stage import PageStage, keeping_page, stage_of
 
 CONDITIONS = (ConditionView("study is greedy", False, "check phone"), ConditionView("no step by you", True))
 SAID = Given("predict", -2.0, is_right=False, step=3, digest="x")
@@ -47,9 +49,16 @@ def text(snapshot: Snapshot, width: int = 42) -> str:
     return " ".join(" ".join(drawn(snapshot, width)).split())
 
 
-def stage(snapshot: Snapshot) -> Stage:
+def stage(snapshot: Snapshot) -> PageStage:
     assert snapshot.lesson is not None
     return stage_of(snapshot.lesson, snapshot)
+
+
+def test_who_went_on_is_told_the_truth_though_the_run_was_set_up_again() -> None:
+    later = Given("quiz", 0, is_right=False, step=0)
+    assert stage(at("predict", SAID)) is PageStage.LOCKED
+    assert stage(at("predict", SAID, later)) is PageStage.TOLD
+    assert stage(at("predict", SAID, finished=True)) is PageStage.TOLD
 
 
 def test_a_page_of_text_has_its_title_and_its_place() -> None:
@@ -63,18 +72,18 @@ def test_a_page_of_text_has_its_title_and_its_place() -> None:
 
 def test_an_open_prediction_names_its_key_and_tells_nothing() -> None:
     said = text(at("predict"))
-    assert stage(at("predict")) is Stage.TO_PREDICT
+    assert stage(at("predict")) is PageStage.TO_PREDICT
     assert "A say what you expect" in said
     assert "Half the way" not in said
     assert "−1.5" not in said
 
 
 def test_a_locked_prediction_waits_for_its_steps() -> None:
-    for step, missing in ((3, "2 steps"), (4, "1 step")):
+    for step, missing in ((3, "later."), (4, "later: 1 to go.")):
         said = text(at("predict", SAID, step=step))
-        assert stage(at("predict", SAID, step=step)) is Stage.LOCKED
+        assert stage(at("predict", SAID, step=step)) is PageStage.LOCKED
         assert "You said −2 at step 3; locked." in said
-        assert f"The truth comes {missing} later." in said
+        assert f"The truth comes 2 steps {missing}" in said
         assert "−1.5" not in said
         assert "forgotten" not in said
         assert "right" not in said
@@ -144,16 +153,77 @@ def test_a_passed_task_explains_itself() -> None:
 @pytest.mark.parametrize(
     ("snapshot", "row"),
     [
-        (at("start"), " Q-learning by hand · 1/6 One cell a step · R reads"),
-        (at("predict"), " Q-learning by hand · 2/6 The second update  A: your prediction · R reads"),
-        (at("predict", SAID, step=3), " Lesson 2/6 The second update  you said −2; 2 steps · R reads"),
-        (at("predict", RIGHT, step=5), " Q-learning by hand · 2/6 The second update  ✓ right · R reads"),
-        (at("learn", task=TaskView(CONDITIONS)), " Q-learning by hand · 4/6 Learn to study  ✗✓ · R reads"),
+        (at("start"), " 1/6 One cell a step · R reads"),
+        (at("predict"), " 2/6 The second update  A: your prediction · R reads"),
+        (at("predict", SAID, step=3), " 2/6 The second update  you said −2; 2 steps · R reads"),
+        (at("predict", RIGHT, step=5), " 2/6 The second update  ✓ right · R reads"),
+        (at("learn", task=TaskView(CONDITIONS)), " 4/6 Learn to study  ✗✓ · R reads"),
     ],
 )
 def test_in_one_row_it_says_how_the_page_stands(snapshot: Snapshot, row: str) -> None:
-    width = 76 if "you said" not in row else 62
-    assert drawn(snapshot, width, 1) == [row]
+    assert drawn(snapshot, 76, 1) == [row]
+
+
+def beside_run(given: Given, in_run: float | str, page: str = "predict") -> Snapshot:
+    """The student where the truth is due, the run having come to ``in_run``."""
+    snapshot = at(page, given, step=5)
+    assert snapshot.lesson is not None
+    return replace(snapshot, lesson=replace(snapshot.lesson, in_run=in_run))
+
+
+ANOTHER_WAY = "Your run went another way: b goes back, N sets it up again."
+
+
+def test_the_run_stands_beside_what_was_said_and_what_is_so() -> None:
+    said = text(beside_run(SAID, -1.5))
+    assert "You said −2 at step 3; locked. ✗ not so – it is −1.5 In your run: −1.5" in said
+    assert ANOTHER_WAY not in said
+
+
+@pytest.mark.parametrize(("in_run", "told"), [(-1.0, "−1"), ("no step is taken yet", "no step is taken yet")])
+def test_a_run_that_went_another_way_is_told_of(in_run: float | str, told: str) -> None:
+    said = text(beside_run(RIGHT, in_run))
+    assert f"✓ right – it is −1.5 In your run: {told} {ANOTHER_WAY}" in said
+    assert "Half the way from −1 to the target −2." in said
+    assert drawn(beside_run(RIGHT, in_run), 76, 1)[0].startswith(
+        f" 2/6 The second update  ✓ right; in your run {told}"
+    )
+
+
+@pytest.mark.parametrize(
+    ("steps", "step", "is_manual", "ways"),
+    [
+        (2, 3, False, ("s: 2 steps to the truth", "s: 2 steps")),
+        (2, 3, True, ("act: 2 steps to the truth", "act: 2 steps")),
+        (2, 4, False, ("s: 2 steps to the truth (1 to go)", "s: 2 steps, 1 to go", "s: 1 to go")),
+        (
+            1866,
+            669,
+            True,
+            (
+                "space or u: 1,866 steps to the truth (1,200 to go)",
+                "space or u: 1,866 steps, 1,200 to go",
+                "space or u: 1,200 to go",
+            ),
+        ),
+    ],
+)
+def test_the_footer_names_the_way_to_the_truth(
+    steps: int, step: int, is_manual: bool, ways: tuple[str, ...]
+) -> None:
+    taught = lesson_of(TEXT.replace("steps = 2", f"steps = {steps}"), Path("sample.toml"))
+    snapshot = at("predict", RIGHT, step=step)
+    assert snapshot.lesson is not None
+    record = replace(snapshot.lesson.record, lesson=taught)
+    panel = panel_of(replace(snapshot, lesson=LessonView(record)))
+    panel.is_manual = is_manual
+    assert panel.keys(panel.snapshot) == ways
+
+
+def test_of_a_planner_the_footer_names_the_key_of_a_sweep() -> None:
+    start = at("predict", RIGHT, step=3)
+    snapshot = replace(start, agent=replace(start.agent, algorithm="value-iteration"))
+    assert panel_of(snapshot).keys(snapshot)[0] == "e or s: 2 steps to the truth"
 
 
 def test_the_spotlight_names_the_key_of_a_panel_that_has_no_place() -> None:

@@ -15,8 +15,9 @@ from textual.pilot import Pilot
 from textual.widgets import Markdown
 
 from rl_tui.common.errors import UserError
+from rl_tui.lab.lessons.judging.journal_reader import run_digest
 from rl_tui.lab.lessons.lesson import lesson_of
-from rl_tui.lab.lessons.record import LessonRecord, Passed, begun, run_digest
+from rl_tui.lab.lessons.record import LessonRecord, Passed, begun
 from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.live.commands import Apply, KeepLesson
 from rl_tui.lab.live.player import Player
@@ -111,6 +112,19 @@ async def test_without_room_page_and_world_take_turns() -> None:
         assert snapshot(pilot).counters.step == 1
         await press(pilot, ".")
         assert not board.shows(WORLD)
+
+
+@both_sizes
+async def test_digits_act_from_the_page_as_it_says(size: tuple[int, int]) -> None:
+    async with lesson(size) as pilot:
+        await press(pilot, "y", "R", "1")
+        assert snapshot(pilot).counters.step == 1
+        assert playground(pilot).board.shows(WORLD)
+        await press(pilot, "y")
+        if not page_panel(pilot).has_focus:
+            await press(pilot, "R")
+        await press(pilot, "1")
+        assert snapshot(pilot).counters.step == 1
 
 
 async def test_it_follows_the_size_of_the_terminal() -> None:
@@ -230,6 +244,7 @@ async def test_a_claim_is_right_only_where_there_is_a_proof() -> None:
         assert not record(pilot).passed
         await press(pilot, "A", "enter")
         assert [(each.page, each.claim) for each in record(pilot).passed] == [("never", True)]
+        assert notes(pilot.app)[-1] == "task passed"
         assert "PASSED" in screen_text(pilot.app)
         assert record(pilot).page == "never"
 

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from seams import playground, press, show, snapshot, train
+from study_samples import bandit_study, lake_study
 from textual.pilot import Pilot
 
+from rl_tui.lab.answers.flip_answer import FlipAnswer
+from rl_tui.lab.answers.flip_worker import worked_out
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.answers.policy_values import PolicyAnswer
 from rl_tui.lab.lessons.lesson import Lesson, lesson_of
@@ -20,8 +23,10 @@ from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.live.commands import AddLane, HideAnswer, KeepLesson
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.many_seeds.figures import LaneStudy, SeedStudy
 from rl_tui.lab.run.exact_answers import Answer
-from rl_tui.lab.run.recipe import SetParameter
+from rl_tui.lab.run.library import recipe_named
+from rl_tui.lab.run.recipe import SetParameter, begin
 from rl_tui.lab.run.results import RunResults
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
@@ -45,6 +50,7 @@ answer = 12345
 """
 OTHER = 3.0625
 """By how much all exact figures are other ones."""
+EXACT_FIGURES = ("value_at_start", "expected_return", "max_error", "regret", "best_arm_rate")
 
 
 def lesson(scenario: str) -> Lesson:
@@ -78,12 +84,46 @@ def otherwise(snapshot: Snapshot) -> Snapshot:
         run_group=replace(group, lanes=lanes),
         answers=replace(
             snapshot.answers,
+            flips=flips_of_the_student(),
             policies={
                 kind: worth if kind is PolicyKind.UNIFORM else _other_worth(worth)
                 for kind, worth in snapshot.answers.policies.items()
             },
         ),
         beside=None if snapshot.beside is None else otherwise(snapshot.beside),
+        study=None if snapshot.study is None else _other_study(snapshot.study),
+    )
+
+
+@cache
+def flips_of_the_student() -> FlipAnswer:
+    """Flips that are known, whatever world they are shown in."""
+    mdp = begin(recipe_named("student")).world.mdp
+    assert mdp is not None
+    return worked_out(mdp)
+
+
+def _other_study(study: SeedStudy) -> SeedStudy:
+    return replace(study, lanes=tuple(_other_lane(lane) for lane in study.lanes))
+
+
+def _other_lane(lane: LaneStudy) -> LaneStudy:
+    """What many seeds say of ``lane``, its exact figures other ones, and in other seeds the greater."""
+    return replace(
+        lane,
+        estimates={
+            name: replace(each, mean=each.mean + OTHER) if name in EXACT_FIGURES else each
+            for name, each in lane.estimates.items()
+        },
+        this_seed={
+            name: moved(each) if name in EXACT_FIGURES else each for name, each in lane.this_seed.items()
+        },
+        differences={
+            name: replace(each, mean=replace(each.mean, mean=each.mean.mean + OTHER), greater=1)
+            if name in EXACT_FIGURES
+            else each
+            for name, each in lane.differences.items()
+        },
     )
 
 
@@ -113,11 +153,15 @@ def _other_worth(worth: PolicyAnswer) -> PolicyAnswer:
     )
 
 
-async def pictures(pilot: Pilot[Any]) -> tuple[str, str]:
-    """What is on screen, colours and all, and what would be there if the answer were another one."""
+async def pictures(pilot: Pilot[Any], study: SeedStudy | None = None) -> tuple[str, str]:
+    """What is on screen, colours and all, and what would be there if the answer were another one.
+
+    ``study`` is what many seeds have said by now.
+    """
     await settle(pilot)
     screen, now = playground(pilot), snapshot(pilot)
     assert is_secret(now)
+    now = now if study is None else replace(now, study=study)
     drawn = []
     for each in (now, otherwise(now)):
         show(screen, each)
@@ -146,6 +190,16 @@ async def test_no_panel_depends_on_the_answer(scenario: str, size: tuple[int, in
             await press(pilot, *keys)
             before, other = await pictures(pilot)
             assert before == other, keys
+        # what explains, the model, and the slider of γ with its flips
+        for keys in (["question_mark"], ["escape", "m"], ["escape", "2"], ["escape"]):
+            await press(pilot, *keys)
+            before, other = await pictures(pilot)
+            assert before == other, keys
+        await press(pilot, "M")
+        study = bandit_study() if scenario == "bandit" else lake_study()
+        before, other = await pictures(pilot, replace(study, lanes=study.lanes[:1], shown=0))
+        assert before == other
+        await press(pilot, "M")
         screen.send(AddLane((SetParameter("alpha", 0.25),)))
         for keys in ([], ["z"], ["c"]):
             await press(pilot, *keys)
@@ -154,7 +208,7 @@ async def test_no_panel_depends_on_the_answer(scenario: str, size: tuple[int, in
 
 
 async def test_the_pictures_would_tell() -> None:
-    """What is asked for above can fail: with the answer shown, the pictures differ."""
+    """What is asked for above can fail: with the answer shown, the pictures differ, with each of these."""
     taught = lesson("student")
     app = RlTuiApp(
         Display(fps=1000.0), recipe_of(taught, "only"), partial(Player, automatic=False), picture=True
@@ -164,9 +218,12 @@ async def test_the_pictures_would_tell() -> None:
         screen = playground(pilot)
         screen.send(HideAnswer(is_hidden=False))
         await train(pilot, 100)
-        drawn = []
-        for each in (snapshot(pilot), otherwise(snapshot(pilot))):
-            show(screen, each)
-            await pilot.pause()
-            drawn.append(app.export_screenshot(title="", simplify=True))
-        assert drawn[0] != drawn[1]
+        for keys in ([], ["m"], ["escape", "2"], ["escape", "M"]):
+            await press(pilot, *keys)
+            now = replace(snapshot(pilot), study=lake_study())
+            drawn = []
+            for each in (now, otherwise(now)):
+                show(screen, each)
+                await pilot.pause()
+                drawn.append(app.export_screenshot(title="", simplify=True))
+            assert drawn[0] != drawn[1], keys

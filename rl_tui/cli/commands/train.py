@@ -184,12 +184,12 @@ def _train_once(
 ) -> tuple[Run, dict[str, Any]]:
     from rl_tui.lab.experiments.curve_file import write_curve
     from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
-    from rl_tui.lab.experiments.learning_curve import RunCurve, curve_of_run, each_of
+    from rl_tui.lab.experiments.learning_curve import RunCurve, curve_of_run
     from rl_tui.lab.experiments.training import train
     from rl_tui.lab.run.changes import as_json, journal_of, written_change
     from rl_tui.lab.run.figures import training_figures
     from rl_tui.lab.run.recipe import begin
-    from rl_tui.lab.run.run import Run
+    from rl_tui.lab.run.run import Run, each_of
 
     beginning = begin(recipe)
     names = beginning.world.space.action_names

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -54,9 +53,9 @@ def command(
     from rl_tui.cli.screen import require_terminal
     from rl_tui.lab.programs.child.source import check_script
     from rl_tui.lab.programs.program_process import ProgramRequest
-    from rl_tui.terminal.driver_choice import IN_BROWSER
+    from rl_tui.terminal.driver_choice import in_browser
 
-    if os.environ.get("TEXTUAL_DRIVER") == IN_BROWSER:
+    if in_browser():
         raise UserError("watch runs what stands in a file, and so does nothing where the program is served")
     if not as_json:
         require_terminal("--json does without")

@@ -13,7 +13,7 @@ from rl_tui.common.text_file import UnreadableError, read_text
 from rl_tui.lab.course.checks.asked import page_findings
 from rl_tui.lab.course.checks.numerals import numeral_findings
 from rl_tui.lab.course.checks.tasks import TaskCheck
-from rl_tui.lab.lessons.figures.figures import Figures
+from rl_tui.lab.lessons.figures.figures import LessonFigures
 from rl_tui.lab.lessons.judging.world_faults import reference_faults
 from rl_tui.lab.lessons.lesson import Lesson, is_lesson_text, read_lesson
 from rl_tui.lab.lessons.variants import readable, variants_of
@@ -21,7 +21,7 @@ from rl_tui.worlds.files.toml_file import tables_in
 
 OnChecked = Callable[[int, int, str], None]
 """Hears how much of how much is checked, and what comes next."""
-_Told = tuple[str, str, str]
+_Placed = tuple[str, str, str]
 
 
 def ignore(done: int, wanted: int, what: str) -> None:
@@ -62,8 +62,8 @@ def check_lesson(path: str | Path, *, quick: bool = False, on_checked: OnChecked
     for lesson in lessons:
         faults, warnings = _LessonCheck(lesson, counted, quick=quick).findings()
         file = f"{path} (variant {lesson.variant})" if lesson.variant else str(path)
-        for findings, told in ((faults, report.faults), (warnings, report.warnings)):
-            told += [Fault(file, *each) for each in findings if each not in seen]
+        for findings, reported in ((faults, report.faults), (warnings, report.warnings)):
+            reported += [Fault(file, *each) for each in findings if each not in seen]
             seen.update(findings)
     report.faults = list(first_of(report.faults))
     return report
@@ -90,7 +90,7 @@ def _amount(lesson: Lesson) -> int:
     return len(lesson.figures) + len(tasks) + attempts * (2 if lesson.variant else 1)
 
 
-def _told(findings: list[Finding], raw: Mapping[str, Any]) -> list[_Told]:
+def _placed(findings: list[Finding], raw: Mapping[str, Any]) -> list[_Placed]:
     """Return ``findings`` in the order of the file."""
     return [(place(each.location), each.found, each.expected) for each in in_file_order(findings, raw)]
 
@@ -103,9 +103,9 @@ class _LessonCheck:
         self._counted = counted
         self._quick = quick
         self._known: dict[Any, Any] = {}
-        self._figures = Figures(lesson, self._known)
+        self._figures = LessonFigures(lesson, self._known)
 
-    def findings(self) -> tuple[list[_Told], list[_Told]]:
+    def findings(self) -> tuple[list[_Placed], list[_Placed]]:
         """Return faults and warnings: each its place, what was found, and what was expected."""
         raw = tables_in(self._lesson.text)
         unknown = [(each.place, each.found, each.expected) for each in reference_faults(self._lesson)]
@@ -121,7 +121,7 @@ class _LessonCheck:
                 warnings += check.warnings()
                 if not unknown:
                     faults += self._task_findings(check)
-        return [*unknown, *_told(faults, raw)], _told(warnings, raw)
+        return [*unknown, *_placed(faults, raw)], _placed(warnings, raw)
 
     def _figure_findings(self) -> Iterator[Finding]:
         for name in self._lesson.figures:

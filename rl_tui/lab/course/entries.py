@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from rl_tui.common.errors import ScenarioError
-from rl_tui.lab.course.progress import LessonProgress, Progress
+from rl_tui.lab.course.progress import LessonProgress, StoredProgress
 from rl_tui.lab.lessons.catalogue import read_lessons
-from rl_tui.lab.lessons.lesson import Lesson
 from rl_tui.lab.lessons.record import LessonRecord, begun
-from rl_tui.lab.sessions.session import StoredSession
+
+if TYPE_CHECKING:
+    from rl_tui.common.errors import ScenarioError
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.sessions.session import StoredSession
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +57,7 @@ class LessonEntries(NamedTuple):
 
 def lesson_entries(sessions: Path | None) -> LessonEntries:
     """Return every shipped lesson; ``sessions`` is the folder of sessions, None where none are kept."""
-    found, progress = read_lessons(), Progress(sessions)
+    found, progress = read_lessons(), StoredProgress(sessions)
     entries = [LessonEntry(lesson, progress.of(lesson)) for lesson in found.lessons]
     return LessonEntries(entries, found.broken)
 

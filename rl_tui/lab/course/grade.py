@@ -5,33 +5,31 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.findings import shown
-from rl_tui.lab.course.predictions import NO_PREDICTIONS, Predictions, predictions_in
+from rl_tui.lab.course.predictions import NO_PREDICTIONS, PredictionScore, predictions_in
 from rl_tui.lab.experiments.training import Goal, train
 from rl_tui.lab.lessons.catalogue import find_lesson
-from rl_tui.lab.lessons.judging.attempts import judged_claim, replayed
-from rl_tui.lab.lessons.judging.conditions import (
-    JudgedTask,
-    Panels,
-    Verdict,
-    elsewhere,
-    judged_task,
-    verdict,
-)
+from rl_tui.lab.lessons.judging.attempts import judged_claim, judged_program
+from rl_tui.lab.lessons.judging.conditions import JudgedTask, elsewhere, judged_task, verdict
 from rl_tui.lab.lessons.judging.moment import Kept
-from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce, same_panel
+from rl_tui.lab.lessons.judging.panel_request import same_panel
+from rl_tui.lab.lessons.judging.replays import replayed
+from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
+from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict, Panels
 from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.record import LessonRecord, Passed
-from rl_tui.lab.lessons.schema import Condition
 from rl_tui.lab.lessons.view import ConditionView, TaskView
 from rl_tui.lab.run.recipe import Recipe, TakeAction, begin
 from rl_tui.lab.run.run import Run
 from rl_tui.lab.sessions.folder import files_in
 from rl_tui.lab.sessions.session import SUFFIX, SessionError, read_session
-from rl_tui.lab.timeline.branches import Branch
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.record import LessonRecord, Passed
+    from rl_tui.lab.lessons.schema import Condition
+    from rl_tui.lab.timeline.branches import Branch
 
 PROVES: Final = "A session proves the run, not who made it."
 MOST_STEPS: Final = 20_000_000
@@ -61,7 +59,7 @@ class GradedSession:
 
     path: Path
     tasks: tuple[GradedTask, ...] = ()
-    predictions: Predictions = NO_PREDICTIONS
+    predictions: PredictionScore = NO_PREDICTIONS
     remarks: tuple[str, ...] = ()
     fault: str = ""
     """Why there is nothing to grade; mostly empty."""
@@ -75,11 +73,13 @@ class GradedSession:
 class LessonGrading:
     """Grades sessions by the lesson of this ``name``, an id or a file, one after the other.
 
-    Raises UserError where there is no such lesson, or it sets no task.
+    With ``runs_programs`` a program that a session holds is watched, which is no sandbox; else its task is
+    not judged. Raises UserError where there is no such lesson, or it sets no task.
     """
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, *, runs_programs: bool = False) -> None:
         self._name = name
+        self._runs_programs = runs_programs
         self._lessons = dict[str, Lesson]()
         self._panels = PanelsAtOnce()
         self.lesson = self._variant("")
@@ -107,7 +107,7 @@ class LessonGrading:
         for task in tasks:
             evidence = _evidence(taken, task.page)
             if evidence is not None:
-                judged = _judged_evidence(task, evidence, panels, min(MOST_STEPS, steps))
+                judged = self._judged(task, evidence, panels, min(MOST_STEPS, steps))
                 views[task.page] = _better(judged, views[task.page])
                 steps -= min(evidence.step, steps)
         search = _Search(views, panels)
@@ -120,6 +120,13 @@ class LessonGrading:
         if len(search.remarks) > _MOST_REMARKS:
             remarks.append(f"So were {len(search.remarks) - _MOST_REMARKS:,} more.")
         return GradedSession(path, graded, predictions, tuple(remarks))
+
+    def _judged(self, task: JudgedTask, evidence: Passed, panels: Panels, most_steps: int) -> TaskView:
+        if task.task.program is None or evidence.claim:
+            return _judged_evidence(task, evidence, panels, most_steps)
+        if not self._runs_programs:
+            return _not_done(task, "not judged: --programs watches the program that is in the session")
+        return judged_program(task, evidence.program)
 
     def _variant(self, variant: str) -> Lesson:
         if variant not in self._lessons:
@@ -177,8 +184,6 @@ def _evidence(taken: LessonRecord | None, page: str) -> Passed | None:
 
 def _judged_evidence(task: JudgedTask, evidence: Passed, panels: Panels, most_steps: int) -> TaskView:
     """Return how the task stands when what ``evidence`` says was done is done again, if in so many steps."""
-    if task.task.program is not None:
-        return _not_done(task, "programs of sessions are not run here")
     if evidence.claim:
         return judged_claim(task, Run(task.setup, evaluate=False), panels)
     reason = elsewhere(task.setup, evidence.recipe)
@@ -206,12 +211,12 @@ class _FewPanels:
         self._asked: list[tuple[Recipe, tuple[Condition, ...]]] = []
         self._left_out = False
 
-    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[Verdict]:
+    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
         """Return the verdict on each of ``conditions`` for runs of ``recipe``."""
         if not any(same_panel(*asked, recipe, conditions) for asked in self._asked):
             if len(self._asked) >= _MOST_PANELS:
                 self._left_out = True
-                return [Verdict(None, "too many settings were tried")] * len(conditions)
+                return [ConditionVerdict(None, "too many settings were tried")] * len(conditions)
             self._asked.append((recipe, conditions))
         return self._panels.of(recipe, conditions)
 

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rl_tui.lab.lessons.judging.conditions import elsewhere
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.record import Given, LessonRecord, RunDigest
+from rl_tui.lab.lessons.judging.journal_reader import RunDigest
+from rl_tui.lab.lessons.record import Given, LessonRecord
 from rl_tui.lab.lessons.setups import recipe_of
-from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.recipe import JournalEntry, Recipe, TakeAction, begin
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.live.record import Record
 
 _MOST_ENTRIES: Final = 1_000_000
 """Changes that are gone through, of all runs; what is locked with later ones stays unknown."""
 
 
-class Predictions(NamedTuple):
+class PredictionScore(NamedTuple):
     """Of the ``made`` ones, how many were ``right``, and how many are ``locked``: given at a step to which a
     run in the session came, or which its setup begins with, all that was changed before included.
     """
@@ -26,7 +29,7 @@ class Predictions(NamedTuple):
     locked: int = 0
 
 
-NO_PREDICTIONS: Final = Predictions()
+NO_PREDICTIONS: Final = PredictionScore()
 
 
 class _Known(NamedTuple):
@@ -37,7 +40,7 @@ class _Known(NamedTuple):
     end: int
 
 
-def predictions_in(taken: LessonRecord, lesson: Lesson, record: Record) -> Predictions:
+def predictions_in(taken: LessonRecord, lesson: Lesson, record: Record) -> PredictionScore:
     """Return the predictions of ``taken``, of which ``record`` has the runs.
 
     What is right is what ``lesson`` says. Of each page the first answer counts. Raises UserError where a
@@ -55,7 +58,7 @@ def predictions_in(taken: LessonRecord, lesson: Lesson, record: Record) -> Predi
         _locked(lesson, setup, [given for given in made if lesson.setup_of(given.page) == setup], known)
         for setup in setups
     )
-    return Predictions(right, len(made), locked)
+    return PredictionScore(right, len(made), locked)
 
 
 def _locked(lesson: Lesson, setup: str, made: Sequence[Given], known: Sequence[_Known]) -> int:

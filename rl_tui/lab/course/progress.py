@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from rl_tui.lab.lessons.lesson import Lesson
 from rl_tui.lab.sessions.folder import all_sessions_in
 from rl_tui.lab.sessions.session import StoredSession
 from rl_tui.lab.sessions.stored_lesson import stored_source
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.lesson import Lesson
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +30,7 @@ class LessonProgress:
     finished: bool
 
 
-class Progress:
+class StoredProgress:
     """What the sessions in ``folder`` tell of lessons, read once; None: no sessions are kept."""
 
     def __init__(self, folder: Path | None) -> None:

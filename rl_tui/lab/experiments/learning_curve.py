@@ -12,7 +12,7 @@ from rl_tui.agents.kernels.episode_bins import CurveSums, collect
 from rl_tui.agents.kernels.machine_code import fastest
 from rl_tui.lab.experiments.training import Goal, OnProgress, no_progress, train
 from rl_tui.lab.run.recipe import begin
-from rl_tui.lab.run.run import OnEpisodes, Run
+from rl_tui.lab.run.run import Run
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
@@ -44,17 +44,6 @@ class RunCurve:
         """The mean return, the mean length and the share of optimal actions in each bin."""
         count = np.diff(self.last_episode, prepend=0)
         return self.sums.returns / count, self.sums.lengths / count, self.sums.optimal / count
-
-
-def each_of(*listeners: OnEpisodes | None) -> OnEpisodes:
-    """Return what hands episodes on to each of ``listeners`` that is there."""
-    there = [listener for listener in listeners if listener is not None]
-
-    def hand_on(returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
-        for listener in there:
-            listener(returns, lengths, optimal)
-
-    return hand_on
 
 
 def curve_of_run(

@@ -10,12 +10,11 @@ from typing import Any, Final
 from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.agents.exact.solution import Solution
 from rl_tui.common.errors import UserError
-from rl_tui.lab.experiments.learning_curve import each_of
 from rl_tui.lab.experiments.patience import pays, seconds_interpreted
 from rl_tui.lab.experiments.training import Goal, OnProgress, train
 from rl_tui.lab.run.figures import BANDIT_FIGURES, exact_world, greedy_figures, optimum_of, pulls
 from rl_tui.lab.run.recipe import JournalEntry, Recipe, begin
-from rl_tui.lab.run.run import OnEpisodes, Run
+from rl_tui.lab.run.run import OnEpisodes, Run, each_of
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.world import World
 

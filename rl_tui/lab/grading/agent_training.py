@@ -17,7 +17,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.lab.detective.detective import verdict_of
 from rl_tui.lab.detective.verdict import ProgramVerdict, Rule
-from rl_tui.lab.experiments.learning_curve import RunCurve, each_of, mean_curve, no_curve
+from rl_tui.lab.experiments.learning_curve import RunCurve, mean_curve, no_curve
 from rl_tui.lab.experiments.many_runs import figures_of_runs
 from rl_tui.lab.experiments.seeded_runs import FIGURES
 from rl_tui.lab.experiments.training import Goal, OnProgress, no_progress
@@ -39,7 +39,7 @@ from rl_tui.lab.run.figures import (
 )
 from rl_tui.lab.run.history import History
 from rl_tui.lab.run.recipe import Recipe, begin
-from rl_tui.lab.run.run import OnEpisodes
+from rl_tui.lab.run.run import OnEpisodes, each_of
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World

@@ -5,15 +5,13 @@ from __future__ import annotations
 from difflib import get_close_matches
 from functools import lru_cache
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
 from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.findings import shown
 from rl_tui.common.kiosk import in_kiosk
-from rl_tui.lab.lessons.lesson import Lesson, read_lesson
-from rl_tui.worlds.files.shipped import SUFFIX, shipped_folder
-
-FOLDER: Final = "lessons"
+from rl_tui.lab.lessons.lesson import Lesson, lesson_folder, read_lesson
+from rl_tui.worlds.files.shipped import SUFFIX
 
 
 class Lessons(NamedTuple):
@@ -21,11 +19,6 @@ class Lessons(NamedTuple):
 
     lessons: list[Lesson]
     broken: list[ScenarioError]
-
-
-def lesson_folder() -> Path:
-    """Return the folder of the shipped lessons: beside that of the scenarios."""
-    return shipped_folder().parent / FOLDER
 
 
 def shipped_lessons() -> list[Lesson]:

@@ -13,7 +13,11 @@ from rl_tui.common.findings import Finding, in_file_order, near, place, shown
 from rl_tui.common.limits import MOST_FAULTS
 from rl_tui.common.text_file import UnreadableError, read_text
 from rl_tui.lab.lessons.figures.written import written_number
-from rl_tui.lab.lessons.judging.condition_faults import setting_findings, task_findings
+from rl_tui.lab.lessons.judging.condition_faults import (
+    prediction_findings,
+    setting_findings,
+    task_findings,
+)
 from rl_tui.lab.lessons.schema import (
     LONGEST_LESSON,
     LONGEST_SHORT_LINE,
@@ -23,9 +27,11 @@ from rl_tui.lab.lessons.schema import (
     Setup,
 )
 from rl_tui.lab.lessons.variants import readable, variant_text, variants_of
+from rl_tui.worlds.files.shipped import shipped_folder
 from rl_tui.worlds.files.toml_file import tables_in
 from rl_tui.worlds.sections.schema import is_plain, parsed
 
+FOLDER: Final = "lessons"
 _PLACEHOLDER: Final = re.compile(r"\{([a-z][a-z0-9_-]*)\}")
 _LITERAL: Final = ("figures", "setups", "variants", "program", "skeleton")
 """Tables and keys in whose texts braces mean nothing."""
@@ -76,6 +82,11 @@ class Lesson:
             if page.id == page_id:
                 break
         return setup
+
+
+def lesson_folder() -> Path:
+    """Return the folder of the shipped lessons: beside that of the scenarios."""
+    return shipped_folder().parent / FOLDER
 
 
 def read_lesson(path: str | Path, variant: str = "") -> Lesson:
@@ -192,6 +203,8 @@ def _reference_findings(file: LessonFile) -> Iterator[Finding]:
         seen.add(page.id)
         if page.setup is not None and page.setup not in file.setups:
             yield Finding((*where, "setup"), shown(page.setup), f"one of {', '.join(file.setups)}")
+        if page.prediction is not None:
+            yield from (each.inside(*where, "prediction") for each in prediction_findings(page.prediction))
         if page.task is not None:
             yield from (each.inside(*where, "task") for each in task_findings(page.task))
         proof = page.task.proof if page.task else None

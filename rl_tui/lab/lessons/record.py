@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.run.changes import name_and_value
-from rl_tui.lab.run.recipe import JournalEntry, Recipe
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.run.recipe import JournalEntry, Recipe
 
 NO_STEP: Final = -1
 
@@ -147,43 +144,3 @@ class LessonRecord:
 def begun(lesson: Lesson) -> LessonRecord:
     """Return the record of ``lesson`` at its first page."""
     return LessonRecord(lesson, lesson.pages[0].id)
-
-
-def entries_before(journal: Sequence[JournalEntry], step: int) -> tuple[JournalEntry, ...]:
-    """Return the changes with which the first ``step`` steps were taken."""
-    return tuple(entry for entry in journal if entry.step < step)
-
-
-def run_digest(recipe: Recipe, journal: Sequence[JournalEntry], step: int, names: Sequence[str]) -> str:
-    """Return what tells a run as it stood after ``step`` steps from any other; ``names`` are its actions'."""
-    digest = RunDigest(recipe)
-    for entry in entries_before(journal, step):
-        digest.add(entry, names)
-    return digest.at(step)
-
-
-class RunDigest:
-    """Works out :func:`run_digest` entry by entry, so that a long journal is gone through once."""
-
-    def __init__(self, recipe: Recipe) -> None:
-        document = {
-            "scenario": recipe.scenario.text or recipe.scenario.id,
-            "algorithm": recipe.algorithm,
-            "hyperparameters": recipe.hyperparameters.as_dict(),
-            "seed": recipe.seed,
-        }
-        self._hash = hashlib.sha256(_line(document))
-
-    def add(self, entry: JournalEntry, names: Sequence[str]) -> None:
-        """Take in the next change; ``names`` are the actions'."""
-        self._hash.update(_line([entry.step, *name_and_value(entry.change, names)]))
-
-    def at(self, step: int) -> str:
-        """Return the digest after ``step`` steps, all changes before that taken in."""
-        whole = self._hash.copy()
-        whole.update(_line(step))
-        return whole.hexdigest()
-
-
-def _line(document: object) -> bytes:
-    return json.dumps(document, sort_keys=True).encode() + b"\n"

@@ -25,6 +25,7 @@ from rl_tui.worlds.sections.schema import (
 LONGEST_LINE: Final = 300
 LONGEST_TEXT: Final = 6_000
 LONGEST_WORLD: Final = 100_000
+LONGEST_PROGRAM: Final = 200_000
 LONGEST_SHORT_LINE: Final = 60
 LONGEST_LESSON: Final = 1_000_000
 MOST_PAGES: Final = 60
@@ -36,11 +37,17 @@ HIDEABLE: Final = ("answer", "policies", "why", "flips", "many seeds", "model", 
 """What a page may keep back until its prediction is in; ``run`` is whatever takes a step."""
 
 _WORD: Final = re.compile(r"[a-z][a-z0-9_-]*")
+_PYTHON_FILE: Final = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*\.py")
 
 
 def is_word(value: object) -> bool:
     """Return whether a value can name a page, a setup or a figure."""
     return isinstance(value, str) and len(value) <= 60 and _WORD.fullmatch(value) is not None
+
+
+def is_file_name(value: object) -> bool:
+    """Return whether a value can name the file of a program, in whatever folder."""
+    return isinstance(value, str) and len(value) <= 60 and _PYTHON_FILE.fullmatch(value) is not None
 
 
 def _list(what: str, least: int = 0) -> Expect:
@@ -93,7 +100,7 @@ class Setup(FileSection):
         return self
 
 
-class Choice(FileSection):
+class AnswerChoice(FileSection):
     """One answer to choose, and what is said to who chooses it."""
 
     text: Line
@@ -108,18 +115,36 @@ class WrongAnswer(FileSection):
     reply: Prose
 
 
+class Measured(FileSection):
+    """What is measured of a run: a name of ``judging/measures``, with its arguments.
+
+    These are ``state``, ``action``, ``actions`` and the like; ``at = "start"`` asks for the settings of the
+    first step, not of the last.
+    """
+
+    measure: Word
+    state: ShortLine | None = None
+    action: ShortLine | None = None
+    actions: Annotated[tuple[str, ...], _list("actions")] = ()
+    first: Count | None = None
+    last: Count | None = None
+    at: Annotated[str, Expect("start or now", lambda value: value in ("start", "now"))] = "now"
+
+
 class Ask(FileSection):
     """Something to answer: a number, right within ``tolerance``, or one of several ``choices``.
 
-    Of a prediction, the truth is shown once ``steps`` more steps were taken.
+    Of a prediction, the truth is shown once ``steps`` more steps were taken; ``shows`` is measured of the run
+    at that very step, to stand beside it.
     """
 
     ask: Prose
     answer: Number | None = None
     tolerance: Annotated[float, number(0)] = 0.0
     wrong: Annotated[tuple[WrongAnswer, ...], _list("wrong answers")] = ()
-    choices: Annotated[tuple[Choice, ...], _list("choices")] = ()
+    choices: Annotated[tuple[AnswerChoice, ...], _list("choices")] = ()
     steps: Count = 0
+    shows: Measured | None = None
 
     @model_validator(mode="after")
     def _has_one_answer(self) -> Ask:
@@ -127,6 +152,8 @@ class Ask(FileSection):
             raise refused("both or neither of answer and choices", "a number as answer, or choices")
         if self.choices and (len(self.choices) < 2 or not any(choice.right for choice in self.choices)):
             raise refused(f"{len(self.choices)} choices", "two or more, one of them with right = true")
+        if self.shows is not None and not self.steps:
+            raise refused("shows without steps", "in how many steps it is measured: steps")
         return self
 
     def is_right(self, answer: float) -> bool:
@@ -137,24 +164,15 @@ class Ask(FileSection):
         return self.answer is not None and abs(answer - self.answer) <= self.tolerance + rounding
 
 
-class Condition(FileSection):
+class Condition(Measured):
     """One condition of a task: a ``measure`` of the run, and what it has to be.
 
-    ``measure`` is a name of ``judging/measures``; ``state``, ``action``, ``actions`` and the like are its
-    arguments; ``at = "start"`` asks for the settings of the first step, not of the last. With ``seeds`` the
-    run is begun again under so many seeds, 0 first, with the settings that it began with, for ``episodes``
-    (or ``steps``), and the measure has to hold in ``hold`` of them; with ``mean`` it is the mean over all
-    that has to.
+    With ``seeds`` the run is begun again under so many seeds, 0 first, with the settings that it began with,
+    for ``episodes`` (or ``steps``), and the measure has to hold in ``hold`` of them; with ``mean`` it is the
+    mean over all that has to.
     """
 
     text: Line
-    measure: Word
-    state: ShortLine | None = None
-    action: ShortLine | None = None
-    actions: Annotated[tuple[str, ...], _list("actions")] = ()
-    first: Count | None = None
-    last: Count | None = None
-    at: Annotated[str, Expect("start or now", lambda value: value in ("start", "now"))] = "now"
     at_least: Number | None = None
     at_most: Number | None = None
     above: Number | None = None
@@ -197,17 +215,17 @@ class Attempt(FileSection):
     program: Annotated[str, markdown(LONGEST_WORLD)] = ""
 
 
-class Proof(FileSection):
+class ImpossibilityProof(FileSection):
     """Why a task cannot be done: the best that there is of the condition's measure, a name of a figure."""
 
     condition: Count
     best: Word
 
 
-class Program(FileSection):
+class ProgramToWrite(FileSection):
     """Code that a learner writes: the name of its file, and what stands in it at first."""
 
-    file: ShortLine
+    file: Annotated[str, Expect("the name of a Python file, such as my_agent.py", is_file_name)]
     skeleton: Annotated[str, markdown(LONGEST_WORLD)]
 
 
@@ -225,8 +243,8 @@ class Task(FileSection):
     solution: Prose = ""
     accepts: Annotated[tuple[Attempt, ...], _list("attempts")] = ()
     rejects: Annotated[tuple[Attempt, ...], _list("attempts")] = ()
-    proof: Proof | None = None
-    program: Program | None = None
+    proof: ImpossibilityProof | None = None
+    program: ProgramToWrite | None = None
 
 
 class Page(FileSection):
@@ -258,6 +276,8 @@ class Page(FileSection):
         asked = [name for name in ("prediction", "question", "task") if getattr(self, name) is not None]
         if len(asked) > 1:
             raise refused(" and ".join(asked), "at most one of them on a page")
+        if self.question is not None and self.question.shows is not None:
+            raise refused("a question that shows a measure", "a prediction: a question waits for no step")
         return self
 
     @property

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 from weakref import WeakKeyDictionary
 
-from rl_tui.lab.lessons.lesson import Lesson
 from rl_tui.lab.run.library import find, recipe_for
-from rl_tui.lab.run.recipe import Recipe
 from rl_tui.worlds.files.scenario import Scenario, scenario_of
 from rl_tui.worlds.files.shipped import SUFFIX
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.run.recipe import Recipe
 
 
 def recipe_of(lesson: Lesson, setup: str) -> Recipe:
@@ -39,7 +41,7 @@ def scenario_for(lesson: Lesson, setup: str) -> Scenario:
     return known[setup]
 
 
-_KNOWN: Final = WeakKeyDictionary[Lesson, dict[str, Scenario]]()
+_KNOWN: Final[WeakKeyDictionary[Lesson, dict[str, Scenario]]] = WeakKeyDictionary()
 
 
 def _read(lesson: Lesson, setup: str) -> Scenario:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from rl_tui.lab.lessons.record import LessonRecord, Passed
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.record import LessonRecord, Passed
 
 
 class ConditionView(NamedTuple):
@@ -26,6 +27,10 @@ class TaskView:
     """The evidence, where all hold now; None where they do not."""
     waits: str = ""
     """What is being worked out, in words; mostly empty."""
+    awaited: Passed | None = None
+    """The evidence, where all hold now but for what is being worked out."""
+    remarks: tuple[str, ...] = ()
+    """What was found of a program that was watched, besides: sentences for who wrote it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,3 +43,6 @@ class LessonView:
     """The task of the open page; None where that sets none."""
     digest: str = ""
     """That of the run as it stands: what a prediction is locked with."""
+    in_run: float | str | bool | None = None
+    """What the open page's prediction shows of the run at the step where its truth is due, or in words why
+    there is nothing; None before that, and where it shows nothing."""

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from rl_tui.agents.sweep_phases import SweepPhase
-from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.lab.lessons.record import LessonRecord
-from rl_tui.lab.live.until import Until
-from rl_tui.lab.live.viewport import Viewport
-from rl_tui.lab.run.recipe import Change, Recipe, Setting, TakeAction
+from rl_tui.lab.run.recipe import TakeAction
 
 if TYPE_CHECKING:
+    from rl_tui.agents.sweep_phases import SweepPhase
+    from rl_tui.lab.answers.policy_kind import PolicyKind
+    from rl_tui.lab.lessons.record import LessonRecord
+    from rl_tui.lab.live.until import Until
+    from rl_tui.lab.live.viewport import Viewport
+    from rl_tui.lab.run.recipe import Change, Recipe, Setting
     from rl_tui.lab.timeline.seek import Seek
 
 
@@ -252,6 +254,13 @@ class KeepLesson(Command):
     lesson: LessonRecord
 
 
+@dataclass(frozen=True, slots=True)
+class WatchProgram(Command):
+    """Watch the program in this file, in a process of its own, for the task of the lesson's open page."""
+
+    path: Path
+
+
 _AT_ANY_TIME: Final = (LookAt, FollowCell, MarkLane, EndStudy, SetSpeed, StudyPolicy, AskFlips, AskWhy)
 LOOKING: Final = (*_AT_ANY_TIME, StudySeeds)
 """Commands that leave nothing behind that is worth keeping."""
@@ -262,7 +271,7 @@ MOVES: Final = (Play, WatchLearning, Pause, Step, RunEpisode, RunUntil, Take, Tr
 _TAKES_STEPS: Final = (Play, WatchLearning, Step, RunEpisode, RunSweep, RunUntil, Take, Train)
 
 _WHILE_SEEKING: Final = (
-    *(StepBack, GoTo, Pause, DropLane, DrawAction, ClearDrawing, HideAnswer, KeepLesson),
+    *(StepBack, GoTo, Pause, DropLane, DrawAction, ClearDrawing, HideAnswer, KeepLesson, WatchProgram),
     *_AT_ANY_TIME,
 )
 """Commands that replace a seek under way, or leave it alone."""

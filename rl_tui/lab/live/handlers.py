@@ -109,6 +109,10 @@ def _keep_lesson(playback: Playback, command: commands.KeepLesson) -> None:
         playback.rest()
 
 
+def _watch_program(playback: Playback, command: commands.WatchProgram) -> None:
+    playback.questions.watch_program(command.path)
+
+
 def _draw_action(playback: Playback, command: commands.DrawAction) -> None:
     space, state, action = playback.group.current.world.space, command.state, command.action
     if not 0 <= state < space.states or (action is not None and space.pair_of(state, action) is None):
@@ -183,6 +187,7 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.HideAnswer: _hide_answer,
     commands.AskWhy: _ask_why,
     commands.KeepLesson: _keep_lesson,
+    commands.WatchProgram: _watch_program,
     commands.ToggleBreakpoint: _toggle_breakpoint,
     commands.ClearBreakpoints: lambda playback, _: playback.set_breakpoints(Breakpoints()),
     commands.StepBack: _step_back,

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import (
@@ -20,7 +19,7 @@ from rl_tui.lab.live.compilation import LOOK_AGAIN, Compilation
 from rl_tui.lab.live.handlers import HANDLERS
 from rl_tui.lab.live.questions import Questions
 from rl_tui.lab.live.record import LearnedTable, Record
-from rl_tui.lab.live.snapshot import PHASES, Phase, PlaybackView, Snapshot
+from rl_tui.lab.live.snapshot import PHASES, Phase, Snapshot
 from rl_tui.lab.live.snapshot_builder import SnapshotBuilder, as_left, view_of
 from rl_tui.lab.live.speed.pacing import AT_ONCE, CHUNK
 from rl_tui.lab.live.state import BUSY, ENDED, PASSING, UNFINISHED, State, shows_trail
@@ -33,8 +32,6 @@ from rl_tui.lab.timeline.branches import RunRecord
 if TYPE_CHECKING:
     from rl_tui.lab.live.speed.transport import Transport
     from rl_tui.lab.timeline.run_group import RunGroup
-
-PREPARING: Final = "building the world"
 
 
 class Playback:
@@ -193,16 +190,12 @@ class Playback:
         if self.state is State.BUILDING:
             if self._beginning is None:
                 raise RuntimeError("there is no world yet")
-            preparing = PlaybackView(message=PREPARING, speed=self._record.speed)
-            is_hidden = self.questions.hides_answer(self._recipe.scenario)
-            before = self._builder.before(self._recipe, self._beginning.world, preparing, is_hidden=is_hidden)
-            return as_left(replace(before, lesson=self.questions.lesson_beside(None)), self._record)
+            return self._builder.preparing(self._recipe, self._beginning.world, self._record, self.questions)
         has_trail = shows_trail(self.state, self.transport.speed)
         if has_trail and not self._automatic:
             self.group.find_trails(math.inf)  # in pieces it would depend on the time
         snapshot = self._builder.build(self.group, view_of(self), self.questions, has_trail=has_trail)
-        seeks = self.state is State.SEEKING
-        returns = seeks and self.group.current.seek is not None and not self.touched
+        returns = self.state is State.SEEKING and self.group.current.seek is not None and not self.touched
         return as_left(snapshot, self._record) if returns else snapshot
 
     def answer(self) -> Answer:
@@ -227,8 +220,7 @@ class Playback:
 
     def _return(self) -> None:
         """Leave a state that passes, for what was done before it."""
-        self.state = self._next
-        self.phase = PHASES[self.state]
+        self.state, self.phase = self._next, PHASES[self._next]
         self.changed = True
 
     def _go_on(self) -> None:
@@ -351,9 +343,8 @@ class Playback:
             self.breakpoints = Breakpoints()
             self.questions.change_world(old.recipe, recipe)
         self._recipe = recipe
-        self._start(
-            Record(group.restarted(recipe), group.shown, self.breakpoints, self.transport.speed), beginning
-        )
+        lanes = group.restarted(recipe)
+        self._start(Record(lanes, group.shown, self.breakpoints, self.transport.speed), beginning)
 
     def _continue_seek(self) -> float:
         self.waits = self.compilation.waits(self.transport.steps_to_seek)

@@ -17,13 +17,13 @@ from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.live.record import Record, RecordSink
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.live.speed.interpreter import as_usual, leave_out_of_collections, switch_often
+from rl_tui.lab.live.speed.pacing import START_SPEED
 from rl_tui.lab.live.state import State
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.worlds.gym.env_call import seconds_in_call
 
 LONGEST_GOODBYE: Final = 0.2
 OFFERED_EVERY: Final = 0.25
-START_SPEED: Final = 10.0
 
 
 class PlayerClosedError(Exception):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
@@ -124,6 +125,11 @@ class Questions:
         if self.lesson is None:
             return None
         return LessonView(self.lesson) if run is None else self._judge.view(self.lesson, run)
+
+    def watch_program(self, path: Path) -> None:
+        """Watch the program in the file ``path`` for the task of the lesson's open page."""
+        if self.lesson is not None:
+            self._judge.watch(self.lesson, path)
 
     def judge(self, run: Run) -> None:
         """Judge the task of the lesson, if there is one, where ``run`` stands before it goes on.

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
-from rl_tui.lab.lessons.record import LessonRecord
 from rl_tui.lab.live.until import Breakpoints
-from rl_tui.lab.timeline.branches import RunRecord
-from rl_tui.worlds.mdp.space import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.record import LessonRecord
+    from rl_tui.lab.timeline.branches import RunRecord
+    from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)

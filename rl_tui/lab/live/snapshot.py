@@ -4,31 +4,33 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from rl_tui.agents.catalogue import Algorithm, algorithm_row
-from rl_tui.agents.counters import Counters
-from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.last_step import Author
-from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.lab.answers.view import AnswersView
-from rl_tui.lab.lessons.view import LessonView
-from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.state import ENDED, State
 from rl_tui.lab.live.until import Breakpoints
-from rl_tui.lab.live.viewport import CopiedPart
-from rl_tui.lab.many_seeds.figures import SeedStudy
-from rl_tui.lab.run.exact_answers import Answer
-from rl_tui.lab.run.recipe import Recipe
-from rl_tui.lab.run.results import RunResults
 from rl_tui.lab.timeline.branches import Timeline
 from rl_tui.lab.timeline.lane_view import RunGroupView
-from rl_tui.lab.timeline.table_samples import CellHistory
-from rl_tui.lab.timeline.trail import Trail
-from rl_tui.worlds.mdp.space import FloatArray, IntArray
-from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from rl_tui.agents.counters import Counters
+    from rl_tui.agents.hyperparameters import Hyperparameters
+    from rl_tui.agents.last_step import Author
+    from rl_tui.agents.sweep_phases import SweepPhase
+    from rl_tui.lab.lessons.view import LessonView
+    from rl_tui.lab.live.program_view import ProgramView
+    from rl_tui.lab.live.viewport import CopiedPart
+    from rl_tui.lab.many_seeds.figures import SeedStudy
+    from rl_tui.lab.run.exact_answers import Answer
+    from rl_tui.lab.run.recipe import Recipe
+    from rl_tui.lab.run.results import RunResults
+    from rl_tui.lab.timeline.table_samples import CellHistory
+    from rl_tui.lab.timeline.trail import Trail
+    from rl_tui.worlds.mdp.space import FloatArray, IntArray
+    from rl_tui.worlds.world import World
 
 
 class Phase(StrEnum):

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.timeline.branching_run import BranchingRun
     from rl_tui.lab.timeline.run_group import RunGroup
 
+PREPARING: Final = "building the world"
 _MOVING: Final = (Phase.PREPARING, Phase.RUNNING, Phase.SEEKING)
 
 
@@ -60,6 +61,16 @@ class SnapshotBuilder:
             playback=playback,
             answers=AnswersView(is_hidden=is_hidden and world.mdp is not None),
         )
+
+    def preparing(self, recipe: Recipe, world: World, record: Record, questions: Questions) -> Snapshot:
+        """Return the snapshot of a playground whose world is there and whose runs are not yet.
+
+        It shows what had been learned where ``record`` was left, and the lesson that ``questions`` has.
+        """
+        playback = PlaybackView(message=PREPARING, speed=record.speed)
+        is_hidden = questions.hides_answer(recipe.scenario)
+        before = self.before(recipe, world, playback, is_hidden=is_hidden)
+        return as_left(replace(before, lesson=questions.lesson_beside(None)), record)
 
     def build(
         self,

@@ -9,10 +9,9 @@ from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.common.errors import UserError
 from rl_tui.lab.detective.verdict import CodeFault
 from rl_tui.lab.live.commands import LOOKING, MOVES, Command
-from rl_tui.lab.live.player import START_SPEED
 from rl_tui.lab.live.record import LearnedTable, Record
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.live.speed.pacing import CHUNK
+from rl_tui.lab.live.speed.pacing import CHUNK, START_SPEED
 from rl_tui.lab.live.state import BUSY, ENDED, State, shows_trail
 from rl_tui.lab.live.until import Breakpoints
 from rl_tui.lab.live_programs.beside import RunsBeside

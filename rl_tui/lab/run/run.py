@@ -319,3 +319,14 @@ class Run:
                 self._on_episodes(returns, lengths, optimal)
         if stop is not Stop.DONE:
             self.stop_reason = self.learner.stop_reason
+
+
+def each_of(*listeners: OnEpisodes | None) -> OnEpisodes:
+    """Return what hands episodes on to each of ``listeners`` that is there."""
+    there = [listener for listener in listeners if listener is not None]
+
+    def hand_on(returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
+        for listener in there:
+            listener(returns, lengths, optimal)
+
+    return hand_on

@@ -67,3 +67,8 @@ def _settle(folder: Path) -> None:
             os.fsync(descriptor)
         finally:
             os.close(descriptor)
+
+
+def signature(status: os.stat_result) -> tuple[int, ...]:
+    """Return what changes whenever somebody writes a file."""
+    return status.st_ino, status.st_mtime_ns, status.st_size

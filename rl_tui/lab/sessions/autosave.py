@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 from rl_tui.lab.live.record import LearnedTable, Record, RecordSink
 from rl_tui.lab.run.recipe import Recipe
-from rl_tui.lab.sessions.folder import settled
+from rl_tui.lab.sessions.place import settled
 from rl_tui.lab.sessions.session import MOST_PAIRS_DIGESTED, StoredSession, digest_of
 from rl_tui.lab.sessions.writer import SessionWriter, reason
 from rl_tui.lab.timeline.branches import RunRecord

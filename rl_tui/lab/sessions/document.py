@@ -8,7 +8,7 @@ from typing import Annotated, Final, Literal
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, FailFast, Field, model_validator
 
 from rl_tui.agents.sweep_phases import SweepPhase
-from rl_tui.lab.lessons.schema import LONGEST_LESSON
+from rl_tui.lab.lessons.schema import LONGEST_LESSON, LONGEST_PROGRAM
 from rl_tui.worlds.sections.schema import control_character
 
 FORMAT: Final = "rl-tui session"
@@ -27,7 +27,6 @@ _LONGEST_TEXT: Final = 20_000_000
 MOST_PAIRS_KEPT: Final = 2_500
 MOST_PAGES_NAMED: Final = 1_000
 MOST_GIVEN: Final = 10_000
-LONGEST_PROGRAM: Final = 200_000
 
 
 def _plain(text: str) -> str:

@@ -1,8 +1,7 @@
-"""The folder of sessions: where it is, what is in it, and what is thrown away."""
+"""The sessions in a folder: what is in it, how files are called, and what is thrown away."""
 
 from __future__ import annotations
 
-import os
 import re
 import time
 from contextlib import suppress
@@ -10,41 +9,15 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
-import platformdirs
-
 from rl_tui.common.errors import UserError
 from rl_tui.common.file_lock import FileLock
-from rl_tui.lab.sessions.atomic_file import drafts_in, remove_with_draft
-from rl_tui.lab.sessions.session import SUFFIX, SessionError, StoredSession, read_session, signature
+from rl_tui.lab.sessions.atomic_file import drafts_in, remove_with_draft, signature
+from rl_tui.lab.sessions.session import SUFFIX, SessionError, StoredSession, read_session
 from rl_tui.worlds.sections.schema import is_plain
 
-VARIABLE: Final = "RL_TUI_SESSIONS_DIR"
 MOST_UNNAMED: Final = 50
 _LONGEST_WRITE: Final = 60.0  # seconds, by far
 _LONGEST_STEM: Final = 200  # bytes: file systems take 255, of which a lock needs some
-
-
-def session_folder() -> Path:
-    """Return the folder of sessions; it need not exist, nor be one that can be made."""
-    chosen = os.environ.get(VARIABLE)
-    if chosen:
-        return Path(chosen)
-    try:
-        return platformdirs.user_state_path("rl-tui", appauthor=False) / "sessions"
-    except RuntimeError:  # nobody knows a home: where it would be is told when nothing can be kept there
-        return Path("~/.local/state/rl-tui/sessions")
-
-
-def settled(folder: Path) -> Path:
-    """Return ``folder`` as a path that stays the same wherever the program goes, where there is one."""
-    with suppress(OSError):  # the folder that the program was started in may be gone
-        return folder if is_homeless(folder) else folder.resolve()
-    return folder
-
-
-def is_homeless(folder: Path) -> bool:
-    """Tell whether ``folder`` would be in the home of somebody who has none."""
-    return folder.parts[:1] == ("~",)
 
 
 def files_in(folder: Path) -> list[Path]:

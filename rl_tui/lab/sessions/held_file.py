@@ -5,12 +5,14 @@ from __future__ import annotations
 import errno
 import os
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from rl_tui.common.file_lock import FileLock
-from rl_tui.lab.sessions.atomic_file import remove_with_draft, write_atomically
-from rl_tui.lab.sessions.folder import VARIABLE, is_homeless
-from rl_tui.lab.sessions.session import StoredSession, signature
+from rl_tui.lab.sessions.atomic_file import remove_with_draft, signature, write_atomically
+from rl_tui.lab.sessions.place import VARIABLE, is_homeless
+
+if TYPE_CHECKING:
+    from rl_tui.lab.sessions.session import StoredSession
 
 PRIVATE: Final = 0o700
 

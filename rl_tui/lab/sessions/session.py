@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import lru_cache
@@ -20,6 +19,7 @@ from pydantic import ValidationError
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line, place
 from rl_tui.common.kiosk import in_kiosk
+from rl_tui.lab.sessions.atomic_file import signature
 
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
@@ -161,11 +161,6 @@ def digest_of(q: FloatArray) -> str:
     import numpy as np  # the catalogue lists sessions before it is needed
 
     return hashlib.sha256(np.ascontiguousarray(q, dtype="<f8").tobytes()).hexdigest()
-
-
-def signature(status: os.stat_result) -> tuple[int, ...]:
-    """Return what changes whenever somebody writes a file."""
-    return status.st_ino, status.st_mtime_ns, status.st_size
 
 
 def _document(path: Path, content: bytes) -> Document:

@@ -8,12 +8,10 @@ from typing import Any
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
-from rl_tui.lab.lessons.catalogue import lesson_folder
-from rl_tui.lab.lessons.lesson import Lesson, lesson_of
+from rl_tui.lab.lessons.lesson import Lesson, lesson_folder, lesson_of
 from rl_tui.lab.lessons.record import Given, LessonRecord, Passed
-from rl_tui.lab.lessons.schema import LONGEST_LESSON
+from rl_tui.lab.lessons.schema import LONGEST_LESSON, LONGEST_PROGRAM
 from rl_tui.lab.sessions.document import (
-    LONGEST_PROGRAM,
     MOST_GIVEN,
     StoredGiven,
     StoredLesson,

@@ -28,7 +28,7 @@ LESSON_ACTIONS: Final[tuple[Action, ...]] = (
         "lesson.answer",
         "A",
         "answer",
-        "Of a lesson: say what you expect, or choose; of a task: that it cannot be done.",
+        "Of a lesson: say what you expect, or choose; of a task: that it cannot be done, or your program.",
         Group.LESSON,
         rank=0,
         aliases="lesson predict prediction question impossible claim",

@@ -198,12 +198,12 @@ class RlTuiApp(LinkedApp[UserError]):
         self._start = None
         self.switch_screen(self._opener.lessons(self.look))
 
-    def on_lessons_screen_left(self) -> None:
+    def on_lessons_screen_list_closed(self) -> None:
         """Go back to the catalogue."""
         self._start = None
         self.switch_screen(self._opener.catalogue(self.look))
 
-    def on_lessons_screen_opened(self, event: LessonsScreen.Opened) -> None:
+    def on_lessons_screen_lesson_chosen(self, event: LessonsScreen.LessonChosen) -> None:
         """Go to the playground of a lesson."""
         try:
             playground = self._opener.first_screen(self.look, event.start)

@@ -112,7 +112,7 @@ class Opener:
 
     def playground(self, look: Look, recipe: Recipe, *, watches: bool = False) -> Playground:
         """Return the playground of a run that is about to begin; where it ``watches``, by itself."""
-        from rl_tui.lab.live.player import START_SPEED
+        from rl_tui.lab.live.speed.pacing import START_SPEED
         from rl_tui.lab.sessions.autosave import Autosave, untouched
 
         autosave = None if self.sessions is None else Autosave(untouched(recipe), self.sessions)
@@ -178,7 +178,7 @@ class Opener:
 
     def watching(self, look: Look, program: WatchedProgram) -> Playground:
         """Return the playground in which ``program`` takes the steps; it is kept in no session."""
-        from rl_tui.lab.live.player import START_SPEED
+        from rl_tui.lab.live.speed.pacing import START_SPEED
         from rl_tui.lab.live_programs.program_playback import ProgramPlayback
         from rl_tui.lab.live_programs.program_snapshot import usual_recipe
 
@@ -247,8 +247,8 @@ def beginning_of(lesson: LessonRecord) -> Record:
     Raises UserError where its scenario cannot be found or played, or a setting does not fit.
     """
     from rl_tui.lab.lessons.setups import recipe_of
-    from rl_tui.lab.live.player import START_SPEED
     from rl_tui.lab.live.record import Record
+    from rl_tui.lab.live.speed.pacing import START_SPEED
     from rl_tui.lab.timeline.branches import RunRecord
 
     setup = lesson.lesson.setup_of(lesson.page)

@@ -16,7 +16,7 @@ from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, strips_of
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.side_by_side import sides
-from rl_tui.tui.panels.snapshot_facts import is_secret
+from rl_tui.tui.panels.snapshot_facts import ANSWER_KEPT, is_secret, keeps_back
 from rl_tui.tui.theme.look import Look
 
 WAITING: Final = "the arms are being drawn"
@@ -49,10 +49,12 @@ def budget_lines(snapshot: Snapshot | None, look: Look, width: int) -> list[Line
     drifts = snapshot.world.mdp is not None and snapshot.world.mdp.drift_std > 0.0
     known = not is_secret(snapshot)
     lines = [_pulls(figures, look, spent, drifts), *_winnings(figures, look, width, known)]
-    return lines if known else [*lines, _hint(look)]
+    return lines if known else [*lines, _hint(snapshot, look)]
 
 
-def _hint(look: Look) -> Line:
+def _hint(snapshot: Snapshot, look: Look) -> Line:
+    if keeps_back(snapshot, "answer"):
+        return [Piece(f" regret and the best arm: {ANSWER_KEPT}", look.palette.dim)]
     return [Piece(" h  ", look.palette.accent), Piece("shows regret and the best arm", look.palette.dim)]
 
 
@@ -85,7 +87,7 @@ def pair_lines(lanes: tuple[Snapshot, Snapshot], led: Snapshot, look: Look) -> l
     if led.results.bandit is not None:
         drifts = led.world.mdp is not None and led.world.mdp.drift_std > 0.0
         lines += [[], _pulls(led.results.bandit, look, led.playback.phase is Phase.SPENT, drifts)]
-    return lines if known else [*lines, _hint(look)]
+    return lines if known else [*lines, _hint(led, look)]
 
 
 def _pulls(figures: BanditFigures, look: Look, spent: bool, drifts: bool) -> Line:

@@ -51,6 +51,11 @@ def answer_key(snapshot: Snapshot) -> str:
     return ANSWER_KEPT if keeps_back(snapshot, "answer") else ANSWER_KEY
 
 
+def shown_by(snapshot: Snapshot, them: str = "it") -> str:
+    """Return what shows something that is hidden while :func:`is_secret` holds, or that it has to wait."""
+    return f"the lesson keeps {them} back" if keeps_back(snapshot, "answer") else f"h shows {them}"
+
+
 def has_estimates(snapshot: Snapshot) -> bool:
     """Return whether estimates are known: of a program in which no table was found by its steps none are."""
     return snapshot.program is None or snapshot.program.table is not None or not snapshot.counters.step

@@ -31,7 +31,7 @@ class LegendSwitch:
         self.is_on = not self.is_on
         if self._folder is None:
             return
-        from rl_tui.lab.sessions.folder import is_homeless  # slow to load
+        from rl_tui.lab.sessions.place import is_homeless
 
         if is_homeless(self._folder):
             return

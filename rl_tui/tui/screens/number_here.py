@@ -18,7 +18,7 @@ from rl_tui.tui.panels.model.bellman import SECRET
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.q_table.layers import Layer, exact_q, other_lane, policy_q
 from rl_tui.tui.panels.q_table.q_table import QTable
-from rl_tui.tui.panels.snapshot_facts import has_estimates, hides_means, is_secret, keeps_back
+from rl_tui.tui.panels.snapshot_facts import has_estimates, hides_means, is_secret, shown_by
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
@@ -238,5 +238,5 @@ class _Teller:
             return f"The true mean is {SECRET}."
         if refused := self._snapshot.exact_answer.refused:
             return f"There is no exact value: {refused}"
-        key = "the lesson keeps it back" if keeps_back(self._snapshot, "answer") else "h shows it"
+        key = shown_by(self._snapshot)
         return f"The exact {symbol} is hidden: {key}." if is_secret(self._snapshot) else ""

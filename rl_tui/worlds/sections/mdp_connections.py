@@ -174,14 +174,14 @@ def _seen_findings(arrows: Sequence[Arrows], looks: Mapping[str, Any]) -> Iterat
     for each in arrows:
         legal[each.state or ""].add(each.action or "")
     first: dict[str, str] = {}
-    told = set[str]()  # of each look one fault is enough
+    faulty = set[str]()  # of each look one fault is enough
     for name in sorted(mentioned, key=lambda name: (name in looks, name)):  # first what is seen as itself
         look = looks.get(name, name)
-        if not is_name(look) or look in told:
+        if not is_name(look) or look in faulty:
             continue
         other = first.setdefault(look, name)
         if legal[name] != legal[other]:
-            told.add(look)
+            faulty.add(look)
             here, there = (", ".join(sorted(legal[state])) or "none" for state in (name, other))
             yield Finding(
                 ("seen_as", name if name in looks else other),

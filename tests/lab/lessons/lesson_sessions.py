@@ -7,8 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from rl_tui.lab.lessons.judging.journal_reader import run_digest
 from rl_tui.lab.lessons.lesson import Lesson, lesson_of
-from rl_tui.lab.lessons.record import Given, LessonRecord, Passed, begun, run_digest
+from rl_tui.lab.lessons.record import Given, LessonRecord, Passed, begun
 from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.recipe import Change, JournalEntry, Recipe, TakeAction, begin

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, Value
-from rl_tui.lab.lessons.judging.moment import Kept, Moment
+from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
 from rl_tui.lab.lessons.lesson import Lesson, lesson_of
 from rl_tui.lab.lessons.schema import Attempt, Condition
 from rl_tui.lab.run.library import find, recipe_for
@@ -57,7 +57,7 @@ def condition(measure: str, **fields: Any) -> Condition:
 
 def measured(run: Run, measure: str, kept: Kept | None = None, **arguments: Any) -> Value | None:
     """What ``measure`` says of ``run``, None where it has no value."""
-    moment = Moment(run, run.recipe, kept or Kept())
+    moment = JudgedMoment(run, run.recipe, kept or Kept())
     try:
         return MEASURES[measure].of(moment, condition(measure, **arguments))
     except MissingError:

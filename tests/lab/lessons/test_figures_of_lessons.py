@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from lesson_samples import with_figures
 
 from rl_tui.cli.main import program
-from rl_tui.lab.lessons.figures.figures import Figures
+from rl_tui.lab.lessons.figures.figures import LessonFigures
 from rl_tui.lab.lessons.figures.functions import FUNCTIONS
 
 pytestmark = pytest.mark.unit
@@ -86,7 +86,7 @@ RUNS: Final = (
 def finding(value: str, by: str) -> str:
     """What is wrong with a figure that is written ``value``, in one line; empty where it is so."""
     lesson = with_figures(f"tried = {{ value = {json.dumps(value)}, by = {json.dumps(by)} }}")
-    found = Figures(lesson).finding("tried")
+    found = LessonFigures(lesson).finding("tried")
     return "" if found is None else f"{found.location[-1]}: {found.found}; {found.expected}"
 
 
@@ -147,7 +147,7 @@ def test_figures_that_ask_for_each_other() -> None:
         'here = { value = "1", by = "there" }', 'there = { value = "1", by = "over_there" }',
         'over-there = { value = "1", by = "here" }',
     )  # fmt: skip
-    found = Figures(lesson).finding("here")
+    found = LessonFigures(lesson).finding("here")
     assert found is not None
     assert found.found == "here → there → over-there → here, a circle"
 
@@ -155,22 +155,22 @@ def test_figures_that_ask_for_each_other() -> None:
 def test_figures_that_ask_for_very_many_others() -> None:
     chain = (f'f{n} = {{ value = "1", by = "f{n + 1} * 1" }}' for n in range(280))
     lesson = with_figures(*chain, 'f280 = { value = "1", by = "1" }')
-    found = Figures(lesson).finding("f0")
+    found = LessonFigures(lesson).finding("f0")
     assert found is None or "too deep" in found.found
-    assert not Figures(lesson).needs_seeds("f0")
+    assert not LessonFigures(lesson).needs_seeds("f0")
 
 
 def test_a_figure_may_not_be_mistaken_for_a_setting() -> None:
     lesson = with_figures(
         'epsilon = { value = "0.5", by = "alpha" }', 'gamma = { value = "0.9", by = "gamma" }'
     )
-    assert Figures(lesson).finding("epsilon") is not None
-    assert Figures(lesson).finding("gamma") is None
+    assert LessonFigures(lesson).finding("epsilon") is not None
+    assert LessonFigures(lesson).finding("gamma") is None
 
 
 def test_a_mean_over_seeds_is_written_with_its_error() -> None:
     by = "mean('first_reward_episode', seeds=50, episodes=400, scenario='frozenlake')"
-    figures = Figures(with_figures(f'tried = {{ value = "1", by = "{by}" }}'))
+    figures = LessonFigures(with_figures(f'tried = {{ value = "1", by = "{by}" }}'))
     wanted = figures.value("tried")
     assert wanted == pytest.approx(71.7, abs=4 * wanted.error)
     assert finding(f"{wanted:.1f} ± {wanted.error:.1f}", by) == ""
@@ -191,7 +191,7 @@ def test_runs_over_seeds_are_those_of_the_command() -> None:
     returns = [row["return_mean"] for row in runs]
     over = "'return_mean', seeds=50, episodes=20, scenario='student', alpha=0.3"
     for name, exact in (("least", min(returns)), ("greatest", max(returns)), ("mean", sum(returns) / 50)):
-        figures = Figures(with_figures(f'tried = {{ value = "1", by = "{name}({over})" }}'))
+        figures = LessonFigures(with_figures(f'tried = {{ value = "1", by = "{name}({over})" }}'))
         assert figures.value("tried") == pytest.approx(exact, rel=1e-12)
     share = sum(value >= 5 for value in returns) / 50
     assert finding(f"{share:.0%}", f"share({over}, at_least=5)") == ""
@@ -201,7 +201,7 @@ def test_runs_over_seeds_are_those_of_the_command() -> None:
 
 def test_exact_figures_are_those_of_the_commands() -> None:
     solved = document("solve", "student", "--gamma", "0.5", "--flips")
-    asked = Figures(
+    asked = LessonFigures(
         with_figures(
             *(
                 f'{name} = {{ value = "1", by = "{by}" }}'

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from lesson_sessions import TEXT, all_done, guess, lesson, run_of, setup, write
 
-from rl_tui.lab.course.progress import Progress
+from rl_tui.lab.course.progress import StoredProgress
 from rl_tui.lab.lessons.lesson import lesson_of
 from rl_tui.lab.lessons.record import begun
 
@@ -17,16 +17,16 @@ LESSON = lesson()
 
 def test_without_sessions_nothing_is_begun(tmp_path: Path) -> None:
     write(tmp_path, "plain.json", None, run_of(setup(LESSON), 5))
-    assert Progress(tmp_path).of(LESSON) is None
-    assert Progress(tmp_path / "nowhere").of(LESSON) is None
-    assert Progress(None).of(LESSON) is None
+    assert StoredProgress(tmp_path).of(LESSON) is None
+    assert StoredProgress(tmp_path / "nowhere").of(LESSON) is None
+    assert StoredProgress(None).of(LESSON) is None
 
 
 def test_the_session_saved_last_counts_and_what_was_finished_stays_so(tmp_path: Path) -> None:
     old = write(tmp_path, "old.json", all_done(LESSON))
     write(tmp_path, "new.json", begun(LESSON).open("quiz").give(guess(LESSON, 3.0)).give(guess(LESSON)))
     os.utime(old, (1, 1))
-    progress = Progress(tmp_path).of(LESSON)
+    progress = StoredProgress(tmp_path).of(LESSON)
     assert progress is not None
     assert progress.session.path.name == "new.json"
     assert (progress.page, progress.tasks_passed, progress.tasks) == ("quiz", 0, 3)
@@ -36,7 +36,7 @@ def test_the_session_saved_last_counts_and_what_was_finished_stays_so(tmp_path: 
 
 def test_all_done(tmp_path: Path) -> None:
     write(tmp_path, "a.json", all_done(LESSON))
-    progress = Progress(tmp_path).of(LESSON)
+    progress = StoredProgress(tmp_path).of(LESSON)
     assert progress is not None
     assert (progress.page, progress.tasks_passed, progress.finished) == ("lake", 3, True)
     assert (progress.predictions_right, progress.predictions_made) == (1, 1)
@@ -44,12 +44,12 @@ def test_all_done(tmp_path: Path) -> None:
 
 def test_lessons_of_one_name_in_two_folders_are_two(tmp_path: Path) -> None:
     write(tmp_path, "a.json", begun(LESSON).open("quiz"))
-    assert Progress(tmp_path).of(lesson("elsewhere/evening.toml")) is None
+    assert StoredProgress(tmp_path).of(lesson("elsewhere/evening.toml")) is None
 
 
 def test_a_page_that_the_lesson_has_no_more_is_its_first(tmp_path: Path) -> None:
     write(tmp_path, "a.json", begun(LESSON).open("quiz"))
     shorter = lesson_of(TEXT.replace('id = "quiz"', 'id = "question"'), LESSON.source)
-    progress = Progress(tmp_path).of(replace(shorter))
+    progress = StoredProgress(tmp_path).of(replace(shorter))
     assert progress is not None
     assert progress.page == "start"

@@ -14,8 +14,8 @@ from fuzz_seeds import signed
 from lesson_sessions import TEXT, all_done, lesson, record, run_of, setup, taken, write
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.lessons.catalogue import lesson_folder, shipped_lessons
-from rl_tui.lab.lessons.lesson import lesson_of
+from rl_tui.lab.lessons.catalogue import shipped_lessons
+from rl_tui.lab.lessons.lesson import lesson_folder, lesson_of
 from rl_tui.lab.lessons.record import Given, begun
 from rl_tui.lab.sessions.document import VERSION
 from rl_tui.lab.sessions.replay import replay_target, replayed

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from lab.lessons.task_samples import condition, recipe_in
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.lessons.judging.attempts import replayed
+from rl_tui.lab.lessons.judging.journal_reader import entries_before, run_digest
 from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError
-from rl_tui.lab.lessons.judging.moment import Kept, Moment
-from rl_tui.lab.lessons.record import entries_before, run_digest
+from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
+from rl_tui.lab.lessons.judging.replays import replayed
 from rl_tui.lab.run.recipe import OrderSweep, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.lab.run.run import Run
 
@@ -42,7 +42,7 @@ OPERATIONS = st.one_of(
 
 def all_measured(run: Run, scenario: str, kept: Kept) -> dict[str, Any]:
     """Every measure of ``run``; of those that have none, why."""
-    moment = Moment(run, recipe_in(scenario), kept)
+    moment = JudgedMoment(run, recipe_in(scenario), kept)
     values = dict[str, Any]()
     for name, measure in MEASURES.items():
         known = {**ARGUMENTS[scenario], "first": 1, "last": 2}

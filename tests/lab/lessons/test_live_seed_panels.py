@@ -11,11 +11,15 @@ from lab.lessons.task_samples import condition, lesson_with, recipe_in
 
 from rl_tui.common.kiosk import VARIABLE
 from rl_tui.lab.lessons.judging import live_panels
+from rl_tui.lab.lessons.judging.attempts import evidence_holds
 from rl_tui.lab.lessons.judging.conditions import judged_task, verdict
+from rl_tui.lab.lessons.judging.journal_reader import run_digest
 from rl_tui.lab.lessons.judging.judge import TaskJudge
 from rl_tui.lab.lessons.judging.live_panels import LivePanels
+from rl_tui.lab.lessons.judging.panel_request import SeedValues
+from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce, worked_out
 from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.record import begun, run_digest
+from rl_tui.lab.lessons.record import begun
 from rl_tui.lab.lessons.view import LessonView, TaskView
 from rl_tui.lab.run.recipe import SetParameter
 from rl_tui.lab.run.run import Run
@@ -87,14 +91,14 @@ def test_a_panel_comes_to_what_the_replay_says(
         monkeypatch.setenv(VARIABLE, "1")
     lesson, run = maze_task(planning)
     record = begun(lesson)
-    assert [each.holds for each in task_of(judge.view(record, run)).conditions] == [False, False]
+    assert [each.holds for each in task_of(judge.view(record, run)).conditions] == [False, None]
     run.advance(episodes=1)
     first = task_of(judge.view(record, run))
     assert (first.conditions[1].holds, bool(first.waits), first.passed) == (None, True, None)
     news.until(lambda: task_of(judge.view(record, run)).conditions[1].holds is not None)
     known = task_of(judge.view(record, run))
     assert (known.conditions[1].holds, known.waits) == (expected, "")
-    assert known == verdict(judged_task(lesson, "only"), run)
+    assert known == verdict(judged_task(lesson, "only"), run, PanelsAtOnce())
 
 
 def test_without_time_it_is_known_at_once() -> None:
@@ -139,3 +143,53 @@ def test_a_page_without_a_task_has_none_and_a_digest(judge: TaskJudge) -> None:
     before = judge.view(begun(lesson), run).digest
     run.advance(1)
     assert judge.view(begun(lesson), run).digest != before
+
+
+LONG: dict[str, Any] = {"at_least": 1, "seeds": 40, "hold": 40, "episodes": 30}
+
+
+def test_seeds_that_are_done_are_not_run_again(news: News, monkeypatch: pytest.MonkeyPatch) -> None:
+    panels = LivePanels(news, automatic=True)
+    recipe = recipe_in("maze", algorithm="dyna-q", planning_steps=50)
+    asked = (condition("episodes", **LONG).model_copy(update={"equals": None}),)
+    panels.of(recipe, asked)
+    assert panels.waits == "judging: 0 seeds so far"
+    news.until(lambda: panels.waits.endswith(" of 40 seeds"))
+    panels.end()
+    begun_again = panels.of(recipe_in("maze", seed=3, algorithm="dyna-q", planning_steps=50), asked)
+    assert begun_again[0].holds is None
+    assert panels.waits != "judging: 0 seeds so far"
+    news.until(lambda: panels.of(recipe, asked)[0].holds is not None)
+    assert panels.of(recipe, asked)[0] == (True, "40 of 40 seeds")
+    panels.close()
+
+
+def test_seeds_that_are_known_count_as_they_were() -> None:
+    recipe, asked = recipe_in("student"), (condition("steps", seeds=3, hold=2, steps=5, at_least=5),)
+    asked = (asked[0].model_copy(update={"equals": None}),)
+    heard: list[tuple[int, int, SeedValues]] = []
+    verdicts = worked_out(recipe, asked, lambda *each: heard.append(each), [[4.0], [4.0]])
+    assert heard == [(3, 3, [5.0])]
+    assert verdicts == ((False, "1 of 3 seeds"),)
+
+
+def test_a_run_that_goes_on_while_seeds_are_worked_out_passes_by_what_it_did(
+    judge: TaskJudge, news: News
+) -> None:
+    lesson = lesson_with(
+        {"measure": "episodes", "equals": 1}, PANEL, scenario="maze", algorithm="dyna-q", planning_steps=50
+    )
+    run = Run(judged_task(lesson, "only").setup)
+    record = begun(lesson)
+    run.advance(episodes=1)
+    held = run.step
+    assert task_of(judge.view(record, run)).passed is None
+    run.advance(episodes=1)
+    gone_on = task_of(judge.view(record, run))
+    assert (gone_on.conditions[0].holds, gone_on.passed) == (False, None)
+    assert gone_on.waits.endswith(f"as of step {held:,}")
+    news.until(lambda: task_of(judge.view(record, run)).passed is not None)
+    passed = task_of(judge.view(record, run)).passed
+    assert passed is not None
+    assert passed.step == held
+    assert evidence_holds(lesson, passed).passed is not None

@@ -11,7 +11,7 @@ from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.lab.experiments.training import Goal, train
 from rl_tui.lab.lessons.judging.condition_faults import FIRST_EPISODES
 from rl_tui.lab.lessons.judging.measures import MEASURES
-from rl_tui.lab.lessons.judging.moment import Kept, Moment
+from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
 from rl_tui.lab.run.changes import journal_of, read_change
 from rl_tui.lab.run.figures import training_figures
 from rl_tui.lab.run.history import FIRST
@@ -188,5 +188,5 @@ def test_settings_that_differ_from_the_setup_are_counted() -> None:
     run = Run(recipe_in("student", epsilon=0.2, algorithm="sarsa"))
     run.apply(SetParameter("alpha", 0.7))
     run.advance(1)
-    moment = Moment(run, recipe_in("student"), Kept())
+    moment = JudgedMoment(run, recipe_in("student"), Kept())
     assert MEASURES["changed_settings"].of(moment, condition("changed_settings")) == 3

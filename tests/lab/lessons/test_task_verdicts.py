@@ -9,9 +9,13 @@ from lab.lessons.task_samples import attempt, condition, lesson_with, recipe_in
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.detective.verdict import CodeFault, CodeFinding, ProgramVerdict, Rule, UpdateFound
-from rl_tui.lab.lessons.judging.attempts import attempted_run, evidence_holds, passes
-from rl_tui.lab.lessons.judging.conditions import in_words, is_met, judged_task, program_verdict, verdict
+from rl_tui.lab.lessons.judging.attempts import evidence_holds, passes
+from rl_tui.lab.lessons.judging.conditions import judged_task, program_verdict, verdict
+from rl_tui.lab.lessons.judging.replays import attempted_run
+from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
+from rl_tui.lab.lessons.judging.verdicts import in_words, is_met
 from rl_tui.lab.lessons.lesson import Lesson
+from rl_tui.lab.lessons.programs.seen_program import SeenProgram
 from rl_tui.lab.lessons.record import Passed
 from rl_tui.lab.lessons.view import TaskView
 from rl_tui.lab.run.recipe import JournalEntry, SetParameter, TakeAction
@@ -124,7 +128,7 @@ def test_a_run_in_another_world_or_under_another_seed_passes_nothing() -> None:
     ):
         run = Run(recipe)
         run.advance(2)
-        view = verdict(judged, run)
+        view = verdict(judged, run, PanelsAtOnce())
         assert (view.passed is not None) is expected
     assert passes(lesson, "only", attempt(steps=2), seed=7).passed is not None
 
@@ -220,7 +224,7 @@ def test_a_journal_entry_that_waits_is_no_evidence() -> None:
     run.apply(TakeAction(0))
     run.advance(1)
     run.apply(SetParameter("gamma", 0.1))
-    passed = verdict(judged, run).passed
+    passed = verdict(judged, run, PanelsAtOnce()).passed
     assert passed is not None
     assert passed.journal == (JournalEntry(0, TakeAction(0)),)
 
@@ -251,7 +255,23 @@ def test_a_program_is_judged_by_what_watching_it_found(found: ProgramVerdict, ex
         {"measure": "program_gamma", "equals": 0.9},
     ]
     lesson = lesson_with(*asked, more='program = { file = "mine.py", skeleton = "" }\n')
-    view = program_verdict(judged_task(lesson, "only"), "code", found)
+    view = program_verdict(judged_task(lesson, "only"), "code", SeenProgram(found))
     assert holds(view) == expected
     assert (view.passed is not None) is all(expected)
     assert view.passed is None or view.passed.program == "code"
+
+
+def test_what_only_a_step_can_tell_is_open_before_the_first_one() -> None:
+    lesson = lesson_with(
+        {"measure": "gamma", "equals": 0.9},
+        {"measure": "reward", "equals": -2},
+        {"measure": "steps", "at_least": 1},
+        {"measure": "q", "state": "Class", "action": "study", "below": 0, "seeds": 2, "hold": 2, "steps": 3},
+    )
+    judged = judged_task(lesson, "only")
+    run = Run(judged.setup)
+    view = verdict(judged, run, PanelsAtOnce())
+    assert [each.holds for each in view.conditions] == [None, None, False, None]
+    assert view.passed is None
+    run.advance(1)
+    assert verdict(judged, run, PanelsAtOnce()).conditions[0].holds is True

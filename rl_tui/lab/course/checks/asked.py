@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.findings import Finding, Location, near, shown
-from rl_tui.lab.lessons.figures.figures import Figures
 from rl_tui.lab.lessons.figures.written import in_digits_of
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.schema import Ask
 from rl_tui.lab.lessons.spotlights import SPOTLIGHTS
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.figures.figures import LessonFigures
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.lessons.schema import Ask
 
 _FIGURE: Final = re.compile(r"\{([a-z][a-z0-9_-]*)\}")
 _SLACK: Final = 1e-9
 
 
 def page_findings(
-    lesson: Lesson, raw: Mapping[str, Any], figures: Figures, *, quick: bool
+    lesson: Lesson, raw: Mapping[str, Any], figures: LessonFigures, *, quick: bool
 ) -> Iterator[Finding]:
     """Yield what is wrong with spotlights, predictions and questions. ``raw`` is the file without figures."""
     for number, page in enumerate(lesson.pages):
@@ -33,7 +35,7 @@ def page_findings(
 
 
 def _ask_findings(
-    ask: Ask, written: object, where: Location, figures: Figures, *, quick: bool
+    ask: Ask, written: object, where: Location, figures: LessonFigures, *, quick: bool
 ) -> Iterator[Finding]:
     if ask.answer is None:
         yield from _choice_findings(ask, where)
@@ -52,7 +54,7 @@ def _ask_findings(
 
 
 def _answer_findings(
-    ask: Ask, answer: float, written: object, where: Location, figures: Figures, *, quick: bool
+    ask: Ask, answer: float, written: object, where: Location, figures: LessonFigures, *, quick: bool
 ) -> Iterator[Finding]:
     """Yield that an answer is no figure, or that who knows it exactly would be told that it is wrong."""
     figure = _FIGURE.fullmatch(written.strip()) if isinstance(written, str) else None

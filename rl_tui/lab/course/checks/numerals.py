@@ -8,18 +8,20 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.agents.catalogue import parameters_of
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding, Location, shown
 from rl_tui.lab.lessons.figures.expression import FigureError
-from rl_tui.lab.lessons.figures.subject import Subject
+from rl_tui.lab.lessons.figures.subject import FigureSubject
 from rl_tui.lab.lessons.figures.written import written_number
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.schema import Page
 from rl_tui.lab.run.changes import read_change
 from rl_tui.worlds.drawing import Grid
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.lessons.schema import Page
 
 PROSE: Final = frozenset(
     ("title", "summary", "goals", "text", "explanation", "ask", "reply", "do", "hints", "solution")
@@ -109,7 +111,7 @@ def _allowed(lesson: Lesson, page: Page, known: dict[Any, Any]) -> tuple[tuple[f
     numbers = set(_ALWAYS)
     names: tuple[str, ...] = ()
     try:
-        subject = Subject.of_page(lesson, page.id, known)
+        subject = FigureSubject.of_page(lesson, page.id, known)
         numbers.update(_settings(subject), _world(subject))
         names = tuple(subject.world.space.state_names)
     except (FigureError, UserError):
@@ -129,7 +131,7 @@ def _allowed(lesson: Lesson, page: Page, known: dict[Any, Any]) -> tuple[tuple[f
     return tuple(numbers), names
 
 
-def _settings(subject: Subject) -> Iterator[float]:
+def _settings(subject: FigureSubject) -> Iterator[float]:
     used = parameters_of(subject.recipe.algorithm, subject.values.policy)
     yield from _numbers(subject.values.value(name) for name in used)
     yield float(subject.recipe.seed)
@@ -137,7 +139,7 @@ def _settings(subject: Subject) -> Iterator[float]:
     yield from _in_text(subject.recipe.scenario.id)
 
 
-def _world(subject: Subject) -> Iterator[float]:
+def _world(subject: FigureSubject) -> Iterator[float]:
     """Yield rewards and chances of the world, its limits, and the size of its map."""
     world = subject.world
     yield from _numbers((world.space.time_limit, world.budget))

@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding, Location, shown
 from rl_tui.lab.course.checks.waiting import waiting_findings
-from rl_tui.lab.lessons.figures.figures import Figures
 from rl_tui.lab.lessons.figures.written import in_digits_of
-from rl_tui.lab.lessons.judging.attempts import attempted_run, judged_claim
-from rl_tui.lab.lessons.judging.conditions import Panels, Verdict, is_met, judged_task, verdict
+from rl_tui.lab.lessons.judging.attempts import judged_claim, judged_program
+from rl_tui.lab.lessons.judging.conditions import judged_task, verdict
+from rl_tui.lab.lessons.judging.replays import attempted_run
 from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.schema import Attempt, Condition, Page, Proof, Task
-from rl_tui.lab.lessons.view import TaskView
+from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict, Panels, is_met
 from rl_tui.lab.run.changes import TAKE, read_change
-from rl_tui.lab.run.recipe import Recipe
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.figures.figures import LessonFigures
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.lessons.schema import Attempt, Condition, ImpossibilityProof, Page, ProgramToWrite, Task
+    from rl_tui.lab.lessons.view import TaskView
+    from rl_tui.lab.run.recipe import Recipe
 
 LEAST_REJECTS: Final = 3
 SEEDS_OF_VARIANTS: Final = 100
@@ -31,9 +35,9 @@ class UndecidedPanels:
 
     waits = ""
 
-    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[Verdict]:
+    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
         """Return that nothing is known of any condition."""
-        return [Verdict(None, "left out") for _ in conditions]
+        return [ConditionVerdict(None, "left out") for _ in conditions]
 
 
 class _Judged(NamedTuple):
@@ -74,11 +78,11 @@ class TaskCheck:
                 (*self._where, "rejects"), found, f"{LEAST_REJECTS} or more that the task is held to"
             )
 
-    def findings(self, figures: Figures, on_attempt: OnAttempt) -> Iterator[Finding]:
+    def findings(self, figures: LessonFigures, on_attempt: OnAttempt) -> Iterator[Finding]:
         """Yield what is wrong with the task."""
         if self._task.proof is not None:
             yield from self._proof_findings(self._task.proof, figures)
-        if self._task.program is not None:
+        if self._task.program is not None and self._quick:
             return
         if not self._task.accepts:
             yield Finding((*self._where, "accepts"), "no attempt", "one at least that passes")
@@ -87,14 +91,24 @@ class TaskCheck:
             for place, attempt in enumerate(attempts):
                 on_attempt(attempt.name)
                 yield from self._attempt_findings(attempt, (*self._where, key, place), ends)
+        if self._task.program is not None:
+            on_attempt("the skeleton")
+            yield from self._skeleton_findings(self._task.program)
+            return
         on_attempt("waiting")
         yield from waiting_findings(judged_task(self._lesson, self._page.id), self._where, ends, self._panels)
+
+    def _skeleton_findings(self, program: ProgramToWrite) -> Iterator[Finding]:
+        """Yield that what the learner begins with passes as it is."""
+        if self._judged_program(program.skeleton).view.passed is not None:
+            where = (*self._where, "program", "skeleton")
+            yield Finding(where, "a program that passes", "one in which something is missing")
 
     def findings_over_seeds(self, on_attempt: OnAttempt) -> Iterator[Finding]:
         """Yield which attempts do not hold under all of 100 seeds in place of the setup's own."""
         for key, attempts in (("accepts", self._task.accepts), ("rejects", self._task.rejects)):
             for place, attempt in enumerate(attempts):
-                if attempt.claim or attempt.program or _is_by_hand(attempt):
+                if attempt.claim or self._task.program is not None or _is_by_hand(attempt):
                     continue
                 on_attempt(attempt.name)
                 passed = 0
@@ -121,13 +135,18 @@ class TaskCheck:
                 where, f"{shown(attempt.name)}, refused: {_why(judged.view)}", "an attempt that passes"
             )
 
+    def _judged_program(self, code: str) -> _Judged:
+        return _Judged(judged_program(judged_task(self._lesson, self._page.id), code), 0)
+
     def _judged(self, attempt: Attempt, seed: int | None = None) -> _Judged:
+        if self._task.program is not None and not attempt.claim:
+            return self._judged_program(attempt.program)
         task = judged_task(self._lesson, self._page.id, seed)
         run = attempted_run(self._lesson, self._page.id, attempt, seed)
         judge = judged_claim if attempt.claim else verdict
         return _Judged(judge(task, run, self._panels), run.step)
 
-    def _proof_findings(self, proof: Proof, figures: Figures) -> Iterator[Finding]:
+    def _proof_findings(self, proof: ImpossibilityProof, figures: LessonFigures) -> Iterator[Finding]:
         """Yield that the best there is would do, so that nothing is proved."""
         condition = self._task.conditions[proof.condition]
         try:
@@ -140,7 +159,9 @@ class TaskCheck:
 
 
 def _why(view: TaskView) -> str:
-    """Return the first condition that does not hold, and what was found."""
+    """Return the first condition that does not hold, and what was found; of a program what is wrong first."""
+    if view.remarks:
+        return view.remarks[0]
     for condition in view.conditions:
         if not condition.holds:
             return f"{shown(condition.text)} does not hold ({condition.found or 'nothing'})"

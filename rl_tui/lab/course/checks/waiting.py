@@ -7,8 +7,9 @@ from typing import Final
 
 from rl_tui.common.findings import Finding, Location
 from rl_tui.lab.experiments.training import Goal, train
-from rl_tui.lab.lessons.judging.conditions import JudgedTask, Panels, verdict
+from rl_tui.lab.lessons.judging.conditions import JudgedTask, verdict
 from rl_tui.lab.lessons.judging.moment import Kept
+from rl_tui.lab.lessons.judging.verdicts import Panels
 from rl_tui.lab.run.library import episodes_of
 from rl_tui.lab.run.recipe import begin
 from rl_tui.lab.run.run import Run

@@ -46,12 +46,12 @@ class FigureError(UserError):
         super().__init__(f"found {found}; expected {expected}")
 
 
-class Estimate(float):
+class SeedMean(float):
     """A mean over seeds: a number with its standard ``error``."""
 
     error: float
 
-    def __new__(cls, value: float, error: float) -> Estimate:
+    def __new__(cls, value: float, error: float) -> SeedMean:
         """Return the mean ``value`` with this ``error``."""
         made = super().__new__(cls, value)
         made.error = error
@@ -143,7 +143,7 @@ class _Evaluation:
         value = self.value(node)
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise FigureError(f"{shown(ast.unparse(node))}, which is {shown(value)}", "a number")
-        return value if isinstance(value, Estimate) else float(value)
+        return value if isinstance(value, SeedMean) else float(value)
 
     def _arithmetic(self, op: ast.operator, left: float, right: float) -> float:
         try:
@@ -155,20 +155,20 @@ class _Evaluation:
         if not isinstance(result, float) or not math.isfinite(result):
             raise FigureError("a result that is no finite number", "numbers whose result can be written")
         error = _error_of(op, left, right)
-        return result if error is None else Estimate(result, error)
+        return result if error is None else SeedMean(result, error)
 
 
 def _error_of(op: ast.operator, left: float, right: float) -> float | None:
     """Return the standard error of what ``op`` makes of one mean over seeds and a number; else None."""
-    if isinstance(left, Estimate) == isinstance(right, Estimate):
+    if isinstance(left, SeedMean) == isinstance(right, SeedMean):
         return None
-    error = left.error if isinstance(left, Estimate) else getattr(right, "error", 0.0)
-    other = right if isinstance(left, Estimate) else left
+    error = left.error if isinstance(left, SeedMean) else getattr(right, "error", 0.0)
+    other = right if isinstance(left, SeedMean) else left
     match op:
         case ast.Add() | ast.Sub():
             return error
         case ast.Mult():
             return error * abs(other)
-        case ast.Div() if isinstance(left, Estimate):
+        case ast.Div() if isinstance(left, SeedMean):
             return error / abs(other)
     return None

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import ast
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding, near, shown
-from rl_tui.lab.lessons.figures.expression import Estimate, FigureError, evaluate, read_expression
+from rl_tui.lab.lessons.figures.expression import FigureError, SeedMean, evaluate, read_expression
 from rl_tui.lab.lessons.figures.functions import called
-from rl_tui.lab.lessons.figures.subject import SETTINGS, Subject, plain_name, subject_of
+from rl_tui.lab.lessons.figures.subject import SETTINGS, FigureSubject, plain_name, subject_of
 from rl_tui.lab.lessons.figures.written import WrittenNumber, in_digits_of, written_number
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.schema import Figure
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.lessons.schema import Figure
 
 OVER_SEEDS: Final = frozenset(
     ("mean", "error_of_mean", "median", "least", "greatest", "share", "count", "ahead")
@@ -20,7 +22,7 @@ OVER_SEEDS: Final = frozenset(
 """Functions whose work is many runs: what a quick check leaves out."""
 
 
-class Figures:
+class LessonFigures:
     """Works out the figures of ``lesson``, each once. ``known`` are results shared with other lessons."""
 
     def __init__(self, lesson: Lesson, known: dict[Any, Any] | None = None) -> None:
@@ -81,7 +83,7 @@ class Figures:
         setup = figure.setup or next(iter(self._lesson.setups))
         tree = read_expression(figure.by)
 
-        def subject_with(overrides: dict[str, Any]) -> Subject:
+        def subject_with(overrides: dict[str, Any]) -> FigureSubject:
             return subject_of(self._lesson, setup, overrides, self._known)
 
         def look(name: str) -> Any:
@@ -105,7 +107,7 @@ def _why_wrong(value: str, exact: Any) -> str | None:
     if isinstance(exact, bool) or not isinstance(exact, int | float):
         return f"a figure that is a number or a text; this one is {shown(exact)}"
     written = written_number(value)
-    error = exact.error if isinstance(exact, Estimate) else None
+    error = exact.error if isinstance(exact, SeedMean) else None
     recomputed = in_digits_of(exact, value) + (
         f" ± {in_digits_of(error, value)}" if error is not None else ""
     )

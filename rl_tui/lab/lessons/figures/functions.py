@@ -12,12 +12,12 @@ from rl_tui.common.findings import near, shown
 from rl_tui.lab.lessons.figures import exact, runs, world_facts
 from rl_tui.lab.lessons.figures.expression import FigureError
 from rl_tui.lab.lessons.figures.measuring import ARGUMENTS
-from rl_tui.lab.lessons.figures.subject import OTHER_WORLD, SETTINGS, Subject, plain_name
+from rl_tui.lab.lessons.figures.subject import OTHER_WORLD, SETTINGS, FigureSubject, plain_name
 
 
 @dataclass(frozen=True, slots=True)
 class FigureFunction:
-    """A function of expressions: ``work`` takes a Subject first, but for one of plain mathematics.
+    """A function of expressions: ``work`` takes a FigureSubject first, but for one of plain mathematics.
 
     ``more`` are arguments by name that it takes beside those of its signature.
     """
@@ -147,7 +147,7 @@ def called(
     name: str,
     arguments: list[Any],
     by_name: Mapping[str, Any],
-    subject_with: Callable[[dict[str, Any]], Subject],
+    subject_with: Callable[[dict[str, Any]], FigureSubject],
 ) -> Any:
     """Return what the function of this ``name`` comes to.
 

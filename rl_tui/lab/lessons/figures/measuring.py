@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.findings import near, shown
 from rl_tui.lab.lessons.figures.expression import FigureError
 from rl_tui.lab.lessons.figures.subject import name_of, whole
 from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, Value
-from rl_tui.lab.lessons.judging.moment import Kept, Moment
+from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
 from rl_tui.lab.lessons.schema import MOST_STEPS, Condition
-from rl_tui.lab.run.run import Run
+
+if TYPE_CHECKING:
+    from rl_tui.lab.run.run import Run
 
 ARGUMENTS: Final = ("state", "action", "actions", "first", "last", "at")
 """What some measures take besides."""
@@ -21,7 +23,7 @@ def measured(run: Run, measure: str, arguments: Mapping[str, Any]) -> Value:
     """Return a measure of ``run`` where it stands. Raises FigureError where it has no value."""
     condition = _condition(measure, arguments)
     try:
-        return MEASURES[measure].of(Moment(run, run.recipe, Kept()), condition)
+        return MEASURES[measure].of(JudgedMoment(run, run.recipe, Kept()), condition)
     except MissingError as reason:
         raise FigureError(f"{measure}: {reason}", "a measure that has a value at that step") from reason
 
@@ -34,7 +36,7 @@ def measured_of_each(runs: Iterable[Run], measure: str, arguments: Mapping[str, 
 
 def _or_none(run: Run, condition: Condition, kept: Kept) -> Value | None:
     try:
-        return MEASURES[condition.measure].of(Moment(run, run.recipe, kept), condition)
+        return MEASURES[condition.measure].of(JudgedMoment(run, run.recipe, kept), condition)
     except MissingError:
         return None
 

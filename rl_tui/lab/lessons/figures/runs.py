@@ -6,21 +6,23 @@ import math
 import statistics
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
 from rl_tui.lab.experiments.patience import cores
 from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
 from rl_tui.lab.experiments.training import Goal, OnProgress, train
-from rl_tui.lab.lessons.figures.expression import Estimate, FigureError
+from rl_tui.lab.lessons.figures.expression import FigureError, SeedMean
 from rl_tui.lab.lessons.figures.measuring import measured, measured_of_each
-from rl_tui.lab.lessons.figures.subject import Subject, name_of, whole
-from rl_tui.lab.lessons.judging.attempts import attempted_run
-from rl_tui.lab.lessons.judging.measures import Value
+from rl_tui.lab.lessons.figures.subject import FigureSubject, name_of, whole
+from rl_tui.lab.lessons.judging.replays import attempted_run
 from rl_tui.lab.run.changes import journal_of, read_change
-from rl_tui.lab.run.recipe import JournalEntry
 from rl_tui.lab.run.run import Run
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.judging.measures import Value
+    from rl_tui.lab.run.recipe import JournalEntry
 
 LEAST_SEEDS: Final = 50
 """Of what is said about learning: fewer may say anything."""
@@ -34,7 +36,7 @@ MOST_KEPT: Final = 4
 
 
 def run(
-    subject: Subject,
+    subject: FigureSubject,
     measure: object,
     steps: object = None,
     episodes: object = None,
@@ -51,7 +53,7 @@ def run(
     return measured(subject.known[key], _name(measure), arguments)
 
 
-def attempt(subject: Subject, page: object, name: object, measure: object, **arguments: Any) -> Value:
+def attempt(subject: FigureSubject, page: object, name: object, measure: object, **arguments: Any) -> Value:
     """Return a measure at the end of an attempt, by its page and its name."""
     lesson = subject.lesson
     tasks = {each.id: each for each in lesson.tasks}
@@ -69,45 +71,47 @@ def attempt(subject: Subject, page: object, name: object, measure: object, **arg
     return measured(subject.known[key], _name(measure), arguments)
 
 
-def mean(subject: Subject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> Estimate:
+def mean(subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> SeedMean:
     """Return the mean of a measure over seeds 0, 1, …, with its standard error: written ``m ± e``."""
     values = _values(subject, measure, _many(seeds), arguments)
-    return Estimate(statistics.fmean(values), statistics.stdev(values) / math.sqrt(len(values)))
+    return SeedMean(statistics.fmean(values), statistics.stdev(values) / math.sqrt(len(values)))
 
 
-def error_of_mean(subject: Subject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> float:
+def error_of_mean(
+    subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any
+) -> float:
     """Return the standard error of that mean."""
     return mean(subject, measure, seeds, **arguments).error
 
 
-def median(subject: Subject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> float:
+def median(subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> float:
     """Return the median of a measure over seeds 0, 1, …"""
     return statistics.median(_values(subject, measure, _many(seeds), arguments))
 
 
-def least(subject: Subject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> float:
+def least(subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> float:
     """Return the least value of a measure over seeds 0, 1, …"""
     return min(_values(subject, measure, _many(seeds), arguments))
 
 
-def greatest(subject: Subject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> float:
+def greatest(subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> float:
     """Return the greatest value of a measure over seeds 0, 1, …"""
     return max(_values(subject, measure, _many(seeds), arguments))
 
 
-def share(subject: Subject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> float:
+def share(subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> float:
     """Return the share of seeds 0, 1, … in which a measure is ``at_least``, ``equals`` … what is given."""
     many = _many(seeds)
     return _holding(subject, measure, many, arguments) / many
 
 
-def count(subject: Subject, measure: object, seeds: object, **arguments: Any) -> int:
+def count(subject: FigureSubject, measure: object, seeds: object, **arguments: Any) -> int:
     """Return in how many of the seeds 0, 1, … that is so: of these seeds alone, be they few."""
     return _holding(subject, measure, whole(seeds, "seeds", 1, MOST_SEEDS), arguments)
 
 
 def ahead(
-    subject: Subject,
+    subject: FigureSubject,
     measure: object,
     these: object,
     those: object,
@@ -138,7 +142,7 @@ _TESTS: Final[dict[str, Callable[[Any, Any], bool]]] = {
 TESTS: Final = tuple(_TESTS)
 
 
-def _holding(subject: Subject, measure: object, seeds: int, arguments: dict[str, Any]) -> int:
+def _holding(subject: FigureSubject, measure: object, seeds: int, arguments: dict[str, Any]) -> int:
     """Return in how many seeds all the tests among ``arguments`` hold; what has no value passes none."""
     bounds = {name: arguments.pop(name) for name in TESTS if name in arguments}
     if not bounds:
@@ -155,7 +159,7 @@ def _holding(subject: Subject, measure: object, seeds: int, arguments: dict[str,
         ) from fault
 
 
-def _values(subject: Subject, measure: object, seeds: int, arguments: dict[str, Any]) -> list[float]:
+def _values(subject: FigureSubject, measure: object, seeds: int, arguments: dict[str, Any]) -> list[float]:
     every = _measured(subject, measure, seeds, arguments)
     missing = [seed for seed, value in enumerate(every) if not isinstance(value, int | float)]
     if missing:
@@ -165,7 +169,9 @@ def _values(subject: Subject, measure: object, seeds: int, arguments: dict[str, 
     return [float(value) for value in every if value is not None]
 
 
-def _measured(subject: Subject, measure: object, seeds: int, arguments: dict[str, Any]) -> list[Value | None]:
+def _measured(
+    subject: FigureSubject, measure: object, seeds: int, arguments: dict[str, Any]
+) -> list[Value | None]:
     """Return the measure under each of the seeds 0 … seeds - 1."""
     rest = dict(arguments)
     goal = _goal(rest.pop("steps", None), rest.pop("episodes", None))
@@ -178,7 +184,7 @@ def _measured(subject: Subject, measure: object, seeds: int, arguments: dict[str
     return found
 
 
-def _runs(subject: Subject, goal: Goal, journal: tuple[JournalEntry, ...], seeds: int) -> list[Run]:
+def _runs(subject: FigureSubject, goal: Goal, journal: tuple[JournalEntry, ...], seeds: int) -> list[Run]:
     """Return the runs of the seeds, on all cores; those of the last questions are kept for the next."""
     key = id(subject), goal, journal, seeds
     kept: dict[Any, list[Run]] = subject.known.setdefault("runs", {})
@@ -238,7 +244,7 @@ def _goal(steps: object, episodes: object) -> Goal:
     return Goal(episodes=whole(episodes, "episodes", 0, MOST_STEPS))
 
 
-def _journal(subject: Subject, changes: object) -> tuple[JournalEntry, ...]:
+def _journal(subject: FigureSubject, changes: object) -> tuple[JournalEntry, ...]:
     if not isinstance(changes, list | tuple) or not all(isinstance(each, str) for each in changes):
         raise FigureError(shown(changes), 'a list of changes, ["STEP:NAME=VALUE"]')
     try:

@@ -5,26 +5,28 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
-from rl_tui.agents.exact.solution import Solution
 from rl_tui.agents.exact.solve import solve
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.common.findings import near, shown
 from rl_tui.lab.lessons.figures.expression import FigureError
-from rl_tui.lab.lessons.lesson import Lesson
 from rl_tui.lab.lessons.setups import scenario_for
 from rl_tui.lab.run.exact_answers import NO_TABLE
 from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.run.recipe import Recipe, begin
-from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
-from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from rl_tui.agents.exact.solution import Solution
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+    from rl_tui.worlds.world import World
 
 OTHER_WORLD: Final = ("setup", "scenario", "seed")
 SETTINGS: Final = ("algorithm", *PARAMETERS)
 
 
-class Subject:
+class FigureSubject:
     """A recipe of the lesson, and what is worked out of it once: its world and its exact answer.
 
     ``known`` are results of runs, shared by all subjects of one check.
@@ -35,7 +37,7 @@ class Subject:
         lesson: Lesson,
         recipe: Recipe,
         known: dict[Any, Any],
-        changed: Callable[[Mapping[str, Any]], Subject],
+        changed: Callable[[Mapping[str, Any]], FigureSubject],
     ) -> None:
         self.lesson = lesson
         self.recipe = recipe
@@ -44,7 +46,7 @@ class Subject:
         """Returns the subject with other settings besides."""
 
     @classmethod
-    def of_page(cls, lesson: Lesson, page: str, known: dict[Any, Any]) -> Subject:
+    def of_page(cls, lesson: Lesson, page: str, known: dict[Any, Any]) -> FigureSubject:
         """Return the subject of the setup that is in force on a page. Raises UserError."""
         return subject_of(lesson, lesson.setup_of(page), {}, known)
 
@@ -107,7 +109,9 @@ class Subject:
         return pair
 
 
-def subject_of(lesson: Lesson, setup: str, overrides: Mapping[str, Any], known: dict[Any, Any]) -> Subject:
+def subject_of(
+    lesson: Lesson, setup: str, overrides: Mapping[str, Any], known: dict[Any, Any]
+) -> FigureSubject:
     """Return the subject of a setup, with ``overrides``: setup or scenario, seed, and settings by name.
 
     Raises UserError where a scenario cannot be found or a setting does not fit.
@@ -134,11 +138,11 @@ def subject_of(lesson: Lesson, setup: str, overrides: Mapping[str, Any], known: 
         else:
             found = find(name_of(scenario))
 
-        def changed(more: Mapping[str, Any]) -> Subject:
+        def changed(more: Mapping[str, Any]) -> FigureSubject:
             return subject_of(lesson, setup, {**overrides, **more}, known)
 
-        known[key] = Subject(lesson, recipe_for(found, settings, seed), known, changed)
-    subject: Subject = known[key]
+        known[key] = FigureSubject(lesson, recipe_for(found, settings, seed), known, changed)
+    subject: FigureSubject = known[key]
     return subject
 
 

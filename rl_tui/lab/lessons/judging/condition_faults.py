@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.findings import Finding, near, shown
-from rl_tui.lab.lessons.judging.measures import ARGUMENTS, MEASURES, Gives, Kind, Measure
-from rl_tui.lab.lessons.schema import Attempt, Condition, Task
+from rl_tui.lab.lessons.judging.measures import ARGUMENTS, MEASURES, Gives, Measure, MeasureKind
 from rl_tui.lab.run.changes import read_change
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.schema import Ask, Attempt, Condition, Measured, Task
 
 ALGORITHM: Final = "algorithm"
 FIRST_EPISODES: Final = 100
@@ -57,26 +59,48 @@ def attempt_findings(attempt: Attempt) -> Iterator[Finding]:
             yield Finding(("changes", number), shown(change), f"a change that can be made: {why}")
 
 
+def prediction_findings(ask: Ask) -> Iterator[Finding]:
+    """Yield what is wrong with what a prediction shows of the run, seen from its table."""
+    if ask.shows is None:
+        return
+    yield from (each.inside("shows") for each in _measure_findings(ask.shows))
+    measure = MEASURES.get(ask.shows.measure)
+    if measure is None:
+        return
+    if measure.of_program is not None:
+        yield Finding(("shows", "measure"), shown(measure.name), "a measure of the run")
+    elif ask.answer is not None and measure.gives not in (Gives.NUMBER, Gives.EITHER):
+        expected = f"a measure that is a number, as the answer is: {measure.name} is {measure.gives}"
+        yield Finding(("shows", "measure"), shown(measure.name), expected)
+
+
 def condition_findings(condition: Condition) -> Iterator[Finding]:
     """Yield what is wrong with ``condition``, seen from its table."""
+    yield from _measure_findings(condition)
     measure = MEASURES.get(condition.measure)
+    if measure is not None:
+        yield from _wanted_findings(condition, measure)
+        yield from _seed_findings(condition, measure)
+
+
+def _measure_findings(measured: Measured) -> Iterator[Finding]:
+    """Yield that there is no such measure, or that it takes other arguments."""
+    measure = MEASURES.get(measured.measure)
     if measure is None:
-        expected = f"the name of a measure{_near_measure(condition.measure)}"
-        yield Finding(("measure",), shown(condition.measure), expected)
+        expected = f"the name of a measure{_near_measure(measured.measure)}"
+        yield Finding(("measure",), shown(measured.measure), expected)
         return
-    yield from _argument_findings(condition, measure)
-    yield from _wanted_findings(condition, measure)
-    yield from _seed_findings(condition, measure)
-    if condition.at == "start" and measure.kind is not Kind.SETTING:
+    yield from _argument_findings(measured, measure)
+    if measured.at == "start" and measure.kind is not MeasureKind.SETTING:
         expected = f"no at: {measure.name} is no setting"
-        yield Finding(("at",), shown(condition.at), expected)
+        yield Finding(("at",), shown(measured.at), expected)
 
 
 def _near_measure(name: str) -> str:
     return near(name, MEASURES) or near(name.replace("-", "_"), MEASURES)
 
 
-def _argument_findings(condition: Condition, measure: Measure) -> Iterator[Finding]:
+def _argument_findings(condition: Measured, measure: Measure) -> Iterator[Finding]:
     """Yield which of the keys that measures need are missing or too many."""
     takes = " and ".join(measure.needs) or "none of them"
     for name in ARGUMENTS:
@@ -113,7 +137,7 @@ def _wanted_findings(condition: Condition, measure: Measure) -> Iterator[Finding
 
 def _refused(measure: Measure, value: float | str | bool) -> str:
     """Return what ``measure`` can be in place of ``value``; empty where it can be that."""
-    if measure.kind is Kind.SETTING:
+    if measure.kind is MeasureKind.SETTING:
         finding = _setting_finding(measure.name, value)
         return "" if finding is None else finding.expected
     if isinstance(value, bool) != (measure.gives is Gives.TRUTH):

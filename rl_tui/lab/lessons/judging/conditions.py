@@ -2,43 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Final, NamedTuple, Protocol
+from typing import TYPE_CHECKING
 
-from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, NotYetError, Value
-from rl_tui.lab.lessons.lesson import Lesson
+from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, NoStepError, NotYetError
+from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict, Panels, in_words, is_met
 from rl_tui.lab.lessons.record import Passed
-from rl_tui.lab.lessons.schema import Condition, Task
 from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.lessons.view import ConditionView, TaskView
-from rl_tui.lab.run.recipe import Recipe
 
 if TYPE_CHECKING:
-    from rl_tui.lab.detective.verdict import ProgramVerdict
-    from rl_tui.lab.lessons.judging.moment import Kept, Moment
+    from collections.abc import Sequence
+
+    from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.lessons.programs.seen_program import SeenProgram
+    from rl_tui.lab.lessons.schema import Condition, Task
+    from rl_tui.lab.run.recipe import Recipe
     from rl_tui.lab.run.run import Run
-
-TOLERANCE: Final = 1e-9
-"""Numbers no further apart are equal."""
-
-
-class Verdict(NamedTuple):
-    """Whether a condition holds, None while that is not known, and the measure in words."""
-
-    holds: bool | None
-    found: str = ""
-
-
-class Panels(Protocol):
-    """What works out conditions that many seeds decide."""
-
-    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[Verdict]:
-        """Return the verdict on each of ``conditions`` for runs of ``recipe``, whatever seed that has."""
-
-    @property
-    def waits(self) -> str:
-        """What is being worked out, in words; empty where nothing is."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,111 +44,96 @@ def judged_task(lesson: Lesson, page: str, seed: int | None = None) -> JudgedTas
     return JudgedTask(page, task, recipe if seed is None else replace(recipe, seed=seed))
 
 
-def verdict(judged: JudgedTask, run: Run, panels: Panels | None = None, kept: Kept | None = None) -> TaskView:
+def verdict(judged: JudgedTask, run: Run, panels: Panels, kept: Kept | None = None) -> TaskView:
     """Return how the task stands at the step where ``run`` is, as the replay that ends there would show it.
 
-    Conditions that many seeds decide are worked out once all others hold, by ``panels``, here if none are
-    given. ``kept`` makes the next verdict on the same run cheaper.
+    Conditions that many seeds decide are worked out once all others hold, by ``panels``.
+    ``kept`` makes the next verdict on the same run cheaper.
     """
-    from rl_tui.lab.lessons.judging.moment import Kept, Moment
-    from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
+    from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
 
-    panels, kept = panels or PanelsAtOnce(), kept or Kept()
+    kept = kept or Kept()
     conditions = judged.task.conditions
     reason = elsewhere(judged.setup, run.recipe, kept)
     if reason:
         return TaskView(tuple(ConditionView(each.text, False, reason) for each in conditions))
-    moment = Moment(run, judged.setup, kept)
+    moment = JudgedMoment(run, judged.setup, kept)
     verdicts = {place: judged_at(moment, each) for place, each in enumerate(conditions) if not each.seeds}
     waits = ""
     by_seeds = {place: each for place, each in enumerate(conditions) if each.seeds}
     if by_seeds:
         spoilt = _spoilt(moment)
-        if spoilt:
-            verdicts |= dict.fromkeys(by_seeds, Verdict(False, spoilt))
+        if not run.step:
+            verdicts |= dict.fromkeys(by_seeds, ConditionVerdict(None, "no step is taken yet"))
+        elif spoilt:
+            verdicts |= dict.fromkeys(by_seeds, ConditionVerdict(False, spoilt))
         elif all(each.holds for each in verdicts.values()):
             found = panels.of(moment.journal.start, tuple(by_seeds.values()))
             verdicts |= dict(zip(by_seeds, found, strict=True))
             waits = panels.waits
         else:
-            verdicts |= dict.fromkeys(by_seeds, Verdict(None, "worked out once the others hold"))
+            verdicts |= dict.fromkeys(by_seeds, ConditionVerdict(None, "worked out once the others hold"))
     ordered = [verdicts[place] for place in range(len(conditions))]
-    passed = None
-    if all(each.holds for each in ordered) and judged.task.proof is None:
-        passed = Passed(judged.page, run.recipe, run.journal[: moment.journal.count], run.step)
-    views = (ConditionView(each.text, *found) for each, found in zip(conditions, ordered, strict=True))
-    return TaskView(tuple(views), passed, waits)
+    evidence = None
+    if all(each.holds is not False for each in ordered) and judged.task.proof is None:
+        evidence = Passed(judged.page, run.recipe, run.journal[: moment.journal.count], run.step)
+    views = tuple(ConditionView(each.text, *found) for each, found in zip(conditions, ordered, strict=True))
+    if all(each.holds for each in ordered):
+        return TaskView(views, evidence, waits)
+    return TaskView(views, None, waits, evidence if waits else None)
 
 
-def judged_at(moment: Moment, condition: Condition) -> Verdict:
-    """Return whether ``condition`` holds at ``moment``, the seeds that it may ask for left aside."""
+def judged_at(moment: JudgedMoment, condition: Condition) -> ConditionVerdict:
+    """Return whether ``condition`` holds at ``moment``, the seeds that it may ask for left aside.
+
+    What only a step can tell is not known before the first one.
+    """
     try:
         value = MEASURES[condition.measure].of(moment, condition)
+    except NoStepError as reason:
+        return ConditionVerdict(None, str(reason))
     except MissingError as reason:
-        return Verdict(False, str(reason))
+        return ConditionVerdict(False, str(reason))
     except NotYetError:
-        return Verdict(None, "being worked out")
-    return Verdict(is_met(condition, value), in_words(value))
+        return ConditionVerdict(None, "being worked out")
+    return ConditionVerdict(is_met(condition, value), in_words(value))
 
 
-def program_verdict(judged: JudgedTask, program: str, found: ProgramVerdict) -> TaskView:
-    """Return how a task that asks for a program stands: what watching it to its end has ``found``.
+def program_verdict(judged: JudgedTask, program: str, seen: SeenProgram) -> TaskView:
+    """Return how a task that asks for a program stands, by what was ``seen`` of it up to its end.
 
     ``program`` is the code.
     """
-    verdicts = [_of_program(each, found) for each in judged.task.conditions]
-    views = (
-        ConditionView(each.text, *one) for each, one in zip(judged.task.conditions, verdicts, strict=True)
-    )
-    passes = all(each.holds for each in verdicts)
-    return TaskView(tuple(views), Passed(judged.page, judged.setup, program=program) if passes else None)
+    conditions = judged.task.conditions
+    verdicts = program_verdicts(conditions, seen)
+    views = (ConditionView(each.text, *one) for each, one in zip(conditions, verdicts, strict=True))
+    passed = None
+    if all(each.holds for each in verdicts) and judged.task.proof is None:
+        passed = Passed(judged.page, judged.setup, program=program)
+    return TaskView(tuple(views), passed, remarks=remarks_on(seen))
 
 
-def _of_program(condition: Condition, found: ProgramVerdict) -> Verdict:
+def program_verdicts(conditions: Sequence[Condition], seen: SeenProgram) -> list[ConditionVerdict]:
+    """Return the verdict on each of ``conditions``; of a program with an error none holds."""
+    if seen.error:
+        return [ConditionVerdict(False) for _ in conditions]
+    return [_of_program(each, seen) for each in conditions]
+
+
+def remarks_on(seen: SeenProgram) -> tuple[str, ...]:
+    """Return what is to be said of a program besides: first what kept it from its end."""
+    return (seen.error, *seen.remarks) if seen.error else seen.remarks
+
+
+def _of_program(condition: Condition, seen: SeenProgram) -> ConditionVerdict:
     of_program = MEASURES[condition.measure].of_program
     try:
-        value = None if of_program is None else of_program(found)
+        value = None if of_program is None else of_program(seen)
     except MissingError as reason:
-        return Verdict(False, str(reason))
+        return ConditionVerdict(False, str(reason))
     if value is None:
-        return Verdict(False, "this is not measured of a program")
-    return Verdict(is_met(condition, value), in_words(value))
-
-
-def is_met(condition: Condition, value: Value) -> bool:
-    """Return whether ``value`` is what ``condition`` asks for."""
-    if condition.equals is not None and not _equal(value, condition.equals):
-        return False
-    if condition.one_of and not any(_equal(value, each) for each in condition.one_of):
-        return False
-    bounds = (condition.at_least, condition.at_most, condition.above, condition.below)
-    if all(bound is None for bound in bounds):
-        return True
-    if isinstance(value, str | bool):
-        return False
-    at_least, at_most, above, below = bounds
-    return (
-        (at_least is None or value >= at_least - TOLERANCE)
-        and (at_most is None or value <= at_most + TOLERANCE)
-        and (above is None or value > above + TOLERANCE)
-        and (below is None or value < below - TOLERANCE)
-    )
-
-
-def in_words(value: Value) -> str:
-    """Return a value as people read it, of a number six digits."""
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, str):
-        return value
-    is_whole = abs(value) < 1e15 and value == int(value)
-    return (f"{value:,.0f}" if is_whole else f"{value:.6g}").replace("-", "−")
-
-
-def _equal(value: Value, wanted: Value) -> bool:
-    if isinstance(value, str | bool) or isinstance(wanted, str | bool):
-        return value == wanted and isinstance(value, bool) == isinstance(wanted, bool)
-    return abs(value - wanted) <= TOLERANCE
+        return ConditionVerdict(False, "this is not measured of a program")
+    return ConditionVerdict(is_met(condition, value), in_words(value))
 
 
 def elsewhere(setup: Recipe, recipe: Recipe, kept: Kept | None = None) -> str:
@@ -181,11 +147,9 @@ def elsewhere(setup: Recipe, recipe: Recipe, kept: Kept | None = None) -> str:
     return ""
 
 
-def _spoilt(moment: Moment) -> str:
+def _spoilt(moment: JudgedMoment) -> str:
     """Return why nothing that many seeds decide can hold; empty where it can."""
     journal = moment.journal
-    if not journal.step:
-        return "no step is taken yet"
     if journal.taken:
         return "steps were taken by hand on the way: r begins again"
     return "" if journal.is_as_begun else "settings were changed on the way: r begins again"

@@ -6,13 +6,13 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
-from rl_tui.lab.lessons.judging.conditions import Verdict
-from rl_tui.lab.lessons.judging.panel_worker import PanelRequest
+from rl_tui.lab.lessons.judging.panel_request import KnownPanels, PanelRequest, same_panel
+from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict
 from rl_tui.lab.workers.answering_process import AnsweringProcess
 from rl_tui.worlds.gym.modules import ALLOWED
 
 if TYPE_CHECKING:
-    from rl_tui.lab.lessons.judging.seed_panel import KnownPanels
+    from rl_tui.lab.lessons.judging.panel_request import SeedValues
     from rl_tui.lab.lessons.schema import Condition
     from rl_tui.lab.run.recipe import Recipe
 
@@ -21,10 +21,10 @@ WORKER: Final = "rl_tui.lab.lessons.judging.panel_worker"
 
 
 class LivePanels:
-    """Has them worked out in a process of its own, and remembers what came of it.
+    """Has them worked out in a process of its own, and remembers what came of it, be it of some seeds only.
 
     ``on_news`` is called, from any thread, when there is more to tell. With ``automatic`` off :meth:`of`
-    works them out itself, so that what is known does not depend on the time.
+    waits for the end, so that what is known does not depend on the time.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -33,28 +33,24 @@ class LivePanels:
         self._lock = threading.Lock()  # guards the process and whether there may be one
         self._process: _PanelProcess | None = None
         self._is_closed = False
-        self._known: KnownPanels | None = None
+        self._known = KnownPanels()
 
-    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[Verdict]:
+    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
         """Return what is known by now of ``conditions`` for runs of ``recipe``, and see to the rest."""
-        from rl_tui.lab.lessons.judging.seed_panel import KnownPanels, worked_out
-
-        known = self._known = self._known or KnownPanels()
-        found = known.of(recipe, conditions)
-        if found is None and not self._automatic:
-            found = worked_out(recipe, conditions)
-            known.keep(recipe, conditions, found)
+        found = self._known.of(recipe, conditions)
         if found is not None:
             return found
         process = self._process
         if process is None or not process.is_about(recipe, conditions):
             process = self._begin(recipe, conditions)
         if process is None:
-            return [Verdict(None, "no process can be started to work it out")] * len(conditions)
+            return [ConditionVerdict(None, "no process can be started to work it out")] * len(conditions)
+        if not self._automatic:
+            process.wait()
         if process.verdicts is not None:
-            known.keep(recipe, conditions, process.verdicts)
+            self._known.keep(recipe, conditions, process.verdicts)
             return process.verdicts
-        return [Verdict(None, process.failed or self.waits)] * len(conditions)
+        return [ConditionVerdict(None, process.failed or self.waits)] * len(conditions)
 
     @property
     def waits(self) -> str:
@@ -63,14 +59,18 @@ class LivePanels:
         if process is None or process.verdicts is not None or process.failed:
             return ""
         done, wanted = process.progress
-        return f"{done} of {wanted} seeds are done" if wanted else "seeds are being worked out"
+        return (
+            f"judging: {done} of {wanted} seeds" if wanted else f"judging: {len(process.seeds)} seeds so far"
+        )
 
     def end(self) -> None:
-        """End what is being worked out; what is known is remembered."""
+        """End what is being worked out; what is known is remembered, so that it may go on from there."""
         with self._lock:
             process, self._process = self._process, None
         if process is not None:
             process.end()
+            if process.verdicts is None:
+                self._known.keep_seeds(*process.panel, tuple(process.seeds))
 
     def close(self) -> None:
         """End it, from any thread, and begin nothing any more."""
@@ -81,45 +81,57 @@ class LivePanels:
 
     def _begin(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> _PanelProcess | None:
         self.end()
+        seeds = self._known.seeds_of(recipe, conditions)
         try:
             with self._lock:
                 if not self._is_closed:
-                    self._process = _PanelProcess(recipe, conditions, self._on_news)
+                    self._process = _PanelProcess(recipe, conditions, seeds, self._on_news)
         except OSError:
             return None
         return self._process
 
 
 class _PanelProcess(AnsweringProcess):
-    """Works out ``conditions`` for runs of ``recipe``; what is known by now stands in its attributes."""
+    """Works out ``conditions`` for runs of ``recipe``; what is known by now stands in its attributes.
+
+    ``seeds`` is what came of the first ones before.
+    """
 
     def __init__(
-        self, recipe: Recipe, conditions: tuple[Condition, ...], on_news: Callable[[], None]
+        self,
+        recipe: Recipe,
+        conditions: tuple[Condition, ...],
+        seeds: tuple[SeedValues, ...],
+        on_news: Callable[[], None],
     ) -> None:
-        self.verdicts: tuple[Verdict, ...] | None = None
+        self.verdicts: tuple[ConditionVerdict, ...] | None = None
         """What came of it, None before its end."""
         self.failed = ""
         """Why nothing came of it; empty unless it has failed."""
         self.progress = (0, 0)
         """How many seeds of how many are done; none of none before the first."""
-        self._recipe, self._conditions = recipe, conditions
+        self.seeds = list(seeds)
+        """What came of the seeds that are done."""
+        self.panel = recipe, conditions
+        """What is worked out."""
         self._on_news = on_news
-        request = PanelRequest(recipe, conditions, frozenset(ALLOWED))
+        request = PanelRequest(recipe, conditions, frozenset(ALLOWED), seeds)
         super().__init__(WORKER, request, self._take_in, self._has_ended, "seeds of a task")
 
     def is_about(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> bool:
         """Return whether this is what it works out."""
-        from rl_tui.lab.lessons.judging.seed_panel import same_panel
-
-        return same_panel(self._recipe, self._conditions, recipe, conditions)
+        return same_panel(*self.panel, recipe, conditions)
 
     def _take_in(self, document: Any) -> None:
         if "done" in document:
             self.progress = document["done"], document["wanted"]
+            self.seeds.append(document["values"])
         elif "failed" in document:
             self.failed = str(document["failed"])
         else:
-            self.verdicts = tuple(Verdict(holds, str(found)) for holds, found in document["verdicts"])
+            self.verdicts = tuple(
+                ConditionVerdict(holds, str(found)) for holds, found in document["verdicts"]
+            )
         self._on_news()
 
     def _has_ended(self) -> None:

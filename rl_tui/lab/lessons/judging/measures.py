@@ -11,9 +11,9 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE
 
 if TYPE_CHECKING:
-    from rl_tui.lab.detective.verdict import ProgramVerdict
-    from rl_tui.lab.lessons.judging.moment import Moment
-    from rl_tui.lab.lessons.schema import Condition
+    from rl_tui.lab.lessons.judging.moment import JudgedMoment
+    from rl_tui.lab.lessons.programs.seen_program import SeenProgram
+    from rl_tui.lab.lessons.schema import Measured
     from rl_tui.lab.run.bandit import BanditFigures
     from rl_tui.lab.run.recipe import Recipe
 
@@ -24,11 +24,18 @@ class MissingError(Exception):
     """A measure has no value at this moment; the text says why."""
 
 
+class NoStepError(MissingError):
+    """A measure has no value before the first step."""
+
+    def __init__(self) -> None:
+        super().__init__("no step is taken yet")
+
+
 class NotYetError(Exception):
     """A measure is being worked out elsewhere."""
 
 
-class Kind(StrEnum):
+class MeasureKind(StrEnum):
     """What a measure tells of."""
 
     SETTING = "settings"
@@ -61,13 +68,13 @@ class Measure:
 
     name: str
     help: str
-    kind: Kind
-    of: Callable[[Moment, Condition], Value]
+    kind: MeasureKind
+    of: Callable[[JudgedMoment, Measured], Value]
     needs: tuple[str, ...] = ()
     gives: Gives = Gives.NUMBER
     accepts: tuple[str, ...] = ()
     differs_by_seed: bool = True
-    of_program: Callable[[ProgramVerdict], Value] | None = None
+    of_program: Callable[[SeenProgram], Value] | None = None
 
 
 ARGUMENTS: Final = ("state", "action", "actions", "first", "last")
@@ -83,9 +90,9 @@ def settings_of(recipe: Recipe) -> dict[str, float | str]:
     return {"algorithm": recipe.algorithm, **values}
 
 
-def _setting(moment: Moment, condition: Condition) -> float | str:
+def _setting(moment: JudgedMoment, condition: Measured) -> float | str:
     if not moment.run.step:
-        raise MissingError("no step is taken yet")
+        raise NoStepError
     name = condition.measure
     if condition.at == "start":
         algorithm, values = moment.journal.start.algorithm, moment.journal.start.hyperparameters
@@ -98,7 +105,7 @@ def _setting(moment: Moment, condition: Condition) -> float | str:
 
 def _settings() -> Iterable[Measure]:
     def row(name: str, text: str, gives: Gives, words: Iterable[str]) -> Measure:
-        return Measure(name, text, Kind.SETTING, _setting, (), gives, tuple(words), False)
+        return Measure(name, text, MeasureKind.SETTING, _setting, (), gives, tuple(words), False)
 
     yield row("algorithm", "the id of the algorithm", Gives.TEXT, BY_ID)
     for each in PARAMETERS.values():
@@ -106,17 +113,17 @@ def _settings() -> Iterable[Measure]:
         yield row(each.name, each.help, gives, each.words)
 
 
-def _changed_settings(moment: Moment, condition: Condition) -> float:
+def _changed_settings(moment: JudgedMoment, condition: Measured) -> float:
     begun, wanted = settings_of(moment.journal.start), settings_of(moment.setup)
     return sum(begun[name] != wanted[name] for name in wanted)
 
 
 def _counts() -> Iterable[Measure]:
-    def row(name: str, text: str, of: Callable[[Moment, Condition], Value]) -> Measure:
-        return Measure(name, text, Kind.COUNT, of)
+    def row(name: str, text: str, of: Callable[[JudgedMoment, Measured], Value]) -> Measure:
+        return Measure(name, text, MeasureKind.COUNT, of)
 
-    def of_a_person(name: str, text: str, of: Callable[[Moment, Condition], Value]) -> Measure:
-        return Measure(name, text, Kind.COUNT, of, differs_by_seed=False)
+    def of_a_person(name: str, text: str, of: Callable[[JudgedMoment, Measured], Value]) -> Measure:
+        return Measure(name, text, MeasureKind.COUNT, of, differs_by_seed=False)
 
     yield row("steps", "steps taken", lambda m, c: m.run.step)
     yield row("episodes", "finished episodes of an agent", lambda m, c: m.episodes)
@@ -129,34 +136,34 @@ def _counts() -> Iterable[Measure]:
     yield of_a_person("seed", "the seed of the run", lambda m, c: m.run.recipe.seed)
 
 
-def _by_agent(moment: Moment, condition: Condition) -> float:
+def _by_agent(moment: JudgedMoment, condition: Measured) -> float:
     length = moment.last_episode[1]
     return length - moment.taken_since(moment.run.step - length)
 
 
-def _ended(moment: Moment, condition: Condition) -> str:
+def _ended(moment: JudgedMoment, condition: Measured) -> str:
     last = moment.last
     return "terminated" if last.terminated else "truncated" if last.truncated else "no"
 
 
-def _td_error(moment: Moment, condition: Condition) -> float:
+def _td_error(moment: JudgedMoment, condition: Measured) -> float:
     if not moment.last.learned:
         raise MissingError("nothing was learned with this step")
     return moment.last.td_error
 
 
-def _reward(moment: Moment, condition: Condition) -> float:
+def _reward(moment: JudgedMoment, condition: Measured) -> float:
     if moment.last.planned:
         raise MissingError("a planner has no rewards")
     return moment.last.reward
 
 
-def _episode_ended(moment: Moment, condition: Condition) -> str:
+def _episode_ended(moment: JudgedMoment, condition: Measured) -> str:
     return "terminated" if moment.last_episode and moment.last.terminated else "truncated"
 
 
 def _steps() -> Iterable[Measure]:
-    episode, last = Kind.EPISODE, Kind.LAST_STEP
+    episode, last = MeasureKind.EPISODE, MeasureKind.LAST_STEP
     text, ends = Gives.TEXT, ("terminated", "truncated")
     yield Measure("episode_return", "its undiscounted return", episode, lambda m, c: m.last_episode[0])
     yield Measure("episode_length", "its length in steps", episode, lambda m, c: m.last_episode[1])
@@ -167,11 +174,11 @@ def _steps() -> Iterable[Measure]:
     yield Measure("ended", "whether it ended an episode", last, _ended, gives=text, accepts=(*ends, "no"))
 
 
-def _q(moment: Moment, condition: Condition) -> float:
+def _q(moment: JudgedMoment, condition: Measured) -> float:
     return float(moment.run.learner.q[moment.pair(condition.state, condition.action)])
 
 
-def _value(moment: Moment, condition: Condition) -> float:
+def _value(moment: JudgedMoment, condition: Measured) -> float:
     state = moment.state(condition.state)
     planned = moment.planned_values
     if planned is not None:
@@ -180,13 +187,13 @@ def _value(moment: Moment, condition: Condition) -> float:
     return float(moment.run.learner.q[own.start : own.stop].max()) if own else 0.0
 
 
-def _gap(moment: Moment, condition: Condition) -> float:
+def _gap(moment: JudgedMoment, condition: Measured) -> float:
     one, other = (moment.pair(condition.state, action) for action in condition.actions)
     q = moment.run.learner.q
     return abs(float(q[one]) - float(q[other]))
 
 
-def _policy_in(moment: Moment, condition: Condition) -> str:
+def _policy_in(moment: JudgedMoment, condition: Measured) -> str:
     q = moment.run.learner.q
 
     def best(own: range) -> list[int]:
@@ -196,11 +203,11 @@ def _policy_in(moment: Moment, condition: Condition) -> str:
     return moment.actions_in(condition.state, best)
 
 
-def _visits(moment: Moment, condition: Condition) -> float:
+def _visits(moment: JudgedMoment, condition: Measured) -> float:
     return int(moment.run.learner.visits[moment.pair(condition.state, condition.action)])
 
 
-def _visited(moment: Moment) -> int:
+def _visited(moment: JudgedMoment) -> int:
     return int((moment.run.learner.visits > 0).sum())
 
 
@@ -208,11 +215,11 @@ def _learned() -> Iterable[Measure]:
     def row(
         name: str,
         text: str,
-        of: Callable[[Moment, Condition], Value],
+        of: Callable[[JudgedMoment, Measured], Value],
         *needs: str,
         gives: Gives = Gives.NUMBER,
     ) -> Measure:
-        return Measure(name, text, Kind.LEARNED, of, needs, gives)
+        return Measure(name, text, MeasureKind.LEARNED, of, needs, gives)
 
     pair = ("state", "action")
     yield row("q", "the estimate of a pair", _q, *pair)
@@ -232,15 +239,15 @@ def _learned() -> Iterable[Measure]:
     )
 
 
-def _max_error(moment: Moment, condition: Condition) -> float:
+def _max_error(moment: JudgedMoment, condition: Measured) -> float:
     return float(abs(moment.run.learner.q - moment.optimum.q).max())
 
 
-def _optimal_value(moment: Moment, condition: Condition) -> float:
+def _optimal_value(moment: JudgedMoment, condition: Measured) -> float:
     return float(moment.optimum.v[moment.state(condition.state)])
 
 
-def _optimal_actions(moment: Moment, condition: Condition) -> str:
+def _optimal_actions(moment: JudgedMoment, condition: Measured) -> str:
     greedy = moment.optimum.greedy
     return moment.actions_in(condition.state, lambda own: [pair for pair in own if greedy[pair]])
 
@@ -249,11 +256,11 @@ def _exact() -> Iterable[Measure]:
     def row(
         name: str,
         text: str,
-        of: Callable[[Moment, Condition], Value],
+        of: Callable[[JudgedMoment, Measured], Value],
         *needs: str,
         gives: Gives = Gives.NUMBER,
     ) -> Measure:
-        return Measure(name, text, Kind.EXACT, of, needs, gives)
+        return Measure(name, text, MeasureKind.EXACT, of, needs, gives)
 
     yield row("expected_return", "what the greedy policy earns, undiscounted", lambda m, c: m.expected_return)
     yield row("greedy_ends", "the chance that its episode ends", lambda m, c: m.greedy_ends)
@@ -265,27 +272,27 @@ def _exact() -> Iterable[Measure]:
     )
 
 
-def _last_100(moment: Moment, place: int) -> float:
+def _last_100(moment: JudgedMoment, place: int) -> float:
     found = moment.run.history.last_100[place]
     if found is None:
         raise MissingError("no episode is finished yet")
     return found
 
 
-def _return_mean(moment: Moment, condition: Condition) -> float:
+def _return_mean(moment: JudgedMoment, condition: Measured) -> float:
     if not moment.episodes or moment.run.mean_return is None:
         raise MissingError("no episode is finished yet")
     return moment.run.mean_return
 
 
-def _first_reward(moment: Moment, condition: Condition) -> float:
+def _first_reward(moment: JudgedMoment, condition: Measured) -> float:
     episode = moment.run.learner.first_reward_episode
     if not episode:
         raise MissingError("there was no reward yet")
     return episode
 
 
-def _steps_of_episodes(moment: Moment, condition: Condition) -> float:
+def _steps_of_episodes(moment: JudgedMoment, condition: Measured) -> float:
     first, last = condition.first or 1, condition.last or 1
     lengths = moment.run.history.first_lengths[:last]
     if len(lengths) < last:
@@ -293,14 +300,14 @@ def _steps_of_episodes(moment: Moment, condition: Condition) -> float:
     return int(lengths[first - 1 :].sum())
 
 
-def _bandit(moment: Moment) -> BanditFigures:
+def _bandit(moment: JudgedMoment) -> BanditFigures:
     found = moment.run.bandit
     if found is None:
         raise MissingError("this world is no bandit")
     return found
 
 
-def _best_arm_rate(moment: Moment, condition: Condition) -> float:
+def _best_arm_rate(moment: JudgedMoment, condition: Measured) -> float:
     rate = _bandit(moment).best_arm_rate
     if rate is None:
         raise MissingError("no arm is pulled yet")
@@ -308,8 +315,8 @@ def _best_arm_rate(moment: Moment, condition: Condition) -> float:
 
 
 def _record() -> Iterable[Measure]:
-    def row(name: str, text: str, of: Callable[[Moment, Condition], Value], *needs: str) -> Measure:
-        return Measure(name, text, Kind.RECORD, of, needs)
+    def row(name: str, text: str, of: Callable[[JudgedMoment, Measured], Value], *needs: str) -> Measure:
+        return Measure(name, text, MeasureKind.RECORD, of, needs)
 
     yield row("return_last_100", "mean return of the last 100 episodes", lambda m, c: _last_100(m, 0))
     yield row("length_last_100", "mean length of the last 100 episodes", lambda m, c: _last_100(m, 1))
@@ -321,34 +328,62 @@ def _record() -> Iterable[Measure]:
     yield row("best_arm_rate", "the share of pulls of its best arm", _best_arm_rate)
 
 
-def _no_program(moment: Moment, condition: Condition) -> Value:
+_OF_NO_RULE: Final = ("Q(s′, a)", "max Q(s)", "argmax Q(s′)")
+"""What a target may take for the value of the next state, and should not."""
+
+
+def _no_program(moment: JudgedMoment, condition: Measured) -> Value:
     raise MissingError("no program was watched")
 
 
-def _found(value: float | None, verdict: ProgramVerdict, what: str) -> float:
+def _found(value: float | None, seen: SeenProgram, what: str) -> float:
     if value is None:
-        raise MissingError(verdict.update.reason or f"nothing tells {what}")
+        raise MissingError(seen.verdict.update.reason or f"nothing tells {what}")
     return value
 
 
-def _departs(verdict: ProgramVerdict) -> float:
-    if verdict.update.rule.value == "unknown":
-        raise MissingError(verdict.update.reason or "its update is not known")
-    step = verdict.update.departs_at
-    return 0 if step is None else step + 1
+def _rule(seen: SeenProgram) -> str:
+    """Return the rule, and what its target takes where no rule of the book takes that."""
+    update = seen.verdict.update
+    takes_another = update.target.value in _OF_NO_RULE and update.rule.value != "unknown"
+    return f"{update.rule.value} with {update.target.value}" if takes_another else update.rule.value
+
+
+def _departs(seen: SeenProgram) -> float:
+    update = seen.verdict.update
+    if update.rule.value == "unknown":
+        raise MissingError("its update is not known")
+    return 0 if update.departs_at is None else update.departs_at + 1
+
+
+def _faults(seen: SeenProgram) -> float:
+    return sum(finding.kind == "fault" for finding in seen.verdict.findings)
+
+
+def _program_return(seen: SeenProgram) -> float:
+    if seen.expected_return is None:
+        raise MissingError("it has no table of which that can be worked out")
+    return seen.expected_return
 
 
 def _programs() -> Iterable[Measure]:
-    def row(
-        name: str, text: str, of: Callable[[ProgramVerdict], Value], gives: Gives = Gives.NUMBER
-    ) -> Measure:
-        return Measure(name, text, Kind.PROGRAM, _no_program, (), gives, differs_by_seed=False, of_program=of)
+    def row(name: str, text: str, of: Callable[[SeenProgram], Value], gives: Gives = Gives.NUMBER) -> Measure:
+        return Measure(
+            name, text, MeasureKind.PROGRAM, _no_program, (), gives, differs_by_seed=False, of_program=of
+        )
 
-    yield row("program_rule", "the update that it makes", lambda v: v.update.rule.value, Gives.TEXT)
+    text = Gives.TEXT
+    yield row("program_world", "the id of the environment it learns in", lambda s: s.environment, text)
+    yield row("program_steps", "steps that it took", lambda s: s.steps)
+    yield row("program_episodes", "episodes that it finished", lambda s: s.episodes)
+    yield row("program_rule", "the update that it makes", _rule, text)
     yield row("program_departs", "the first step not explained by that, 0 for none", _departs)
-    yield row("program_faults", "its faults", lambda v: sum(f.kind == "fault" for f in v.findings))
-    yield row("program_alpha", "its α", lambda v: _found(v.update.alpha, v, "its α"))
-    yield row("program_gamma", "its γ", lambda v: _found(v.update.gamma, v, "its γ"))
+    yield row("program_faults", "its faults", _faults)
+    yield row("program_alpha", "its α", lambda s: _found(s.verdict.update.alpha, s, "its α"))
+    yield row("program_gamma", "its γ", lambda s: _found(s.verdict.update.gamma, s, "its γ"))
+    yield row(
+        "program_return", "what the greedy policy of its table earns, undiscounted, exactly", _program_return
+    )
 
 
 MEASURES: Final[Mapping[str, Measure]] = {

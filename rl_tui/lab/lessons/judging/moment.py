@@ -16,7 +16,7 @@ from rl_tui.agents.exact.policy_figures import chance_of_ending
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
 from rl_tui.agents.exact.solve import solve
 from rl_tui.lab.lessons.judging.journal_reader import JournalReader
-from rl_tui.lab.lessons.judging.measures import MissingError, NotYetError
+from rl_tui.lab.lessons.judging.measures import MissingError, NoStepError, NotYetError
 from rl_tui.lab.run.exact_answers import (
     AT_ONCE_STATES,
     DEAREST_LIVE,
@@ -27,12 +27,12 @@ from rl_tui.lab.run.exact_answers import (
 )
 from rl_tui.lab.run.recipe import Recipe, TakeAction
 from rl_tui.lab.run.run import Run
-from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 if TYPE_CHECKING:
     from rl_tui.agents.last_step import Author, LastStep
     from rl_tui.worlds.files.scenario import Scenario
+    from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 
 ExactAnswer = Callable[[TabularMDP, float], Answer]
 """Gives the exact answer of a world for a γ; neither a solution nor a reason while it is worked out."""
@@ -109,7 +109,7 @@ class Kept:
         return self._optimum[2]
 
 
-class Moment:
+class JudgedMoment:
     """``run`` where it stands, with the settings by which its last step was taken; ``setup`` is the task's.
 
     What was set since then is not in force yet: it would not be in a replay that ends here. Its members raise
@@ -138,7 +138,7 @@ class Moment:
         """The last step."""
         last = self.run.learner.last_step
         if last is None:
-            raise MissingError("no step is taken yet")
+            raise NoStepError
         return last
 
     @property

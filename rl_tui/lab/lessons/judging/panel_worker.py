@@ -3,30 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.lab.workers.answering import answer, bound_processor_time, let_others_go_first
 
 if TYPE_CHECKING:
-    from rl_tui.lab.lessons.schema import Condition
-    from rl_tui.lab.run.recipe import Recipe
+    from rl_tui.lab.lessons.judging.panel_request import PanelRequest
 
 MOST_SECONDS: Final = 300
 """Of a processor."""
 _LONGEST_REASON: Final = 200
-
-
-@dataclass(frozen=True, slots=True)
-class PanelRequest:
-    """What is to be worked out: ``conditions`` for runs of ``recipe`` under the seeds from 0.
-
-    ``modules`` are those that the id of an environment may import.
-    """
-
-    recipe: Recipe
-    conditions: tuple[Condition, ...]
-    modules: frozenset[str]
 
 
 def main() -> None:
@@ -43,13 +29,14 @@ def _work(request: PanelRequest, tell: Callable[[dict[str, Any]], None]) -> None
     bound_processor_time(MOST_SECONDS)
     ALLOWED.update(request.modules)
 
-    def on_seed(done: int, wanted: int) -> None:
-        if done == 1:  # until then it may have waited for machine code
+    def on_seed(done: int, wanted: int, values: list[float | str | bool | None]) -> None:
+        if done == len(request.known) + 1:  # until then it may have waited for machine code
             let_others_go_first()
-        tell({"done": done, "wanted": wanted})
+        tell({"done": done, "wanted": wanted, "values": values})
 
     try:
-        tell({"verdicts": [list(each) for each in worked_out(request.recipe, request.conditions, on_seed)]})
+        verdicts = worked_out(request.recipe, request.conditions, on_seed, request.known)
+        tell({"verdicts": [list(each) for each in verdicts]})
     except Exception as error:  # whatever a world may do to this process
         name = "" if isinstance(error, UserError) else f"{type(error).__name__}: "
         tell({"failed": one_line(f"{name}{error}", _LONGEST_REASON)})

@@ -5,26 +5,27 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import groupby
-from typing import Final
+from typing import TYPE_CHECKING
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
 from rl_tui.lab.experiments.training import Goal
 from rl_tui.lab.lessons.judging.condition_faults import MOST_STEPS_OF_A_SEED
-from rl_tui.lab.lessons.judging.conditions import Verdict, in_words, is_met
 from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, Value
-from rl_tui.lab.lessons.judging.moment import Kept, Moment
-from rl_tui.lab.lessons.schema import Condition
-from rl_tui.lab.run.recipe import Recipe
-from rl_tui.lab.run.run import Run
+from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
+from rl_tui.lab.lessons.judging.panel_request import KnownPanels, SeedValues
+from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict, in_words, is_met
 
-KEPT: Final = 64
-"""Settings of which the verdicts are remembered."""
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.schema import Condition
+    from rl_tui.lab.run.recipe import Recipe
+    from rl_tui.lab.run.run import Run
 
-OnSeed = Callable[[int, int], None]
+
+OnSeed = Callable[[int, int, SeedValues], None]
 
 
-def no_news(done: int, wanted: int) -> None:
+def no_news(done: int, wanted: int, values: SeedValues) -> None:
     """Ignore how many seeds are done."""
 
 
@@ -33,29 +34,35 @@ class _TooLongError(Exception):
 
 
 def worked_out(
-    recipe: Recipe, conditions: Sequence[Condition], on_seed: OnSeed = no_news
-) -> tuple[Verdict, ...]:
+    recipe: Recipe,
+    conditions: Sequence[Condition],
+    on_seed: OnSeed = no_news,
+    known: Sequence[SeedValues] = (),
+) -> tuple[ConditionVerdict, ...]:
     """Return the verdict on each of ``conditions`` for runs of ``recipe`` under the seeds from 0.
 
-    Those that go equally far share their runs. ``on_seed`` hears how many seeds of how many are done. Raises
-    UserError where the world cannot be built.
+    Those that go equally far share their runs. ``on_seed`` hears how many seeds of how many are done, and
+    what came of the last one; ``known`` is what it heard of the first ones before, which are not run again.
+    Raises UserError where the world cannot be built.
     """
     begun = replace(recipe, seed=0)
     order = sorted(range(len(conditions)), key=lambda place: _extent(conditions[place]))
     groups = [list(each) for _, each in groupby(order, key=lambda place: _extent(conditions[place]))]
     wanted = sum(conditions[group[0]].seeds for group in groups)
-    found = dict[int, Verdict]()
+    found = dict[int, ConditionVerdict]()
     done = 0
     for group in groups:
         first = conditions[group[0]]
         goal = Goal(steps=first.steps, episodes=first.episodes)
         runs = SeededRuns(begun)
-        runs.get_machine_code(first.seeds, goal, no_compiling)
-        values: list[list[Value | None]] = []
-        for seed in range(first.seeds):
+        values = list(known[done : done + first.seeds])
+        done += len(values)
+        if len(values) < first.seeds:
+            runs.get_machine_code(first.seeds - len(values), goal, no_compiling)
+        for seed in range(len(values), first.seeds):
             values.append(_of_seed(runs, seed, goal, [conditions[place] for place in group]))
             done += 1
-            on_seed(done, wanted)
+            on_seed(done, wanted, values[-1])
         for number, place in enumerate(group):
             found[place] = _over_seeds(conditions[place], [each[number] for each in values])
     return tuple(found[place] for place in range(len(conditions)))
@@ -65,7 +72,7 @@ def _extent(condition: Condition) -> tuple[int, int, int]:
     return condition.seeds, condition.episodes or 0, condition.steps or 0
 
 
-def _of_seed(runs: SeededRuns, seed: int, goal: Goal, conditions: Sequence[Condition]) -> list[Value | None]:
+def _of_seed(runs: SeededRuns, seed: int, goal: Goal, conditions: Sequence[Condition]) -> SeedValues:
     """Return what each of ``conditions`` measures of one seed; None where that has no value."""
     run = runs.new_run(seed)
 
@@ -87,21 +94,24 @@ def _of_seed(runs: SeededRuns, seed: int, goal: Goal, conditions: Sequence[Condi
 
 def _measured(run: Run, condition: Condition, kept: Kept) -> Value | None:
     try:
-        return MEASURES[condition.measure].of(Moment(run, run.recipe, kept), condition)
+        value = MEASURES[condition.measure].of(JudgedMoment(run, run.recipe, kept), condition)
     except MissingError:
         return None
+    return value if isinstance(value, str | bool) else float(value)
 
 
-def _over_seeds(condition: Condition, values: Sequence[Value | None]) -> Verdict:
+def _over_seeds(condition: Condition, values: Sequence[Value | None]) -> ConditionVerdict:
     known = [value for value in values if value is not None]
     if not condition.mean:
         held = sum(is_met(condition, value) for value in known)
-        return Verdict(held >= condition.hold, f"{held} of {condition.seeds} seeds")
+        return ConditionVerdict(held >= condition.hold, f"{held} of {condition.seeds} seeds")
     numbers = [value for value in known if not isinstance(value, str | bool)]
     if len(numbers) < len(values):
-        return Verdict(False, f"{len(values) - len(numbers)} of {condition.seeds} seeds have no value")
+        return ConditionVerdict(
+            False, f"{len(values) - len(numbers)} of {condition.seeds} seeds have no value"
+        )
     mean = sum(numbers) / len(numbers)
-    return Verdict(is_met(condition, mean), f"mean {in_words(mean)} of {condition.seeds} seeds")
+    return ConditionVerdict(is_met(condition, mean), f"mean {in_words(mean)} of {condition.seeds} seeds")
 
 
 class PanelsAtOnce:
@@ -112,38 +122,10 @@ class PanelsAtOnce:
 
     waits = ""
 
-    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[Verdict]:
+    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
         """Return the verdict on each of ``conditions`` for runs of ``recipe``."""
         known = self._known.of(recipe, conditions)
         if known is None:
             known = worked_out(recipe, conditions)
             self._known.keep(recipe, conditions, known)
         return known
-
-
-class KnownPanels:
-    """The verdicts of the last settings that were asked for."""
-
-    def __init__(self) -> None:
-        self._known: list[tuple[Recipe, tuple[Condition, ...], tuple[Verdict, ...]]] = []
-
-    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> tuple[Verdict, ...] | None:
-        """Return what is known of ``conditions`` for runs of ``recipe``, None where that is nothing."""
-        for other, same, known in self._known:
-            if same_panel(other, same, recipe, conditions):
-                return known
-        return None
-
-    def keep(self, recipe: Recipe, conditions: tuple[Condition, ...], verdicts: tuple[Verdict, ...]) -> None:
-        """Remember ``verdicts``; of very many, the oldest are forgotten."""
-        self._known = [*self._known, (recipe, conditions, verdicts)][-KEPT:]
-
-
-def same_panel(one: Recipe, its: tuple[Condition, ...], other: Recipe, others: tuple[Condition, ...]) -> bool:
-    """Return whether both ask for the same runs and the same conditions, whatever seed the recipes have."""
-    return (
-        one.algorithm == other.algorithm
-        and one.hyperparameters == other.hyperparameters
-        and (one.scenario is other.scenario or one.scenario.section == other.scenario.section)
-        and (its is others or its == others)
-    )

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.common.errors import Fault, UserError
 from rl_tui.common.findings import Finding, Location, near, place, shown
-from rl_tui.lab.lessons.judging.measures import MEASURES, Kind
+from rl_tui.lab.lessons.judging.measures import MEASURES, MeasureKind
 from rl_tui.lab.lessons.judging.moment import why_too_dear
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.schema import Attempt, Condition
 from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.run.changes import journal_of, read_change
 from rl_tui.lab.run.recipe import Recipe, begin
-from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.lessons.schema import Attempt, Measured
+    from rl_tui.worlds.world import World
 
 _OF_BANDITS = ("winnings", "regret", "best_arm_rate")
 
@@ -32,9 +35,14 @@ def reference_faults(lesson: Lesson) -> list[Fault]:
             findings.append(Finding(("setups", name), "a run that cannot begin", str(reason)))
     for number, page in enumerate(lesson.pages):
         found = worlds.get(lesson.setup_of(page.id))
-        if page.task is None or found is None:
+        if found is None:
             continue
         world = found[1]
+        if page.prediction is not None and page.prediction.shows is not None:
+            shows = _of_condition(page.prediction.shows, world)
+            findings += (f.inside("pages", number, "prediction", "shows") for f in shows)
+        if page.task is None:
+            continue
         where = ("pages", number, "task")
         for each, condition in enumerate(page.task.conditions):
             findings += (f.inside(*where, "conditions", each) for f in _of_condition(condition, world))
@@ -44,7 +52,7 @@ def reference_faults(lesson: Lesson) -> list[Fault]:
     return [Fault(str(lesson.source), place(each.location), each.found, each.expected) for each in findings]
 
 
-def _of_condition(condition: Condition, world: World) -> Iterator[Finding]:
+def _of_condition(condition: Measured, world: World) -> Iterator[Finding]:
     space = world.space
     measure = MEASURES[condition.measure]
     state = None
@@ -59,21 +67,23 @@ def _of_condition(condition: Condition, world: World) -> Iterator[Finding]:
         yield from _of_action(where, action, state, world)
     if measure.name in _OF_BANDITS and world.budget is None:
         yield Finding(("measure",), shown(measure.name), "a measure of this world: it is no bandit")
-    if measure.kind is Kind.EXACT and world.mdp is None:
+    if measure.kind is MeasureKind.EXACT and world.mdp is None:
         yield Finding(("measure",), shown(measure.name), "a measure without a table: this world has none")
-    elif measure.kind is Kind.EXACT and world.mdp is not None:
+    elif measure.kind is MeasureKind.EXACT and world.mdp is not None:
         refused = why_too_dear(world.mdp, value_of_policy=measure.name == "value_at_start")
         if refused:
             yield Finding(("measure",), shown(measure.name), f"no such figure: {refused}")
 
 
-def _actions_named(condition: Condition) -> Iterator[tuple[Location, str]]:
+def _actions_named(condition: Measured) -> Iterator[tuple[Location, str]]:
     """Yield every action that ``condition`` names, and where."""
+    from rl_tui.lab.lessons.schema import Condition
+
     if condition.action is not None:
         yield ("action",), condition.action
     for number, action in enumerate(condition.actions):
         yield ("actions", number), action
-    if condition.measure in ("policy_in", "optimal_actions_in"):
+    if isinstance(condition, Condition) and condition.measure in ("policy_in", "optimal_actions_in"):
         for action in str(condition.equals or "").split(", "):
             if action:
                 yield ("equals",), action

@@ -6,6 +6,8 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Final
 
+START_SPEED: Final = 10.0
+"""Steps a second at which a playground begins."""
 TICK: Final = 1 / 60
 MOST_DEBT: Final = 0.25
 CHUNK: Final = 0.015

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 from textual.strip import Strip
@@ -14,7 +15,7 @@ from rl_tui.tui.panels.last_step.step_lines import StepWriter
 from rl_tui.tui.panels.last_step.words import words_of
 from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.panel import Panel
-from rl_tui.tui.panels.snapshot_facts import passes_too_fast
+from rl_tui.tui.panels.snapshot_facts import keeps_back, passes_too_fast
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
@@ -46,7 +47,9 @@ class LastStepPanel(Panel):
         """Return the signs of an update and of what the environment did."""
         palette, is_bandit = self.look.palette, isinstance(snapshot.world.drawing, Arms)
         delta, plans = to_ascii("δ", self.look.glyphs), snapshot.agent.row.planner
-        tells_chances = snapshot.world.mdp is not None and not (is_bandit or plans)
+        tells_chances = snapshot.world.mdp is not None and not (
+            is_bandit or plans or keeps_back(snapshot, "model")
+        )
         story = story_of(snapshot)
         if story is not None and story.state_backup is not None:
             chance = LegendSign("p", "probability", palette.strong)
@@ -89,7 +92,9 @@ def nothing_yet(snapshot: Snapshot | None) -> str:
 def last_step_lines(snapshot: Snapshot | None, look: Look, width: int, height: int) -> list[Line]:
     """Return what the panel says in ``height`` rows of ``width`` cells, at most so many lines."""
     story = None if snapshot is None else story_of(snapshot)
-    if story is None:
+    if snapshot is None or story is None:
         return [[Piece(" ", look.palette.text), Piece(nothing_yet(snapshot), look.palette.dim)]]
+    if keeps_back(snapshot, "model"):
+        story = replace(story, chance=None)
     writer = StepWriter(words_of(story, look.glyphs), look, width)
     return (writer.tall(height) if height >= _LEAST_ROWS else writer.short(height))[:height]

@@ -13,17 +13,21 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import strips_of
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.lesson.page_lines import Spotlight, page_lines
-from rl_tui.tui.panels.lesson.stage import Stage, page_place, stage_of
+from rl_tui.tui.panels.lesson.stage import PageStage, page_place, stage_of
 from rl_tui.tui.panels.lesson.words import next_keys, summary_line
 from rl_tui.tui.panels.scrolled_panel import ScrolledPanel, scroll_bindings
 from rl_tui.tui.theme.look import Look
+
+_Shown = tuple[str, PageStage | None, int, tuple[str, ...]]
+"""The open page, where it stands, how many hints and answers there were, and the remarks on a program."""
 
 
 class LessonPanel(ScrolledPanel):
     """Draws the open page of the lesson in the newest snapshot; a new page begins at its top.
 
     What is new on it, such as an answer or a hint, comes into view. In one row it says how the page stands.
-    ``spotlight`` is the panel that the page says to look at;
+    ``spotlight`` is the panel that the page says to look at; ``is_manual`` says that a person acts in place
+    of the agent.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -35,7 +39,8 @@ class LessonPanel(ScrolledPanel):
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)
         self.spotlight: Spotlight | None = None
-        self._shown: tuple[str, Stage | None, int] = ("", None, 0)
+        self.is_manual = False
+        self._shown: _Shown = ("", None, 0, ())
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the page, or its row."""
@@ -55,8 +60,14 @@ class LessonPanel(ScrolledPanel):
         record = view.record
         written = page_lines(view, snapshot, self.look, width, self.spotlight)
         lines = written.lines
+        remarks = () if view.task is None else view.task.remarks
         self._follow(
-            (record.page, stage_of(view, snapshot), record.hints_on(record.page) + len(record.given)),
+            (
+                record.page,
+                stage_of(view, snapshot),
+                record.hints_on(record.page) + len(record.given),
+                remarks,
+            ),
             written.news,
             len(lines),
             height,
@@ -69,7 +80,7 @@ class LessonPanel(ScrolledPanel):
         """Return the key of what is to do next."""
         if snapshot is None or snapshot.lesson is None:
             return ("R: to the world",)
-        return next_keys(snapshot.lesson, snapshot, has_focus=self.has_focus)
+        return next_keys(snapshot.lesson, snapshot, has_focus=self.has_focus, is_manual=self.is_manual)
 
     def _footings(self, keys: Sequence[str], height: int) -> Sequence[str]:
         """Return ``keys`` behind how many rows there are below, the longest form first."""
@@ -78,7 +89,7 @@ class LessonPanel(ScrolledPanel):
             return *(f"↓ {below:,} more · {each}" for each in keys), f"↓ {below:,} more"
         return (*(f"↑ · {each}" for each in keys), *keys) if self._first else keys
 
-    def _follow(self, shown: tuple[str, Stage | None, int], news: int, rows: int, height: int) -> None:
+    def _follow(self, shown: _Shown, news: int, rows: int, height: int) -> None:
         """Bring the top of a new page, or what is new on the same one, into view."""
         before, self._shown = self._shown, shown
         if before[0] != shown[0]:

@@ -11,14 +11,16 @@ from rl_tui.lab.lessons.view import LessonView
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import Line, Piece, wrapped
 from rl_tui.tui.panels.lesson.prose import prose_lines
-from rl_tui.tui.panels.lesson.stage import Stage, open_page, stage_of, steps_to_truth
+from rl_tui.tui.panels.lesson.stage import PageStage, open_page, stage_of, steps_to_truth
 from rl_tui.tui.panels.lesson.words import (
     answer_text,
     condition_sign,
     counted,
+    in_run_text,
     reply_to,
     truth_text,
     verdict_piece,
+    went_another_way,
 )
 from rl_tui.tui.theme.look import Look
 
@@ -78,10 +80,10 @@ class _Writer:
             self._question(page.question)
         if page.task is not None:
             self._task(page.task)
-        if page.explanation and self._stage in (Stage.TOLD, Stage.ANSWERED, Stage.PASSED):
+        if page.explanation and self._stage in (PageStage.TOLD, PageStage.ANSWERED, PageStage.PASSED):
             self._gap()
             self._prose(page.explanation)
-        if self._stage is Stage.TO_READ and page.explanation:
+        if self._stage is PageStage.TO_READ and page.explanation:
             self._gap()
             self._prose(page.explanation)
         return self._out
@@ -100,13 +102,23 @@ class _Writer:
         self._locked(ask, given)
         missing = steps_to_truth(ask, given, self._snapshot)
         if missing:
-            self._say(f"The truth comes {counted(missing, 'step')} later.", is_dim=True)
+            to_go = f": {missing:,} to go" if missing < ask.steps else ""
+            self._say(f"The truth comes {counted(ask.steps, 'step')} later{to_go}.", is_dim=True)
             return
-        truth = truth_text(ask, self._look.glyphs)
-        self._row([verdict_piece(given.is_right, self._look), Piece(f" – it is {truth}", self._palette.text)])
+        truth = truth_text(ask, given, self._look.glyphs)
+        self._row([verdict_piece(given.is_right, self._look), Piece(truth, self._palette.text)])
+        self._in_run(ask)
         self._reply(reply_to(ask, given.answer, is_right=given.is_right))
         right, made = self._record.predictions
         self._say(f"{right} of {counted(made, 'prediction')} right so far.", is_dim=True)
+
+    def _in_run(self, ask: Ask) -> None:
+        in_run = self._view.in_run
+        if in_run is None:
+            return
+        self._say(f"In your run: {in_run_text(in_run, self._look.glyphs)}", is_strong=True)
+        if went_another_way(ask, in_run):
+            self._say("Your run went another way: b goes back, N sets it up again.")
 
     def _locked(self, ask: Ask, given: Given) -> None:
         at = "" if given.step == NO_STEP else f" at step {given.step:,}"
@@ -129,6 +141,7 @@ class _Writer:
         self._row([verdict_piece(given.is_right, self._look), Piece(f" – {said}", self._palette.text)])
         self._reply(reply_to(ask, given.answer, is_right=given.is_right))
         if not given.is_right:
+            self._gap()
             self._choices(ask)
             self._gap()
             self._key("A", "try again")
@@ -142,22 +155,39 @@ class _Writer:
         self._prose(task.do)
         self._gap()
         view = self._view.task
-        is_passed = self._stage is Stage.PASSED
+        is_passed = self._stage is PageStage.PASSED
         for condition in view.conditions if view is not None else ():
             sign = condition_sign(condition.holds, self._look)
             found = f" ({condition.found})" if condition.found else ""
             self._beside(sign, condition.text, found)
         if view is not None and view.waits and not is_passed:
             self._say(view.waits, is_dim=True)
+        self._remarks(() if view is None else view.remarks)
         if not is_passed:
             self._hints(task)
             self._gap()
-            self._key("A", "say that it cannot be done")
+            self._what_to_press(task)
             return
         self._gap()
         self._news()
         self._row([Piece(f"{self._look.glyphs.holds} PASSED", self._palette.good)])
         self._hints(task)
+
+    def _remarks(self, remarks: Sequence[str]) -> None:
+        """Write what was found of a program, each with a sign of its own."""
+        if not remarks:
+            return
+        self._gap()
+        self._news()
+        for remark in remarks:
+            self._beside(Piece(self._look.glyphs.cursor, self._palette.accent), remark)
+
+    def _what_to_press(self, task: Task) -> None:
+        if task.program is None:
+            self._key("A", "say that it cannot be done")
+            return
+        self._key("A", f"writes {task.program.file}, and once it is there checks it")
+        self._say(f"rl-tui watch {task.program.file} in another terminal shows it at work.", is_dim=True)
 
     def _hints(self, task: Task) -> None:
         all_hints = [*task.hints, *([task.solution] if task.solution else [])]
@@ -165,11 +195,11 @@ class _Writer:
         for number, hint in enumerate(all_hints[:asked], start=1):
             is_solution = bool(task.solution) and number == len(all_hints)
             self._gap()
-            if number == asked and self._stage is not Stage.PASSED:
+            if number == asked and self._stage is not PageStage.PASSED:
                 self._news()
             self._say("Solution" if is_solution else f"Hint {number} of {len(task.hints)}", is_strong=True)
             self._prose(hint)
-        if self._stage is not Stage.PASSED and asked < len(all_hints):
+        if self._stage is not PageStage.PASSED and asked < len(all_hints):
             is_solution = bool(task.solution) and asked + 1 == len(all_hints)
             self._gap()
             self._key("H", "the solution" if is_solution else f"hint {asked + 1} of {len(task.hints)}")

@@ -11,7 +11,7 @@ from rl_tui.lab.lessons.view import LessonView
 from rl_tui.lab.live.snapshot import Snapshot
 
 
-class Stage(Enum):
+class PageStage(Enum):
     """Where a page stands."""
 
     TO_READ = auto()  # it asks nothing
@@ -24,7 +24,7 @@ class Stage(Enum):
     PASSED = auto()
 
 
-DONE: Final = (Stage.TO_READ, Stage.TOLD, Stage.ANSWERED, Stage.PASSED)
+DONE: Final = (PageStage.TO_READ, PageStage.TOLD, PageStage.ANSWERED, PageStage.PASSED)
 """Stages in which a page asks nothing any more."""
 
 
@@ -33,30 +33,38 @@ def open_page(record: LessonRecord) -> Page:
     return record.lesson.page(record.page)
 
 
-def stage_of(view: LessonView, snapshot: Snapshot) -> Stage:
+def stage_of(view: LessonView, snapshot: Snapshot) -> PageStage:
     """Return where the open page stands beside the run of ``snapshot``."""
     record, page = view.record, open_page(view.record)
     if page.task is not None:
-        return Stage.PASSED if record.has_passed(page.id) else Stage.TO_DO
+        return PageStage.PASSED if record.has_passed(page.id) else PageStage.TO_DO
     if page.question is not None:
-        return Stage.ANSWERED if record.is_done(page.id) else Stage.TO_ANSWER
+        return PageStage.ANSWERED if record.is_done(page.id) else PageStage.TO_ANSWER
     if page.prediction is None:
-        return Stage.TO_READ
+        return PageStage.TO_READ
     given = record.given_on(page.id)
     if given is None:
-        return Stage.TO_PREDICT
-    return Stage.LOCKED if steps_to_truth(page.prediction, given, snapshot) else Stage.TOLD
+        return PageStage.TO_PREDICT
+    return PageStage.LOCKED if steps_to_truth(page.prediction, given, snapshot) else PageStage.TOLD
 
 
 def steps_to_truth(ask: Ask, given: Given, snapshot: Snapshot) -> int:
     """Return how many steps are missing to the truth of a prediction; 0 once the run has been there.
 
-    The run may have gone back since: how far the branch has come counts.
+    The run may have gone back since: how far the branch has come counts. And it may have been set up again,
+    or be that of another setup: who has done something on a later page, or all of it, is told.
     """
-    if given.step == NO_STEP or not ask.steps:
+    record = None if snapshot.lesson is None else snapshot.lesson.record
+    if given.step == NO_STEP or not ask.steps or (record is not None and _is_past(record, given.page)):
         return 0
     reached = max(snapshot.counters.step, snapshot.timeline.current.end)
     return max(0, given.step + ask.steps - reached)
+
+
+def _is_past(record: LessonRecord, page: str) -> bool:
+    here, number_of = record.lesson.number_of(page), record.lesson.number_of
+    done = [*(each.page for each in record.given), *(each.page for each in record.passed)]
+    return record.finished or any(number_of(page) > here for page in done)
 
 
 def keeping_page(record: LessonRecord, what: str) -> Page | None:
@@ -69,6 +77,12 @@ def keeping_page(record: LessonRecord, what: str) -> Page | None:
         if is_open and (what in page.hides or (what == "run" and page.prediction is not None)):
             return page
     return None
+
+
+def asks_for_program(record: LessonRecord) -> bool:
+    """Return whether the task of the open page asks for a program."""
+    task = open_page(record).task
+    return task is not None and task.program is not None
 
 
 def page_place(record: LessonRecord) -> str:

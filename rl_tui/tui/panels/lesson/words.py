@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from rl_tui.lab.lessons.record import Given
 from rl_tui.lab.lessons.schema import Ask
 from rl_tui.lab.lessons.view import LessonView
 from rl_tui.lab.live.snapshot import Snapshot
@@ -13,7 +14,8 @@ from rl_tui.tui.draw.pieces import Line, Piece, length, spelled
 from rl_tui.tui.draw.to_ascii import separated
 from rl_tui.tui.panels.lesson.prose import plain
 from rl_tui.tui.panels.lesson.stage import (
-    Stage,
+    PageStage,
+    asks_for_program,
     is_last_page,
     open_page,
     page_place,
@@ -25,6 +27,8 @@ from rl_tui.tui.theme.look import Look
 
 _LEAST_TITLE = 8
 _LONGEST_SAID = 16
+_MOST_ONE_BY_ONE = 12
+"""Steps that people take one by one; more of them run."""
 
 
 def counted(count: int, noun: str) -> str:
@@ -46,11 +50,30 @@ def answer_text(ask: Ask, answer: float, glyphs: Glyphs) -> str:
     return plain(ask.choices[min(max(int(answer), 0), len(ask.choices) - 1)].text)
 
 
-def truth_text(ask: Ask, glyphs: Glyphs) -> str:
-    """Return the right answer to ``ask``; of several right choices all."""
+def truth_text(ask: Ask, given: Given, glyphs: Glyphs) -> str:
+    """Return what stands behind the verdict on ``given``: what is right, of a right choice nothing more."""
     if ask.answer is not None:
-        return number_text(ask.answer, glyphs)
-    return "; ".join(plain(choice.text) for choice in ask.choices if choice.right)
+        return f" – it is {number_text(ask.answer, glyphs)}"
+    if given.is_right:
+        return ""
+    return f" – the answer: {'; '.join(plain(choice.text) for choice in ask.choices if choice.right)}"
+
+
+def in_run_text(in_run: float | str | bool, glyphs: Glyphs) -> str:
+    """Return what a prediction shows of the run, or why there is nothing to show."""
+    if isinstance(in_run, bool):
+        return "yes" if in_run else "no"
+    return in_run if isinstance(in_run, str) else number_text(in_run, glyphs)
+
+
+def went_another_way(ask: Ask, in_run: float | str | bool | None) -> bool:
+    """Return whether the run came to something else than the answer, further off than its tolerance.
+
+    Of a choice that cannot be told.
+    """
+    if in_run is None or ask.choices:
+        return False
+    return isinstance(in_run, str) or not ask.is_right(float(in_run))
 
 
 def reply_to(ask: Ask, answer: float, *, is_right: bool) -> str:
@@ -64,44 +87,67 @@ def reply_to(ask: Ask, answer: float, *, is_right: bool) -> str:
     return nearest.reply if nearest is not None and distance <= max(ask.tolerance, 1e-9) else ""
 
 
-def next_keys(view: LessonView, snapshot: Snapshot, *, has_focus: bool) -> tuple[str, ...]:
+def next_keys(
+    view: LessonView, snapshot: Snapshot, *, has_focus: bool, is_manual: bool = False
+) -> tuple[str, ...]:
     """Return what to do next and its key, the longest form first.
 
-    Where the page ``has_focus``, enter does each; elsewhere each has a key of its own.
+    Where the page ``has_focus``, enter does each; elsewhere each has a key of its own. ``is_manual`` says
+    that a person acts in place of the agent.
     """
     stage, record = stage_of(view, snapshot), view.record
     answer, turn = ("enter", "enter") if has_focus else ("A", ".")
     leads = ("enter: to the world",) if has_focus else ()
     match stage:
-        case Stage.TO_PREDICT:
+        case PageStage.TO_PREDICT:
             return f"{answer}: say what you expect", f"{answer}: predict"
-        case Stage.TO_ANSWER:
+        case PageStage.TO_ANSWER:
             return (f"{answer}: answer",)
-        case Stage.TO_DO:
+        case PageStage.TO_DO if asks_for_program(record):
+            return (f"{answer}: your program",)
+        case PageStage.TO_DO:
             return (*leads, "enter: do it") if has_focus else ("R: read here",)
-        case Stage.LOCKED:
+        case PageStage.LOCKED:
             ask, given = open_page(record).prediction, record.given_on(record.page)
-            steps = steps_to_truth(ask, given, snapshot) if ask is not None and given is not None else 1
-            missing = f"s: {counted(steps, 'step')} to the truth"
-            return (*(f"{each} · {missing}" for each in leads), missing)
+            if ask is None or given is None:
+                return leads
+            ways = _ways_to_truth(ask, steps_to_truth(ask, given, snapshot), snapshot, is_manual=is_manual)
+            return *(f"{each} · {ways[0]}" for each in leads), *ways
         case _ if is_last_page(record):
             return "the last page · esc: leave", "last page"
         case _:
             return f"{turn}: next page", f"{turn}: next"
 
 
+def _ways_to_truth(ask: Ask, missing: int, snapshot: Snapshot, *, is_manual: bool) -> tuple[str, ...]:
+    """Return the keys that take the ``missing`` steps to the truth, and how many, the longest form first."""
+    if missing > _MOST_ONE_BY_ONE:
+        key = "space or u"
+    elif snapshot.agent.row.planner:
+        key = "e or s"
+    else:
+        key = "act" if is_manual else "s"
+    steps = counted(ask.steps, "step")
+    if missing < ask.steps:
+        shortest = f"{key}: {missing:,} to go"
+        return (
+            f"{key}: {steps} to the truth ({missing:,} to go)",
+            f"{key}: {steps}, {missing:,} to go",
+            shortest,
+        )
+    return f"{key}: {steps} to the truth", f"{key}: {steps}"
+
+
 def summary_line(view: LessonView, snapshot: Snapshot, look: Look, width: int) -> Line:
-    """Return lesson, page and how it stands in one row, for where the page itself is not in view."""
+    """Return in one row how the open page stands, for where it is not in view."""
     record, palette = view.record, look.palette
     page, marks = open_page(record), list(_marks(view, snapshot, look))
     tail: list[Piece] = [Piece("  ", palette.text), *marks] if marks else []
-    place, dot = page_place(record), " · "
-    key = Piece(separated(f"{dot}R reads", look.glyphs), palette.dim)
-    for lesson in (f"{record.lesson.title}{dot}", "Lesson ", ""):
-        head = separated(f" {lesson}{place} {page.title}", look.glyphs)
-        line = spelled([Piece(head, palette.strong), *tail, key], look)
-        if length(line) <= width:
-            return line
+    place = page_place(record)
+    key = Piece(separated(" · R reads", look.glyphs), palette.dim)
+    line = spelled([Piece(f" {place} {page.title}", palette.strong), *tail, key], look)
+    if length(line) <= width:
+        return line
     room = width - length(spelled([*tail, key], look))
     if room < _LEAST_TITLE:
         return spelled([Piece(f" {place}", palette.strong), *tail], look)
@@ -113,29 +159,32 @@ def _marks(view: LessonView, snapshot: Snapshot, look: Look) -> Iterator[Piece]:
     """Yield how the page stands: of a task a sign for each condition."""
     palette, stage = look.palette, stage_of(view, snapshot)
     match stage:
-        case Stage.TO_DO if view.task is not None:
+        case PageStage.TO_DO if view.task is not None:
             for condition in view.task.conditions:
                 yield condition_sign(condition.holds, look)
             if view.task.waits:
                 yield Piece(f" {view.task.waits}", palette.dim)
-        case Stage.PASSED:
+        case PageStage.PASSED:
             yield Piece(f"{look.glyphs.holds} PASSED", palette.good)
-        case Stage.TO_PREDICT:
+        case PageStage.TO_PREDICT:
             yield Piece("A: your prediction", palette.accent)
-        case Stage.TO_ANSWER:
+        case PageStage.TO_ANSWER:
             yield Piece("A: your answer", palette.accent)
-        case Stage.LOCKED:
+        case PageStage.LOCKED:
             ask, given = open_page(view.record).prediction, view.record.given_on(view.record.page)
             if ask is not None and given is not None:
                 said = answer_text(ask, given.answer, look.glyphs)
                 missing = counted(steps_to_truth(ask, given, snapshot), "step")
                 yield Piece(
-                    f"you said {shortened(said, 16, look.glyphs.ellipsis)}; {missing}", palette.accent
+                    f"you said {shortened(said, _LONGEST_SAID, look.glyphs.ellipsis)}; {missing}",
+                    palette.accent,
                 )
-        case Stage.TOLD:
-            given = view.record.given_on(view.record.page)
+        case PageStage.TOLD:
+            ask, given = open_page(view.record).prediction, view.record.given_on(view.record.page)
             if given is not None:
                 yield verdict_piece(given.is_right, look)
+            if ask is not None and view.in_run is not None and went_another_way(ask, view.in_run):
+                yield Piece(f"; in your run {in_run_text(view.in_run, look.glyphs)}", palette.bad)
         case _:
             return
 

@@ -16,7 +16,7 @@ from rl_tui.tui.theme.glyphs import Glyphs
 _MOST_DECIMALS: Final = 5
 _LARGEST: Final = 1e7  # from here on numbers are written in short
 _SHORT: Final = 7  # cells of those
-_LEAST_SEEDS: Final = 32  # before one of two lanes is called better
+LEAST_SEEDS: Final = 32  # before one of two lanes is called better
 INTERVAL_ERRORS: Final = 3.0
 """Standard errors on either side of a difference: with 0 beyond them, one of two lanes is called better."""
 
@@ -206,7 +206,7 @@ def verdict_of(figure: StudyFigure, difference: PairedDifference) -> Verdict | N
     lower = count - difference.greater - difference.equal
     return Verdict(
         is_shown_better,
-        count >= _LEAST_SEEDS and abs(mean) > max(INTERVAL_ERRORS * stderr, numbers.NEGLIGIBLE),
+        count >= LEAST_SEEDS and abs(mean) > max(INTERVAL_ERRORS * stderr, numbers.NEGLIGIBLE),
         abs(mean),
         stderr,
         difference.greater if is_greater_better else lower,

@@ -29,14 +29,18 @@ _HEAD_ROWS: Final = 3
 _TRUNK: Final = 5  # the cells of the tree before the first column
 
 
-def backup_section(words: StepWords, look: Look, width: int, *, secret: bool) -> MicroscopeSection:
-    """Return the tree over all outcomes and the targets below it; ``secret`` hides true rewards."""
+def backup_section(words: StepWords, look: Look, width: int, *, secret: Sequence[str]) -> MicroscopeSection:
+    """Return the tree over all outcomes and the targets below it.
+
+    ``secret`` stands in place of what true rewards decide, the longest form first; none where they may be
+    seen.
+    """
     world, backup = words.story.world, words.story.backup
     if backup is None:
         text = _why_none(words)
         waiting = wrapped(text, width, look.palette.dim, look, " ", " ")
         return MicroscopeSection(BACKUP_HEADING, waiting, 1)
-    lines = _tree(world, backup, look, width, secret=secret)
+    lines = _tree(world, backup, look, width, secret=bool(secret))
     lines += [[Piece("", look.palette.text)]] * (_HEAD_ROWS + _leaf_rows(world) - len(lines))
     lines += target_lines(words, backup, look, width, secret=secret)
     return MicroscopeSection(BACKUP_HEADING, lines, backup_rows(world), _remarks(world, backup))

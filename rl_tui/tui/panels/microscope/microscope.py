@@ -20,8 +20,9 @@ from rl_tui.tui.panels.microscope.return_text import RETURN_HEADING, RETURN_ROWS
 from rl_tui.tui.panels.microscope.section import MicroscopeSection, stacked
 from rl_tui.tui.panels.microscope.step import STEP_HEADING, STEP_ROWS, step_section
 from rl_tui.tui.panels.microscope.update import UPDATE_HEADING, update_rows, update_section
+from rl_tui.tui.panels.model.bellman import means_key
 from rl_tui.tui.panels.scrolled_panel import ScrolledPanel, scroll_bindings
-from rl_tui.tui.panels.snapshot_facts import hides_means, passes_too_fast
+from rl_tui.tui.panels.snapshot_facts import passes_too_fast
 from rl_tui.tui.theme.look import Look
 
 ROOM_FOR_TWO: Final = 96
@@ -76,7 +77,7 @@ def page(snapshot: Snapshot | None, pair: int | None, look: Look, width: int, he
     if snapshot is None or story is None:
         nothing: list[Line] = [[Piece(f" {nothing_yet(snapshot)}", look.palette.dim)]]
         return strips_of(nothing, width, 1, look)
-    sections = _sections(snapshot, story, look, room, secret=hides_means(snapshot))
+    sections = _sections(snapshot, story, look, room, secret=means_key(snapshot))
     parts = (sections,) if columns == 1 else (sections[:2] + sections[3:], sections[2:3])
     least = _HISTORY_ROWS if columns == 1 else _HISTORY_ROWS - 1
     sides = [
@@ -89,7 +90,7 @@ def page(snapshot: Snapshot | None, pair: int | None, look: Look, width: int, he
 
 
 def _sections(
-    snapshot: Snapshot, story: StepStory, look: Look, width: int, *, secret: bool
+    snapshot: Snapshot, story: StepStory, look: Look, width: int, *, secret: Sequence[str]
 ) -> list[MicroscopeSection]:
     """Return the step, the update, the backup and the return."""
     if passes_too_fast(snapshot):

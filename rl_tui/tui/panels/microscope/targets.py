@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 from rl_tui.agents.update_terms import Lookup
@@ -12,7 +13,6 @@ from rl_tui.tui.draw.pieces import Line, Piece, first_that_fits, wrapped
 from rl_tui.tui.draw.precision import agrees, column_figure, leading_zeros, parsed
 from rl_tui.tui.panels.last_step.words import StepWords
 from rl_tui.tui.panels.microscope.section import flowed
-from rl_tui.tui.panels.model.bellman import SECRET
 from rl_tui.tui.theme.look import Look
 
 _LABEL: Final = 11
@@ -20,8 +20,13 @@ _FEWEST: Final = 2
 _MORE: Final = 6  # decimals beyond the fewest
 
 
-def target_lines(words: StepWords, backup: Backup, look: Look, width: int, *, secret: bool) -> list[Line]:
-    """Return the sampled target, the expected one and their difference, each where it is known."""
+def target_lines(
+    words: StepWords, backup: Backup, look: Look, width: int, *, secret: Sequence[str]
+) -> list[Line]:
+    """Return the sampled target, the expected one and their difference, each where it is known.
+
+    ``secret`` stands in place of the expected one, the longest form first; none where that may be seen.
+    """
     palette, planned = look.palette, words.story.last.planned
     if backup.sampled is None:
         return _said(_no_sample(words), look, width)
@@ -29,7 +34,7 @@ def target_lines(words: StepWords, backup: Backup, look: Look, width: int, *, se
     label = "target" if planned else "sampled"
     lines = [_target(label, _symbols(words), backup.sampled, decimals, look, width)]
     if secret:
-        hidden = [[_label("expected", look), Piece(each, palette.dim)] for each in (SECRET, "hidden until h")]
+        hidden = [[_label("expected", look), Piece(each, palette.dim)] for each in secret]
         return [*lines, first_that_fits(hidden, width, look)]
     if backup.expected is None:
         return [*lines, *_said(_not_known(words.story), look, width)]

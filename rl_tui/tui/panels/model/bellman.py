@@ -12,7 +12,13 @@ from rl_tui.tui.draw.pieces import KEPT_BLANK as K
 from rl_tui.tui.draw.pieces import Line, Piece, wrapped
 from rl_tui.tui.draw.precision import column_figure, leading_zeros
 from rl_tui.tui.panels.last_step.update_text import setting
-from rl_tui.tui.panels.snapshot_facts import answer_key, hides_means, is_secret
+from rl_tui.tui.panels.snapshot_facts import (
+    ANSWER_KEPT,
+    answer_key,
+    hides_means,
+    is_secret,
+    keeps_back,
+)
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -30,7 +36,7 @@ def bellman_lines(snapshot: Snapshot, pair: int, look: Look, width: int) -> list
     symbols = f"Q*({name}) = {total} p · [r{K}+{K}γ{K}·{K}max{K}Q*(s′,·)]"
     lines: list[Line] = [*wrapped(symbols, width, palette.strong, look, " ", _CONTINUED)]
     if is_secret(snapshot):
-        hidden = SECRET if hides_means(snapshot) else answer_key(snapshot)
+        hidden = means_key(snapshot)[0] if hides_means(snapshot) else answer_key(snapshot)
         return [*lines, *wrapped(hidden, width, palette.dim, look, f"{_EQUALS}··· ", _CONTINUED)]
     mdp = snapshot.world.mdp
     if snapshot.exact_answer.solution is None or mdp is None:
@@ -46,6 +52,16 @@ def bellman_lines(snapshot: Snapshot, pair: int, look: Look, width: int) -> list
         *wrapped(text, width, palette.text, look, _EQUALS, _CONTINUED),
         [Piece(_EQUALS, palette.text), Piece(result, palette.strong)],
     ]
+
+
+def means_key(snapshot: Snapshot) -> tuple[str, ...]:
+    """Return what stands in place of what the true means of arms decide, the longest form first.
+
+    None where they are not hidden.
+    """
+    if not hides_means(snapshot):
+        return ()
+    return (ANSWER_KEPT,) if keeps_back(snapshot, "answer") else (SECRET, "hidden until h")
 
 
 def decimals_of(mdp: TabularMDP, exact: Solution, pair: int) -> int:

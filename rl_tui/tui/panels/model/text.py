@@ -18,7 +18,7 @@ from rl_tui.tui.draw.pieces import Line, Piece, wrapped
 from rl_tui.tui.draw.precision import column_figure
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.last_step.update_text import setting
-from rl_tui.tui.panels.model.bellman import SECRET, bellman_lines, decimals_of
+from rl_tui.tui.panels.model.bellman import bellman_lines, decimals_of, means_key
 from rl_tui.tui.panels.model.outcomes import outcome_lines, prospect_lines
 from rl_tui.tui.panels.model.reward_range import reward_range
 from rl_tui.tui.panels.snapshot_facts import has_estimates, hides_means, is_secret
@@ -131,7 +131,7 @@ def _rewards(snapshot: Snapshot, mdp: TabularMDP, look: Look) -> str:
     if drift:
         known += f"; after every step each mean drifts by a normal step of standard deviation {drift:g}"
     if hides_means(snapshot):
-        return SECRET + known
+        return means_key(snapshot)[0] + known
     low, high = (numbers.brief(each, glyphs, decimals=3) for each in (rewards.low, rewards.high))
     text = f"always {low}" if low == high else f"from {low} to {high}"
     return f"{text}{' at the start' if drift else ''}{known}"

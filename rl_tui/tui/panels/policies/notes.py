@@ -14,6 +14,7 @@ from rl_tui.tui.panels.last_step.update_text import setting
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.policies.studied import is_kept_back
 from rl_tui.tui.panels.policies.table import amount, answer_of, may_not_end
+from rl_tui.tui.panels.snapshot_facts import shown_by
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
@@ -26,7 +27,7 @@ def notes(snapshot: Snapshot, look: Look) -> Iterator[Note]:
     """Yield the notes, those that matter most first, and of each whether it is about figures."""
     is_bandit = isinstance(snapshot.world.drawing, Arms)
     if is_bandit and is_kept_back(snapshot, PolicyKind.UNIFORM):
-        yield "what they earn tells of the true means: h shows them", False
+        yield f"what they earn tells of the true means: {shown_by(snapshot, 'them')}", False
         return
     yield from _gaps(snapshot, look)
     yield from _reasons(snapshot)
@@ -112,7 +113,7 @@ def _reasons(snapshot: Snapshot) -> Iterator[Note]:
     for kind, name in POLICY_NAMES.items():
         if is_kept_back(snapshot, kind):
             which = f" {_GAMMA_BEST}," if kind is PolicyKind.OPTIMAL else ""
-            yield f"{name.line}:{which} hidden, h shows it", False
+            yield f"{name.line}:{which} hidden, {shown_by(snapshot)}", False
         elif (refused := answer_of(snapshot, kind).refused) and refused not in said:
             said.add(refused)
             is_of_all = refused in (TOO_MANY, WHILE_RUNNING)

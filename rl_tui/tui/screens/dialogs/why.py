@@ -25,7 +25,7 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.precision import magnitude
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.snapshot_facts import hides_means
+from rl_tui.tui.panels.snapshot_facts import ANSWER_KEPT, hides_means, keeps_back
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
@@ -33,6 +33,7 @@ from rl_tui.tui.theme.look import Look
 _EXPONENT_BELOW: Final = 1e-3
 _COLUMNS: Final = (13, 11, 16, 9)  # what to change, chance, mean and median
 _SECRET: Final = "The wait would give away what the arms pay: h, which shows that, lets it be told."
+_KEPT: Final = f"The wait would give away what the arms pay: {ANSWER_KEPT}."
 _IS_OVER: Final = "An estimate has moved already: the wait is over."
 _STARTS_AGAIN: Final = "the run starts again with it"
 _CHANGES: Final = "enter: change   "
@@ -141,7 +142,9 @@ def said(snapshot: Snapshot, glyphs: Glyphs) -> list[str]:
 def _said_in_secret(snapshot: Snapshot) -> list[str]:
     """Return what may be known of a bandit whose means are hidden: the estimates, which are in the table."""
     view = snapshot.answers.first_update
-    return [_IS_OVER] if view is not None and view.has_moved else [_SECRET]
+    if view is not None and view.has_moved:
+        return [_IS_OVER]
+    return [_KEPT if keeps_back(snapshot, "answer") else _SECRET]
 
 
 def _so_far(episodes: int) -> str:

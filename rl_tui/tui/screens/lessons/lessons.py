@@ -47,17 +47,17 @@ class LessonsScreen(ActionScreen):
     place = Place.LESSONS
 
     @dataclass
-    class Opened(Message):
+    class LessonChosen(Message):
         """The user wants to begin a lesson, or to go on with it."""
 
         start: LessonStart | StoredSession
 
     @dataclass
-    class Left(Message):
+    class ListClosed(Message):
         """The user goes back to the catalogue."""
 
     @dataclass
-    class LessonsRead(Message):
+    class EntriesRead(Message):
         """The files of the lessons, and of the sessions, are read."""
 
         found: LessonEntries
@@ -100,9 +100,9 @@ class LessonsScreen(ActionScreen):
         """In the thread: only messages leave it."""
         found = lesson_entries(self._sessions)
         with suppress(RuntimeError):  # the program has ended meanwhile
-            self.post_message(self.LessonsRead(found))
+            self.post_message(self.EntriesRead(found))
 
-    def on_lessons_screen_lessons_read(self, event: LessonsRead) -> None:
+    def on_lessons_screen_entries_read(self, event: EntriesRead) -> None:
         """List the lessons."""
         found = event.found
         self.query_one("#progress", Static).update(f" {separated(progress_line(found), self.look.glyphs)}")
@@ -149,7 +149,7 @@ class LessonsScreen(ActionScreen):
         except UserError as fault:
             self.notify(str(fault), severity="error", timeout=15, markup=False)
         else:
-            self.post_message(self.Opened(start))
+            self.post_message(self.LessonChosen(start))
 
     def action_begin_again(self) -> None:
         """Begin the lesson under the cursor again, once that is confirmed."""
@@ -164,7 +164,7 @@ class LessonsScreen(ActionScreen):
 
         def begin(answer: bool | None) -> None:
             if answer:
-                self.post_message(self.Opened(LessonStart(begun(entry.lesson))))
+                self.post_message(self.LessonChosen(LessonStart(begun(entry.lesson))))
 
         question = (
             f"Begin {entry.lesson.title} again, at its first page? What you did in it until now stays among "
@@ -174,7 +174,7 @@ class LessonsScreen(ActionScreen):
 
     def action_leave_lessons(self) -> None:
         """Go back to the catalogue."""
-        self.post_message(self.Left())
+        self.post_message(self.ListClosed())
 
     def _entry(self) -> LessonEntry | None:
         """Return the lesson under the cursor; where there is none, say so."""

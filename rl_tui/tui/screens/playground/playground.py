@@ -15,8 +15,9 @@ from textual.widget import Widget
 from rl_tui.common.errors import UserError
 from rl_tui.lab.lessons.record import LessonRecord
 from rl_tui.lab.live.commands import Command
-from rl_tui.lab.live.player import START_SPEED, Player
+from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.speed.pacing import START_SPEED
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.sessions.autosave import Autosave
 from rl_tui.lab.sessions.session import StoredSession

@@ -14,6 +14,7 @@ from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
 from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import scrolled_to
+from rl_tui.tui.panels.snapshot_facts import keeps_back
 from rl_tui.tui.panels.world.graph.edge_list import draw_edge_list
 from rl_tui.tui.panels.world.graph.layout import GraphLayout, graph_layout
 from rl_tui.tui.panels.world.graph.routing import Box
@@ -28,6 +29,7 @@ from rl_tui.worlds.world import World
 
 VALUE_WIDTH: Final = 6
 HEADING: Final = f"{TITLE} · bold ="
+KEPT_IN_FULL: Final = "A probability that the lesson keeps back for now"
 END: Final = "end"  # in place of the value of a terminal state
 THIN: Final = 1
 BOLD: Final = 2
@@ -50,8 +52,7 @@ class GraphView(WorldView):
             raise TypeError("a GraphView draws worlds whose outcomes are known and whose drawing is a Graph")
         super().enter(world)
         self._graph = world.drawing
-        self._shape = graph_shape(world, self._graph, self.look.glyphs)
-        self._shape_glyphs = self.look.glyphs
+        self._take_shape(is_kept=False)
         self._number_forms = SteadyForms()
 
     def show(self, snapshot: Snapshot) -> None:
@@ -62,9 +63,9 @@ class GraphView(WorldView):
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return the graph, or the list of its edges where it does not fit."""
-        if self._shape_glyphs is not self.look.glyphs:
-            self._shape = graph_shape(self.world, self._graph, self.look.glyphs)
-            self._shape_glyphs = self.look.glyphs
+        is_kept = keeps_back(snapshot, "model")
+        if self._shape_glyphs is not self.look.glyphs or self._keeps_chances is not is_kept:
+            self._take_shape(is_kept=is_kept)
         heading = f"{HEADING} {self.policy_shown}"
         forms = self.study_headings("V") or (*self.captioned(TITLE), heading)
         self.heading = self.fitting(forms, width) or heading
@@ -82,6 +83,11 @@ class GraphView(WorldView):
         self.footing = f"↑↓ {self._top + 1}–{self._top + height} of {rows}" if rows > height else ""
         return draw_edge_list(self._shape, values, form, signs, self.look, width, height, self._top)
 
+    def _take_shape(self, *, is_kept: bool) -> None:
+        """Lay out boxes and edges anew, without probabilities where a lesson keeps them back."""
+        self._shape_glyphs, self._keeps_chances = self.look.glyphs, is_kept
+        self._shape = graph_shape(self.world, self._graph, self.look.glyphs, is_kept=is_kept)
+
     def signs(self) -> Legend:
         """Return the signs of states and edges."""
         palette = self.look.palette
@@ -90,6 +96,8 @@ class GraphView(WorldView):
             *(
                 (LegendSign(DEPENDS, "depends", palette.text, DEPENDS_IN_FULL),)
                 if self.world.prospects
+                else (LegendSign(DEPENDS, "kept back", palette.text, KEPT_IN_FULL),)
+                if self._keeps_chances
                 else ()
             ),
             self.policy_sign("bold", palette.greedy),

@@ -30,7 +30,7 @@ class Node(NamedTuple):
 class GraphBranch(NamedTuple):
     """Where an action may lead. ``label`` is empty where the label of the action says it all.
 
-    ``probability`` is None where it depends on how one came there.
+    ``probability`` is None where it depends on how one came there, or is kept back.
     """
 
     target: int
@@ -72,8 +72,11 @@ class Signs(NamedTuple):
     differing: frozenset[int] = frozenset()
 
 
-def graph_shape(world: World, graph: Graph, glyphs: Glyphs) -> GraphShape:
-    """Return the shape of ``world``. Columns and rows that ``graph`` leaves empty are left out."""
+def graph_shape(world: World, graph: Graph, glyphs: Glyphs, *, is_kept: bool = False) -> GraphShape:
+    """Return the shape of ``world``. Columns and rows that ``graph`` leaves empty are left out.
+
+    Where the model ``is_kept`` back, it does not depend on the probabilities.
+    """
     space, mdp = world.space, world.mdp
     columns = sorted({column for column, _ in graph.places})
     rows = sorted({row for _, row in graph.places})
@@ -82,14 +85,20 @@ def graph_shape(world: World, graph: Graph, glyphs: Glyphs) -> GraphShape:
         for state, (name, (column, row)) in enumerate(zip(space.state_names, graph.places, strict=True))
     )
     actions = tuple(
-        _action(space, state, pair, world.prospects[pair] if mdp is None else _prospects(mdp, pair), glyphs)
+        _action(
+            space,
+            state,
+            pair,
+            world.prospects[pair] if mdp is None else _prospects(mdp, pair, is_kept=is_kept),
+            glyphs,
+        )
         for state in range(space.states)
         for pair in space.pairs_of(state)
     )
     return GraphShape(nodes, actions)
 
 
-def _prospects(mdp: TabularMDP, pair: int) -> tuple[Prospect, ...]:
+def _prospects(mdp: TabularMDP, pair: int, *, is_kept: bool) -> tuple[Prospect, ...]:
     """Return where ``pair`` leads, each state once, with r(s, a, s′), equation 3.6."""
     probabilities: dict[int, float] = {}
     rewards: dict[int, float] = {}
@@ -97,10 +106,10 @@ def _prospects(mdp: TabularMDP, pair: int) -> tuple[Prospect, ...]:
         target, probability = int(mdp.next_state[outcome]), float(mdp.probability[outcome])
         probabilities[target] = probabilities.get(target, 0.0) + probability
         rewards[target] = rewards.get(target, 0.0) + probability * float(mdp.reward[outcome])
-    return tuple(
-        Prospect(target, probability, (rewards[target] / probability,))
-        for target, probability in probabilities.items()
-    )
+    means = {target: (rewards[target] / chance,) for target, chance in probabilities.items()}
+    if is_kept:
+        return tuple(Prospect(target, None, means[target]) for target in sorted(means))
+    return tuple(Prospect(target, chance, means[target]) for target, chance in probabilities.items())
 
 
 def _action(

@@ -45,6 +45,7 @@ _ONE_SEED: Final = "One seed decides nothing"
 _COUNTS: Final = ": M counts many."
 _GRADES: Final = "; rl-tui grade runs your program under many."
 _HIDDEN: Final = " –: hidden until h."
+_KEPT: Final = " –: the lesson keeps it back."
 _MANY_SEEDS: Final = "Below each: mean ± standard error of many seeds."
 _LEAST_SYMBOL: Final = 12
 
@@ -53,9 +54,10 @@ class Compare(Dialog[Answer]):
     """A list of ``lanes``, at least one, of which ``shown`` is on screen; below it what else to compare with.
 
     ``beside`` is the one that stands beside it, None without one. ``recipe`` is what is in force in the one
-    shown. Of a bandit that is ``hidden`` nothing exact is shown. ``study`` is what many seeds say of these
-    lanes, None where that is not known. ``branches`` of the one shown can stand beside it, in words by their
-    numbers: the last few are offered. ``is_program`` says that one of them is somebody's program.
+    shown. Of a bandit that is ``hidden`` nothing exact is shown, where it ``is_kept`` no key shows it.
+    ``study`` is what many seeds say of these lanes, None where that is not known. ``branches`` of the one
+    shown can stand beside it, in words by their numbers: the last few are offered. ``is_program`` says that
+    one of them is somebody's program.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -75,6 +77,7 @@ class Compare(Dialog[Answer]):
         study: SeedStudy | None = None,
         branches: Mapping[int, str] | None = None,
         is_program: bool = False,
+        is_kept: bool = False,
     ) -> None:
         super().__init__()
         self._look = look
@@ -83,6 +86,7 @@ class Compare(Dialog[Answer]):
         self._beside = beside
         self._recipe = recipe
         self._hidden = hidden
+        self._is_kept = is_kept
         self._study = study
         self._branches = branches or {}
         self._one_seed = _ONE_SEED + (_GRADES if is_program else _COUNTS)
@@ -201,8 +205,9 @@ class Compare(Dialog[Answer]):
             yield Option(text, id=f"{_LANE}{number}")
         if len(rows) > 1 or self._study is not None:
             said = self._one_seed if self._study is None else _MANY_SEEDS
-            if self._hidden and len(said) + len(_HIDDEN) <= self._room:
-                said += _HIDDEN
+            hidden = _KEPT if self._is_kept else _HIDDEN
+            if self._hidden and len(said) + len(hidden) <= self._room:
+                said += hidden
             yield Option(to_ascii(said, self._look.glyphs), disabled=True)
 
     def _symbol(self, name: str) -> str:

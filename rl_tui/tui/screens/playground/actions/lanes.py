@@ -10,7 +10,7 @@ from rl_tui.lab.live.commands import AddBranch, AddLane, ChooseLane, DropLane, M
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import SwitchAlgorithm
 from rl_tui.lab.timeline.lane_view import LaneView
-from rl_tui.tui.panels.snapshot_facts import current_study, hides_greedy
+from rl_tui.tui.panels.snapshot_facts import current_study, hides_greedy, keeps_back
 from rl_tui.tui.screens.dialogs.choice import algorithm_choice, choice_beside_program, policy_choice
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.screens.dialogs.lanes.changes import ALGORITHM, branches_beside, lane_changes
@@ -43,6 +43,7 @@ class LaneActions(Subject):
             study=current_study(snapshot),
             branches=branches_beside(snapshot),
             is_program=snapshot.program is not None,
+            is_kept=keeps_back(snapshot, "answer"),
         )
         self.ask(dialog, self._compared)
 

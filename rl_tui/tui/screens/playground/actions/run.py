@@ -23,7 +23,7 @@ from rl_tui.tui.screens.playground.actions.subject import Subject
 
 _UNTIL_SEEN = 3600.0
 _SWEEP_KEYS: Final = frozenset({"run.evaluate"})
-_LADDER: Final[tuple[float | None, ...]] = (
+LADDER: Final[tuple[float | None, ...]] = (
     *(float(digit * 10**power) for power in range(5) for digit in (1, 3)),
     100_000.0,
     None,
@@ -151,10 +151,10 @@ def faster(speed: float | None) -> float | None:
     """Return the next higher speed."""
     if speed is None:
         return None
-    return next(each for each in _LADDER if each is None or each > speed)
+    return next(each for each in LADDER if each is None or each > speed)
 
 
 def slower(speed: float | None) -> float | None:
     """Return the next lower speed, the lowest again if there is none."""
-    below = [each for each in _LADDER if each is not None and (speed is None or each < speed)]
-    return below[-1] if below else _LADDER[0]
+    below = [each for each in LADDER if each is not None and (speed is None or each < speed)]
+    return below[-1] if below else LADDER[0]

@@ -15,13 +15,21 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.actions.playground_actions import LESSON_ACTIONS
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.lesson.prose import plain
-from rl_tui.tui.panels.lesson.stage import DONE, Stage, is_last_page, open_page, stage_of
+from rl_tui.tui.panels.lesson.stage import (
+    DONE,
+    PageStage,
+    asks_for_program,
+    is_last_page,
+    open_page,
+    stage_of,
+)
 from rl_tui.tui.panels.lesson.words import answer_text
 from rl_tui.tui.panels.row import PanelRow
 from rl_tui.tui.screens.dialogs.choice import Candidate, Choice
 from rl_tui.tui.screens.dialogs.confirm import Confirm
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.screens.playground.actions.lesson.kept_back import KeptBack
+from rl_tui.tui.screens.playground.actions.lesson.own_program import OwnProgram
 from rl_tui.tui.screens.playground.actions.lesson.typed_answer import read_answer
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
@@ -46,13 +54,16 @@ class LessonActions(Subject):
     _to_be_skipped: str = ""
     """The page that one more press skips."""
 
+    def __post_init__(self) -> None:
+        self._own_program = OwnProgram(self.screen, self.board, self.link)
+
     @property
     def record(self) -> LessonRecord | None:
         """How far the learner has come, with all that was asked for; None where there is no lesson."""
         return self.link.wanted.lesson
 
     @property
-    def stage(self) -> Stage | None:
+    def stage(self) -> PageStage | None:
         """Where the open page stands, None before that is known."""
         snapshot, record = self.snapshot, self.record
         if snapshot is None or snapshot.lesson is None or record is None:
@@ -68,7 +79,7 @@ class LessonActions(Subject):
         page, idle = open_page(record), set[str]()
         if page.task is None or record.has_passed(page.id) or not _hints_of(page):
             idle.add("lesson.hint")
-        if self.stage in (*DONE, Stage.LOCKED):
+        if self.stage in (*DONE, PageStage.LOCKED):
             idle.add("lesson.answer")
         return frozenset(idle | ({"session.save", "next_scenario", "previous_scenario"}))
 
@@ -90,9 +101,11 @@ class LessonActions(Subject):
 
     def go_on(self) -> None:
         """Do what the page asks next."""
-        if self.stage in (Stage.TO_PREDICT, Stage.TO_ANSWER):
+        record, stage = self.record, self.stage
+        wants_program = stage is PageStage.TO_DO and record is not None and asks_for_program(record)
+        if wants_program or stage in (PageStage.TO_PREDICT, PageStage.TO_ANSWER):
             self.answer()
-        elif self.stage in (Stage.TO_DO, Stage.LOCKED):
+        elif stage in (PageStage.TO_DO, PageStage.LOCKED):
             self.read()
         else:
             self.next_page()
@@ -155,7 +168,9 @@ class LessonActions(Subject):
             return
         page = open_page(record)
         given = record.last_given_on(page.id)
-        if page.task is not None:
+        if page.task is not None and page.task.program is not None and not record.has_passed(page.id):
+            self._own_program.answer(page, page.task.program, lambda: self._ask_claim(record, page))
+        elif page.task is not None:
             self._ask_claim(record, page)
         elif page.asked is None:
             self.screen.tell("this page asks nothing; . turns it")
@@ -212,6 +227,7 @@ class LessonActions(Subject):
             self.screen.tell(CAN_BE_DONE, timeout=_LONGEST_REPLY)
             return
         self._keep(record.passes(Passed(page.id, snapshot.recipe, (), snapshot.counters.step, claim=True)))
+        self._tell_passed()
 
     def hint(self) -> None:
         """Show the next hint, at the end the solution."""
@@ -265,7 +281,11 @@ class LessonActions(Subject):
         if passed is None or record.has_passed(passed.page):
             return  # the page may have been turned since
         self._keep(record.passes(passed))
-        self.screen.tell("task passed: R reads why" if not self.board.lesson.is_docked else "task passed")
+        self._tell_passed()
+
+    def _tell_passed(self) -> None:
+        place = self.board.lesson
+        self.screen.tell("task passed" if place.is_docked or place.reads else "task passed: R reads why")
 
 
 def _hints_of(page: Page) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.panels.policies.studied import is_kept_back
+from rl_tui.tui.panels.snapshot_facts import shown_by
 from rl_tui.tui.panels.world.drawn import AT_RANDOM
 from rl_tui.tui.screens.key_line import Hints
 from rl_tui.tui.screens.playground.actions.modes.action_keys import (
@@ -52,7 +53,7 @@ def _figures(snapshot: Snapshot, glyphs: Glyphs) -> Iterator[tuple[str, ...]]:
         return
     worth = answers.policies.get(PolicyKind.DRAWN)
     if is_kept_back(snapshot, PolicyKind.DRAWN):
-        yield "its return is hidden (h shows it)", "its return is hidden", "return hidden"
+        yield f"its return is hidden ({shown_by(snapshot)})", "its return is hidden", "return hidden"
     elif worth is not None and worth.expected_return is not None:
         yield (f"return {_amount(worth.expected_return, glyphs)}",)
     elif worth is not None and (worth.is_known or worth.refused):

@@ -48,9 +48,15 @@ class ManualControl(KeyMode):
             return snapshot is not None and has_directions(snapshot.world)
         return key in DIGITS or key == LEAVE
 
+    def has_on_a_page(self, key: str) -> bool:
+        """Return whether ``key`` is a digit and a lesson's page has the focus: "now press `1`", it says."""
+        return key in DIGITS and self.screen.focused is self.board.lesson.panel
+
     def press(self, key: str) -> None:
-        """Take the action of ``key``; escape hands back."""
+        """Take the action of ``key``, in view; escape hands back."""
         snapshot = self.snapshot
+        if not self.board.lesson.is_docked:
+            self.board.lesson.reads = False
         if key == LEAVE:
             self.toggle()
         elif snapshot is not None and key in STEPS:
@@ -120,9 +126,9 @@ class ManualControl(KeyMode):
     def _show(self, *, is_on: bool) -> None:
         if self.board.world is not None:
             self.board.world.is_manual = is_on
-        status = self.screen.query_one(StatusLine)
-        status.is_manual = is_on
-        status.redraw()
+        for each in (self.screen.query_one(StatusLine), self.board.lesson.panel):
+            each.is_manual = is_on
+            each.redraw()
 
 
 _HINTS: Final = (

@@ -49,7 +49,8 @@ class Modes:
 
     def takes(self, key: str) -> bool:
         """Return whether ``key`` is for the mode; else it is left to the panels."""
-        return self.current is not None and self.current.has_keys and self.current.takes(key)
+        mode = self.current
+        return mode is not None and (mode.has_keys or mode.has_on_a_page(key)) and mode.takes(key)
 
     def press(self, key: str) -> None:
         """Do what ``key`` means in the mode."""
@@ -99,6 +100,10 @@ class KeyMode(Subject):
         focused = self.screen.focused
         is_free = focused is None and not self.needs_focus
         return self.is_on and (is_free or isinstance(focused, WorldView))
+
+    def has_on_a_page(self, key: str) -> bool:
+        """Return whether ``key`` counts although a lesson's page, which has no use for it, has the focus."""
+        return False
 
     def takes(self, key: str) -> bool:
         """Return whether ``key`` means something to it, while a world has the focus."""

@@ -73,16 +73,16 @@ def _start_of(name: str, variant: int | None, *, again: bool) -> LessonStart | S
     """
     from rl_tui.common.kiosk import in_kiosk
     from rl_tui.lab.course.entries import start_of
-    from rl_tui.lab.course.progress import Progress
+    from rl_tui.lab.course.progress import StoredProgress
     from rl_tui.lab.lessons.catalogue import find_lesson
     from rl_tui.lab.lessons.setups import check_setups
-    from rl_tui.lab.sessions.folder import session_folder
+    from rl_tui.lab.sessions.place import session_folder
 
     chosen = "" if variant is None else str(variant)
     lesson = find_lesson(name, chosen)
     lesson = replace(lesson, source=lesson.source.absolute())  # sessions of it are known by that
     check_setups(lesson)
-    progress = None if again or in_kiosk() else Progress(session_folder()).of(lesson, chosen)
+    progress = None if again or in_kiosk() else StoredProgress(session_folder()).of(lesson, chosen)
     if progress is not None and not _says_the_same(lesson, progress.session):
         progress = None
     return start_of(lesson, progress)
@@ -93,8 +93,7 @@ def _says_the_same(lesson: Lesson, session: StoredSession) -> bool:
 
     Who writes a lesson wants to see what it says. A shipped one goes on as it was.
     """
-    from rl_tui.lab.lessons.catalogue import lesson_folder
-    from rl_tui.lab.lessons.lesson import read_lesson
+    from rl_tui.lab.lessons.lesson import lesson_folder, read_lesson
 
     stored = session.document.lesson
     if stored is None or lesson.source.parent == lesson_folder():

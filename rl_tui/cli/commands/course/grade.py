@@ -17,7 +17,7 @@ from rl_tui.cli.progress import progress
 MOST: int = 10**15
 MOST_SEEDS: int = 10_000
 WARNING = (
-    "This is no sandbox: a submission can read, write and send what you can. Grade only what you would run "
+    "This is no sandbox: {what} can read, write and send what you can. Grade only what you would run "
     "yourself, or grade where there is nothing to lose."
 )
 
@@ -43,6 +43,7 @@ WARNING = (
 @click.option(
     "--memory", type=Whole(256, MOST), default=2048, show_default=True, help="MB that a seed may have"
 )
+@click.option("--programs", is_flag=True, help="watch the programs that sessions hold for a lesson's task")
 @seed_option
 @allow_module_option
 @json_option
@@ -55,6 +56,7 @@ def command(
     threshold: float,
     seconds: int,
     memory: int,
+    programs: bool,
     seed: int,
     as_json: bool,
 ) -> None:
@@ -69,8 +71,8 @@ def command(
 
     With a LESSON, an ID or a FILE.toml, it is a session of that lesson that is graded, or every one in a
     folder: all that was done is done again from step 0, and the lesson's tasks are judged by what comes of
-    it, whatever the session says. Programs in a session are not run. A session proves the run, not who made
-    it.
+    it, whatever the session says. A program that a session holds is only run with --programs, and not judged
+    without it. A session proves the run, not who made it.
 
     The exit status is 0 if all have passed, else 1.
     """
@@ -79,11 +81,15 @@ def command(
     refuse_where_served()
     if lesson is not None:
         _check_lesson_usage(target)
-        _grade_sessions(Path(target), lesson, as_json=as_json)
+        if programs:
+            complain(WARNING.format(what="a program in a session"))
+        _grade_sessions(Path(target), lesson, runs_programs=programs, as_json=as_json)
         return
+    if programs:
+        raise click.UsageError("--programs is for sessions of a lesson", click.get_current_context())
     if scenario is None:
         raise click.UsageError(_what_is_missing(target), click.get_current_context())
-    complain(WARNING)
+    complain(WARNING.format(what="a submission"))
     from rl_tui.cli.reports.grading import grades, result_line
     from rl_tui.lab.grading.grade import GradedSubmission, Grading, GradingLimits, grade_report
     from rl_tui.lab.grading.submissions import submissions_in
@@ -147,12 +153,13 @@ def _check_lesson_usage(target: str) -> None:
         raise click.UsageError(f"{target} is a submission: give --scenario in place of the lesson", context)
 
 
-def _grade_sessions(target: Path, name: str, *, as_json: bool) -> None:
+def _grade_sessions(target: Path, name: str, *, runs_programs: bool, as_json: bool) -> None:
     from rl_tui.cli.reports.lesson_grading import session_grade, session_table
     from rl_tui.lab.course.grade import GradedSession, LessonGrading, grade_report, sessions_to_grade
     from rl_tui.lab.sessions.session import SessionError
 
-    grading, is_folder, graded = LessonGrading(name), target.is_dir(), list[GradedSession]()
+    grading = LessonGrading(name, runs_programs=runs_programs)
+    is_folder, graded = target.is_dir(), list[GradedSession]()
     paths = sessions_to_grade(target)
     with progress(str(target)) as bar:
         for number, path in enumerate(paths):

@@ -1,0 +1,1 @@
+"""Commands of lessons: taking one, and judging what came of it."""

@@ -1,0 +1,126 @@
+"""Every number in README, docs/agents.md and what the program says of itself: held, or in need of nothing."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import re
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+import click
+import pytest
+from numbers_said import held_by_tests, mentions, number, plain, said_of
+
+from rl_tui.cli.main import program
+from rl_tui.lab.lessons.figures.written import written_number
+from rl_tui.tui.actions.registry import ACTIONS
+from rl_tui.tui.glossary.glossary import glossary
+from rl_tui.tui.panels.catalogue import PANELS
+from rl_tui.tui.screens import help as help_screen
+
+TESTS: Final = Path(__file__).parent
+AGENTS: Final = (TESTS.parent / "docs/agents.md").read_text(encoding="utf-8")
+README: Final = (TESTS.parent / "README.md").read_text(encoding="utf-8")
+NEIGHBOURS: Final = (TESTS / "cli/test_readme.py", TESTS / "lab/test_figures_of_notes.py")
+ELSEWHERE: Final = (
+    "Python 3.11 or newer",  # below
+    "after some 1,300 steps the panel says so",  # test_watched_lake.py
+    "exact to 1e-9.",  # test_exact.py
+)
+"""What other tests hold."""
+
+
+def texts_of_panels() -> Iterator[str]:
+    for row in PANELS:
+        yield from (row.help, row.not_for_program, row.opened_by.help if row.opened_by else "")
+
+
+def texts_of_glossary() -> Iterator[str]:
+    for term in glossary().values():
+        yield from (term.text, term.equation, term.book)
+
+
+def texts_of_commands(command: click.Command = program) -> Iterator[str]:
+    """What is written of commands and options; ranges and defaults are put behind that by the program."""
+    yield inspect.cleandoc(command.help or "")
+    for parameter in command.params:
+        yield getattr(parameter, "help", None) or ""
+    if isinstance(command, click.Group):
+        context = click.Context(command)
+        for name in command.list_commands(context):
+            inner = command.get_command(context, name)
+            assert inner is not None
+            yield from texts_of_commands(inner)
+
+
+def texts_of_help() -> Iterator[str]:
+    """The topics of the help, as its module has them."""
+    for node in ast.walk(ast.parse(inspect.getsource(help_screen))):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node.value
+
+
+TEXTS: Final = {
+    "panels": "\n".join(dict.fromkeys(texts_of_panels())),
+    "glossary": "\n".join(texts_of_glossary()),
+    "actions": "\n".join(f"{action.help}" for action in ACTIONS),
+    "commands": "\n".join(dict.fromkeys(texts_of_commands())),
+    "help": "\n".join(texts_of_help()),
+    "README": README,
+    "agents": re.sub(r"<!-- made by .*?<!-- end -->", "", AGENTS, flags=re.DOTALL),
+}
+"""By their names; what docs/agents.md has from the program is left out."""
+FILES: Final = {name: name if name in ("README", "agents") else "help" for name in TEXTS}
+
+
+@pytest.mark.parametrize("file", ["help", "README", "agents"])
+def test_each_piece_stands_in_a_text(file: str) -> None:
+    said = said_of(file)
+    whole = " ".join(plain(text) for name, text in TEXTS.items() if FILES[name] == file)
+    assert [piece for piece in (*said.pieces, *said.quoted, *said.chosen) if piece not in whole] == []
+
+
+def figures(*, over_seeds: bool) -> list[tuple[str, str]]:
+    every = [(file, name) for file in ("help", "README", "agents") for name in said_of(file).figures_by_name]
+    return [each for each in every if said_of(each[0]).figures.needs_seeds(each[1]) is over_seeds]
+
+
+@pytest.mark.parametrize(("file", "name"), figures(over_seeds=False), ids=str)
+def test_a_figure_of_help_is_so(file: str, name: str) -> None:
+    assert said_of(file).figures.finding(name) is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("file", "name"), figures(over_seeds=True), ids=str)
+def test_a_figure_of_help_over_seeds_is_so(file: str, name: str) -> None:
+    assert said_of(file).figures.finding(name) is None
+
+
+def test_the_python_that_is_needed_is_the_one_that_installs() -> None:
+    project = tomllib.loads((TESTS.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    assert f"Python {project['requires-python'].removeprefix('>=')} or newer" in README
+
+
+@pytest.mark.parametrize(
+    ("file", "name"),
+    [(file, name) for file in ("help", "README", "agents") for name in said_of(file).constants],
+    ids=str,
+)
+def test_a_number_of_the_program_is_so(file: str, name: str) -> None:
+    written, held = said_of(file).constants[name]
+    found = written_number(written)
+    assert found is not None
+    assert found.agrees_with(held)
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_every_number_of_help_is_held(name: str) -> None:
+    said = said_of(FILES[name])
+    neighbours = [piece for path in NEIGHBOURS for piece in held_by_tests(path)]
+    found = mentions(
+        plain(TEXTS[name]), [*said.pieces, *neighbours, *ELSEWHERE], [*said.quoted, *said.chosen]
+    )
+    assert [each for each in found if not each.is_setting and number(each.number) not in (0.0, 1.0)] == []

@@ -1,0 +1,288 @@
+"""Somebody who takes a lesson: reads its pages, answers, and does with keys what they ask."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Final
+
+from seams import choose, notes, playground, press, snapshot
+from textual.pilot import Pilot
+
+from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.common.errors import UserError
+from rl_tui.lab.course.entries import LessonStart
+from rl_tui.lab.lessons.judging.conditions import judged_task
+from rl_tui.lab.lessons.lesson import Lesson
+from rl_tui.lab.lessons.record import LessonRecord, begun
+from rl_tui.lab.lessons.schema import Ask, Attempt, Page
+from rl_tui.lab.lessons.view import LessonView
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.run.changes import ALGORITHM, SWEEP, TAKE, ChangeText, read_change
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.panels.lesson.stage import open_page
+from rl_tui.tui.screens.dialogs.confirm import Confirm
+from rl_tui.tui.screens.playground.actions.lesson.lesson import NOT_DONE
+from rl_tui.tui.screens.playground.actions.modes.action_keys import (
+    action_towards,
+    acts_in,
+    digit_keys,
+    has_directions,
+)
+from rl_tui.tui.screens.playground.actions.modes.mode import STEPS
+
+BY_HAND: Final[Mapping[tuple[str, str], tuple[str, ...]]] = {
+    ("loop", "second"): ("down", "down", "right", "right", "down", "right"),
+    ("loop", "hole"): ("down", "right"),
+    ("q-by-hand", "first"): ("study",),
+    ("q-by-hand", "second"): ("study",),
+    ("q-by-hand", "end"): ("sleep",),
+    ("q-by-hand", "fourth"): ("study",),
+    ("q-by-hand", "fifth"): ("sleep",),
+    ("q-by-hand", "sixth"): ("study",),
+    ("q-by-hand", "zero"): ("check phone",),
+}
+"""The actions that a text, or a prediction once it is in, asks for and that the agent would not take."""
+
+_FEW: Final = 4  # steps that are taken one by one
+_NAMED: Final = {"-": "minus", ".": "full_stop", ",": "comma"}
+
+
+@dataclass
+class Learner:
+    """Takes ``lesson`` by the keys of ``pilot``; no page may turn but by its key."""
+
+    pilot: Pilot[UserError]
+    lesson: Lesson
+
+    @property
+    def now(self) -> Snapshot:
+        """What the playground shows."""
+        return snapshot(self.pilot)
+
+    @property
+    def view(self) -> LessonView:
+        """How the lesson stands."""
+        view = self.now.lesson
+        assert view is not None
+        return view
+
+    @property
+    def record(self) -> LessonRecord:
+        """How far the learner has come."""
+        return self.view.record
+
+    @property
+    def page(self) -> Page:
+        """The page that is open."""
+        return open_page(self.record)
+
+    async def keys(self, *keys: str) -> None:
+        """Press ``keys``, of which none turns the page."""
+        page = self.record.page
+        await press(self.pilot, *keys)
+        assert self.record.page == page, f"{keys} turned the page {page}"
+
+    async def type(self, text: str) -> None:
+        """Type ``text`` into what asks for it, and send it."""
+        await self.pilot.press(*(_NAMED.get(each, each) for each in text), "enter")
+        await settle(self.pilot)
+
+    # Reading
+
+    async def read(self) -> str:
+        """Have the page in view; return what is seen of it, in one line."""
+        place = playground(self.pilot).board.lesson
+        if not place.is_docked and not place.reads:
+            await self.keys("R")
+        rows = (place.panel.render_line(y).text.rstrip(" │█").strip() for y in range(place.panel.size.height))
+        return " ".join(" ".join(rows).split())
+
+    async def turn(self) -> None:
+        """Turn to the next page, which is allowed without a second press."""
+        before = self.record.page
+        await press(self.pilot, "full_stop")
+        assert NOT_DONE not in notes(self.pilot.app), f"the page {before} is not done"
+        assert self.record.page != before
+
+    # Answering
+
+    async def answer(self, ask: Ask, answer: float) -> None:
+        """Give ``answer``: the number, or the place of the choice."""
+        await self.keys("A")
+        if ask.choices:
+            await choose(self.pilot, str(int(answer)))
+        else:
+            await self.type(f"{answer:.12g}")
+
+    # The run
+
+    async def set_up(self) -> None:
+        """Set the run of the page up again."""
+        await self.keys("N")
+        if isinstance(self.pilot.app.screen, Confirm):
+            await self.keys("enter")
+        assert self.now.counters.step == 0
+        setup = judged_task(self.lesson, self.record.page).setup
+        assert self.now.recipe == setup, "N has brought other settings back"
+
+    async def set(self, name: str, value: float | str) -> None:
+        """Give the setting ``name`` its ``value`` by keys: a slider where it has one, else a dialog."""
+        agent = self.now.agent
+        in_force = agent.algorithm if name == ALGORITHM else agent.hyperparameters.value(name)
+        if in_force == value:
+            return
+        sliders = [each.parameter.name for each in playground(self.pilot).query(Slider)]
+        if name in (ALGORITHM, "policy"):
+            await self.keys("a" if name == ALGORITHM else "p")
+            await choose(self.pilot, str(value))
+        elif name == "ties":
+            await self.keys("t")
+        elif name == "initial_q":
+            await self.keys("i")
+            await self.type(_written(value))
+        elif name in sliders and not isinstance(value, str):
+            if self._is_manual:
+                await self.keys("y")
+            await self.keys(str(1 + sliders.index(name)), "enter")
+            await self.type(_written(value))
+        else:
+            await self._set_option(name, value)
+        agent = self.now.agent
+        assert (agent.algorithm if name == ALGORITHM else agent.hyperparameters.value(name)) == value
+
+    async def _set_option(self, name: str, value: float | str) -> None:
+        await self.keys("o")
+        await choose(self.pilot, name)
+        if PARAMETERS[name].range is None or isinstance(value, str):
+            await choose(self.pilot, str(value))
+        else:
+            await self.type(_written(value))
+        await self.keys("escape")
+
+    async def act(self, name: str) -> None:
+        """Take the action of this ``name`` in place of the agent."""
+        if not self._is_manual:
+            await self.keys("y")
+            assert self._is_manual, notes(self.pilot.app)
+        before, place = self.now, playground(self.pilot).board.lesson
+        key = _key_of(before, before.world.space.action_names.index(name))
+        if key in STEPS and place.panel.has_focus:
+            await self.keys("R")  # on the page arrows scroll
+        await self.keys(key)
+        assert self.now.counters.step == before.counters.step + 1
+
+    @property
+    def _is_manual(self) -> bool:
+        return playground(self.pilot).manual.is_on
+
+    async def sweep(self, phase: str) -> None:
+        """Run to the end of a sweep of policy iteration."""
+        await self.keys("E" if phase == "evaluation" else "I")
+
+    async def run_to(self, step: int) -> None:
+        """Let the agent go on until ``step``, or until it is done."""
+        missing = step - self.now.counters.step
+        assert missing >= 0, f"step {step} is over"
+        if missing <= _FEW:
+            await self.keys(*"s" * missing)
+        else:
+            await self._until("step", step)
+
+    async def run_episodes(self, count: int) -> None:
+        """Let the agent go on until ``count`` episodes have ended, sweeps of a planner, or it is done."""
+        missing = count - self.now.counters.episodes
+        if missing <= _FEW:
+            await self.keys(*"e" * max(0, missing))
+        else:
+            await self._until("episode", count + 1)
+
+    async def _until(self, event: str, number: int) -> None:
+        await self.keys("u")
+        await choose(self.pilot, event)
+        await self.type(str(number))
+
+    async def attempt(self, attempt: Attempt) -> None:
+        """Do what was recorded: settings first, then what was changed on the way, then the rest of it."""
+        for name, value in _in_order(attempt.settings):
+            await self.set(name, value)
+        if attempt.settings:
+            await self.keys("r")
+        for change in map(read_change, attempt.changes):
+            await self._change(change)
+        if attempt.episodes is not None:
+            await self.run_episodes(attempt.episodes)
+        elif attempt.steps is not None and not self._is_done:
+            await self.run_to(attempt.steps)
+        if attempt.claim:
+            await self.keys("A", "enter")
+
+    async def _change(self, change: ChangeText) -> None:
+        await self.run_to(change.step)
+        if change.name == TAKE:
+            await self.act(str(change.value))
+        elif change.name == SWEEP:
+            await self.sweep(str(change.value))
+        else:
+            await self.set(change.name, change.value)
+
+    @property
+    def _is_done(self) -> bool:
+        return self.now.playback.phase is Phase.DONE
+
+
+@asynccontextmanager
+async def taking(
+    lesson: Lesson, size: tuple[int, int], sessions: Path | None = None, page: str = ""
+) -> AsyncIterator[Learner]:
+    """A learner who opens ``lesson`` on a screen of ``size``, at its first page or at ``page``."""
+    record = begun(lesson)
+    start = LessonStart(record.open(page) if page else record)
+    app = RlTuiApp(
+        Display(fps=1000.0), start, partial(Player, automatic=False), picture=True, sessions=sessions
+    )
+    app.NOTIFICATION_TIMEOUT = 3600.0
+    async with app.run_test(size=size, notifications=True) as pilot:
+        await settle(pilot)
+        yield Learner(pilot, lesson)
+
+
+def right_answer(ask: Ask) -> float:
+    """The right number, or the place of a right choice."""
+    if ask.answer is not None:
+        return ask.answer
+    return next(place for place, choice in enumerate(ask.choices) if choice.right)
+
+
+def wrong_answer(ask: Ask) -> float:
+    """A wrong number to which there is a reply, or the place of a wrong choice."""
+    if ask.wrong:
+        return ask.wrong[0].answer
+    return next(place for place, choice in enumerate(ask.choices) if not choice.right)
+
+
+def _key_of(snapshot: Snapshot, action: int) -> str:
+    """The key that takes ``action``: an arrow where the world has directions, else a digit."""
+    world, state = snapshot.world, acts_in(snapshot)
+    if has_directions(world):
+        arrow = (key for key, step in STEPS.items() if action_towards(world, state, step) == action)
+        if key := next(arrow, ""):
+            return key
+    return next(key for key, meant in digit_keys(world, state).items() if meant == action)
+
+
+def _in_order(settings: Mapping[str, float | str]) -> list[tuple[str, float | str]]:
+    """Return ``settings`` as they have to be set: others depend on the algorithm and the policy."""
+    first = (ALGORITHM, "policy")
+    return sorted(settings.items(), key=lambda item: first.index(item[0]) if item[0] in first else len(first))
+
+
+def _written(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:g}"

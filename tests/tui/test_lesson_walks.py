@@ -1,0 +1,125 @@
+"""Every shipped lesson is taken from its first page to its end, by keys, as it asks."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from lesson_walks import BY_HAND, Learner, right_answer, taking, wrong_answer
+from seams import train
+
+from rl_tui.lab.course.entries import lesson_entries
+from rl_tui.lab.course.grade import LessonGrading
+from rl_tui.lab.lessons.catalogue import shipped_lessons
+from rl_tui.lab.lessons.lesson import Lesson
+from rl_tui.lab.lessons.schema import Ask, Task
+from rl_tui.tui.panels.lesson.prose import plain
+from rl_tui.tui.panels.lesson.stage import is_last_page, steps_to_truth
+from rl_tui.tui.panels.lesson.words import reply_to, truth_text
+from rl_tui.tui.theme.glyphs import UNICODE
+
+SIZES = [(120, 40), (80, 24)]
+LESSONS = {lesson.id: lesson for lesson in shipped_lessons()}
+TASKS = [(lesson.id, page.id) for lesson in LESSONS.values() for page in lesson.tasks]
+WAITED = (1, 1, 1, 7, 90, 400, 500, 1000, 1000, 1000, 1000)
+"""Steps between two looks at a task that nobody does anything for: 5,000 in all."""
+
+
+async def do_by_hand(learner: Learner) -> None:
+    """Take the actions that the page asks for, if it does."""
+    for action in BY_HAND.get((learner.lesson.id, learner.page.id), ()):
+        await learner.act(action)
+
+
+async def predict(learner: Learner, ask: Ask) -> None:
+    """Say what is right, let the run come to the truth where the page wants it to, and read it."""
+    await learner.answer(ask, right_answer(ask))
+    given = learner.record.given_on(learner.page.id)
+    assert given is not None
+    assert given.is_right
+    if steps_to_truth(ask, given, learner.now):
+        assert "The truth comes" in await learner.read()
+        await do_by_hand(learner)
+        await learner.run_to(given.step + ask.steps)
+    seen = await learner.read()
+    right, made = learner.record.predictions
+    assert f"right{truth_text(ask, given, UNICODE)}" in seen
+    assert right == made
+    assert f"{right} of {made} prediction" in seen
+
+
+async def answer(learner: Learner, ask: Ask) -> None:
+    """Choose what is wrong, read the reply, and choose what is right."""
+    page = learner.page.id
+    for given, is_right in ((wrong_answer(ask), False), (right_answer(ask), True)):
+        await learner.answer(ask, given)
+        assert learner.record.is_done(page) is is_right
+        assert beginning(plain(reply_to(ask, given, is_right=is_right))) in await learner.read()
+
+
+async def do(learner: Learner, task: Task, *, with_wrong_attempt: bool) -> None:
+    """Try what does not pass, set up again, and do what does."""
+    page = learner.page.id
+    if with_wrong_attempt:
+        await learner.set_up()
+        await learner.attempt(task.rejects[0])
+        assert not learner.record.has_passed(page), task.rejects[0].name
+    await learner.set_up()
+    await learner.attempt(task.accepts[0])
+    standing = learner.view.task
+    assert learner.record.has_passed(page), standing
+    assert "PASSED" in await learner.read()
+
+
+def beginning(text: str) -> str:
+    """The first words of ``text``: the rest may be below."""
+    return " ".join(text.split()[:6])
+
+
+async def walk(learner: Learner, *, with_wrong_attempts: bool) -> None:
+    """Take the lesson to its end."""
+    while True:
+        page = learner.page
+        assert beginning(plain(page.title)) in await learner.read()
+        if page.prediction is not None:
+            await predict(learner, page.prediction)
+        elif page.question is not None:
+            await answer(learner, page.question)
+        elif page.task is not None:
+            await do(learner, page.task, with_wrong_attempt=with_wrong_attempts)
+        else:
+            await do_by_hand(learner)
+        if is_last_page(learner.record):
+            return
+        await learner.turn()
+
+
+@pytest.mark.parametrize("size", SIZES, ids=["120x40", "80x24"])
+@pytest.mark.parametrize("lesson", LESSONS.values(), ids=LESSONS)
+async def test_a_lesson_is_walked_to_its_end_by_keys(
+    lesson: Lesson, size: tuple[int, int], tmp_path: Path
+) -> None:
+    async with taking(lesson, size, tmp_path) as learner:
+        await walk(learner, with_wrong_attempts=True)
+        record = learner.record
+    asked = [page for page in lesson.pages if page.prediction is not None]
+    assert record.finished
+    assert not record.skipped
+    assert {each.page for each in record.passed} == {page.id for page in lesson.tasks}
+    assert record.predictions == (len(asked), len(asked))
+    (entry,) = (each for each in lesson_entries(tmp_path).entries if each.lesson.id == lesson.id)
+    assert entry.is_finished
+    assert entry.is_at_end
+    (session,) = tmp_path.glob("*.json")
+    graded = LessonGrading(lesson.id).grade(session)
+    assert graded.passed, [task.id for task in graded.tasks if not task.passed]
+    assert graded.predictions[:2] == (len(asked), len(asked))
+
+
+@pytest.mark.parametrize(("lesson", "page"), TASKS, ids=["-".join(task) for task in TASKS])
+async def test_no_task_is_passed_by_waiting(lesson: str, page: str) -> None:
+    async with taking(LESSONS[lesson], (120, 40), page=page) as learner:
+        for steps in WAITED:
+            await train(learner.pilot, steps)
+        assert learner.page.id == page
+        assert not learner.record.passed

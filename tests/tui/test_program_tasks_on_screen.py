@@ -1,0 +1,113 @@
+"""A page that asks for a program, on the playground: its file, what watching it found, and the pass."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from functools import partial
+from pathlib import Path
+
+import pytest
+from lab.lessons.program_tasks import SKELETON, program_lesson, updating
+from seams import notes, playground, press, screen_text, snapshot
+from textual.pilot import Pilot
+
+from rl_tui.common.errors import UserError
+from rl_tui.lab.lessons.record import LessonRecord, begun
+from rl_tui.lab.lessons.setups import recipe_of
+from rl_tui.lab.live.commands import KeepLesson
+from rl_tui.lab.live.player import Player
+from rl_tui.terminal.driver_choice import IN_BROWSER
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.screens.playground.actions.lesson.own_program import NOT_HERE
+
+LESSON = program_lesson()
+both_sizes = pytest.mark.parametrize("size", [(120, 40), (80, 24)])
+
+
+@asynccontextmanager
+async def page(size: tuple[int, int] = (120, 40), *, kiosk: bool = False) -> AsyncIterator[Pilot[UserError]]:
+    recipe = recipe_of(LESSON, "lake")
+    make = partial(Player, automatic=False)
+    app = RlTuiApp(Display(fps=1000.0), recipe, make, picture=True, kiosk=kiosk)
+    app.NOTIFICATION_TIMEOUT = 3600.0
+    async with app.run_test(size=size, notifications=True) as pilot:
+        await settle(pilot)
+        playground(pilot).send(KeepLesson(begun(LESSON)))
+        await settle(pilot)
+        yield pilot
+
+
+def record(pilot: Pilot[UserError]) -> LessonRecord:
+    view = snapshot(pilot).lesson
+    assert view is not None
+    return view.record
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@both_sizes
+async def test_from_the_skeleton_to_the_pass(size: tuple[int, int], here: Path) -> None:
+    async with page(size) as pilot:
+        await press(pilot, "A", "enter")
+        file = here / "my_agent.py"
+        assert file.read_text(encoding="utf-8") == SKELETON
+        assert "my_agent.py is written" in " ".join(notes(pilot.app))
+        await press(pilot, "A", "enter")
+        assert not record(pilot).has_passed("write")
+        assert "No number of the" in screen_text(pilot.app)
+        file.write_text(updating("reward + gamma * max(Q[next_state])"), encoding="utf-8")
+        await press(pilot, "A", "enter")
+        assert "✗ nothing is wrong with it (1)" in screen_text(pilot.app)
+        assert "line 24" in screen_text(pilot.app)
+        file.write_text(updating(), encoding="utf-8")
+        await press(pilot, "A", "enter")
+        assert record(pilot).has_passed("write")
+        assert record(pilot).passed[0].program == updating()
+        assert "PASSED" in screen_text(pilot.app)
+        assert snapshot(pilot).counters.step == 0
+
+
+async def test_a_file_that_is_there_is_never_written_over(here: Path) -> None:
+    (here / "my_agent.py").write_text("mine", encoding="utf-8")
+    async with page() as pilot:
+        await press(pilot, "A", "enter")
+        assert (here / "my_agent.py").read_text(encoding="utf-8") == "mine"
+        assert "stays as it is" in " ".join(notes(pilot.app))
+        await press(pilot, "A", "down", "enter")
+        await press(pilot, *"b.py", "enter")
+        assert (here / "b.py").read_text(encoding="utf-8") == SKELETON
+
+
+async def test_a_name_that_leads_elsewhere_is_refused_while_it_is_typed(here: Path) -> None:
+    async with page() as pilot:
+        await press(pilot, "A", *"../x.py")
+        assert "in this folder" in screen_text(pilot.app)
+        await press(pilot, "enter", "escape")
+        assert list(here.iterdir()) == []
+
+
+async def test_it_can_be_called_impossible_and_is_not(here: Path) -> None:
+    async with page() as pilot:
+        await press(pilot, "A", "enter", "A", "end", "enter", "enter")
+        assert "it can be done" in " ".join(notes(pilot.app))
+
+
+@pytest.mark.parametrize("where", ["kiosk", "browser"])
+async def test_where_others_sit_nothing_is_written(
+    here: Path, monkeypatch: pytest.MonkeyPatch, where: str
+) -> None:
+    async with page(kiosk=where == "kiosk") as pilot:
+        if where == "browser":
+            monkeypatch.setenv("TEXTUAL_DRIVER", IN_BROWSER)
+        await press(pilot, "A")
+        assert NOT_HERE in " ".join(notes(pilot.app))
+        assert list(here.iterdir()) == []
+        await press(pilot, ".", ".")
+        assert record(pilot).page == "after"
