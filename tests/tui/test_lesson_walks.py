@@ -44,6 +44,8 @@ async def predict(learner: Learner, ask: Ask) -> None:
     seen = await learner.read()
     right, made = learner.record.predictions
     assert f"right{truth_text(ask, given, UNICODE)}" in seen
+    assert ("In your run:" in seen) is (ask.shows is not None)
+    assert "another way" not in seen
     assert right == made
     assert f"{right} of {made} prediction" in seen
 
