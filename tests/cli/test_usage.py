@@ -44,7 +44,7 @@ def test_help_lists_every_command() -> None:
     result = run("--help")
     assert result.exit_code == 0
     listed = re.findall(r"^  ([a-z]+) {2,}", result.stdout.partition("Commands:")[2], re.MULTILINE)
-    assert listed[:7] == ["play", "train", "watch", "replay", "solve", "evaluate", "list"]
+    assert listed[:8] == ["play", "learn", "train", "watch", "replay", "solve", "evaluate", "list"]
     assert set(listed) == set(RlTui.modules)
     for name in RlTui.modules:
         assert f"\n  {name} " in result.stdout
@@ -401,7 +401,7 @@ def test_an_interrupt_is_quiet(tmp_path: Path, name: str) -> None:
 @pytest.mark.parametrize(
     ("option", "message"),
     [
-        ("--kiosk", "there is no option --kiosk here; it is one of rl-tui, rl-tui play"),
+        ("--kiosk", "there is no option --kiosk here; it is one of rl-tui, rl-tui play, rl-tui learn"),
         ("--runes=3", "there is no option --runes; did you mean --runs?"),
         ("--zzz", "there is no option --zzz"),
         ("-z", "there is no option -z"),

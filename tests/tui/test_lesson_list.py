@@ -14,7 +14,7 @@ from seams import notes, press, screen_text, snapshot
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.course.entries import lesson_entries, start_of
+from rl_tui.lab.course.entries import LessonStart, lesson_entries, start_of
 from rl_tui.lab.lessons.lesson import Lesson, lesson_of
 from rl_tui.lab.lessons.record import Given, LessonRecord, begun
 from rl_tui.lab.live.player import Player
@@ -23,8 +23,9 @@ from rl_tui.lab.sessions.session import encoded, read_session
 from rl_tui.tui.actions.action import Place
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
-from rl_tui.tui.app.opening import beginning_of
+from rl_tui.tui.app.opening import Opener, beginning_of
 from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
 from rl_tui.tui.screens.dialogs.confirm import Confirm
 from rl_tui.tui.screens.lessons.lesson_list import LessonList
@@ -378,3 +379,12 @@ async def test_a_session_whose_world_cannot_be_built_leads_back_to_the_list(
         assert isinstance(pilot.app.screen, LessonsScreen)
         await settled(pilot, "down", "enter")
         assert lesson_on_screen(pilot).page == "start"
+
+
+async def test_a_lesson_is_known_before_its_world_is_there(
+    make_lesson_app: MakeLessonApp, lessons: Path
+) -> None:
+    look, lesson = make_lesson_app().look, walk(lessons)
+    opener = Opener(partial(Player, automatic=False), 1000.0, None, kiosk=False, panels=PANELS)
+    playground = opener.lesson(look, LessonStart(begun(lesson)))
+    assert (playground.snapshot, playground.wanted.lesson) == (None, begun(lesson))

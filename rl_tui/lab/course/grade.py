@@ -99,6 +99,8 @@ class LessonGrading:
             lesson = self._variant("" if taken is None else taken.lesson.variant)
         except ScenarioError as fault:
             raise SessionError(path, str(fault.faults[0])) from fault
+        if lesson.variant:
+            remarks.append(f"It is graded as variant {lesson.variant}.")
         tasks = [judged_task(lesson, page.id) for page in lesson.tasks]
         panels, steps = _FewPanels(self._panels), _MOST_STEPS_IN_ALL
         views = {task.page: _not_done(task, "nothing of it is in the session") for task in tasks}

@@ -217,7 +217,8 @@ class Opener:
         if self.autosave is not None and self.autosave is not autosave and self.autosave.has_something:
             self._earlier = self.autosave
         self.autosave = autosave
-        self.lesson_id = record.lesson.lesson.id if record is not None and record.lesson is not None else ""
+        lesson = None if record is None else record.lesson
+        self.lesson_id = "" if lesson is None else lesson.lesson.id
         if self.legends is None:
             self.legends = LegendSwitch(self.sessions)
         sink = None if autosave is None else autosave.sink
@@ -236,6 +237,9 @@ class Opener:
             watches=watches,
         )
         self._wanted = playground.wanted
+        if lesson is not None:
+            playground.wanted.lesson = lesson  # known before the first snapshot says so
+            playground.status.begin_with(lesson.lesson.title)
         if self.kiosk:
             playground.place |= Place.KIOSK
         return playground

@@ -12,7 +12,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.course.grade import GradedSession, LessonGrading, grade_report
 from rl_tui.lab.lessons.catalogue import shipped_lessons
 from rl_tui.lab.lessons.judging.attempts import passes
-from rl_tui.lab.lessons.lesson import Lesson
+from rl_tui.lab.lessons.lesson import Lesson, read_lesson
 from rl_tui.lab.lessons.record import Given, LessonRecord, Passed, begun
 from rl_tui.lab.run.recipe import JournalEntry, SetParameter, TakeAction
 from rl_tui.lab.sessions.session import SessionError
@@ -136,6 +136,17 @@ def test_a_branch_without_end_is_left_out(grading: LessonGrading, tmp_path: Path
     graded = grading.grade(write(tmp_path, "a.json", None, run_of(LAKE, 10**15)))
     assert passed(graded) == []
     assert graded.remarks == ("branch 1 was not looked at: it has too many steps.",)
+
+
+def test_it_says_which_variant_a_session_is_graded_as(tmp_path: Path) -> None:
+    text = TEXT.replace("[figures]", "[variants]\nsteps = [50, 70]\n[figures]", 1)
+    path = tmp_path / "evening.toml"
+    path.write_text(text.replace("at_least = 50", "at_least = ${steps}"), encoding="utf-8")
+    for variant, expected in (("1", ["lake"]), ("2", [])):
+        taken_up = begun(read_lesson(path, variant))
+        graded = LessonGrading(str(path)).grade(write(tmp_path, "a.json", taken_up, run_of(LAKE, 60)))
+        assert passed(graded) == expected
+        assert graded.remarks == (f"It is graded as variant {variant}.",)
 
 
 def test_only_so_many_settings_are_worked_out_under_many_seeds(tmp_path: Path) -> None:

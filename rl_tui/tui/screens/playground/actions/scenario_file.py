@@ -24,7 +24,8 @@ _UNTIL_READ: Final = 15.0
 class ScenarioActions(Subject):
     """Goes to other scenarios, and offers what the file of this one says now, where that is not on screen.
 
-    ``is_known`` tells whether the world came from that file: a session brings its own copy. ``take`` opens
+    ``is_known`` tells whether the world came from that file: a session brings its own copy. In a lesson the
+    world stays as it is. ``take`` opens
     another recipe in place of the run; ``go_by`` goes to a scenario that stands so many places further in the
     catalogue.
     """
@@ -50,7 +51,7 @@ class ScenarioActions(Subject):
         """
         scenario, fault = None, ""
         try:
-            if self.is_known and not self.screen.in_kiosk:
+            if self.is_known and self.link.wanted.lesson is None and not self.screen.in_kiosk:
                 scenario = reread(self.link.wanted.recipe.scenario)
         except ScenarioError as error:
             more = f"; and {len(error.faults) - 1} more" if len(error.faults) > 1 else ""

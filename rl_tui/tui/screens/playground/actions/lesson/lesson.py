@@ -205,7 +205,7 @@ class LessonActions(Subject):
         if ask is None:
             return
         given = Given(
-            record.page, answer, is_right(ask, answer), snapshot.counters.step, snapshot.lesson.digest
+            record.page, answer, ask.is_right(answer), snapshot.counters.step, snapshot.lesson.digest
         )
         self._keep(record.give(given))
 
@@ -286,14 +286,6 @@ class LessonActions(Subject):
     def _tell_passed(self) -> None:
         place = self.board.lesson
         self.screen.tell("task passed" if place.is_docked or place.reads else "task passed: R reads why")
-
-
-def is_right(ask: Ask, answer: float) -> bool:
-    """Return whether ``answer`` is right: a number within the tolerance, or the place of a right choice."""
-    if ask.choices:
-        return ask.choices[int(answer)].right
-    slack = 1e-9 * max(1.0, abs(answer))
-    return ask.answer is not None and abs(answer - ask.answer) <= ask.tolerance + slack
 
 
 def _hints_of(page: Page) -> tuple[str, ...]:
