@@ -8,6 +8,7 @@ from typing import Final
 import pytest
 from click.testing import CliRunner
 from lab.lessons.lesson_samples import SOUND, changed, written
+from lab.lessons.task_samples import HEAD
 
 from rl_tui.cli.main import program
 from rl_tui.lab.course.check import check_lesson
@@ -87,6 +88,28 @@ def test_a_task_that_is_passed_by_waiting(tmp_path: Path) -> None:
     passed_at_once = changed((at_least_one, ""), ("below = 0.0", "at_least = 0.0"), (STUDY, "accepts = []"))
     _, lines, _ = check(tmp_path, passed_at_once)
     assert any(line.startswith("pages[2].task: found a pass after 0 steps") for line in lines)
+
+
+def test_a_run_that_never_ends_is_waited_for_no_longer(tmp_path: Path) -> None:
+    endless = f'''{HEAD}[setups.run]
+settings = {{ epsilon = 0.0, ties = "first" }}
+world = """
+title = "Away from the goal"
+[grid]
+map = "S..G"
+"""
+[[pages]]
+id = "only"
+title = "P"
+[pages.task]
+do = "d"
+hints = ["h"]
+solution = "s"
+conditions = [{{ text = "c", measure = "taken", equals = 1 }}]
+accepts = [{{ name = "a step", changes = ["0:take=right"] }}]
+rejects = [{{ name = "x", steps = 1 }}, {{ name = "y", steps = 2 }}, {{ name = "z", steps = 3 }}]
+'''
+    assert check(tmp_path, endless)[:2] == (0, [])
 
 
 def test_a_task_that_only_the_end_of_an_episode_passes(tmp_path: Path) -> None:

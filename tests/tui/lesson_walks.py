@@ -48,6 +48,7 @@ BY_HAND: Final[Mapping[tuple[str, str], tuple[str, ...]]] = {
     ("q-by-hand", "fifth"): ("sleep",),
     ("q-by-hand", "sixth"): ("study",),
     ("q-by-hand", "zero"): ("check phone",),
+    ("beyond-tables", "same-bin"): ("left", "left"),
 }
 """The actions that a text, or a prediction once it is in, asks for and that the agent would not take."""
 
@@ -211,6 +212,9 @@ class Learner:
 
     async def attempt(self, attempt: Attempt) -> None:
         """Do what was recorded: settings first, then what was changed on the way, then the rest of it."""
+        if attempt.program:
+            await self.write_program(attempt.program)
+            return
         for name, value in _in_order(attempt.settings):
             await self.set(name, value)
         if attempt.settings:
@@ -223,6 +227,32 @@ class Learner:
             await self.run_to(attempt.steps)
         if attempt.claim:
             await self.keys("A", "enter")
+        if attempt.program:
+            await self._hand_in(attempt.program)
+
+    async def _hand_in(self, program: str) -> None:
+        """Have the file of the page's program begun, write ``program`` into it, and have that checked."""
+        task = self.page.task
+        assert task is not None
+        assert task.program is not None
+        file = Path(task.program.file)
+        if not file.exists():
+            await self.keys("A", "enter")
+            assert file.read_text(encoding="utf-8") == task.program.skeleton
+        file.write_text(program, encoding="utf-8")
+        await self.keys("A", "enter")
+
+    async def write_program(self, code: str) -> None:
+        """Have the file of the page begun in the working folder, write ``code`` into it, and check it."""
+        task = self.page.task
+        assert task is not None
+        assert task.program is not None
+        file = Path(task.program.file)
+        if not file.exists():
+            await self.keys("A", "enter")
+            assert file.read_text(encoding="utf-8") == task.program.skeleton
+        file.write_text(code, encoding="utf-8")
+        await self.keys("A", "enter")
 
     async def _change(self, change: ChangeText) -> None:
         await self.run_to(change.step)

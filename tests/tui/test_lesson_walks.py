@@ -18,7 +18,8 @@ from rl_tui.tui.panels.lesson.stage import is_last_page, steps_to_truth
 from rl_tui.tui.panels.lesson.words import reply_to, truth_text
 from rl_tui.tui.theme.glyphs import UNICODE
 
-SIZES = [(120, 40), (80, 24)]
+WIDE = (120, 40)
+SIZES = [WIDE, (80, 24)]
 LESSONS = {lesson.id: lesson for lesson in shipped_lessons()}
 TASKS = [(lesson.id, page.id) for lesson in LESSONS.values() for page in lesson.tasks]
 WAITED = (1, 1, 1, 7, 90, 400, 500, 1000, 1000, 1000, 1000)
@@ -44,6 +45,8 @@ async def predict(learner: Learner, ask: Ask) -> None:
     seen = await learner.read()
     right, made = learner.record.predictions
     assert f"right{truth_text(ask, given, UNICODE)}" in seen
+    assert ("In your run:" in seen) is (ask.shows is not None)
+    assert "another way" not in seen
     assert right == made
     assert f"{right} of {made} prediction" in seen
 
@@ -58,7 +61,7 @@ async def answer(learner: Learner, ask: Ask) -> None:
 
 
 async def do(learner: Learner, task: Task, *, with_wrong_attempt: bool) -> None:
-    """Try what does not pass, set up again, and do what does."""
+    """Try what does not pass, set up again, and do what does. Wrong attempts take long."""
     page = learner.page.id
     if with_wrong_attempt:
         await learner.set_up()
@@ -97,10 +100,12 @@ async def walk(learner: Learner, *, with_wrong_attempts: bool) -> None:
 @pytest.mark.parametrize("size", SIZES, ids=["120x40", "80x24"])
 @pytest.mark.parametrize("lesson", LESSONS.values(), ids=LESSONS)
 async def test_a_lesson_is_walked_to_its_end_by_keys(
-    lesson: Lesson, size: tuple[int, int], tmp_path: Path
+    lesson: Lesson, size: tuple[int, int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    (tmp_path / "work").mkdir()
+    monkeypatch.chdir(tmp_path / "work")
     async with taking(lesson, size, tmp_path) as learner:
-        await walk(learner, with_wrong_attempts=True)
+        await walk(learner, with_wrong_attempts=size == WIDE)
         record = learner.record
     asked = [page for page in lesson.pages if page.prediction is not None]
     assert record.finished
@@ -111,14 +116,14 @@ async def test_a_lesson_is_walked_to_its_end_by_keys(
     assert entry.is_finished
     assert entry.is_at_end
     (session,) = tmp_path.glob("*.json")
-    graded = LessonGrading(lesson.id).grade(session)
+    graded = LessonGrading(lesson.id, runs_programs=True).grade(session)
     assert graded.passed, [task.id for task in graded.tasks if not task.passed]
     assert graded.predictions[:2] == (len(asked), len(asked))
 
 
 @pytest.mark.parametrize(("lesson", "page"), TASKS, ids=["-".join(task) for task in TASKS])
 async def test_no_task_is_passed_by_waiting(lesson: str, page: str) -> None:
-    async with taking(LESSONS[lesson], (120, 40), page=page) as learner:
+    async with taking(LESSONS[lesson], WIDE, page=page) as learner:
         for steps in WAITED:
             await train(learner.pilot, steps)
         assert learner.page.id == page

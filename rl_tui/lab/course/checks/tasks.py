@@ -111,9 +111,7 @@ class TaskCheck:
                 if attempt.claim or self._task.program is not None or _is_by_hand(attempt):
                     continue
                 on_attempt(attempt.name)
-                passed = 0
-                for seed in range(SEEDS_OF_VARIANTS):
-                    passed += self._judged(attempt, seed).view.passed is not None
+                passed = sum(self._passes(attempt, seed) for seed in range(SEEDS_OF_VARIANTS))
                 wanted = SEEDS_OF_VARIANTS if key == "accepts" else 0
                 if passed != wanted:
                     found = f"{shown(attempt.name)}, which passes under {passed} of {SEEDS_OF_VARIANTS} seeds"
@@ -137,6 +135,13 @@ class TaskCheck:
 
     def _judged_program(self, code: str) -> _Judged:
         return _Judged(judged_program(judged_task(self._lesson, self._page.id), code), 0)
+
+    def _passes(self, attempt: Attempt, seed: int) -> bool:
+        """Return whether an attempt passes under ``seed``; one that breaks down there does not."""
+        try:
+            return self._judged(attempt, seed).view.passed is not None
+        except UserError:
+            return False
 
     def _judged(self, attempt: Attempt, seed: int | None = None) -> _Judged:
         if self._task.program is not None and not attempt.claim:
