@@ -13,7 +13,7 @@ from rl_tui.lab.lessons.judging.attempts import evidence_holds, passes
 from rl_tui.lab.lessons.judging.conditions import judged_task, program_verdict, verdict
 from rl_tui.lab.lessons.judging.replays import attempted_run
 from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
-from rl_tui.lab.lessons.judging.verdicts import in_words, is_met
+from rl_tui.lab.lessons.judging.verdicts import found_in_words, in_words, is_met
 from rl_tui.lab.lessons.lesson import Lesson
 from rl_tui.lab.lessons.programs.seen_program import SeenProgram
 from rl_tui.lab.lessons.record import Passed
@@ -64,6 +64,34 @@ def test_numbers_in_words() -> None:
         "yes",
         "a",
     ]
+
+
+@pytest.mark.parametrize(
+    ("asked", "value", "words"),
+    [
+        ({"equals": None, "at_least": 1.0}, 0.136564, "0.1366"),
+        ({"equals": None, "at_least": 1.0}, -35.123456, "−35.12"),
+        ({"equals": None, "at_least": 1.0}, 123456.7, "123,457"),
+        ({"equals": None, "at_least": 7.5}, 7.499996, "7.499996"),
+        ({"equals": None, "below": 7.5}, 7.499996, "7.499996"),
+    ],
+)
+def test_what_was_found_has_four_digits_unless_the_verdict_takes_more(
+    asked: dict[str, Any], value: float, words: str
+) -> None:
+    assert found_in_words(condition("steps", **asked), value) == words
+
+
+@pytest.mark.parametrize(
+    "measure",
+    ["episode_return", "episode_length", "episode_ended", "return_last_100", "return_mean"],
+)
+def test_where_the_moment_has_not_come_a_condition_is_open(measure: str) -> None:
+    asked = "terminated" if measure == "episode_ended" else 1.0
+    lesson = lesson_with({"measure": measure, "equals": asked}, **EVENING)
+    view = passes(lesson, "only", attempt(changes=BY_HAND[:1], steps=1))
+    assert [each.holds for each in view.conditions] == [None]
+    assert view.passed is None
 
 
 def test_an_attempt_that_does_what_is_asked_passes_and_its_evidence_too() -> None:

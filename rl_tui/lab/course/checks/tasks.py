@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 LEAST_REJECTS: Final = 3
 SEEDS_OF_VARIANTS: Final = 100
+_LEFT_OUT: Final = "left out"
 
 OnAttempt = Callable[[str], None]
 """Hears the name of each attempt before it is replayed."""
@@ -37,7 +38,7 @@ class UndecidedPanels:
 
     def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
         """Return that nothing is known of any condition."""
-        return [ConditionVerdict(None, "left out") for _ in conditions]
+        return [ConditionVerdict(None, _LEFT_OUT) for _ in conditions]
 
 
 class _Judged(NamedTuple):
@@ -49,7 +50,7 @@ class _Judged(NamedTuple):
     @property
     def is_undecided(self) -> bool:
         """Whether only conditions are in the way that were left open."""
-        return self.view.passed is None and all(each.holds is not False for each in self.view.conditions)
+        return any(each.found == _LEFT_OUT for each in self.view.conditions)
 
 
 class TaskCheck:

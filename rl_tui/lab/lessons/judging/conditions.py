@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, NoStepError, NotYetError
-from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict, Panels, in_words, is_met
+from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, NoMomentError, NotYetError
+from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict, Panels, found_in_words, is_met
 from rl_tui.lab.lessons.record import Passed
 from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.lessons.view import ConditionView, TaskView
@@ -86,17 +86,18 @@ def verdict(judged: JudgedTask, run: Run, panels: Panels, kept: Kept | None = No
 def judged_at(moment: JudgedMoment, condition: Condition) -> ConditionVerdict:
     """Return whether ``condition`` holds at ``moment``, the seeds that it may ask for left aside.
 
-    What only a step can tell is not known before the first one.
+    What only a step can tell is not known before the first one, nor what only the end of an episode can
+    before there is one.
     """
     try:
         value = MEASURES[condition.measure].of(moment, condition)
-    except NoStepError as reason:
+    except NoMomentError as reason:
         return ConditionVerdict(None, str(reason))
     except MissingError as reason:
         return ConditionVerdict(False, str(reason))
     except NotYetError:
         return ConditionVerdict(None, "being worked out")
-    return ConditionVerdict(is_met(condition, value), in_words(value))
+    return ConditionVerdict(is_met(condition, value), found_in_words(condition, value))
 
 
 def program_verdict(judged: JudgedTask, program: str, seen: SeenProgram) -> TaskView:
@@ -133,7 +134,7 @@ def _of_program(condition: Condition, seen: SeenProgram) -> ConditionVerdict:
         return ConditionVerdict(False, str(reason))
     if value is None:
         return ConditionVerdict(False, "this is not measured of a program")
-    return ConditionVerdict(is_met(condition, value), in_words(value))
+    return ConditionVerdict(is_met(condition, value), found_in_words(condition, value))
 
 
 def elsewhere(setup: Recipe, recipe: Recipe, kept: Kept | None = None) -> str:

@@ -24,7 +24,11 @@ class MissingError(Exception):
     """A measure has no value at this moment; the text says why."""
 
 
-class NoStepError(MissingError):
+class NoMomentError(MissingError):
+    """A measure has no value yet: its moment has not come, or is over; the text says why."""
+
+
+class NoStepError(NoMomentError):
     """A measure has no value before the first step."""
 
     def __init__(self) -> None:
@@ -275,20 +279,20 @@ def _exact() -> Iterable[Measure]:
 def _last_100(moment: JudgedMoment, place: int) -> float:
     found = moment.run.history.last_100[place]
     if found is None:
-        raise MissingError("no episode is finished yet")
+        raise NoMomentError("no episode is finished yet")
     return found
 
 
 def _return_mean(moment: JudgedMoment, condition: Measured) -> float:
     if not moment.episodes or moment.run.mean_return is None:
-        raise MissingError("no episode is finished yet")
+        raise NoMomentError("no episode is finished yet")
     return moment.run.mean_return
 
 
 def _first_reward(moment: JudgedMoment, condition: Measured) -> float:
     episode = moment.run.learner.first_reward_episode
     if not episode:
-        raise MissingError("there was no reward yet")
+        raise NoMomentError("there was no reward yet")
     return episode
 
 
@@ -296,7 +300,7 @@ def _steps_of_episodes(moment: JudgedMoment, condition: Measured) -> float:
     first, last = condition.first or 1, condition.last or 1
     lengths = moment.run.history.first_lengths[:last]
     if len(lengths) < last:
-        raise MissingError(f"episode {last} is not finished yet")
+        raise NoMomentError(f"episode {last} is not finished yet")
     return int(lengths[first - 1 :].sum())
 
 
@@ -310,7 +314,7 @@ def _bandit(moment: JudgedMoment) -> BanditFigures:
 def _best_arm_rate(moment: JudgedMoment, condition: Measured) -> float:
     rate = _bandit(moment).best_arm_rate
     if rate is None:
-        raise MissingError("no arm is pulled yet")
+        raise NoMomentError("no arm is pulled yet")
     return rate
 
 

@@ -16,7 +16,7 @@ from rl_tui.agents.exact.policy_figures import chance_of_ending
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
 from rl_tui.agents.exact.solve import solve
 from rl_tui.lab.lessons.judging.journal_reader import JournalReader
-from rl_tui.lab.lessons.judging.measures import MissingError, NoStepError, NotYetError
+from rl_tui.lab.lessons.judging.measures import MissingError, NoMomentError, NoStepError, NotYetError
 from rl_tui.lab.run.exact_answers import (
     AT_ONCE_STATES,
     DEAREST_LIVE,
@@ -146,7 +146,7 @@ class JudgedMoment:
         """Return and length of the episode that ended with the very step that was last."""
         newest = self.run.history.newest
         if newest is None or not (self.last.terminated or self.last.truncated):
-            raise MissingError("no episode ends with this step")
+            raise NoMomentError("no episode ends with this step")
         return newest
 
     def taken_since(self, step: int) -> int:

@@ -14,7 +14,7 @@ from rl_tui.lab.lessons.judging.condition_faults import MOST_STEPS_OF_A_SEED
 from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, Value
 from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
 from rl_tui.lab.lessons.judging.panel_request import KnownPanels, SeedValues
-from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict, in_words, is_met
+from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict, found_in_words, is_met
 
 if TYPE_CHECKING:
     from rl_tui.lab.lessons.schema import Condition
@@ -111,7 +111,9 @@ def _over_seeds(condition: Condition, values: Sequence[Value | None]) -> Conditi
             False, f"{len(values) - len(numbers)} of {condition.seeds} seeds have no value"
         )
     mean = sum(numbers) / len(numbers)
-    return ConditionVerdict(is_met(condition, mean), f"mean {in_words(mean)} of {condition.seeds} seeds")
+    return ConditionVerdict(
+        is_met(condition, mean), f"mean {found_in_words(condition, mean)} of {condition.seeds} seeds"
+    )
 
 
 class PanelsAtOnce:

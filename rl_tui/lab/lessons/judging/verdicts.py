@@ -13,6 +13,9 @@ if TYPE_CHECKING:
 TOLERANCE: Final = 1e-9
 """Numbers no further apart are equal."""
 
+_DIGITS: Final = 4
+_MOST_DIGITS: Final = 12
+
 
 class ConditionVerdict(NamedTuple):
     """Whether a condition holds, None while that is not known, and the measure in words."""
@@ -52,15 +55,27 @@ def is_met(condition: Condition, value: Value) -> bool:
     )
 
 
-def in_words(value: Value) -> str:
-    """Return a value as people read it: of a number six digits, of a share or a chance four."""
+def in_words(value: Value, digits: int = _DIGITS) -> str:
+    """Return a value as people read it: a number that is not whole with so many significant ``digits``."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, str):
         return value
     is_whole = abs(value) < 1e15 and value == int(value)
-    digits = 4 if abs(value) < 1.0 else 6
-    return (f"{value:,.0f}" if is_whole else f"{value:.{digits}g}").replace("-", "−")
+    has_no_fraction = is_whole or 10**digits <= abs(value) < 1e15
+    return (f"{value:,.0f}" if has_no_fraction else f"{value:.{digits}g}").replace("-", "−")
+
+
+def found_in_words(condition: Condition, value: Value) -> str:
+    """Return ``value`` in words: exact enough that whoever reads it comes to the same verdict."""
+    if isinstance(value, str | bool):
+        return in_words(value)
+    same = (
+        digits
+        for digits in range(_DIGITS, _MOST_DIGITS)
+        if is_met(condition, float(f"{value:.{digits}g}")) == is_met(condition, value)
+    )
+    return in_words(value, next(same, _MOST_DIGITS))
 
 
 def _equal(value: Value, wanted: Value) -> bool:
