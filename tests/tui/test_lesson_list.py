@@ -18,7 +18,8 @@ from textual.pilot import Pilot
 from rl_tui.common.errors import UserError
 from rl_tui.lab.course.entries import LessonEntries, LessonStart, lesson_entries, start_of
 from rl_tui.lab.lessons.lesson import Lesson, lesson_of
-from rl_tui.lab.lessons.record import Given, LessonRecord, begun
+from rl_tui.lab.lessons.record import Given, LessonRecord, Passed, begun
+from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.sessions.folder import files_in
 from rl_tui.lab.sessions.session import encoded, read_session
@@ -114,6 +115,12 @@ def make_lesson_app(lessons: Path, tmp_path: Path) -> MakeLessonApp:
 
 def walk(lessons: Path) -> Lesson:
     return lesson_of(WALK, lessons / "walk.toml")
+
+
+def at_end(lesson: Lesson, *given: Given, is_passed: bool = True) -> LessonRecord:
+    """``lesson`` read to its end, its only task passed or not."""
+    record = replace(begun(lesson).open("lake"), given=given, finished=True)
+    return record.passes(Passed("lake", recipe_of(lesson, "lake"), (), 5)) if is_passed else record
 
 
 def keep(tmp_path: Path, record: LessonRecord, step: int = 4, order: int = 0) -> Path:
@@ -226,12 +233,13 @@ async def test_a_finished_lesson_is_a_reference_from_its_first_page(
     make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path
 ) -> None:
     given = Given("guess", 3.0, is_right=False, step=4)
-    path = keep(tmp_path, replace(begun(walk(lessons)).open("lake").give(given), finished=True))
+    path = keep(tmp_path, at_end(walk(lessons), given))
     before = path.read_bytes()
     async with make_lesson_app().run_test(size=(80, 24)) as pilot:
         await settled(pilot)
         assert "✓ finished" in listed(pilot)
         assert "1 of 2 finished" in screen_text(pilot.app)
+        await settled(pilot, "up")
         assert "0 of 1 right" in details(pilot)
         await settled(pilot, "enter")
         record = lesson_on_screen(pilot)
@@ -239,6 +247,32 @@ async def test_a_finished_lesson_is_a_reference_from_its_first_page(
         assert (snapshot(pilot).recipe.scenario.id, snapshot(pilot).counters.step) == ("student", 0)
         await settled(pilot, "escape")
         assert path.read_bytes() == before
+
+
+async def test_with_a_task_left_a_lesson_is_read_to_its_end_but_not_finished(
+    make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path
+) -> None:
+    keep(tmp_path, at_end(walk(lessons), is_passed=False))
+    async with make_lesson_app().run_test(size=(80, 24)) as pilot:
+        await settled(pilot, "up")
+        assert "1 A walk at its end · 0 of 1 task" in listed(pilot)
+        assert "finished" not in listed(pilot)
+        assert "0 of 2 finished" in screen_text(pilot.app)
+        assert "at its end · 0 of 1 task" in details(pilot)
+
+
+@pytest.mark.parametrize(("is_begun", "row"), [(False, 1), (True, 2)])
+async def test_the_cursor_stands_on_the_lesson_in_progress_else_on_the_first_not_read(
+    make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path, *, is_begun: bool, row: int
+) -> None:
+    (lessons / "third.toml").write_text(OTHER.replace("order = 20", "order = 30"), encoding="utf-8")
+    keep(tmp_path, at_end(walk(lessons)))
+    if is_begun:
+        third = lesson_of(OTHER.replace("order = 20", "order = 30"), lessons / "third.toml")
+        keep(tmp_path, begun(third).open("guess"))
+    async with make_lesson_app().run_test(size=(80, 24)) as pilot:
+        await settled(pilot)
+        assert pilot.app.screen.query_one(LessonList).highlighted == row
 
 
 async def test_r_asks_once_and_begins_again_beside_what_was_done(
@@ -274,6 +308,9 @@ async def test_from_a_lesson_escape_comes_back_to_it_and_then_to_the_catalogue(
         await settled(pilot, "escape")
         assert isinstance(pilot.app.screen, LessonsScreen)
         assert pilot.app.screen.query_one(LessonList).highlighted == 1
+        await settled(pilot, "escape")
+        assert isinstance(pilot.app.screen, LessonsScreen)
+        assert notes(pilot.app)[-1] == "these are the lessons; esc again goes to the catalogue"
         await settled(pilot, "escape")
         assert isinstance(pilot.app.screen, CatalogueScreen)
 
@@ -363,7 +400,7 @@ async def test_in_a_kiosk_a_lesson_is_kept_nowhere(make_lesson_app: MakeLessonAp
 async def test_the_catalogue_says_how_many_are_finished_and_its_sessions_are_lessons(
     make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path
 ) -> None:
-    keep(tmp_path, replace(begun(walk(lessons)).open("lake"), finished=True), order=1)
+    keep(tmp_path, at_end(walk(lessons)), order=1)
     async with make_lesson_app(None).run_test(size=(80, 24)) as pilot:
         await settled(pilot)
         assert "Learn step by step: 1 of 2 ✓" in screen_text(pilot.app)
@@ -373,7 +410,7 @@ async def test_the_catalogue_says_how_many_are_finished_and_its_sessions_are_les
 
 
 async def test_in_ascii_it_is_ascii(make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path) -> None:
-    keep(tmp_path, replace(begun(walk(lessons)).open("lake"), finished=True))
+    keep(tmp_path, at_end(walk(lessons)))
     async with make_lesson_app(ascii=True).run_test(size=(120, 40)) as pilot:
         await settled(pilot)
         assert screen_text(pilot.app).isascii()
@@ -381,7 +418,7 @@ async def test_in_ascii_it_is_ascii(make_lesson_app: MakeLessonApp, lessons: Pat
 
 @pytest.mark.unit
 def test_what_was_finished_once_stays_finished_while_it_is_taken_again(lessons: Path, tmp_path: Path) -> None:
-    keep(tmp_path, replace(begun(walk(lessons)).open("lake"), finished=True), order=1)
+    keep(tmp_path, at_end(walk(lessons)), order=1)
     keep(tmp_path, begun(walk(lessons)).open("guess"), order=2)
     found = lesson_entries(tmp_path / "sessions")
     assert found.finished == 1

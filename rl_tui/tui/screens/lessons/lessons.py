@@ -74,6 +74,7 @@ class LessonsScreen(ActionScreen):
     ) -> None:
         super().__init__(look)
         self._start_at = start_at
+        self._comes_from_lesson = bool(start_at)
         self._fault = fault
         self._sessions = sessions
         self._read = asyncio.Event()
@@ -111,7 +112,7 @@ class LessonsScreen(ActionScreen):
         """List the lessons."""
         found = event.found
         self.query_one("#progress", Static).update(f" {separated(progress_line(found), self.look.glyphs)}")
-        self.query_one(LessonList).show([*found.entries, *found.broken], self._start_at)
+        self.query_one(LessonList).show([*found.entries, *found.broken], self._start_at or found.goes_on_at)
         self.show_current()
         self._read.set()
         self._early_keys.release(self.app)
@@ -184,7 +185,11 @@ class LessonsScreen(ActionScreen):
         self.app.push_screen(Confirm("Begin again", question, "begin again", self.look.glyphs), begin)
 
     def action_leave_lessons(self) -> None:
-        """Go back to the catalogue."""
+        """Go back to the catalogue; who comes out of a lesson is asked for a press of its own."""
+        if self._comes_from_lesson:
+            self._comes_from_lesson = False
+            self.tell("these are the lessons; esc again goes to the catalogue")
+            return
         self.post_message(self.ListClosed())
 
     def _entry(self) -> LessonEntry | None:
