@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from rl_tui.lab.lessons.figures.figures import Figures
+from rl_tui.lab.lessons.figures.figures import LessonFigures
 from rl_tui.lab.lessons.figures.written import written_number
 from rl_tui.lab.lessons.lesson import Lesson
 from rl_tui.lab.lessons.schema import Figure, Setup
@@ -51,7 +51,7 @@ class Said:
     quoted: tuple[str, ...]
     chosen: tuple[str, ...]
     lesson: Lesson
-    figures: Figures
+    figures: LessonFigures
     constants: Mapping[str, tuple[str, float]]
     """The number as it is written, and what the program holds, by name."""
 
@@ -88,7 +88,7 @@ def said_of(text_id: str) -> Said:
     )
     names_in = tuple(tuple(match[1] for match in _PLACEHOLDER.finditer(piece)) for piece in every)
     quoted, chosen = (tuple(table.get(name, ())) for name in ("quoted", "chosen"))
-    return Said(text_id, pieces, names_in, quoted, chosen, lesson, Figures(lesson), constants)
+    return Said(text_id, pieces, names_in, quoted, chosen, lesson, LessonFigures(lesson), constants)
 
 
 def _put_in(value: str, form: str | None) -> str:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from threading import Event
 
 import pytest
 from drawn_text import rows_of, words_of
@@ -14,7 +16,7 @@ from seams import notes, press, screen_text, snapshot
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.course.entries import LessonStart, lesson_entries, start_of
+from rl_tui.lab.course.entries import LessonEntries, LessonStart, lesson_entries, start_of
 from rl_tui.lab.lessons.lesson import Lesson, lesson_of
 from rl_tui.lab.lessons.record import Given, LessonRecord, Passed, begun
 from rl_tui.lab.lessons.setups import recipe_of
@@ -181,6 +183,29 @@ async def test_enter_begins_a_lesson_with_the_run_of_its_first_page(make_lesson_
         assert (shown.recipe.scenario.id, shown.recipe.seed, shown.counters.step) == ("student", 5, 0)
         assert shown.recipe.hyperparameters.alpha == 0.5
         assert shown.playback.speed == 3.0
+
+
+async def test_keys_typed_before_the_lessons_are_read_count_once_they_are(
+    make_lesson_app: MakeLessonApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    may_read = Event()
+
+    def entries_later(sessions: Path | None) -> LessonEntries:
+        may_read.wait(60)
+        return lesson_entries(sessions)
+
+    monkeypatch.setattr("rl_tui.tui.screens.lessons.lessons.lesson_entries", entries_later)
+    app = make_lesson_app()
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.press("down", "enter")
+        await app.typed()
+        assert pilot.app.screen.query_one(LessonList).option_count == 0
+        may_read.set()
+        async with asyncio.timeout(60):
+            while not isinstance(pilot.app.screen, Playground):
+                await pilot.pause(0.01)
+        await settled(pilot)
+        assert lesson_on_screen(pilot).lesson.id == "other"
 
 
 async def test_a_lesson_under_way_says_so_and_goes_on_where_it_was_left(
