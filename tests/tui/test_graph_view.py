@@ -171,10 +171,14 @@ def test_a_graph_without_room_becomes_a_list_of_its_actions() -> None:
     ]
 
 
+def test_a_line_of_the_list_is_written_tight_before_a_chance_is_lost() -> None:
+    assert picture(student(), 40, 6)[0].rstrip() == " Class   6.37 ━study −2▶Pass .8/Class .2"
+
+
 def test_the_list_is_cut_between_words_and_scrolls() -> None:
     view = GraphView(student_world(), look())
     rows = [strip.text.rstrip() for strip in view.picture(student(), 28, 2)]
-    assert rows == [" Class ━study −2━▶ Pass .8 …", "       ─check phone 0─▶ …"]
+    assert rows == [" Class ━study −2━▶ Pass .8 …", "       ─check phone 0▶Phone"]
     assert view.footing == "↑↓ 1–2 of 5"
     view.pan(2, 0)
     rows = [strip.text.rstrip() for strip in view.picture(student(), 28, 2)]

@@ -401,6 +401,16 @@ async def test_keys_palette_and_help_offer_a_lesson_only_where_there_is_one() ->
 
 
 @both_sizes
+async def test_the_world_beside_a_lesson_shows_every_chance(size: tuple[int, int]) -> None:
+    async with lesson(size, "quiz") as pilot:
+        if size == small:
+            await press(pilot, "R")
+        shown = screen_text(pilot.app)
+        assert ".8" in shown
+        assert ".2" in shown
+
+
+@both_sizes
 async def test_the_status_line_names_the_lesson(size: tuple[int, int]) -> None:
     async with lesson(size) as pilot:
         assert playground(pilot).status.render_line(0).text.strip().startswith("Q-learning by hand")

@@ -156,9 +156,8 @@ class Playground(ActionScreen):
         self._watches = watches
         self.frames = Frames(self, fps)
         self._settling = Settling(self.link, self.board, self.view.look_at, self.session.named)
-        self._early_keys = EarlyKeys(
-            key for action in self.known_actions if action.needs_world for key in action.keys
-        )
+        needing_world = (action for action in self.known_actions if action.needs_world)
+        self._early_keys = EarlyKeys(key for action in needing_world for key in action.keys)
 
     @classmethod
     def with_keys_of(cls, panels: Sequence[PanelRow]) -> type[Self]:

@@ -52,7 +52,10 @@ def draw_edge_list(
                 canvas.put(2 + names, y, text.rjust(_VALUE_WIDTH), values.style(state, look))
         greedy = action.pair in values.greedy
         style = look.palette.greedy if greedy else look.palette.text
-        canvas.put(x, y, whole_words(edge_text(shape, action, greedy, look), width - x, look), style)
+        text = edge_text(shape, action, greedy, look)
+        if len(text) > width - x >= len(tight := edge_text(shape, action, greedy, look, is_tight=True)):
+            text = tight
+        canvas.put(x, y, whole_words(text, width - x, look), style)
         if action.pair in signs.breakpoints.pairs:
             canvas.put(x, y, look.glyphs.breakpoint, look.palette.breakpoint)
     return canvas.strips()
@@ -69,10 +72,17 @@ def _put_mark(canvas: Canvas, y: int, state: int, signs: Signs, look: Look) -> N
         canvas.put(0, y, look.glyphs.agent, palette.agent)
 
 
-def edge_text(shape: GraphShape, action: GraphAction, greedy: bool, look: Look) -> str:
-    """Return ``─study −2─▶ Pass .8 / Class .2``, with a bold line where the action is greedy."""
+def edge_text(
+    shape: GraphShape, action: GraphAction, greedy: bool, look: Look, *, is_tight: bool = False
+) -> str:
+    """Return ``─study −2─▶ Pass .8 / Class .2``, with a bold line where the action is greedy.
+
+    Where it ``is_tight``, without the cells that tell nothing: ``─study −2▶Pass .8/Class .2``.
+    """
     line = look.glyphs.bold if greedy else look.glyphs.thin
     targets = (f"{shape.nodes[branch.target].name} {branch.label}".strip() for branch in action.branches)
+    if is_tight:
+        return f"{line}{action.label}{look.glyphs.head_right}{'/'.join(targets)}"
     return f"{line}{action.label}{line}{look.glyphs.head_right} {' / '.join(targets)}"
 
 
