@@ -34,7 +34,7 @@ SLOWEST: Final = 10.0  # seconds of CPU
 MOST_MEMORY: Final = 700  # MB that one input may add to the process
 WARNED: Final = re.compile(
     r"--[\w-]+ has no effect: |the budget of this bandit is |.*: warning: state .* can never reach an end"
-    r"|.*: warning: episode \d+ of SARSA "
+    r"|.*: warning: (with what (SARSA|Q-learning) learns, |in a trial of SARSA episode \d)"
     r"|[\d,]+ states: the exact answer|.*: Q does not come out as it was saved"
 )
 AS_IT_IS: Final = (

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from threading import Event
 
 import pytest
 from drawn_text import rows_of, words_of
@@ -14,9 +16,10 @@ from seams import notes, press, screen_text, snapshot
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.course.entries import LessonStart, lesson_entries, start_of
+from rl_tui.lab.course.entries import LessonEntries, LessonStart, lesson_entries, start_of
 from rl_tui.lab.lessons.lesson import Lesson, lesson_of
-from rl_tui.lab.lessons.record import Given, LessonRecord, begun
+from rl_tui.lab.lessons.record import Given, LessonRecord, Passed, begun
+from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.sessions.folder import files_in
 from rl_tui.lab.sessions.session import encoded, read_session
@@ -114,6 +117,12 @@ def walk(lessons: Path) -> Lesson:
     return lesson_of(WALK, lessons / "walk.toml")
 
 
+def at_end(lesson: Lesson, *given: Given, is_passed: bool = True) -> LessonRecord:
+    """``lesson`` read to its end, its only task passed or not."""
+    record = replace(begun(lesson).open("lake"), given=given, finished=True)
+    return record.passes(Passed("lake", recipe_of(lesson, "lake"), (), 5)) if is_passed else record
+
+
 def keep(tmp_path: Path, record: LessonRecord, step: int = 4, order: int = 0) -> Path:
     """Write a session of ``record``, its run at ``step``; of two that of the higher ``order`` is newer."""
     beginning = beginning_of(record)
@@ -176,6 +185,29 @@ async def test_enter_begins_a_lesson_with_the_run_of_its_first_page(make_lesson_
         assert shown.playback.speed == 3.0
 
 
+async def test_keys_typed_before_the_lessons_are_read_count_once_they_are(
+    make_lesson_app: MakeLessonApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    may_read = Event()
+
+    def entries_later(sessions: Path | None) -> LessonEntries:
+        may_read.wait(60)
+        return lesson_entries(sessions)
+
+    monkeypatch.setattr("rl_tui.tui.screens.lessons.lessons.lesson_entries", entries_later)
+    app = make_lesson_app()
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.press("down", "enter")
+        await app.typed()
+        assert pilot.app.screen.query_one(LessonList).option_count == 0
+        may_read.set()
+        async with asyncio.timeout(60):
+            while not isinstance(pilot.app.screen, Playground):
+                await pilot.pause(0.01)
+        await settled(pilot)
+        assert lesson_on_screen(pilot).lesson.id == "other"
+
+
 async def test_a_lesson_under_way_says_so_and_goes_on_where_it_was_left(
     make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path
 ) -> None:
@@ -201,12 +233,13 @@ async def test_a_finished_lesson_is_a_reference_from_its_first_page(
     make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path
 ) -> None:
     given = Given("guess", 3.0, is_right=False, step=4)
-    path = keep(tmp_path, replace(begun(walk(lessons)).open("lake").give(given), finished=True))
+    path = keep(tmp_path, at_end(walk(lessons), given))
     before = path.read_bytes()
     async with make_lesson_app().run_test(size=(80, 24)) as pilot:
         await settled(pilot)
         assert "✓ finished" in listed(pilot)
         assert "1 of 2 finished" in screen_text(pilot.app)
+        await settled(pilot, "up")
         assert "0 of 1 right" in details(pilot)
         await settled(pilot, "enter")
         record = lesson_on_screen(pilot)
@@ -214,6 +247,32 @@ async def test_a_finished_lesson_is_a_reference_from_its_first_page(
         assert (snapshot(pilot).recipe.scenario.id, snapshot(pilot).counters.step) == ("student", 0)
         await settled(pilot, "escape")
         assert path.read_bytes() == before
+
+
+async def test_with_a_task_left_a_lesson_is_read_to_its_end_but_not_finished(
+    make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path
+) -> None:
+    keep(tmp_path, at_end(walk(lessons), is_passed=False))
+    async with make_lesson_app().run_test(size=(80, 24)) as pilot:
+        await settled(pilot, "up")
+        assert "1 A walk at its end · 0 of 1 task" in listed(pilot)
+        assert "finished" not in listed(pilot)
+        assert "0 of 2 finished" in screen_text(pilot.app)
+        assert "at its end · 0 of 1 task" in details(pilot)
+
+
+@pytest.mark.parametrize(("is_begun", "row"), [(False, 1), (True, 2)])
+async def test_the_cursor_stands_on_the_lesson_in_progress_else_on_the_first_not_read(
+    make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path, *, is_begun: bool, row: int
+) -> None:
+    (lessons / "third.toml").write_text(OTHER.replace("order = 20", "order = 30"), encoding="utf-8")
+    keep(tmp_path, at_end(walk(lessons)))
+    if is_begun:
+        third = lesson_of(OTHER.replace("order = 20", "order = 30"), lessons / "third.toml")
+        keep(tmp_path, begun(third).open("guess"))
+    async with make_lesson_app().run_test(size=(80, 24)) as pilot:
+        await settled(pilot)
+        assert pilot.app.screen.query_one(LessonList).highlighted == row
 
 
 async def test_r_asks_once_and_begins_again_beside_what_was_done(
@@ -249,6 +308,9 @@ async def test_from_a_lesson_escape_comes_back_to_it_and_then_to_the_catalogue(
         await settled(pilot, "escape")
         assert isinstance(pilot.app.screen, LessonsScreen)
         assert pilot.app.screen.query_one(LessonList).highlighted == 1
+        await settled(pilot, "escape")
+        assert isinstance(pilot.app.screen, LessonsScreen)
+        assert notes(pilot.app)[-1] == "these are the lessons; esc again goes to the catalogue"
         await settled(pilot, "escape")
         assert isinstance(pilot.app.screen, CatalogueScreen)
 
@@ -338,7 +400,7 @@ async def test_in_a_kiosk_a_lesson_is_kept_nowhere(make_lesson_app: MakeLessonAp
 async def test_the_catalogue_says_how_many_are_finished_and_its_sessions_are_lessons(
     make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path
 ) -> None:
-    keep(tmp_path, replace(begun(walk(lessons)).open("lake"), finished=True), order=1)
+    keep(tmp_path, at_end(walk(lessons)), order=1)
     async with make_lesson_app(None).run_test(size=(80, 24)) as pilot:
         await settled(pilot)
         assert "Learn step by step: 1 of 2 ✓" in screen_text(pilot.app)
@@ -348,7 +410,7 @@ async def test_the_catalogue_says_how_many_are_finished_and_its_sessions_are_les
 
 
 async def test_in_ascii_it_is_ascii(make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path) -> None:
-    keep(tmp_path, replace(begun(walk(lessons)).open("lake"), finished=True))
+    keep(tmp_path, at_end(walk(lessons)))
     async with make_lesson_app(ascii=True).run_test(size=(120, 40)) as pilot:
         await settled(pilot)
         assert screen_text(pilot.app).isascii()
@@ -356,7 +418,7 @@ async def test_in_ascii_it_is_ascii(make_lesson_app: MakeLessonApp, lessons: Pat
 
 @pytest.mark.unit
 def test_what_was_finished_once_stays_finished_while_it_is_taken_again(lessons: Path, tmp_path: Path) -> None:
-    keep(tmp_path, replace(begun(walk(lessons)).open("lake"), finished=True), order=1)
+    keep(tmp_path, at_end(walk(lessons)), order=1)
     keep(tmp_path, begun(walk(lessons)).open("guess"), order=2)
     found = lesson_entries(tmp_path / "sessions")
     assert found.finished == 1

@@ -150,6 +150,48 @@ def test_a_passed_task_explains_itself() -> None:
     assert "An optimist tries everything." in said
 
 
+def test_once_passed_the_conditions_stand_as_they_did_whatever_the_run_does_later() -> None:
+    passed = Passed("learn", student(0).recipe)
+    for stands in (None, TaskView(CONDITIONS)):
+        said = text(at("learn", passed=(passed,), task=stands))
+        assert "✓ study is greedy in Class ✓ no step by you" in said
+        assert "✗" not in said
+        assert "check phone" not in said
+
+
+def test_of_a_task_rightly_called_impossible_no_condition_is_said_to_hold() -> None:
+    claimed = Passed("never", student(0).recipe, claim=True)
+    said = text(
+        at("never", passed=(claimed,), task=TaskView((ConditionView("an evening earns 100", False),)))
+    )
+    assert "✗ an evening earns 100" in said
+    assert "✓ PASSED" in said
+
+
+@pytest.mark.parametrize("page", ["learn", "never"])
+def test_the_way_to_call_a_task_impossible_is_the_same_on_each_and_stands_last(page: str) -> None:
+    rows = [row.strip() for row in drawn(at(page, task=TaskView(CONDITIONS))) if row.strip()]
+    assert rows[-1] == "A if you think that it cannot be done"
+
+
+def test_where_the_page_hides_the_world_the_footer_names_the_way_to_it() -> None:
+    for page, footing in (
+        ("start", ".: next page · R: to the world"),
+        ("learn", "R: to the world"),
+        ("quiz", "A: answer"),
+    ):
+        panel = panel_of(at(page, task=TaskView(CONDITIONS)))
+        panel.takes_turns = True
+        assert panel.keys(panel.snapshot)[0] == footing
+
+
+def test_on_the_last_page_the_footer_names_the_next_lesson() -> None:
+    panel = panel_of(at("lake"))
+    assert panel.keys(panel.snapshot)[0] == "the last page · esc: leave"
+    panel.following = "Return and discount"
+    assert panel.keys(panel.snapshot)[0] == "last page · . next lesson: Return and discount"
+
+
 @pytest.mark.parametrize(
     ("snapshot", "row"),
     [

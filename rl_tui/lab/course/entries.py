@@ -25,12 +25,12 @@ class LessonEntry:
 
     @property
     def is_finished(self) -> bool:
-        """Whether it was ever taken to its end."""
+        """Whether it was ever taken to its end, every task of it passed."""
         return self.progress is not None and self.progress.finished
 
     @property
     def is_at_end(self) -> bool:
-        """Whether that was in its newest session: then it is a reference."""
+        """Whether it was read to its end in its newest session: then it is a reference."""
         stored = None if self.progress is None else self.progress.session.document.lesson
         return stored is not None and stored.finished
 
@@ -48,6 +48,18 @@ class LessonEntries(NamedTuple):
 
     entries: list[LessonEntry]
     broken: list[ScenarioError]
+
+    @property
+    def goes_on_at(self) -> str:
+        """The id of the lesson in progress that was saved last, else of the first not read to its end.
+
+        Empty where all are.
+        """
+        under_way = [(each.progress.session, each) for each in self.entries if each.progress]
+        begun = [(session.saved, session.written, each) for session, each in under_way if not each.is_at_end]
+        if begun:
+            return max(begun, key=lambda each: (each[0], each[1][1]))[2].lesson.id
+        return next((each.lesson.id for each in self.entries if not each.is_at_end), "")
 
     @property
     def finished(self) -> int:

@@ -12,13 +12,15 @@ from rl_tui.lab.sessions.stored_lesson import stored_source
 
 if TYPE_CHECKING:
     from rl_tui.lab.lessons.lesson import Lesson
+    from rl_tui.lab.sessions.stored_lesson import StoredLesson
 
 
 @dataclass(frozen=True, slots=True)
 class LessonProgress:
     """How far a lesson has come, in the ``session`` of it that was saved last.
 
-    ``page`` is the id of the open page. ``finished`` says whether it was ever, in any session.
+    ``page`` is the id of the open page. ``finished`` says whether it was ever, in any session: read to its
+    end, and every task passed.
     """
 
     session: StoredSession
@@ -56,14 +58,20 @@ class StoredProgress:
             for page in lesson.pages
             if page.prediction is not None and page.id in first_answers
         ]
-        passed = {each.page for each in stored.passed}
         pages = {page.id for page in lesson.pages}
+        documents = [each.document.lesson for each in sessions if each.document.lesson]
+        tasks = len(lesson.tasks)
         return LessonProgress(
             session=sessions[0],
             page=stored.page if stored.page in pages else lesson.pages[0].id,
-            tasks_passed=sum(page.id in passed for page in lesson.tasks),
-            tasks=len(lesson.tasks),
+            tasks_passed=_passed(lesson, stored),
+            tasks=tasks,
             predictions_right=sum(given.right for given in made),
             predictions_made=len(made),
-            finished=any(each.document.lesson.finished for each in sessions if each.document.lesson),
+            finished=any(each.finished and _passed(lesson, each) == tasks for each in documents),
         )
+
+
+def _passed(lesson: Lesson, stored: StoredLesson) -> int:
+    passed = {each.page for each in stored.passed}
+    return sum(page.id in passed for page in lesson.tasks)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import ClassVar
+from typing import ClassVar, Final
 
 from textual import events
 from textual.binding import BindingType
@@ -13,10 +13,12 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import strips_of
 from rl_tui.tui.panels.bindings import binding
 from rl_tui.tui.panels.lesson.page_lines import Spotlight, page_lines
-from rl_tui.tui.panels.lesson.stage import PageStage, page_place, stage_of
+from rl_tui.tui.panels.lesson.stage import PageStage, open_page, page_place, stage_of
 from rl_tui.tui.panels.lesson.words import next_keys, summary_line
 from rl_tui.tui.panels.scrolled_panel import ScrolledPanel, scroll_bindings
 from rl_tui.tui.theme.look import Look
+
+TO_WORLD: Final = "R: to the world"
 
 _Shown = tuple[str, PageStage | None, int, tuple[str, ...]]
 """The open page, where it stands, how many hints and answers there were, and the remarks on a program."""
@@ -27,7 +29,8 @@ class LessonPanel(ScrolledPanel):
 
     What is new on it, such as an answer or a hint, comes into view. In one row it says how the page stands.
     ``spotlight`` is the panel that the page says to look at; ``is_manual`` says that a person acts in place
-    of the agent.
+    of the agent, ``takes_turns`` that the page hides the world. ``following`` is the title of the next
+    lesson, empty where there is none or that is not known.
     """
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -40,6 +43,8 @@ class LessonPanel(ScrolledPanel):
         super().__init__(look, id=id, classes=classes)
         self.spotlight: Spotlight | None = None
         self.is_manual = False
+        self.takes_turns = False
+        self.following = ""
         self._shown: _Shown = ("", None, 0, ())
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
@@ -79,8 +84,19 @@ class LessonPanel(ScrolledPanel):
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
         """Return the key of what is to do next."""
         if snapshot is None or snapshot.lesson is None:
-            return ("R: to the world",)
-        return next_keys(snapshot.lesson, snapshot, has_focus=self.has_focus, is_manual=self.is_manual)
+            return (TO_WORLD,)
+        keys = next_keys(
+            snapshot.lesson,
+            snapshot,
+            has_focus=self.has_focus,
+            is_manual=self.is_manual,
+            following=self.following,
+        )
+        page = open_page(snapshot.lesson.record)
+        if not self.takes_turns or (page.spotlight is None and page.task is None):
+            return keys
+        own = [each for each in keys if "to the world" not in each and not each.startswith("R:")]
+        return *(f"{each} · {TO_WORLD}" for each in own), TO_WORLD
 
     def _footings(self, keys: Sequence[str], height: int) -> Sequence[str]:
         """Return ``keys`` behind how many rows there are below, the longest form first."""

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from rich.style import Style
+
 from rl_tui.lab.lessons.record import NO_STEP, Given
 from rl_tui.lab.lessons.schema import Ask, Page, Task
-from rl_tui.lab.lessons.view import LessonView
+from rl_tui.lab.lessons.view import ConditionView, LessonView
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.pieces import Line, Piece, wrapped
 from rl_tui.tui.panels.lesson.prose import prose_lines
@@ -156,7 +158,7 @@ class _Writer:
         self._gap()
         view = self._view.task
         is_passed = self._stage is PageStage.PASSED
-        for condition in view.conditions if view is not None else ():
+        for condition in self._conditions(task):
             sign = condition_sign(condition.holds, self._look)
             found = f" ({condition.found})" if condition.found else ""
             self._beside(sign, condition.text, found)
@@ -173,6 +175,16 @@ class _Writer:
         self._row([Piece(f"{self._look.glyphs.holds} PASSED", self._palette.good)])
         self._hints(task)
 
+    def _conditions(self, task: Task) -> Sequence[ConditionView]:
+        """Return how the conditions stood when the task was passed, until then how they stand.
+
+        Of a task that is rightly called impossible they never hold all.
+        """
+        passed = next((each for each in self._record.passed if each.page == self._page.id), None)
+        if passed is not None and not passed.claim:
+            return [ConditionView(each.text, True) for each in task.conditions]
+        return () if self._view.task is None else self._view.task.conditions
+
     def _remarks(self, remarks: Sequence[str]) -> None:
         """Write what was found of a program, each with a sign of its own."""
         if not remarks:
@@ -184,7 +196,8 @@ class _Writer:
 
     def _what_to_press(self, task: Task) -> None:
         if task.program is None:
-            self._key("A", "say that it cannot be done")
+            dim = self._palette.dim
+            self._beside(Piece("A", dim), "if you think that it cannot be done", style=dim)
             return
         self._key("A", f"writes {task.program.file}, and once it is there checks it")
         self._say(f"rl-tui watch {task.program.file} in another terminal shows it at work.", is_dim=True)
@@ -237,9 +250,10 @@ class _Writer:
         for line in wrapped(text, self._room, style, self._look):
             self._put(line)
 
-    def _beside(self, sign: Piece, text: str, note: str = "") -> None:
+    def _beside(self, sign: Piece, text: str, note: str = "", style: Style | None = None) -> None:
         """Write ``text`` behind ``sign``, its further lines below its first."""
-        lines = wrapped(f"{text}{note}", max(1, self._room - 2), self._palette.text, self._look)
+        room = max(1, self._room - 2)
+        lines = wrapped(f"{text}{note}", room, style or self._palette.text, self._look)
         for number, line in enumerate(lines):
             first = sign if not number else Piece(" ", sign.style)
             self._put([first, Piece(" ", self._palette.text), *line])

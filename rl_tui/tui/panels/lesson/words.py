@@ -88,12 +88,12 @@ def reply_to(ask: Ask, answer: float, *, is_right: bool) -> str:
 
 
 def next_keys(
-    view: LessonView, snapshot: Snapshot, *, has_focus: bool, is_manual: bool = False
+    view: LessonView, snapshot: Snapshot, *, has_focus: bool, is_manual: bool = False, following: str = ""
 ) -> tuple[str, ...]:
     """Return what to do next and its key, the longest form first.
 
     Where the page ``has_focus``, enter does each; elsewhere each has a key of its own. ``is_manual`` says
-    that a person acts in place of the agent.
+    that a person acts in place of the agent. ``following`` is the title of the next lesson.
     """
     stage, record = stage_of(view, snapshot), view.record
     answer, turn = ("enter", "enter") if has_focus else ("A", ".")
@@ -113,6 +113,12 @@ def next_keys(
                 return leads
             ways = _ways_to_truth(ask, steps_to_truth(ask, given, snapshot), snapshot, is_manual=is_manual)
             return *(f"{each} · {ways[0]}" for each in leads), *ways
+        case _ if is_last_page(record) and following:
+            return (
+                f"last page · {turn} next lesson: {following}",
+                f"last page · {turn} next lesson",
+                "last page",
+            )
         case _ if is_last_page(record):
             return "the last page · esc: leave", "last page"
         case _:

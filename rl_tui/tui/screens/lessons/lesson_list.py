@@ -53,7 +53,8 @@ class LessonList(OptionList):
         for number, entry in enumerate(self._entries, start=1):
             if isinstance(entry, LessonEntry):
                 title = to_ascii(entry.lesson.title, self._look.glyphs)
-                state = separated(f"{state_of(entry)} · {entry.lesson.minutes} min", self._look.glyphs)
+                minutes = "" if entry.is_at_end else f" · {entry.lesson.minutes} min"
+                state = separated(f"{state_of(entry)}{minutes}", self._look.glyphs)
                 yield Option(_Row(f"{number:>{digits}}", title, state, self._look))
             else:
                 name = one_line(entry.faults[0].file.rsplit("/", 1)[-1], _LONGEST_NAME)

@@ -25,7 +25,9 @@ def state_of(entry: LessonEntry) -> str:
     if progress is None:
         return _NOT_BEGUN
     if entry.is_at_end:
-        return _FINISHED
+        done = progress.finished or progress.tasks_passed == progress.tasks
+        passed = f"{progress.tasks_passed} of {counted(progress.tasks, 'task')}"
+        return _FINISHED if done else f"at its end · {passed}"
     here = f"page {entry.lesson.number_of(progress.page) + 1} of {len(entry.lesson.pages)}"
     return f"{DONE} {here}" if progress.finished else here
 
@@ -73,7 +75,7 @@ def _lines(entry: LessonEntry) -> dict[str, str]:
     made, tasks = progress.predictions_made, progress.tasks
     here = f"{state_of(entry)}: {lesson.page(progress.page).title}"
     return {
-        "stands at": _FINISHED if entry.is_at_end else here,
+        "stands at": state_of(entry) if entry.is_at_end else here,
         "tasks": f"{progress.tasks_passed} of {tasks} passed" if tasks else "none",
         "predictions": f"{progress.predictions_right} of {made} right" if made else "none so far",
         "enter": "opens it as a reference" if entry.is_at_end else "goes on there",

@@ -13,6 +13,7 @@ from typing import ClassVar, Final
 from textual.binding import BindingType
 from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
+from textual.events import Key
 from textual.message import Message
 from textual.screen import Screen
 from textual.widget import Widget
@@ -28,6 +29,7 @@ from rl_tui.tui.actions.bindings import bindings_of
 from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.screens.action_screen import ActionScreen
+from rl_tui.tui.screens.early_keys import EarlyKeys
 from rl_tui.tui.screens.lessons.lesson_list import LessonList
 from rl_tui.tui.screens.lessons.lesson_text import lesson_details, lesson_faults, progress_line
 from rl_tui.tui.theme.look import Look
@@ -38,7 +40,8 @@ _NONE: Final = "No lessons are here: they stand beside the scenarios that come w
 class LessonsScreen(ActionScreen):
     """Left the lessons, right what is known of the one under the cursor.
 
-    They are read in a thread after the first paint. ``sessions`` is the folder of sessions, which say how far
+    They are read in a thread after the first paint; keys typed before wait for them. ``sessions`` is the
+    folder of sessions, which say how far
     one has come, None where none are kept.
     """
 
@@ -71,9 +74,12 @@ class LessonsScreen(ActionScreen):
     ) -> None:
         super().__init__(look)
         self._start_at = start_at
+        self._comes_from_lesson = bool(start_at)
         self._fault = fault
         self._sessions = sessions
         self._read = asyncio.Event()
+        moves = {key for binding in LessonList.BINDINGS for key in binding.key.split(",")}
+        self._early_keys = EarlyKeys(moves.union(*(action.keys for action in actions_of(Place.LESSONS))))
 
     def content(self) -> Iterable[Widget]:
         """Yield the list and the details."""
@@ -106,9 +112,15 @@ class LessonsScreen(ActionScreen):
         """List the lessons."""
         found = event.found
         self.query_one("#progress", Static).update(f" {separated(progress_line(found), self.look.glyphs)}")
-        self.query_one(LessonList).show([*found.entries, *found.broken], self._start_at)
+        self.query_one(LessonList).show([*found.entries, *found.broken], self._start_at or found.goes_on_at)
         self.show_current()
         self._read.set()
+        self._early_keys.release(self.app)
+
+    def on_key(self, event: Key) -> None:
+        """Hold back what is for the list until that is there."""
+        if not self._read.is_set() and self._early_keys.take(event):
+            event.stop()
 
     async def settled(self) -> None:
         """Wait until the lessons are read and listed."""
@@ -173,7 +185,11 @@ class LessonsScreen(ActionScreen):
         self.app.push_screen(Confirm("Begin again", question, "begin again", self.look.glyphs), begin)
 
     def action_leave_lessons(self) -> None:
-        """Go back to the catalogue."""
+        """Go back to the catalogue; who comes out of a lesson is asked for a press of its own."""
+        if self._comes_from_lesson:
+            self._comes_from_lesson = False
+            self.tell("these are the lessons; esc again goes to the catalogue")
+            return
         self.post_message(self.ListClosed())
 
     def _entry(self) -> LessonEntry | None:

@@ -76,7 +76,8 @@ class LessonPlace:
         if snapshot.lesson is None:
             return
         self.panel.set_class(self._arrangement.has_lesson_in_a_row(size), IN_A_ROW)
-        if self.reads and not self.is_docked:
+        self.panel.takes_turns = self.reads and not self.is_docked
+        if self.panel.takes_turns:
             self.focus()
         self._point_at(open_page(snapshot.lesson.record).spotlight, size)
 

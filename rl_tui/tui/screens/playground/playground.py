@@ -35,6 +35,7 @@ from rl_tui.tui.panels.row import PanelRow
 from rl_tui.tui.panels.status_line import StatusLine
 from rl_tui.tui.panels.timeline.timeline import TimelineBar
 from rl_tui.tui.screens.action_screen import ActionScreen
+from rl_tui.tui.screens.early_keys import EarlyKeys
 from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.key_line import KeyLine
 from rl_tui.tui.screens.legend_switch import LegendSwitch
@@ -58,7 +59,6 @@ from rl_tui.tui.screens.playground.actions.until import UntilActions
 from rl_tui.tui.screens.playground.actions.view import ViewActions
 from rl_tui.tui.screens.playground.actions.why import WhyActions
 from rl_tui.tui.screens.playground.board import Board
-from rl_tui.tui.screens.playground.early_keys import EarlyKeys
 from rl_tui.tui.screens.playground.frames import Frames
 from rl_tui.tui.screens.playground.player_link import PlayerLink
 from rl_tui.tui.screens.playground.settling import Settling
@@ -157,7 +157,9 @@ class Playground(ActionScreen):
         self._watches = watches
         self.frames = Frames(self, fps)
         self._settling = Settling(self.link, self.board, self.view.look_at, self.session.named)
-        self._early_keys = EarlyKeys(self.known_actions)
+        self._early_keys = EarlyKeys(
+            key for action in self.known_actions if action.needs_world for key in action.keys
+        )
 
     @classmethod
     def with_keys_of(cls, panels: Sequence[PanelRow]) -> type[Self]:

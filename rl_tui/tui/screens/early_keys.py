@@ -1,4 +1,4 @@
-"""Keys typed before there is a world: what needs one waits for it, and so does all that is typed after."""
+"""Keys typed before what they are for is there: they wait for it, and so does all that is typed after."""
 
 from __future__ import annotations
 
@@ -8,16 +8,14 @@ from typing import Any, Final
 from textual.app import App
 from textual.events import Key
 
-from rl_tui.tui.actions.action import Action
-
 _MOST: Final = 100  # keys: who types more than that ahead is not a person
 
 
 class EarlyKeys:
-    """Holds keys back from the first one on that is for one of ``actions`` that need a world."""
+    """Holds keys back from the first one on that is among ``waiting``."""
 
-    def __init__(self, actions: Iterable[Action]) -> None:
-        self._waiting = frozenset(key for action in actions if action.needs_world for key in action.keys)
+    def __init__(self, waiting: Iterable[str]) -> None:
+        self._waiting = frozenset(waiting)
         self._held: list[Key] = []
 
     def take(self, event: Key) -> bool:
@@ -32,7 +30,8 @@ class EarlyKeys:
         return True
 
     def release(self, app: App[Any]) -> None:
-        """Let ``app`` have the keys again, now that there is a world."""
+        """Let ``app`` have the keys again, now that what they are for is there."""
         held, self._held = self._held, []
         for key in held:
-            app.post_message(Key(key.key, key.character))
+            # from the app, as if typed: what comes from a screen does not rise from its widgets beyond it
+            app.post_message(Key(key.key, key.character).set_sender(app))
