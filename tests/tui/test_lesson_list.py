@@ -229,6 +229,46 @@ async def test_a_lesson_under_way_says_so_and_goes_on_where_it_was_left(
         assert read_session(path).step == 5
 
 
+async def test_who_acted_last_acts_again_where_a_lesson_goes_on(
+    make_lesson_app: MakeLessonApp,
+) -> None:
+    async with make_lesson_app().run_test(size=(80, 24)) as pilot:
+        await settled(pilot, "enter")
+        await press(pilot, "y", "1", "R")
+        await settled(pilot, "escape", "escape", "escape")
+        assert isinstance(pilot.app.screen, LessonsScreen)
+        await settled(pilot, "enter")
+        assert snapshot(pilot).counters.step == 1
+        assert (await press(pilot, "1")).counters.step == 2
+
+
+@pytest.mark.parametrize("size", [(120, 40), (80, 24)])
+async def test_the_last_page_names_the_next_lesson_and_opens_it(
+    make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path, size: tuple[int, int]
+) -> None:
+    for name in ("walk", "other"):
+        text = (lessons / f"{name}.toml").read_text(encoding="utf-8")
+        text = text[: text.rindex("[[pages]]")]
+        (lessons / f"{name}.toml").write_text(text, encoding="utf-8")
+    lesson = lesson_of((lessons / "walk.toml").read_text(encoding="utf-8"), lessons / "walk.toml")
+    keep(tmp_path, replace(at_end(lesson), finished=False))
+    async with make_lesson_app().run_test(size=size) as pilot:
+        await settled(pilot, "enter")
+        for worker in [each for each in pilot.app.workers if each.name == "find the next lesson"]:
+            await worker.wait()
+        assert "next lesson: A second walk" in screen_text(pilot.app)
+        await press(pilot, ".")
+        assert notes(pilot.app)[-1] == "this is the last page; . again opens the next lesson: A second walk"
+        assert lesson_on_screen(pilot).lesson.id == "walk"
+        await settled(pilot, ".")
+        assert (lesson_on_screen(pilot).lesson.id, lesson_on_screen(pilot).page) == ("other", "start")
+        await settled(pilot, "s", ".")
+        assert lesson_on_screen(pilot).page == "guess"
+    async with make_lesson_app().run_test(size=size) as pilot:
+        await settled(pilot)
+        assert "page 2 of 3" in listed(pilot)
+
+
 async def test_a_finished_lesson_is_a_reference_from_its_first_page(
     make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path
 ) -> None:

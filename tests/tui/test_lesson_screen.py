@@ -31,7 +31,8 @@ from rl_tui.tui.panels.row import LESSON as LESSON_PANEL
 from rl_tui.tui.panels.row import MICROSCOPE, TABLE, WORLD
 from rl_tui.tui.screens.key_line import KeyLine
 from rl_tui.tui.screens.playground.actions.lesson.kept_back import NO_LESSON, PREDICT_FIRST, STAYS
-from rl_tui.tui.screens.playground.actions.lesson.lesson import CAN_BE_DONE, LAST_PAGE, NOT_DONE, SEEN_BEFORE
+from rl_tui.tui.screens.playground.actions.lesson.lesson import CAN_BE_DONE, NOT_DONE, SEEN_BEFORE
+from rl_tui.tui.screens.playground.actions.lesson.next_lesson import LAST_PAGE
 from rl_tui.tui.screens.playground.playground import Playground
 
 SIZES = [(120, 40), (80, 24)]
@@ -325,6 +326,20 @@ async def test_the_last_page_finishes_the_lesson_once_it_is_done() -> None:
         await press(pilot, ".")
         assert notes(pilot.app) == [LAST_PAGE]
         assert record(pilot).page == "lake"
+
+
+@both_sizes
+async def test_from_the_last_page_one_escape_leaves_though_a_person_acts(size: tuple[int, int]) -> None:
+    async with lesson(size, "lake") as pilot:
+        await press(pilot, "y", "2")
+        assert playground(pilot).modes.current is playground(pilot).manual
+        assert snapshot(pilot).counters.step == 1
+        await pilot.press("escape")
+        await pilot.pause()
+        assert not isinstance(pilot.app.screen, Playground)
+    async with lesson(size) as pilot:
+        await press(pilot, "y", "1", "escape")
+        assert playground(pilot).modes.current is None
 
 
 @both_sizes

@@ -12,7 +12,7 @@ from rl_tui.lab.sessions.stored_lesson import stored_source
 
 if TYPE_CHECKING:
     from rl_tui.lab.lessons.lesson import Lesson
-    from rl_tui.lab.sessions.stored_lesson import StoredLesson
+    from rl_tui.lab.sessions.document import StoredLesson
 
 
 @dataclass(frozen=True, slots=True)

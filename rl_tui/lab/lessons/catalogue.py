@@ -40,6 +40,15 @@ def read_lessons() -> Lessons:
     return found
 
 
+def following_lesson(lesson: Lesson) -> Lesson | None:
+    """Return the shipped lesson after ``lesson``; None after the last one, and where that is not shipped."""
+    found = read_lessons().lessons
+    ids = [each.id for each in found]
+    if lesson.source.absolute().parent != lesson_folder().absolute() or lesson.id not in ids:
+        return None
+    return next(iter(found[ids.index(lesson.id) + 1 :]), None)
+
+
 @lru_cache(maxsize=64)
 def _read(path: Path, _written: tuple[int, int]) -> Lesson:
     """Return the lesson of ``path``, read once: catalogue and list of lessons come up again and again."""

@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.sessions.autosave import KeptSession
     from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
     from rl_tui.tui.screens.lessons.lessons import LessonsScreen
+    from rl_tui.tui.screens.playground.actions.lesson.next_lesson import LessonWanted
     from rl_tui.tui.screens.playground.playground import Playground
 
 
@@ -222,6 +223,22 @@ class RlTuiApp(LinkedApp[UserError]):
             return
         self._start = None
         self.switch_screen(self._opener.other_setup(self.look, record))
+
+    async def on_lesson_wanted(self, event: LessonWanted) -> None:
+        """Go to another lesson, where it was left; the one until now keeps its session."""
+        from rl_tui.lab.course.entries import start_of
+        from rl_tui.lab.course.progress import StoredProgress
+
+        self._opener.close()  # the session has to be on the disk before the next one is looked for
+        try:
+            progress = await asyncio.to_thread(lambda: StoredProgress(self._opener.sessions).of(event.lesson))
+            start = await asyncio.to_thread(start_of, event.lesson, progress)  # may import Gymnasium
+            playground = self._opener.first_screen(self.look, start)
+        except UserError as fault:
+            self.switch_screen(self._opener.lessons(self.look, event.lesson.id, fault))
+            return
+        self._start = None
+        self.switch_screen(playground)
 
     def on_playground_left(self, event: Playground.Left) -> None:
         """Go back to the catalogue; end where a fault meets the only run that was asked for."""

@@ -114,11 +114,9 @@ def next_keys(
             ways = _ways_to_truth(ask, steps_to_truth(ask, given, snapshot), snapshot, is_manual=is_manual)
             return *(f"{each} · {ways[0]}" for each in leads), *ways
         case _ if is_last_page(record) and following:
-            return (
-                f"last page · {turn} next lesson: {following}",
-                f"last page · {turn} next lesson",
-                "last page",
-            )
+            next_one = f"{turn} next lesson"
+            named = f"{next_one}: {following}"
+            return f"last page · {named}", named, f"last page · {next_one}", next_one
         case _ if is_last_page(record):
             return "the last page · esc: leave", "last page"
         case _:

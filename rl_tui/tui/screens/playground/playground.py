@@ -151,9 +151,8 @@ class Playground(ActionScreen):
         self.export = ExportActions(*of)
         self.program = ProgramActions(*of, self.known_actions)
         self.kept_back = KeptBack(*of)
-        self.lesson = LessonActions(*of, self.kept_back, self._set_out)
-        self._left_after: int | None = None
-        """The last deed when escape was pressed, None where it was not."""
+        self.lesson = LessonActions(*of, self.kept_back, self._set_out, self.manual.resume)
+        self._left_after: int | None = None  # the last deed when escape was pressed, None where it was not
         self._watches = watches
         self.frames = Frames(self, fps)
         self._settling = Settling(self.link, self.board, self.view.look_at, self.session.named)
@@ -192,7 +191,7 @@ class Playground(ActionScreen):
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """Leave arrows, digits and the like to the panels unless a mode takes them."""
         if action == "mode_key":
-            return self.modes.takes(str(parameters[0]))
+            return self.modes.takes(str(parameters[0])) and not (LEAVE in parameters and self.lesson.is_over)
         return super().check_action(action, parameters)
 
     def action_do(self, command: str) -> None:
@@ -391,12 +390,13 @@ class Playground(ActionScreen):
             self.board.zoom(None)
         elif self.board.opened is not None:
             self.board.close()
+        elif self.lesson.is_over:
+            self.post_message(self.Left(self.recipe))
         elif self.modes.current is not None:
             self.modes.current.toggle()
         elif self.wanted.was_used(self.snapshot) and self._left_after != self.wanted.last_deed:
             self._left_after = self.wanted.last_deed
-            is_lesson = self.snapshot is not None and self.snapshot.lesson is not None
-            where = "the lessons" if is_lesson else "the catalogue"
+            where = "the catalogue" if self.wanted.lesson is None else "the lessons"
             self.tell(f"esc again goes to {where}; {self.session.after_leaving}")
         else:
             self.post_message(self.Left(self.recipe))

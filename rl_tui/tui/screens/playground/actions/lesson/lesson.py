@@ -29,12 +29,12 @@ from rl_tui.tui.screens.dialogs.choice import Candidate, Choice
 from rl_tui.tui.screens.dialogs.confirm import Confirm
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.screens.playground.actions.lesson.kept_back import KeptBack
+from rl_tui.tui.screens.playground.actions.lesson.next_lesson import NextLesson
 from rl_tui.tui.screens.playground.actions.lesson.own_program import OwnProgram
 from rl_tui.tui.screens.playground.actions.lesson.typed_answer import read_answer
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
 NOT_DONE: Final = "this page is not done: . again skips it"
-LAST_PAGE: Final = "this is the last page; esc leaves the lesson"
 FIRST_PAGE: Final = "this is the first page"
 SEEN_BEFORE: Final = "the run has been further: go to its end with g, or set it up again with N"
 CAN_BE_DONE: Final = "it can be done: not so"
@@ -46,16 +46,18 @@ class LessonActions(Subject):
     """What a learner does with the lesson.
 
     What its pages have ``kept_back`` is closed when one is opened. ``set_out`` opens a record whose page has
-    another setup.
+    another setup. ``resume_acting`` lets a person go on acting, where they did so last.
     """
 
     kept_back: KeptBack
     set_out: Callable[[LessonRecord], None]
+    resume_acting: Callable[[Snapshot], None]
     _to_be_skipped: str = ""
     """The page that one more press skips."""
 
     def __post_init__(self) -> None:
         self._own_program = OwnProgram(self.screen, self.board, self.link)
+        self._next_lesson = NextLesson(self.screen, self.board, self.link)
 
     @property
     def record(self) -> LessonRecord | None:
@@ -69,6 +71,11 @@ class LessonActions(Subject):
         if snapshot is None or snapshot.lesson is None or record is None:
             return None
         return stage_of(replace(snapshot.lesson, record=record), snapshot)
+
+    @property
+    def is_over(self) -> bool:
+        """Whether the last page is open and asks nothing any more."""
+        return self.record is not None and is_last_page(self.record) and self.stage in DONE
 
     @property
     def idle_keys(self) -> frozenset[str]:
@@ -126,7 +133,7 @@ class LessonActions(Subject):
         if is_last_page(record):
             if is_undone:
                 self._keep(record)
-            self.screen.tell(LAST_PAGE)
+            self._next_lesson.turn()
             return
         pages = record.lesson.pages
         self._open(record, pages[record.lesson.number_of(page) + 1])
@@ -277,6 +284,8 @@ class LessonActions(Subject):
             return
         if before is None or before.lesson is None:
             self.board.lesson.reads = True
+        self.resume_acting(now)
+        self._next_lesson.look_for(record)
         passed = None if view.task is None else view.task.passed
         if passed is None or record.has_passed(passed.page):
             return  # the page may have been turned since

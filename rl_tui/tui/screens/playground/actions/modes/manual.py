@@ -40,6 +40,7 @@ class ManualControl(KeyMode):
 
     way_back = "click or tab here to act · y: hand back", "tab here to act · y: hand back", "y: hand back"
     needs_focus = False
+    _has_resumed = False
 
     def takes(self, key: str) -> bool:
         """Return whether ``key`` acts or hands back."""
@@ -89,6 +90,16 @@ class ManualControl(KeyMode):
             self.board.world.action_follow()
         text = f"you are the agent: act with {_keys(snapshot)}; y hands back"
         self.screen.tell(text)
+
+    def resume(self, snapshot: Snapshot) -> None:
+        """Take over again where a lesson goes on behind a step that a person took; only at its beginning."""
+        if self._has_resumed or snapshot.playback.phase in (Phase.PREPARING, Phase.SEEKING):
+            return
+        self._has_resumed = True
+        last = snapshot.counters.last_step
+        if last is not None and last.by_hand and not self.is_on and not _refused(snapshot):
+            self.enter()
+            self.show(snapshot)
 
     def enter(self) -> None:
         """Let a person be the agent."""

@@ -1,0 +1,57 @@
+"""From the last page of a lesson to the next lesson of the list."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass
+
+from textual.message import Message
+
+from rl_tui.lab.lessons.catalogue import following_lesson
+from rl_tui.lab.lessons.lesson import Lesson
+from rl_tui.lab.lessons.record import LessonRecord
+from rl_tui.tui.panels.lesson.stage import is_last_page
+from rl_tui.tui.screens.playground.actions.subject import Subject
+
+LAST_PAGE = "this is the last page; esc leaves the lesson"
+
+
+class LessonWanted(Message):
+    """The learner goes on with ``lesson``."""
+
+    def __init__(self, lesson: Lesson) -> None:
+        super().__init__()
+        self.lesson = lesson
+
+
+@dataclass(eq=False)
+class NextLesson(Subject):
+    """Finds the lesson that follows, says which it is, and opens it with one more press."""
+
+    _following: Lesson | None = None
+    _looked: bool = False
+    _was_told: bool = False
+
+    def look_for(self, record: LessonRecord) -> None:
+        """Find it, once, where the last page is open; its footer names it then."""
+        if not is_last_page(record):
+            self._was_told = False
+        elif not self._looked:
+            self._looked = True
+            self.screen.run_worker(self._find(record.lesson), name="find the next lesson", group="lessons")
+
+    def turn(self) -> None:
+        """Say which lesson is next, and the second time open it."""
+        if self._following is None:
+            self.screen.tell(LAST_PAGE)
+        elif self._was_told:
+            self.screen.post_message(LessonWanted(self._following))
+        else:
+            self._was_told = True
+            self.screen.tell(f"this is the last page; . again opens the next lesson: {self._following.title}")
+
+    async def _find(self, lesson: Lesson) -> None:
+        self._following = await asyncio.to_thread(following_lesson, lesson)
+        if self._following is not None:
+            self.board.lesson.panel.following = self._following.title
+            self.board.lesson.panel.redraw()
