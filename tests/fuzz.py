@@ -1,4 +1,4 @@
-"""Break scenario and session files in thousands of ways: ``python tests/fuzz.py 10000 [SEED] [KIND]``.
+"""Break files of scenarios, sessions and lessons in many ways: ``python tests/fuzz.py 10000 [SEED] [KIND]``.
 
 Whatever a file holds, it is used or refused by one clear line. Prints what was found, and figures. A single
 input is written with ``python tests/fuzz.py --show KIND SEED NUMBER``.
@@ -21,7 +21,7 @@ from typing import Final
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from fuzz_inputs import SCENARIO, SESSION, input_of
+from fuzz_inputs import LESSON, SCENARIO, SESSION, input_of
 
 CHILD: Final = Path(__file__).parent / "fuzz_child.py"
 HANGS: Final = 120.0  # seconds without a word, on a busy machine
@@ -116,14 +116,14 @@ def _killed(found: str, seconds: float) -> dict[str, object]:
 
 
 def main() -> None:
-    """Fuzz both kinds, or show one input."""
+    """Fuzz all kinds, or show one input."""
     if sys.argv[1] == "--show":
         kind, seed, number = sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
         sys.stdout.buffer.write(input_of(kind, seed, number))
         return
     count = int(sys.argv[1])
     seed = int(sys.argv[2]) if len(sys.argv) > 2 else 0
-    kinds = sys.argv[3:] or [SCENARIO, SESSION]
+    kinds = sys.argv[3:] or [SCENARIO, SESSION, LESSON]
     failed = False
     for kind in kinds:
         begin = time.monotonic()

@@ -21,7 +21,7 @@ from typing import Any, Final, NamedTuple
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from fuzz_inputs import SCENARIO, input_of
+from fuzz_inputs import LESSON, SCENARIO, SESSION, input_of
 
 ADDRESS_SPACE: Final = 2 << 30  # bytes beyond what the imports need
 MOST_STEPS: Final = 200
@@ -37,6 +37,7 @@ WARNED: Final = re.compile(
     r"|.*: warning: (with what (SARSA|Q-learning) learns, |in a trial of SARSA episode \d)"
     r"|[\d,]+ states: the exact answer|.*: Q does not come out as it was saved"
 )
+FAULT: Final = re.compile(r"^(:\d+)?: .*found .*; expected ")
 AS_IT_IS: Final = (
     10  # of so many scenarios one is trained by its own algorithm, which takes seconds to compile
 )
@@ -98,7 +99,7 @@ def main() -> None:
     warnings.simplefilter("always", append=True)
     _import_all(screens)
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / ("mine.toml" if kind == SCENARIO else "mine.json")
+        path = Path(folder) / ("mine.json" if kind == SESSION else "mine.toml")
         for number in range(first, first + count):
             content = input_of(kind, seed, number)
             path.write_bytes(content)
@@ -126,7 +127,7 @@ def _gone_through(path: Path, kind: str, quick: bool, screen: int | None) -> dic
     found = ""
     result = ""
     try:
-        go_through = _scenario if kind == SCENARIO else _session
+        go_through = {SCENARIO: _scenario, SESSION: _session, LESSON: _lesson}[kind]
         result = go_through(path, quick, screen)
         if time.process_time() - begin > SLOWEST:  # a second time nothing has to be compiled
             begin = time.process_time()
@@ -175,6 +176,16 @@ def _scenario(path: Path, quick: bool, screen: int | None) -> str:
     if screen is not None:
         _shown(recipe, screen)
     return "accepted"
+
+
+def _lesson(path: Path, quick: bool, screen: int | None) -> str:
+    checked = _run_command(["check", str(path), "--quick"], path)
+    if not checked.status:
+        return "accepted"
+    for line in checked.err.splitlines():
+        if not FAULT.search(line.removeprefix(str(path))):
+            raise FoundError(f"check wrote {line!r}, without a place, what is found and what is expected")
+    return _kind_of(checked.err)
 
 
 def _session(path: Path, quick: bool, screen: int | None) -> str:

@@ -9,17 +9,20 @@ from typing import Any, Final
 
 from fuzz_documents import BLOCK, block
 from fuzz_mutations import as_toml, mutated_bytes, mutated_document
-from fuzz_seeds import scenario_seeds, session_seeds, signed
+from fuzz_seeds import lesson_seeds, scenario_seeds, session_seeds, signed
 
 SCENARIO: Final = "scenario"
 SESSION: Final = "session"
+LESSON: Final = "lesson"
 
 
 def input_of(kind: str, seed: int, number: int) -> bytes:
-    """Return input ``number`` of a ``kind``, SCENARIO or SESSION."""
+    """Return input ``number`` of a ``kind``: SCENARIO, SESSION or LESSON."""
     chance = random.Random(f"{kind} {seed} {number}")
     if kind == SCENARIO:
         return _scenario(chance, seed, number)
+    if kind == LESSON:
+        return _lesson(chance, number)
     return _session(chance, seed, number)
 
 
@@ -34,6 +37,18 @@ def _scenario(chance: random.Random, seed: int, number: int) -> bytes:
             place = number // 3
             documents = block(seed * 1_000_000 + place // BLOCK)
             return _bytes(as_toml(documents[place % BLOCK % len(documents)]))
+
+
+def _lesson(chance: random.Random, number: int) -> bytes:
+    seeds = lesson_seeds()
+    if number % 2:
+        document = mutated_document(tomllib.loads(chance.choice(seeds)), chance)
+        pages = document.get("pages")
+        if not isinstance(pages, list) or not all(isinstance(page, dict) for page in pages):
+            return _bytes(as_toml(document))
+        del document["pages"]  # by tables with a header a lesson is told from a scenario
+        return _bytes(as_toml(document) + "".join(f"[[pages]]\n{as_toml(page)}" for page in pages))
+    return mutated_bytes(chance.choice(seeds), chance.choice(seeds), chance)
 
 
 def _session(chance: random.Random, seed: int, number: int) -> bytes:

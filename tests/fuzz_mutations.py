@@ -9,6 +9,7 @@ import datetime
 import json
 import math
 import random
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -160,6 +161,8 @@ def _other_key(key: str, chance: Chance) -> str:
 
 def _other_value(value: Any, chance: Chance) -> Any:
     if isinstance(value, (int, float)) and chance.random() < 0.4:
+        if abs(value) > sys.float_info.max:  # of which there is no third
+            return -value
         return chance.choice(
             (value + 1, value - 1, -value, value * 1000, value / 3, float(value), str(value))
         )

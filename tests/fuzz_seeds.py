@@ -12,6 +12,8 @@ from typing import Any
 
 sys.path += [str(Path(__file__).parent / "lab"), str(Path(__file__).parent / "lab" / "lessons")]
 
+from lesson_samples import SOUND
+from lesson_sessions import TEXT as EVENING
 from lesson_sessions import all_done, lesson, run_of, setup
 from lesson_sessions import record as lesson_record
 from recipes import recipe
@@ -82,6 +84,11 @@ def scenario_seeds() -> tuple[str, ...]:
 def session_seeds() -> tuple[str, ...]:
     """The texts of sound session files."""
     return tuple(encoded(record).decode() for record in _records())
+
+
+def lesson_seeds() -> tuple[str, ...]:
+    """The texts of sound lesson files: small ones, which are soon checked."""
+    return EVENING, SOUND
 
 
 def _records() -> list[Record]:

@@ -26,13 +26,13 @@ from rl_tui.worlds.files.catalogue import find
 FOR_THE_OWNER = {"session.save", "export.choose", "delete_session", "suspend"}
 
 
-def kiosk(scenario: str | None = None) -> RlTuiApp:
-    start = recipe_for(find(scenario)) if scenario else None
+def kiosk(scenario: str | None = None, place: Place | None = None) -> RlTuiApp:
+    start = recipe_for(find(scenario)) if scenario else place
     make_player = partial(Player, automatic=False)
     return RlTuiApp(Display(fps=1000.0), start, make_player=make_player, picture=True, kiosk=True)
 
 
-@pytest.mark.parametrize("place", [Place.CATALOGUE, Place.PLAYGROUND])
+@pytest.mark.parametrize("place", [Place.CATALOGUE, Place.LESSONS, Place.PLAYGROUND])
 def test_all_but_what_is_for_the_owner_is_offered(place: Place) -> None:
     usual, here = actions_of(place), actions_of(place | Place.KIOSK)
     assert [each for each in usual if each.id not in FOR_THE_OWNER] == list(here)
@@ -49,9 +49,8 @@ async def test_the_palette_offers_the_same(monkeypatch: pytest.MonkeyPatch) -> N
     async with kiosk("student").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         names = {str(hit.display) async for hit in ActionProvider(pilot.app.screen).discover()}
-        assert names == {palette_name(each) for each in actions_of(Place.PLAYGROUND | Place.KIOSK)} | {
-            "Theme"
-        }
+        offered = [each for each in actions_of(Place.PLAYGROUND | Place.KIOSK) if not each.of_lesson]
+        assert names == {palette_name(each) for each in offered} | {"Theme"}
         assert {ActionProvider} == pilot.app.COMMANDS, "Textual's own, such as its screenshot, are not there"
         await pilot.press("s")
         await settle(pilot)
@@ -69,10 +68,16 @@ async def test_the_palette_offers_the_same(monkeypatch: pytest.MonkeyPatch) -> N
         assert stopped == []
 
 
-async def test_the_catalogue_says_that_it_is_one() -> None:
-    async with kiosk().run_test(size=(80, 24)) as pilot:
+@pytest.mark.parametrize("place", [None, Place.LESSONS])
+async def test_the_lists_say_that_it_is_one(place: Place | None) -> None:
+    async with kiosk(place=place).run_test(size=(80, 24)) as pilot:
         await settle(pilot)
         assert str(pilot.app.screen.query_one("#title", Static).render()).endswith("kiosk")
+
+
+async def test_the_catalogue_keeps_no_sessions() -> None:
+    async with kiosk().run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
         await pilot.press("delete")
         await settle(pilot)
         assert notes(pilot.app) == ["no sessions are kept here: this is a kiosk"]

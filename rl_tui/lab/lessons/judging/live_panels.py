@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
+from rl_tui.common.errors import UserError
 from rl_tui.lab.lessons.judging.panel_request import KnownPanels, PanelRequest, same_panel
 from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict
 from rl_tui.lab.workers.answering_process import AnsweringProcess
@@ -24,7 +25,7 @@ class LivePanels:
     """Has them worked out in a process of its own, and remembers what came of it, be it of some seeds only.
 
     ``on_news`` is called, from any thread, when there is more to tell. With ``automatic`` off :meth:`of`
-    waits for the end, so that what is known does not depend on the time.
+    works them out itself, so that what is known does not depend on the time; a process takes longer to begin.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -40,13 +41,13 @@ class LivePanels:
         found = self._known.of(recipe, conditions)
         if found is not None:
             return found
+        if not self._automatic:
+            return self._worked_out_here(recipe, conditions)
         process = self._process
         if process is None or not process.is_about(recipe, conditions):
             process = self._begin(recipe, conditions)
         if process is None:
             return [ConditionVerdict(None, "no process can be started to work it out")] * len(conditions)
-        if not self._automatic:
-            process.wait()
         if process.verdicts is not None:
             self._known.keep(recipe, conditions, process.verdicts)
             return process.verdicts
@@ -78,6 +79,18 @@ class LivePanels:
             self._is_closed = True
             if self._process is not None:
                 self._process.end()
+
+    def _worked_out_here(
+        self, recipe: Recipe, conditions: tuple[Condition, ...]
+    ) -> Sequence[ConditionVerdict]:
+        from rl_tui.lab.lessons.judging.seed_panel import worked_out
+
+        try:
+            found = worked_out(recipe, conditions)
+        except UserError as reason:
+            return [ConditionVerdict(None, str(reason))] * len(conditions)
+        self._known.keep(recipe, conditions, found)
+        return found
 
     def _begin(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> _PanelProcess | None:
         self.end()

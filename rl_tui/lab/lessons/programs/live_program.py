@@ -32,7 +32,7 @@ class LiveProgram:
     """Has a program watched and judged in a process of its own, and tells how it stands.
 
     ``on_news`` is called, from any thread, when there is more to tell. With ``automatic`` off :meth:`begin`
-    waits for its end, so that what is known does not depend on the time.
+    watches it itself to its end, so that what is known does not depend on the time.
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
@@ -49,15 +49,17 @@ class LiveProgram:
         self.end()
         task = ProgramTask(path, judged.task.conditions)
         self._name = path.name
+        if not self._automatic:
+            from rl_tui.lab.lessons.programs.program_worker import judged_file
+
+            self._found = judged_file(task)
+            return
         try:
             with self._lock:
                 if not self._is_closed:
                     self._process = _Watching(task, self._on_news)
         except OSError as error:
             self._found = {"fault": f"no process can be started to watch it ({error})"}
-            return
-        if self._process is not None and not self._automatic:
-            self._process.wait()
 
     def view(self, judged: JudgedTask, *, has_passed: bool) -> TaskView:
         """Return how the task stands by what is known of the program; ``has_passed`` says that one has."""

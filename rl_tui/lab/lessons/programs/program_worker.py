@@ -31,11 +31,16 @@ def _work(task: ProgramTask, tell: Callable[[dict[str, Any]], None]) -> None:
             last = time.monotonic()
             tell({"steps": steps, "episodes": episodes})
 
-    tell(_judged_file(task, on_steps))
+    tell(judged_file(task, on_steps))
 
 
-def _judged_file(task: ProgramTask, on_steps: Callable[[int, int], None]) -> dict[str, Any]:
-    """Return how the program of ``task`` is judged, as JSON: its code, verdicts and remarks, or a fault."""
+def judged_file(
+    task: ProgramTask, on_steps: Callable[[int, int], None] = lambda steps, episodes: None
+) -> dict[str, Any]:
+    """Return how the program of ``task`` is judged, as JSON: its code, verdicts and remarks, or a fault.
+
+    ``on_steps`` is called with the steps and episodes that were seen, as they come.
+    """
     from rl_tui.common.errors import UserError
     from rl_tui.lab.lessons.judging.conditions import program_verdicts, remarks_on
     from rl_tui.lab.lessons.programs.watching import read_code, watched_code

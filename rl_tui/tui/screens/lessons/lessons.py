@@ -10,7 +10,7 @@ from pathlib import Path
 from threading import Thread
 from typing import ClassVar, Final
 
-from textual.binding import BindingType
+from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
 from textual.events import Key
@@ -78,7 +78,7 @@ class LessonsScreen(ActionScreen):
         self._fault = fault
         self._sessions = sessions
         self._read = asyncio.Event()
-        moves = {key for binding in LessonList.BINDINGS for key in binding.key.split(",")}
+        moves = {binding.key for binding in Binding.make_bindings(LessonList.BINDINGS)}
         self._early_keys = EarlyKeys(moves.union(*(action.keys for action in actions_of(Place.LESSONS))))
 
     def content(self) -> Iterable[Widget]:
