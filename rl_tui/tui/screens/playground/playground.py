@@ -238,8 +238,7 @@ class Playground(ActionScreen):
         if self.snapshot is not None:
             self.modes.show(self.snapshot)
         keys = self.query_one(KeyLine)
-        keys.first = key_hints(self.focused)
-        keys.is_running = self.run.is_under_way
+        keys.first, keys.is_running = key_hints(self.focused), self.run.is_under_way
         keys.idle = self.program.idle_keys | self.run.idle_keys | self.lesson.idle_keys
         keys.idle |= self.kept_back.idle_keys
 
@@ -373,8 +372,8 @@ class Playground(ActionScreen):
 
     def help_screen(self, *, at_keys: bool = False) -> HelpScreen:
         """Return the help, with the notes of the scenario, which tell answers."""
-        notes = self.kept_back.notes or self.recipe.scenario.notes
         panels = self.lesson.rows(tuple(self.program.in_order_of_help(self.panel_rows)))
+        notes = self.kept_back.notes or self.recipe.scenario.notes
         return HelpScreen(self.look, self.actions, panels, notes, at_keys=at_keys)
 
     def action_turn_legends(self) -> None:
