@@ -30,12 +30,12 @@ class NextLesson(Subject):
 
     _following: Lesson | None = None
     _looked: bool = False
-    _was_told: bool = False
+    _has_said_so: bool = False
 
     def look_for(self, record: LessonRecord) -> None:
         """Find it, once, where the last page is open; its footer names it then."""
         if not is_last_page(record):
-            self._was_told = False
+            self._has_said_so = False
         elif not self._looked:
             self._looked = True
             self.screen.run_worker(self._find(record.lesson), name="find the next lesson", group="lessons")
@@ -44,10 +44,10 @@ class NextLesson(Subject):
         """Say which lesson is next, and the second time open it."""
         if self._following is None:
             self.screen.tell(LAST_PAGE)
-        elif self._was_told:
+        elif self._has_said_so:
             self.screen.post_message(LessonWanted(self._following))
         else:
-            self._was_told = True
+            self._has_said_so = True
             self.screen.tell(f"this is the last page; . again opens the next lesson: {self._following.title}")
 
     async def _find(self, lesson: Lesson) -> None:
