@@ -14,7 +14,7 @@ from numbers_said import FOLDER, Mention, Said, held_by_tests, mentions, number,
 from recipes import recipe
 from test_figures_of_notes import CLAIMS
 
-from rl_tui.lab.lessons.figures.expression import Estimate
+from rl_tui.lab.lessons.figures.expression import SeedMean
 from rl_tui.lab.lessons.figures.written import written_number
 from rl_tui.lab.run.recipe import begin
 from rl_tui.worlds.drawing import Grid
@@ -92,7 +92,7 @@ def test_a_figure_over_seeds_is_so(scenario: str, name: str) -> None:
     said = said_of(scenario)
     found, written = said.figures.value(name), written_number(said.figures_by_name[name].value)
     assert written is not None
-    if isinstance(found, Estimate) and written.error is not None:
+    if isinstance(found, SeedMean) and written.error is not None:
         assert abs(found - written.value) <= 4 * math.hypot(written.error.value, found.error)
     else:
         assert said.figures.finding(name) is None

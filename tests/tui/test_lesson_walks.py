@@ -21,6 +21,11 @@ from rl_tui.tui.theme.glyphs import UNICODE
 WIDE = (120, 40)
 SIZES = [WIDE, (80, 24)]
 LESSONS = {lesson.id: lesson for lesson in shipped_lessons()}
+WALKS = [  # each in a group of its own, so that they share the processes out among them
+    pytest.param(lesson, size, id=f"{name}-{size[0]}", marks=pytest.mark.xdist_group(f"{name} {size[0]}"))
+    for name, lesson in LESSONS.items()
+    for size in SIZES
+]
 TASKS = [(lesson.id, page.id) for lesson in LESSONS.values() for page in lesson.tasks]
 WAITED = (1, 1, 1, 7, 90, 400, 500, 1000, 1000, 1000, 1000)
 """Steps between two looks at a task that nobody does anything for: 5,000 in all."""
@@ -97,8 +102,7 @@ async def walk(learner: Learner, *, with_wrong_attempts: bool) -> None:
         await learner.turn()
 
 
-@pytest.mark.parametrize("size", SIZES, ids=["120x40", "80x24"])
-@pytest.mark.parametrize("lesson", LESSONS.values(), ids=LESSONS)
+@pytest.mark.parametrize(("lesson", "size"), WALKS)
 async def test_a_lesson_is_walked_to_its_end_by_keys(
     lesson: Lesson, size: tuple[int, int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

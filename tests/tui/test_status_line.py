@@ -4,8 +4,8 @@ import pytest
 from program_samples import program, watched
 from samples import bandit, lake, look, planning, student
 
-from rl_tui.lab.live.playback import PREPARING
 from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.live.snapshot_builder import PREPARING
 from rl_tui.lab.live.speed.transport import WAITING
 from rl_tui.lab.timeline.branches import Branch, Timeline
 from rl_tui.tui.panels.status_line import StatusLine
