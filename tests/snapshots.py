@@ -12,6 +12,7 @@ from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.snapshot import Phase, PlaybackView, Snapshot
 from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
 from rl_tui.lab.live.viewport import Viewport
+from rl_tui.lab.live.world_editor import WorldEditor
 from rl_tui.lab.run.exact_answers import PENDING, Answer
 from rl_tui.lab.timeline.branches import RunRecord, Timeline
 from rl_tui.lab.timeline.lane_view import LaneView, RunGroupView
@@ -36,7 +37,8 @@ def snapshot_of(
     questions = Questions(Record((RunRecord(run.recipe),)), lambda: None, automatic=False)
     questions.viewport = viewport
     questions.exact = SimpleNamespace(of=lambda _: exact_answer)  # type: ignore[assignment]
-    return SnapshotBuilder().build(alone, PlaybackView(phase, message), questions, has_trail=False)
+    playback = PlaybackView(phase, message)
+    return SnapshotBuilder().build(alone, playback, questions, WorldEditor(), has_trail=False)
 
 
 def changed(picture: Picture, **changes: Any) -> Picture:

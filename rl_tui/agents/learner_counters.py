@@ -42,6 +42,8 @@ class LearnerCounters:
         self._position = new_position(0)
         self._log = new_episode_log(EPISODES_LOGGED)
         self._record = new_record()
+        self.world_since = 0
+        """After how many steps the world last became another one."""
 
     @property
     def plans(self) -> bool:
@@ -80,8 +82,18 @@ class LearnerCounters:
 
     @property
     def last_step(self) -> LastStep | None:
-        """The last step with all its numbers, None before the first."""
-        return read_record(self._record)
+        """The last step with all its numbers, None before the first in this world."""
+        last = read_record(self._record)
+        return None if last is None or last.step <= self.world_since else last
+
+    @property
+    def begins_episode(self) -> bool:
+        """Whether an episode or a sweep has just ended, or nothing has happened yet.
+
+        Where one was given up in the middle, none has ended.
+        """
+        last = read_record(self._record)
+        return last is None or last.episode == self.episodes
 
     @property
     def rewards(self) -> FloatArray:

@@ -11,6 +11,7 @@ import numpy as np
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.last_step import Author
+from rl_tui.worlds.mdp.space import FiniteSpace
 
 Arrays = tuple[Any, ...]
 
@@ -24,11 +25,12 @@ class Planned(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LearnerState:
-    """All that a learner is at one step; the arrays are copies.
+    """All that a learner is at one step; the arrays are copies, but for those of the world, ``space``.
 
     Of an array of the memory only the beginning may be there: see :func:`put_back`.
     """
 
+    space: FiniteSpace
     algorithm: str
     hyperparameters: Hyperparameters
     memory: Arrays
@@ -40,11 +42,12 @@ class LearnerState:
     planned: Planned
     author: Author
     came_to_rest: bool
+    world_since: int
     stop: Stop
 
     @property
     def nbytes(self) -> int:
-        """How much memory the arrays take."""
+        """How much memory the copies take."""
         parts = (self.memory, self.rule, self.drift, self.position, self.record)
         return sum(array.nbytes for part in parts for array in part)
 

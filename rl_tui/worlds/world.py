@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, NamedTuple
 
 from rl_tui.worlds.drawing import Drawing
@@ -49,3 +49,9 @@ class World:
         from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
         return self.space if isinstance(self.space, TabularMDP) else None
+
+    @property
+    def nbytes(self) -> int:
+        """How much memory the arrays of its space take."""
+        values = (getattr(self.space, each.name) for each in fields(self.space))
+        return sum(getattr(value, "nbytes", 0) for value in values)

@@ -45,10 +45,10 @@ def begin_at_once(made_from: Recipe) -> Playback:
 def plain_trail(made_from: Recipe, journal: tuple[JournalEntry, ...], steps: int) -> Trail:
     """The trail of a run of which every single step is told."""
     run = Run(made_from)
-    recorder = TrailRecorder(run.world)
+    recorder = TrailRecorder()
     for step in range(1, steps + 1):
         run.follow(journal, step)
-        recorder.note(run.learner.last_step)
+        recorder.note(run.learner.last_step, run.world)
     return recorder.up_to(run.learner.last_step)
 
 
@@ -160,10 +160,10 @@ def test_the_lane_beside_the_one_shown_has_its_own_trail() -> None:
 
 def test_steps_that_do_not_follow_one_another_are_never_joined() -> None:
     run = Run(recipe("cliff"))
-    recorder = TrailRecorder(run.world)
+    recorder = TrailRecorder()
     for steps in (1, 1, 2, 1):
         run.advance(steps)
-        recorder.note(run.learner.last_step)
+        recorder.note(run.learner.last_step, run.world)
     assert [each.step for each in recorder.up_to(run.learner.last_step)] == [4, 5]
     assert not recorder.is_whole(run.learner.last_step)
 

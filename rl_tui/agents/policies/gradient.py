@@ -9,7 +9,7 @@ import numpy as np
 from numpy.random import Generator
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.kernels.compiled import member_of
+from rl_tui.agents.kernels.compiled import inlined, member_of
 from rl_tui.agents.policies.family import best_value, choose, probability_of, reinforce
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
@@ -37,6 +37,29 @@ def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
         np.zeros(1, np.int64),
         hyperparameters.baseline == "mean",
     )
+
+
+def carry_rule(now: Rule, before: Rule, pairs: IntArray) -> None:
+    """Let ``now`` prefer what ``before`` preferred of the arms that stay: for each of ``pairs`` its number
+    before. The preference of a new arm is 0, and π is the softmax of all of them.
+    """
+    known = pairs >= 0
+    now.preference[known] = before.preference[pairs[known]]
+    now.mean_reward[:] = before.mean_reward
+    now.rewards[:] = before.rewards
+    _take_softmax(now, 0, len(now.preference))
+
+
+@inlined
+def _take_softmax(rule: Rule, first: int, last: int) -> None:
+    """Let π(a) ← exp H(a) / Σ exp H(b) over the arms ``first`` .. ``last``."""
+    highest = best_value(rule.preference, first, last)
+    total = 0.0
+    for arm in range(first, last):
+        rule.probability[arm] = math.exp(rule.preference[arm] - highest)
+        total += rule.probability[arm]
+    for arm in range(first, last):
+        rule.probability[arm] /= total
 
 
 @member_of(choose, Rule)
@@ -69,13 +92,6 @@ def _reinforce(rule: Rule, alpha: float, first: int, last: int, pair: int, rewar
     for arm in range(first, last):
         taken = 1.0 if arm == pair else 0.0
         rule.preference[arm] += change * (taken - rule.probability[arm])
-    # π(a) ← exp H(a) / Σ exp H(b)
-    highest = best_value(rule.preference, first, last)
-    total = 0.0
-    for arm in range(first, last):
-        rule.probability[arm] = math.exp(rule.preference[arm] - highest)
-        total += rule.probability[arm]
-    for arm in range(first, last):
-        rule.probability[arm] /= total
+    _take_softmax(rule, first, last)
     rule.rewards[0] += 1
     rule.mean_reward[0] += (reward - rule.mean_reward[0]) / rule.rewards[0]

@@ -43,6 +43,16 @@ def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
     )
 
 
+def carry_rule(now: Rule, before: Rule, pairs: IntArray) -> None:
+    """Let ``now`` know what ``before`` knew of the arms that stay: for each of ``pairs`` its number before.
+
+    How they pay is what the table says now. Arms that come to pay otherwise than 0 or 1 keep their counts.
+    """
+    known = pairs >= 0
+    now.rewards[known] = before.rewards[pairs[known]]
+    now.total[known] = before.total[pairs[known]]
+
+
 def _pays_0_or_1(mdp: TabularMDP) -> bool:
     certain = mdp.drift_std == 0.0 and not mdp.reward_std.any()
     return certain and bool(np.isin(mdp.reward, (0.0, 1.0)).all())

@@ -70,15 +70,15 @@ def _locked(lesson: Lesson, setup: str, made: Sequence[Given], known: Sequence[_
     entries = 0
     for run in known:
         entries += len(run.journal)
-        if entries <= _MOST_ENTRIES and not elsewhere(begins, run.recipe) and _is_possible(run, len(names)):
+        if entries <= _MOST_ENTRIES and not elsewhere(begins, run.recipe) and _is_possible(run, names):
             found.update(_digests(run, steps, names))
     return sum((given.step, given.digest) in found for given in made)
 
 
-def _is_possible(run: _Known, actions: int) -> bool:
+def _is_possible(run: _Known, names: Sequence[str]) -> bool:
     """Return whether every action that a person took is there at all."""
     taken = (entry.change.action for entry in run.journal if isinstance(entry.change, TakeAction))
-    return all(action < actions for action in taken)
+    return all(action in names if isinstance(action, str) else action < len(names) for action in taken)
 
 
 def _digests(run: _Known, steps: Sequence[int], names: Sequence[str]) -> Iterator[tuple[int, str]]:

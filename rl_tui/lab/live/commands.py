@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.live.viewport import Viewport
     from rl_tui.lab.run.recipe import Change, Recipe, Setting
     from rl_tui.lab.timeline.seek import Seek
+    from rl_tui.worlds.editing.edit import Edit
 
 
 class Command:
@@ -231,6 +232,33 @@ class HideAnswer(Command):
 
 
 @dataclass(frozen=True, slots=True)
+class OpenEditor(Command):
+    """Let snapshots tell what is being drawn of the world of the run shown, or tell it no more."""
+
+    is_open: bool
+
+
+@dataclass(frozen=True, slots=True)
+class DrawWorld(Command):
+    """Make these edits in the world of the run shown, as one stroke.
+
+    Where they come to no valid MDP, they wait, with those that wait already, for what makes it one.
+    """
+
+    edits: tuple[Edit, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class UndoStroke(Command):
+    """Undo the last stroke, be it one that waits or one that was made."""
+
+
+@dataclass(frozen=True, slots=True)
+class RedoStroke(Command):
+    """Make the stroke again that was undone last."""
+
+
+@dataclass(frozen=True, slots=True)
 class AskWhy(Command):
     """Tell in every snapshot how long nothing is learned, and why, or only where that takes many episodes."""
 
@@ -261,7 +289,9 @@ class WatchProgram(Command):
     path: Path
 
 
-_AT_ANY_TIME: Final = (LookAt, FollowCell, MarkLane, EndStudy, SetSpeed, StudyPolicy, AskFlips, AskWhy)
+_AT_ANY_TIME: Final = (
+    *(LookAt, FollowCell, MarkLane, EndStudy, SetSpeed, StudyPolicy, AskFlips, AskWhy, OpenEditor),
+)
 LOOKING: Final = (*_AT_ANY_TIME, StudySeeds)
 """Commands that leave nothing behind that is worth keeping."""
 

@@ -47,7 +47,9 @@ def _step(playback: Playback, _: commands.Step) -> None:
 
 def _take(playback: Playback, command: commands.Take) -> None:
     playback.rest()
-    playback.group.apply(TakeAction(command.action))
+    names = playback.group.current.world.space.action_names
+    known = 0 <= command.action < len(names)
+    playback.group.apply(TakeAction(names[command.action] if known else command.action))
     playback.group.follow()
     playback.stop_if_due()
 
@@ -77,6 +79,27 @@ def _change(playback: Playback, change: Change) -> None:
     playback.take_in_change()
     if group.seeking:
         playback.seek()
+
+
+def _draw_world(playback: Playback, command: commands.DrawWorld) -> None:
+    _change_world(playback, playback.editor.draw(playback.group.current.run, command.edits))
+
+
+def _undo_stroke(playback: Playback, _: commands.UndoStroke) -> None:
+    _change_world(playback, playback.editor.undo(playback.group.current.run))
+
+
+def _redo_stroke(playback: Playback, _: commands.RedoStroke) -> None:
+    _change_world(playback, playback.editor.redo(playback.group.current.run))
+
+
+def _change_world(playback: Playback, change: Change | None) -> None:
+    if change is not None:
+        _change(playback, change)
+
+
+def _open_editor(playback: Playback, command: commands.OpenEditor) -> None:
+    playback.editor.is_open = command.is_open
 
 
 def _look_at(playback: Playback, command: commands.LookAt) -> None:
@@ -178,6 +201,10 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.SetSpeed: lambda playback, command: playback.transport.set_speed(command.speed),
     commands.Apply: _apply,
     commands.Restart: _restart,
+    commands.OpenEditor: _open_editor,
+    commands.DrawWorld: _draw_world,
+    commands.UndoStroke: _undo_stroke,
+    commands.RedoStroke: _redo_stroke,
     commands.LookAt: _look_at,
     commands.FollowCell: _follow_cell,
     commands.StudyPolicy: _study_policy,

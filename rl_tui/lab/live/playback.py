@@ -25,6 +25,7 @@ from rl_tui.lab.live.speed.pacing import AT_ONCE, CHUNK
 from rl_tui.lab.live.state import BUSY, ENDED, PASSING, UNFINISHED, State, shows_trail
 from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, until_in_words, watching_for
 from rl_tui.lab.live.until import Breakpoints, Event, Until
+from rl_tui.lab.live.world_editor import WorldEditor
 from rl_tui.lab.run.exact_answers import Answer
 from rl_tui.lab.run.recipe import Beginning, Recipe, begin
 from rl_tui.lab.timeline.branches import RunRecord
@@ -86,6 +87,8 @@ class Playback:
         self._clock = clock
         self.questions: Questions = Questions(self._record, on_exact, automatic=automatic)
         """What a person asks beside the runs."""
+        self.editor = WorldEditor()
+        """What a person draws of the world."""
         self._beginning: Beginning | None = None
         self._builder = SnapshotBuilder()
 
@@ -194,7 +197,8 @@ class Playback:
         has_trail = shows_trail(self.state, self.transport.speed)
         if has_trail and not self._automatic:
             self.group.find_trails(math.inf)  # in pieces it would depend on the time
-        snapshot = self._builder.build(self.group, view_of(self), self.questions, has_trail=has_trail)
+        view, asked = view_of(self), (self.questions, self.editor)
+        snapshot = self._builder.build(self.group, view, *asked, has_trail=has_trail)
         returns = self.state is State.SEEKING and self.group.current.seek is not None and not self.touched
         return as_left(snapshot, self._record) if returns else snapshot
 

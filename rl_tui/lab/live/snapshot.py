@@ -12,6 +12,7 @@ from rl_tui.agents.catalogue import Algorithm, algorithm_row
 from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.live.state import ENDED, State
 from rl_tui.lab.live.until import Breakpoints
+from rl_tui.lab.live.world_editor import EditorView
 from rl_tui.lab.timeline.branches import Timeline
 from rl_tui.lab.timeline.lane_view import RunGroupView
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.run.exact_answers import Answer
     from rl_tui.lab.run.recipe import Recipe
     from rl_tui.lab.run.results import RunResults
+    from rl_tui.lab.run.run import WorldChanged
     from rl_tui.lab.timeline.table_samples import CellHistory
     from rl_tui.lab.timeline.trail import Trail
     from rl_tui.worlds.mdp.space import FloatArray, IntArray
@@ -153,6 +155,10 @@ class Snapshot:
     """What many seeds say of these runs; None where nobody has asked."""
     trail: Trail = ()
     """The last steps of the episode up to the last one, oldest first; none where they are not known."""
+    world_changes: tuple[WorldChanged, ...] = ()
+    """Where on the way the world of the run became another one, oldest first."""
+    editor: EditorView = field(default_factory=EditorView)
+    """What a person draws of the world."""
     lesson: LessonView | None = None
     """The lesson that is taken beside the runs, None where there is none."""
     program: ProgramView | None = None

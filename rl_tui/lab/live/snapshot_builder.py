@@ -28,6 +28,7 @@ from rl_tui.worlds.world import World
 if TYPE_CHECKING:
     from rl_tui.lab.live.playback import Playback
     from rl_tui.lab.live.questions import Questions
+    from rl_tui.lab.live.world_editor import WorldEditor
     from rl_tui.lab.run.run import Run
     from rl_tui.lab.timeline.branching_run import BranchingRun
     from rl_tui.lab.timeline.run_group import RunGroup
@@ -77,6 +78,7 @@ class SnapshotBuilder:
         group: RunGroup,
         playback: PlaybackView,
         questions: Questions,
+        editor: WorldEditor,
         *,
         has_trail: bool,
     ) -> Snapshot:
@@ -92,6 +94,7 @@ class SnapshotBuilder:
             cell=None if cell is None else current.cell_history(cell),
             study=questions.seed_studies.study_of(group),
             lesson=questions.lesson_beside(current.run),
+            editor=editor.view(current.run),
             beside=None
             if beside is None or view.beside is None
             else self.of_lane(
@@ -128,6 +131,7 @@ class SnapshotBuilder:
             timeline=lane.timeline,
             run_group=view,
             trail=lane.trail if has_trail else (),
+            world_changes=run.world_changes,
         )
 
     def _agent(self, run: Run, agents: Iterable[Counters], viewport: Viewport | None) -> AgentView:

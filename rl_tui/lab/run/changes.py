@@ -1,5 +1,5 @@
 """The entries of a journal as text: ``500:epsilon=0.01``, ``800:algorithm=sarsa``, ``900:take=left``,
-``32:sweep=improvement``.
+``32:sweep=improvement``, ``700:world.cell[1,2]=#``.
 """
 
 from __future__ import annotations
@@ -14,16 +14,24 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
 from rl_tui.lab.run.recipe import (
     Change,
+    EditWorld,
     JournalEntry,
     OrderSweep,
+    RedoEdit,
     SetParameter,
     SwitchAlgorithm,
     TakeAction,
+    UndoEdit,
+    WorldChange,
 )
+from rl_tui.worlds.editing.edit import PREFIX, read_edits, written_edits
 
 ALGORITHM: Final = "algorithm"
 TAKE: Final = "take"
 SWEEP: Final = "sweep"
+WORLD: Final = "world"
+UNDO: Final = "world.undo"
+REDO: Final = "world.redo"
 FORM: Final = "STEP:NAME=VALUE"
 LATEST: Final = 10**15
 # Every estimate starts from it: later there is nothing left to set
@@ -42,12 +50,12 @@ class ChangeText(NamedTuple):
 def read_change(text: str) -> ChangeText:
     """Return what ``text`` says; raises ValueError, naming what was expected, where it says nothing."""
     before, colon, after = text.partition(":")
+    if colon and after.lstrip().startswith(PREFIX):
+        return ChangeText(_step(text, before), WORLD, _world_change(text, after.strip()))
     name, equals, value = after.partition("=")
     if not colon or not equals:
         raise ValueError(f"{shown(text)} is not {FORM}, such as 500:epsilon=0.01")
-    step = before.strip()
-    if not (step.isascii() and step.isdigit()) or int(step) > LATEST:
-        raise ValueError(f"{shown(text)}: {shown(step)} is not a whole number of steps in [0, {LATEST:g}]")
+    step = _step(text, before)
     name = name.strip().replace("-", "_")
     if name == _AT_THE_START_ONLY:
         raise ValueError(f"{shown(text)}: every estimate starts from {name}; it cannot change on the way")
@@ -56,7 +64,39 @@ def read_change(text: str) -> ChangeText:
             f"{shown(text)}: expected the name of a hyper-parameter, {ALGORITHM}, {TAKE} or {SWEEP}"
             f"{near(name, _NAMES)}"
         )
-    return ChangeText(int(step), name, value if name == TAKE else _value(text, name, value.strip()))
+    return ChangeText(step, name, value if name == TAKE else _value(text, name, value.strip()))
+
+
+def _step(text: str, before: str) -> int:
+    step = before.strip()
+    if not (step.isascii() and step.isdigit()) or int(step) > LATEST:
+        raise ValueError(f"{shown(text)}: {shown(step)} is not a whole number of steps in [0, {LATEST:g}]")
+    return int(step)
+
+
+def _world_change(text: str, written: str) -> str:
+    try:
+        return written_world(read_world(written))
+    except ValueError as fault:
+        raise ValueError(f"{shown(text)}: {fault}") from fault
+
+
+def read_world(text: str) -> WorldChange:
+    """Return the change of a world that ``text`` says; raises ValueError where it says none."""
+    if text in (f"{UNDO}=1", f"{REDO}=1"):
+        return UndoEdit() if text.startswith(UNDO) else RedoEdit()
+    return EditWorld(read_edits(text))
+
+
+def written_world(change: WorldChange) -> str:
+    """Return ``change`` as :func:`read_world` reads it."""
+    match change:
+        case EditWorld(edits):
+            return written_edits(edits)
+        case UndoEdit():
+            return f"{UNDO}=1"
+        case RedoEdit():
+            return f"{REDO}=1"
 
 
 def _value(text: str, name: str, value: str) -> float | str:
@@ -96,6 +136,8 @@ def journal_of(changes: Iterable[ChangeText], action_names: Sequence[str]) -> tu
 def _change(change: ChangeText, action_names: Sequence[str]) -> Change:
     if change.name == ALGORITHM:
         return SwitchAlgorithm(str(change.value))
+    if change.name == WORLD:
+        return read_world(str(change.value))
     if change.name == SWEEP:
         return OrderSweep("improvement" if change.value == "improvement" else "evaluation")
     if change.name != TAKE:
@@ -122,12 +164,16 @@ def name_and_value(change: Change, action_names: Sequence[str]) -> tuple[str, fl
         case OrderSweep(phase):
             return SWEEP, phase
         case TakeAction(action):
-            return TAKE, action_names[action]
+            return TAKE, action if isinstance(action, str) else action_names[action]
+        case EditWorld() | UndoEdit() | RedoEdit():
+            return WORLD, written_world(change)
 
 
 def written_change(entry: JournalEntry, action_names: Sequence[str]) -> str:
     """Return ``entry`` as :func:`read_change` reads it."""
     name, value = name_and_value(entry.change, action_names)
+    if name == WORLD:
+        return f"{entry.step}:{value}"
     return f"{entry.step}:{name}={written_value(value)}"
 
 

@@ -85,12 +85,13 @@ class Evaluation:
 
     Where they lie depends on the world and the step number only. The first spacing is 16 steps, or the power
     of two above that which keeps dear evaluations rare. There are no marks above 20,000 states, nor without a
-    transition table.
+    transition table. Where the world becomes so large on the way, marks go on without values.
     """
 
     def __init__(self, mdp: TabularMDP | None, greedy_return: GreedyReturn, most: int = MOST_MARKS) -> None:
         self._greedy_return = greedy_return
         self._active = mdp is not None and mdp.states <= MOST_STATES
+        self._has_values = self._active
         self._spacing = FIRST_SPACING
         while mdp is not None and self._spacing * VISITS_A_STEP < visits_of(mdp):
             self._spacing *= 2
@@ -105,11 +106,20 @@ class Evaluation:
 
         Without estimates there is no value.
         """
-        value = None if q is None else self._greedy_return(q, ties)
+        value = None if q is None or not self._has_values else self._greedy_return(q, ties)
         self._episode[self._used] = episodes
         self._value[self._used] = math.nan if value is None else value
         self._used += 1
         if self._used == len(self._value):
+            self._thin_out()
+        self.next_step = self._used * self._spacing
+
+    def change_world(self, mdp: TabularMDP) -> None:
+        """Go on in the world of ``mdp``, with marks further apart where each is dearer there."""
+        self._has_values = mdp.states <= MOST_STATES
+        if not self._active or not self._has_values:
+            return
+        while self._spacing * VISITS_A_STEP < visits_of(mdp):
             self._thin_out()
         self.next_step = self._used * self._spacing
 

@@ -9,6 +9,7 @@ from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import Streams, streams
+from rl_tui.worlds.editing.edit import Edit
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.world import World
 
@@ -61,9 +62,12 @@ class SwitchAlgorithm:
 
 @dataclass(frozen=True, slots=True)
 class TakeAction:
-    """A person takes the next step in place of the agent, with this action (its number)."""
+    """A person takes the next step in place of the agent, with this action.
 
-    action: int
+    It is the name of one, or its number where the names are not known yet.
+    """
+
+    action: int | str
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,8 +77,26 @@ class OrderSweep:
     phase: SweepPhase
 
 
+@dataclass(frozen=True, slots=True)
+class EditWorld:
+    """The world is another one from here on: these ``edits`` are made in it, all at once."""
+
+    edits: tuple[Edit, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class UndoEdit:
+    """The world is again what it was before the last edit that is not undone."""
+
+
+@dataclass(frozen=True, slots=True)
+class RedoEdit:
+    """The world is again what it was before the last edit was undone."""
+
+
 Setting = SetParameter | SwitchAlgorithm
-Change = Setting | TakeAction | OrderSweep
+WorldChange = EditWorld | UndoEdit | RedoEdit
+Change = Setting | TakeAction | OrderSweep | WorldChange
 
 
 @dataclass(frozen=True, slots=True)

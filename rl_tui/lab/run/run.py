@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.agents.kernels.stop import Stop
@@ -12,6 +13,7 @@ from rl_tui.agents.learner import Learner
 from rl_tui.agents.learner_state import LearnerState
 from rl_tui.common.errors import UserError
 from rl_tui.lab.run.bandit import BanditFigures, bandit_figures
+from rl_tui.lab.run.edited_world import EditedWorld
 from rl_tui.lab.run.evaluation import MOST_STATES, Evaluation, GreedyReturn, MarksState
 from rl_tui.lab.run.exact_answers import DEAREST_LIVE, is_quick, visits_of
 from rl_tui.lab.run.history import History
@@ -25,18 +27,20 @@ from rl_tui.lab.run.recipe import (
     SetParameter,
     Setting,
     TakeAction,
+    WorldChange,
     begin,
     changed_parameter,
 )
 from rl_tui.lab.run.results import RunResults
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
+from rl_tui.worlds.world import World
 
 OnEpisodes = Callable[[FloatArray, IntArray, BoolArray], None]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RunState:
-    """A copy of all that a run knows at one step, for checkpoints."""
+    """A copy of all that a run knows at one step, for checkpoints; worlds are shared by many of them."""
 
     step: int
     episodes: int
@@ -46,12 +50,25 @@ class RunState:
     marks: MarksState
     journal: tuple[JournalEntry, ...]
     stop_reason: str
+    edited: EditedWorld
+    world_changes: tuple[WorldChanged, ...]
 
     @property
     def nbytes(self) -> int:
-        """How much memory it takes."""
+        """How much memory it takes without its world."""
         arrays = (*self.history, self.marks.episode, self.marks.value)
         return self.learner.nbytes + sum(array.nbytes for array in arrays)
+
+
+class WorldChanged(NamedTuple):
+    """The world of a run has become another one, after so many steps and finished episodes.
+
+    ``given_up`` says that the episode under way ended there, unfinished; it counts in no mean.
+    """
+
+    step: int
+    episodes: int
+    given_up: bool
 
 
 class Run:
@@ -74,11 +91,14 @@ class Run:
     ) -> None:
         self.recipe = recipe
         """What the run was made from."""
-        self.world, drawn = beginning or begin(recipe)
-        mdp = self.world.mdp
-        new_environment = self.world.new_environment
+        world, drawn = beginning or begin(recipe)
+        self.edited = EditedWorld(world)
+        """The world in force, and what was edited in it."""
+        self.world_changes: tuple[WorldChanged, ...] = ()
+        """Where on the way it became another one."""
+        mdp, new_environment = world.mdp, world.new_environment
         self.learner = Learner(
-            self.world.space,
+            world.space,
             recipe.algorithm,
             recipe.hyperparameters,
             drawn,
@@ -97,11 +117,12 @@ class Run:
         self.greedy_return = GreedyReturn(lambda: self.learner.mdp)
         """What the greedy policy of estimates earns here."""
         self._evaluation = Evaluation(mdp if evaluate else None, self.greedy_return)
-        self._is_evaluated_live = (
-            mdp is not None and mdp.states <= MOST_STATES and visits_of(mdp) <= DEAREST_LIVE
-        )
-        self._is_quick = mdp is not None and is_quick(mdp)
         self._on_episodes = on_episodes
+
+    @property
+    def world(self) -> World:
+        """The world in force."""
+        return self.edited.world
 
     @property
     def step(self) -> int:
@@ -133,7 +154,9 @@ class Run:
     def results(self) -> RunResults:
         """What it has achieved so far."""
         learner, history = self.learner, self.history
-        is_evaluated = self._is_evaluated_live and not self.stop_reason
+        mdp = self.world.mdp
+        is_cheap = mdp is not None and mdp.states <= MOST_STATES and visits_of(mdp) <= DEAREST_LIVE
+        is_evaluated = is_cheap and not self.stop_reason
         mean_return, mean_length = history.last_100
         ties = learner.hyperparameters.ties
         greedy_return = self.greedy_return(learner.q, ties) if is_evaluated else None
@@ -153,9 +176,14 @@ class Run:
 
         None too where a second evaluation a frame would take too long.
         """
-        learner = self.learner
+        learner, mdp = self.learner, self.world.mdp
         values = learner.hyperparameters
-        if not self._is_quick or learner.plans or not POLICY_BY_ID[values.policy].explores_by_epsilon:
+        if (
+            mdp is None
+            or not is_quick(mdp)
+            or learner.plans
+            or not POLICY_BY_ID[values.policy].explores_by_epsilon
+        ):
             return None
         return self.greedy_return.softened(values.epsilon_at(learner.episodes))
 
@@ -166,12 +194,8 @@ class Run:
 
     @property
     def begins_episode(self) -> bool:
-        """Whether an episode or a sweep has just ended, or nothing has happened yet.
-
-        Where another kind of algorithm has taken over in the middle of an episode, none has.
-        """
-        last = self.learner.last_step
-        return last is None or last.episode == self.learner.episodes
+        """Whether an episode or a sweep has just ended, or nothing has happened yet."""
+        return self.learner.begins_episode
 
     @property
     def noticed(self) -> bool:
@@ -225,6 +249,8 @@ class Run:
             self._take(change.action)
         elif isinstance(change, OrderSweep):
             self._order(change)
+        elif isinstance(change, WorldChange):
+            self._change_world(change)
         else:
             self._set(change)
         self._journal.append(entry)
@@ -239,12 +265,25 @@ class Run:
         except ValueError as fault:
             raise UserError(str(fault)) from fault
 
-    def _take(self, action: int) -> None:
+    def _change_world(self, change: WorldChange) -> None:
+        if self.stop_reason:
+            raise UserError(f"the run is over: {self.stop_reason}")
+        before, now = self.edited, self.edited.after(change, self.recipe)
+        mdp = now.world.mdp
+        assert mdp is not None  # what can be edited has a table
+        given_up = self.learner.change_world(mdp, now.carried_from(before, self.recipe))
+        self.edited = now
+        self.world_changes += (WorldChanged(self.step, self.learner.episodes, given_up),)
+        self._evaluation.change_world(mdp)
+
+    def _take(self, wanted: int | str) -> None:
         space, state = self.world.space, self.learner.state
+        names = space.action_names
+        action = wanted if isinstance(wanted, int) else names.index(wanted) if wanted in names else -1
         pair = space.pair_of(state, action)
         if pair is None:
-            known = 0 <= action < len(space.action_names)
-            name = space.action_names[action] if known else f"action {action}"
+            known = 0 <= action < len(names)
+            name = names[action] if known else f"action {wanted}"
             raise UserError(f"{name} is not possible in state {space.state_names[state]}")
         if self.over:
             raise UserError("the run is over: no step can be taken")
@@ -295,10 +334,18 @@ class Run:
             self._evaluation.checkpoint(),
             self.journal,
             self.stop_reason,
+            self.edited,
+            self.world_changes,
         )
 
     def restore(self, state: RunState) -> None:
         """Go back to what :meth:`checkpoint` returned, be it from another run of the same recipe."""
+        if state.edited.world is not self.world:
+            mdp = state.edited.world.mdp
+            assert mdp is not None  # a run without a table has one world and no checkpoints
+            self.learner.enter(mdp)
+            self._evaluation.change_world(mdp)
+        self.edited, self.world_changes = state.edited, state.world_changes
         self.learner.restore(state.learner)
         self.stop_reason = state.stop_reason
         self.history.restore(state.history)

@@ -8,6 +8,7 @@ from typing import Annotated, Final, Literal
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, FailFast, Field, model_validator
 
 from rl_tui.agents.sweep_phases import SweepPhase
+from rl_tui.common.limits import LONGEST_EDIT
 from rl_tui.lab.lessons.schema import LONGEST_LESSON, LONGEST_PROGRAM
 from rl_tui.worlds.sections.schema import control_character
 
@@ -67,15 +68,17 @@ class Part(BaseModel):
 
 class Entry(Part):
     """One change after ``step`` steps: a parameter is ``set`` ``to`` a value, another ``algorithm`` takes
-    over, a person takes the action of that number, or orders what a planner's next ``sweep`` does.
+    over, a person takes the action of that name or number, orders what a planner's next ``sweep`` does, or
+    changes the ``world``: by edits as the command line has them, or by undoing or redoing one.
     """
 
     step: Count
     set: Word | None = None
     to: Value | None = None
     algorithm: Word | None = None
-    take: Place | None = None
+    take: Place | Name | None = None
     sweep: SweepPhase | None = None
+    world: Annotated[str, Field(max_length=LONGEST_EDIT)] | None = None
 
 
 class StoredBranch(Part):

@@ -10,14 +10,18 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
+from rl_tui.lab.run.changes import read_world, written_world
 from rl_tui.lab.run.recipe import (
     Change,
+    EditWorld,
     JournalEntry,
     OrderSweep,
     Recipe,
+    RedoEdit,
     SetParameter,
     SwitchAlgorithm,
     TakeAction,
+    UndoEdit,
 )
 from rl_tui.lab.sessions.document import MOST_ENTRIES, Entry, StoredScenario, Value
 from rl_tui.worlds.files.gymnasium_ids import PREFIX, environment_scenario
@@ -56,8 +60,10 @@ def _stored_entry(entry: JournalEntry) -> dict[str, Any]:
             return {"step": entry.step, "set": name, "to": value}
         case SwitchAlgorithm(algorithm):
             return {"step": entry.step, "algorithm": algorithm}
-        case TakeAction(action):  # its number: names are known only where the world is built
+        case TakeAction(action):
             return {"step": entry.step, "take": action}
+        case EditWorld() | UndoEdit() | RedoEdit():
+            return {"step": entry.step, "world": written_world(entry.change)}
         case OrderSweep(phase):
             return {"step": entry.step, "sweep": phase}
 
@@ -105,9 +111,10 @@ def _check_order(before: int, step: int, end: int, place: str) -> None:
 
 
 def _change(entry: Entry, place: str) -> Change:
-    kinds = [key for key in ("set", "algorithm", "take", "sweep") if getattr(entry, key) is not None]
-    if len(kinds) != 1 or (entry.to is None) == (entry.set is not None):
-        raise UserError(f"{place} is no change; expected set and to, algorithm, take, or sweep")
+    kinds = ("set", "algorithm", "take", "sweep", "world")
+    given = [key for key in kinds if getattr(entry, key) is not None]
+    if len(given) != 1 or (entry.to is None) == (entry.set is not None):
+        raise UserError(f"{place} is no change; expected set and to, algorithm, take, sweep, or world")
     if entry.set is not None and entry.to is not None:
         values = _changed(Hyperparameters(), entry.set, entry.to, place)
         return SetParameter(entry.set, values.value(entry.set))
@@ -116,6 +123,11 @@ def _change(entry: Entry, place: str) -> Change:
         return SwitchAlgorithm(entry.algorithm)
     if entry.sweep is not None:
         return OrderSweep(entry.sweep)
+    if entry.world is not None:
+        try:
+            return read_world(entry.world)
+        except ValueError as fault:
+            raise UserError(f"{place}.world: {fault}") from fault
     return TakeAction(entry.take or 0)
 
 

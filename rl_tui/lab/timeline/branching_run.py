@@ -24,7 +24,15 @@ from rl_tui.lab.timeline.checkpoints import Checkpoints
 from rl_tui.lab.timeline.memory_limits import limits
 from rl_tui.lab.timeline.seek import Seek, Target
 from rl_tui.lab.timeline.table_samples import CellHistory, TableSamples
-from rl_tui.lab.timeline.trail import FEW_STEPS, MOST_PAIRS, MOST_STEPS, Trail, TrailRecorder, TrailReplay
+from rl_tui.lab.timeline.trail import (
+    FEW_STEPS,
+    MOST_PAIRS,
+    MOST_STEPS,
+    Trail,
+    TrailRecorder,
+    TrailReplay,
+    steps_kept,
+)
 from rl_tui.worlds.world import World
 
 # Between two states that are kept in a seek it goes on for so many times as long as to keep one takes
@@ -61,8 +69,7 @@ class BranchingRun:
     ) -> None:
         self.recipe = record.recipe
         """What the run was made from."""
-        self.world = world
-        """The world of every branch."""
+        self._first_world = world
         self.run = self._run_from_seed()
         """The run as it stands."""
         self.seek: Seek | None = None
@@ -77,9 +84,14 @@ class BranchingRun:
         self._sought = 0.0  # seconds since something was kept in a seek
         self._copying = 0.0  # seconds that keeping it took
         self._spare: Run | None = None
-        self._recorder = TrailRecorder(world)
+        self._recorder = TrailRecorder()
         self._replay: TrailReplay | None = None
         self._watching: Watching | None = None
+
+    @property
+    def world(self) -> World:
+        """The world in force where the run stands."""
+        return self.run.world
 
     @property
     def step(self) -> int:
@@ -123,7 +135,7 @@ class BranchingRun:
         while before < run.step < until and run.learner.episodes < last_episode:
             before = run.step
             self._follow(run, kept, before + 1, last_episode)
-            self._recorder.note(run.learner.last_step)
+            self._recorder.note(run.learner.last_step, run.world)
             takes_long = not run.learner.rewindable and self._clock() - start > _PATIENCE
             if run.noticed or run.over or takes_long:
                 return
@@ -149,7 +161,7 @@ class BranchingRun:
             self._branches.append(kept)
             self._put_in_force(len(self._branches) - 1)
         kept.branch = replace(kept.branch, journal=journal)
-        self._recorder.note(run.learner.last_step)  # a person may have taken a step
+        self._recorder.note(run.learner.last_step, run.world)  # a person may have taken a step
         self._keep(run, kept)
 
     def _new_name(self, taken: Sequence[str]) -> str:
@@ -212,7 +224,7 @@ class BranchingRun:
             until = min(until, max(before + 1, target.step - MOST_STEPS))
         self._follow(run, kept, until, target.last_episode)
         if not run.learner.rewindable:
-            self._recorder.note(run.learner.last_step)
+            self._recorder.note(run.learner.last_step, run.world)
         self._sought += self._clock() - start
         taken, done = run.step - before, seek.done
         if taken == 0 and not done:  # the run is over before it is there
@@ -236,7 +248,11 @@ class BranchingRun:
         """Whether :meth:`find_trail` may tell more of the trail than is known."""
         run, recorder = self.run, self._recorder
         may_replay = run.learner.rewindable and self.world.space.pairs <= MOST_PAIRS and self.seek is None
-        return may_replay and recorder.given_up != run.step and not recorder.is_whole(run.learner.last_step)
+        return (
+            may_replay
+            and recorder.given_up != run.step
+            and not recorder.is_whole(run.learner.last_step, self._since)
+        )
 
     def find_trail(self, seconds: float) -> None:
         """Replay the steps of the trail that are not known, for about ``seconds``; call it again for more.
@@ -247,7 +263,7 @@ class BranchingRun:
         if last is None or not self.finds_trail:
             return
         if self._replay is None or self._replay.last != last.step:
-            first = last.step - min(MOST_STEPS, last.episode_step)
+            first = last.step - steps_kept(last, self._since)
             start = self.kept.checkpoints.last_before(Target(self._number, last.step, step=first))
             journal = self.kept.branch.journal
             self._replay = TrailReplay(self._run_at(start), journal, first, last.step, self._recorder)
@@ -258,12 +274,19 @@ class BranchingRun:
         """Return how the estimate of ``pair`` came to be what it is; None if the world has no such pair."""
         if pair >= self.world.space.pairs:
             return None
-        return self.kept.samples.history(pair, self.run.step, self.run.learner.q)
+        return self.kept.samples.history(pair, self.run.step, self.run.learner.q, self._since)
+
+    @property
+    def _since(self) -> int:
+        """After how many steps the world became what it is."""
+        changes = self.run.world_changes
+        return changes[-1].step if changes else 0
 
     def _run_from_seed(self) -> Run:
         # whatever the seed shapes is drawn again, but the same world need not be known twice
-        beginning = Beginning(self.world, begin(self.recipe, self.world).streams)
-        run = Run(self.recipe, beginning, episode_limit=self.world.budget)
+        first = self._first_world
+        beginning = Beginning(first, begin(self.recipe, first).streams)
+        run = Run(self.recipe, beginning, episode_limit=first.budget)
         run.advance(steps=0)  # the mark of the beginning is taken before anything is shown
         return run
 

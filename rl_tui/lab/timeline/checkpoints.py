@@ -43,14 +43,24 @@ class Checkpoints:
 
     @property
     def nbytes(self) -> int:
-        """How much memory they take."""
-        return sum(state.nbytes for state in self._states)
+        """How much memory they take, with the worlds that they share."""
+        return sum(state.nbytes for state in self._states) + self._nbytes_of_worlds
+
+    @property
+    def _nbytes_of_worlds(self) -> int:
+        """How much memory their worlds take, but for the last one's, which is in use all the same."""
+        worlds = {id(state.edited.world): state.edited.world for state in self._states[:-1]}
+        if self._states:
+            worlds.pop(id(self._states[-1].edited.world), None)
+        return sum(world.nbytes for world in worlds.values())
 
     def add(self, state: RunState) -> None:
         """Keep ``state``; some others may go for it."""
         insort(self._states, state, key=_step)
         room = max(_LEAST, min(MOST, limits().checkpoints // max(1, state.nbytes)))
-        while len(self._states) > room:
+        while len(self._states) > room or (
+            len(self._states) > _LEAST and self._nbytes_of_worlds > limits().checkpoints
+        ):
             self._drop_next()
 
     def _drop_next(self) -> None:

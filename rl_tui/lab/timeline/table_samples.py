@@ -29,8 +29,8 @@ class CellHistory:
 class TableSamples:
     """Copies of Q at multiples of a spacing that doubles, dropping every other copy, when there are many.
 
-    Where they lie depends on the step number and the size of the table alone, but for a branch that was left
-    in between. Of a table of which there is no room for 16 copies there are none.
+    Where they lie depends on the step number and the sizes of the tables alone, but for a branch that was
+    left in between. Of a table of which there is no room for 16 copies there are none.
     """
 
     def __init__(self, pairs: int) -> None:
@@ -44,7 +44,7 @@ class TableSamples:
     def add(self, q: FloatArray) -> None:
         """Take the copy that is due, of the estimates ``q``, [P]."""
         self._tables.append(q.copy())
-        if len(self._tables) == self._most:
+        if len(self._tables) == self._most or (len(self._tables) > 2 and self._nbytes > limits().samples):
             self._tables = self._tables[::2]
             self._spacing *= 2
         self.next_step = len(self._tables) * self._spacing
@@ -68,9 +68,13 @@ class TableSamples:
         shared.next_step = len(shared._tables) * shared._spacing if shared._most else None
         return shared
 
-    def history(self, pair: int, step: int, q: FloatArray) -> CellHistory:
-        """Return how the estimate of ``pair`` went up to ``step``, after which the table is ``q``, [P]."""
+    def history(self, pair: int, step: int, q: FloatArray, since: int = 0) -> CellHistory:
+        """Return how the estimate of ``pair`` went up to ``step``, after which the table is ``q``, [P].
+
+        Tables up to ``since`` are those of another world; at 0 none is.
+        """
+        first = since // self._spacing + 1 if since else 0
         count = min(len(self._tables), -(-step // self._spacing))
-        steps = [*(each * self._spacing for each in range(count)), step]
-        values = [*(table[pair] for table in self._tables[:count]), q[pair]]
+        steps = [*(each * self._spacing for each in range(first, count)), step]
+        values = [*(table[pair] for table in self._tables[first:count]), q[pair]]
         return CellHistory(pair, np.array(steps, dtype=np.int64), np.array(values, dtype=np.float64))

@@ -50,18 +50,17 @@ Trail = tuple[TrailStep, ...]
 
 
 class TrailRecorder:
-    """Keeps the last steps of the episode of a run in ``world``, of those that it is told of.
+    """Keeps the last steps of the episode of a run, of those that it is told of.
 
     ``given_up`` is the step for which the rest could not be found out.
     """
 
-    def __init__(self, world: World) -> None:
+    def __init__(self) -> None:
         self.given_up = -1
-        self._world = world
         self._steps: deque[TrailStep] = deque(maxlen=MOST_STEPS)
 
-    def note(self, last: LastStep | None) -> None:
-        """Take in the step that was taken last; what does not lead up to it is forgotten."""
+    def note(self, last: LastStep | None, world: World) -> None:
+        """Take in the step that was taken last in ``world``; what does not lead up to it is forgotten."""
         newest = self._steps[-1] if self._steps else None
         if last is None or last.planned:
             self._steps.clear()
@@ -71,7 +70,7 @@ class TrailRecorder:
         follows = newest is not None and (newest.step + 1, newest.next_state) == (last.step, last.state)
         if not follows or last.episode_step == 1:
             self._steps.clear()
-        mdp, action = self._world.mdp, int(self._world.space.pair_action[last.pair])
+        mdp, action = world.mdp, int(world.space.pair_action[last.pair])
         known = mdp is not None and last.outcome != UNKNOWN_ACTION
         happened = int(mdp.outcome_action[last.outcome]) if mdp is not None and known else UNKNOWN_ACTION
         self._steps.append(TrailStep(last.step, last.state, action, happened, last.next_state))
@@ -81,11 +80,14 @@ class TrailRecorder:
         is_there = last is not None and len(self._steps) > 0 and self._steps[-1].step == last.step
         return tuple(self._steps) if is_there else ()
 
-    def is_whole(self, last: LastStep | None) -> bool:
-        """Return whether all that is ever kept of the episode of ``last`` is known."""
+    def is_whole(self, last: LastStep | None, since: int = 0) -> bool:
+        """Return whether all that is ever kept of the episode of ``last`` is known.
+
+        Nothing is kept of another world, which this one came of after ``since`` steps.
+        """
         if last is None or last.planned:
             return True
-        return len(self.up_to(last)) == min(MOST_STEPS, last.episode_step)
+        return len(self.up_to(last)) == steps_kept(last, since)
 
     def go_back(self, step: int) -> None:
         """Forget what came after ``step``."""
@@ -95,6 +97,11 @@ class TrailRecorder:
     def forget(self) -> None:
         """Forget everything."""
         self._steps.clear()
+
+
+def steps_kept(last: LastStep, since: int) -> int:
+    """Return how many steps of the episode of ``last`` are kept in a world that is there since ``since``."""
+    return min(MOST_STEPS, last.episode_step, last.step - since)
 
 
 class TrailReplay:
@@ -132,7 +139,7 @@ class TrailReplay:
                 self._piece *= 4 if clock() - now < _QUICK else 1
             else:
                 run.follow(self._journal, before + 1)
-                self._recorder.note(run.learner.last_step)
+                self._recorder.note(run.learner.last_step, run.world)
             if run.step == before:
                 break
             now = clock()

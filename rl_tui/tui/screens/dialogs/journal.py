@@ -20,6 +20,7 @@ from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.words import counted
 from rl_tui.lab.live.commands import AddBranch
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.changes import written_world
 from rl_tui.lab.run.recipe import (
     JournalEntry,
     OrderSweep,
@@ -28,6 +29,7 @@ from rl_tui.lab.run.recipe import (
     Setting,
     SwitchAlgorithm,
     TakeAction,
+    WorldChange,
     changed_recipe,
 )
 from rl_tui.tui.draw.names import action_name
@@ -189,15 +191,25 @@ def journal_lines(
         if isinstance(last.change, TakeAction):
             what = f"{len(entries)} by hand"
             if len(entries) == 1:
-                what = f"by hand {action_name(world, last.change.action, glyphs)}"
+                what = f"by hand {_taken(world, last.change.action, glyphs)}"
             lines.append(JournalLine(first, last.step + 1, what, len(entries)))
         elif isinstance(last.change, OrderSweep):
             lines.append(JournalLine(first, first, f"next sweep: {last.change.phase}"))
+        elif isinstance(last.change, WorldChange):
+            lines.append(JournalLine(first, first, written_world(last.change)))
         else:
             before, recipe = recipe, changed_recipe(recipe, last.change)
             was, is_now = _in_force(before, last.change), _in_force(recipe, last.change)
             lines.append(JournalLine(first, first, f"{kind} {was} → {is_now}".strip()))
     return lines
+
+
+def _taken(world: World, action: int | str, glyphs: Glyphs) -> str:
+    """Return how an action that a person took is called; its name alone where this world has none such."""
+    names = world.space.action_names
+    if isinstance(action, str) and action not in names:
+        return action
+    return action_name(world, names.index(action) if isinstance(action, str) else action, glyphs)
 
 
 def _keyed(journal: Sequence[JournalEntry]) -> Iterator[tuple[tuple[str, int], JournalEntry]]:

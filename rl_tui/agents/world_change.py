@@ -1,0 +1,77 @@
+"""What a learner keeps where the world becomes another one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rl_tui.agents.kernels.drift import Drift
+from rl_tui.agents.kernels.watching import Watching
+from rl_tui.worlds.editing.carried import NEW, Carried
+from rl_tui.worlds.mdp.digest import table_digest
+from rl_tui.worlds.mdp.space import FiniteSpace, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+
+def carry_over(now: npt.NDArray[Any], before: npt.NDArray[Any], pairs: IntArray) -> None:
+    """Write into ``now``, [P], what ``before``, [P before], has of each of ``pairs``; the rest stays."""
+    known = pairs != NEW
+    now[known] = before[pairs[known]]
+
+
+def carry_drift(now: Drift, before: Drift, pairs: IntArray) -> None:
+    """Let the means of arms that stay be as far away from where they began as they had drifted."""
+    if not len(now.offset) or not len(before.offset):
+        return
+    carry_over(now.offset, before.offset, pairs)
+    now.mean[:] += now.offset
+    now.optimal[:] = now.mean == now.mean.max()
+    for sums, sums_before in (
+        (now.regret, before.regret),
+        (now.best_total, before.best_total),
+        (now.optimal_pulls, before.optimal_pulls),
+    ):
+        sums[:] = sums_before
+
+
+def carried_state(carried: Carried, state: int) -> int:
+    """Return what ``state`` of the world before is now, NEW where it is gone."""
+    there = np.flatnonzero(carried.states == state)
+    return int(there[0]) if len(there) else NEW
+
+
+def carried_watching(carried: Carried, watching: Watching | None) -> Watching | None:
+    """Return what is watched for, by the numbers that states and pairs have now; what is gone is left out."""
+    if watching is None:
+        return None
+    states = np.flatnonzero(np.isin(carried.states, list(watching.states)))
+    pairs = np.flatnonzero(np.isin(carried.pairs, list(watching.pairs)))
+    cell = NEW if watching.cell is None else watching.cell
+    cells = np.flatnonzero((carried.pairs == cell) & (carried.pairs != NEW)).tolist()
+    return replace(
+        watching,
+        states=frozenset(states.tolist()),
+        pairs=frozenset(pairs.tolist()),
+        cell=cells[0] if cells else None,
+    )
+
+
+def goes_on(space: FiniteSpace, state: int, episode_step: int) -> bool:
+    """Return whether an episode of so many steps can go on in ``state``, or NEW for a state that is gone."""
+    is_over = bool(space.time_limit) and episode_step >= space.time_limit
+    return state != NEW and len(space.pairs_of(state)) > 0 and not is_over
+
+
+def starts_in(space: FiniteSpace, state: int) -> bool:
+    """Return whether an episode may start in ``state``."""
+    return isinstance(space, TabularMDP) and bool(np.isin(state, space.start_state))
+
+
+def is_same_table(one: FiniteSpace, other: FiniteSpace) -> bool:
+    """Return whether two spaces are the same, bit for bit; without tables only where they are one."""
+    if one is other or not (isinstance(one, TabularMDP) and isinstance(other, TabularMDP)):
+        return one is other
+    return one.pairs == other.pairs and table_digest(one) == table_digest(other)

@@ -1,0 +1,72 @@
+"""The world of a run as it is in force: what it was made from, and what was edited on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from rl_tui.common.errors import UserError
+from rl_tui.lab.run.recipe import EditWorld, Recipe, RedoEdit, UndoEdit, WorldChange
+from rl_tui.worlds.editing.carried import Carried, carried
+from rl_tui.worlds.editing.draft import Draft
+from rl_tui.worlds.editing.drafts import first_draft
+from rl_tui.worlds.editing.edit import Edit
+from rl_tui.worlds.world import World
+
+
+class Drafts(NamedTuple):
+    """Drafts that can be come back to, the next one first; None for the end of them."""
+
+    draft: Draft
+    further: Drafts | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EditedWorld:
+    """A world, and what edits have made of it; it never changes, and checkpoints share it."""
+
+    world: World
+    """The world in force."""
+    draft: Draft | None = None
+    """The draft it was built from; None while nothing was edited."""
+    undone: Drafts | None = None
+    """What :class:`RedoEdit` comes back to."""
+    done: Drafts | None = None
+    """What :class:`UndoEdit` comes back to."""
+
+    def draft_in(self, recipe: Recipe) -> Draft:
+        """Return its draft, the first one where nothing was edited. Raises UserError where there is none."""
+        return first_draft(recipe.scenario, recipe.seed) if self.draft is None else self.draft
+
+    def after(self, change: WorldChange, recipe: Recipe) -> EditedWorld:
+        """Return what comes of ``change`` in a run of ``recipe``.
+
+        Raises UserError where it cannot be done, or does not come to a valid MDP.
+        """
+        draft = self.draft_in(recipe)
+        match change:
+            case EditWorld(edits):
+                now = edited_draft(draft, edits)
+                return EditedWorld(now.build(), now, done=Drafts(draft, self.done))
+            case UndoEdit():
+                if self.done is None:
+                    raise UserError("there is no edit of the world to undo")
+                before, further = self.done
+                return EditedWorld(before.build(), before, Drafts(draft, self.undone), further)
+            case RedoEdit():
+                if self.undone is None:
+                    raise UserError("there is no edit of the world to redo")
+                again, further = self.undone
+                return EditedWorld(again.build(), again, further, Drafts(draft, self.done))
+
+    def carried_from(self, before: EditedWorld, recipe: Recipe) -> Carried:
+        """Return which states and pairs there were in ``before``, of the same run of ``recipe``."""
+        return carried((before.draft_in(recipe), before.world), (self.draft_in(recipe), self.world))
+
+
+def edited_draft(draft: Draft, edits: Sequence[Edit]) -> Draft:
+    """Return ``draft`` after ``edits``, valid or not. Raises UserError where one of them cannot be done."""
+    for edit in edits:
+        draft = draft.edited(edit)
+    return draft

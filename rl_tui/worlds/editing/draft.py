@@ -1,0 +1,83 @@
+"""A world that is being drawn: the table of its file, whether it can be built yet or not."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Hashable, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import Finding, place
+from rl_tui.worlds.editing.edit import Edit
+from rl_tui.worlds.sections.schema import parsed
+from rl_tui.worlds.sections.world_section import WorldSection
+
+if TYPE_CHECKING:
+    from rl_tui.worlds.mdp.space import IntArray
+    from rl_tui.worlds.world import World
+
+
+class UnfinishedError(UserError):
+    """A draft is no valid MDP yet; ``findings`` say why, located inside its table."""
+
+    def __init__(self, kind: str, findings: Sequence[Finding]) -> None:
+        first, more = findings[0], len(findings) - 1
+        where = place((kind, *first.location))
+        others = f" (and {more} more)" if more else ""
+        super().__init__(f"{where} is {first.found}; expected {first.expected}{others}")
+        self.findings = tuple(findings)
+
+
+class Draft(ABC):
+    """The table of one kind of world, all that was drawn from a seed written out. It never changes.
+
+    What edits move keeps its identity: rows, columns and arms have numbers of their own, states their names.
+    """
+
+    kind: ClassVar[str]
+    """The name of the table in a scenario file."""
+    section_class: ClassVar[type[WorldSection]]
+    """What reads it."""
+
+    @property
+    @abstractmethod
+    def table(self) -> dict[str, Any]:
+        """The table as a file would have it, in the types of TOML; its own, to be written to."""
+
+    @abstractmethod
+    def edited(self, edit: Edit) -> Draft:
+        """Return what comes of ``edit``; raises UserError where nothing can: no such place, no such value."""
+
+    @abstractmethod
+    def state_keys(self, world: World) -> IntArray | Sequence[Hashable]:
+        """Return the identity of each state of ``world``, which was built from it, [S]."""
+
+    def action_keys(self, world: World) -> Sequence[Hashable]:
+        """Return the identity of each action of ``world``, which was built from it, [A]."""
+        return world.space.action_names
+
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """Why it is no valid MDP, located inside the table; none where it is one."""
+        return self._read[1]
+
+    @property
+    def section(self) -> WorldSection:
+        """The section of a scenario that it comes to. Raises UnfinishedError where it is no valid MDP."""
+        section, findings = self._read
+        if section is None or findings:
+            raise UnfinishedError(self.kind, findings)
+        return section
+
+    @cached_property
+    def _read(self) -> tuple[WorldSection | None, tuple[Finding, ...]]:
+        raw = self.table
+        section, findings = parsed(self.section_class, raw)
+        return section, tuple(findings) or tuple(self.section_class.connection_findings(raw))
+
+    def build(self) -> World:
+        """Return the world; no draws are made. Raises UnfinishedError where it is no valid MDP."""
+        import numpy as np
+
+        return self.section.build(np.random.default_rng(0))

@@ -1,0 +1,116 @@
+"""One thing that a person changes in a world, and how it is written: ``world.cell[1,2]=#``."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable
+from typing import Final, NamedTuple
+
+from rl_tui.common.findings import shown
+
+PREFIX: Final = "world."
+FORM: Final = "world.NAME[PLACE]=VALUE"
+BETWEEN: Final = ";"
+_NAME: Final = re.compile(r"world\.([a-z_]+)")
+_BARE: Final = re.compile(r"[^\s,;\[\]\"][^,\[\]\"]*")
+_VALUE: Final = re.compile(r"[^;]*")
+_JSON: Final = tuple('{["')
+# Its value is one character, whichever
+_CELL: Final = "cell"
+
+
+class Edit(NamedTuple):
+    """One change of a world, as it was written.
+
+    ``name`` is what changes, ``at`` where: a row and a column of a map, or two ranges ``1:4`` of them (up to
+    but not with the last), a state and an action, the number of an arm; nothing where it is a rule of the
+    whole world. ``value`` is what is put there. What all of it may be is known to the draft that takes it.
+    """
+
+    name: str
+    at: tuple[str, ...] = ()
+    value: str = ""
+
+
+def read_edits(text: str) -> tuple[Edit, ...]:
+    """Return what ``text`` says, one edit or more with semicolons between them.
+
+    Raises ValueError, naming what was expected, where it says nothing.
+    """
+    edits, at = [], 0
+    while True:
+        edit, at = _read_edit(text, at)
+        edits.append(edit)
+        if at == len(text):
+            return tuple(edits)
+        if text[at] != BETWEEN:
+            raise ValueError(f"{shown(text[at:])} follows {FORM}; between two stands {BETWEEN}")
+        at += 1
+
+
+def _read_edit(text: str, start: int) -> tuple[Edit, int]:
+    """Return the edit that begins at ``start``, and where it ends."""
+    name = _NAME.match(text, start)
+    if name is None:
+        raise ValueError(f"{shown(text[start:])} is not {FORM}, such as world.cell[1,2]=#")
+    places, at = _read_places(text, name.end())
+    if not text.startswith("=", at):
+        raise ValueError(f"{shown(text[start:])} is not {FORM}: = is missing")
+    value, at = _read_value(name[1], text, at + 1)
+    return Edit(name[1], places, value), at
+
+
+def _read_places(text: str, at: int) -> tuple[tuple[str, ...], int]:
+    """Return what stands in brackets at ``at``, nothing without brackets, and where they end."""
+    if not text.startswith("[", at):
+        return (), at
+    places = []
+    while text[at] != "]":
+        at += 1
+        if text.startswith('"', at):
+            place, at = _read_json(text, at)
+            places.append(str(json.loads(place)))
+        elif bare := _BARE.match(text, at):
+            places.append(bare[0].strip())
+            at = bare.end()
+        else:
+            raise ValueError(f"{shown(text[at:])}: expected a place, such as 1,2 in world.cell[1,2]=#")
+        if not text.startswith((",", "]"), at):
+            raise ValueError(f"{shown(text[at:])}: expected , or ] after a place")
+    return tuple(places), at + 1
+
+
+def _read_value(name: str, text: str, at: int) -> tuple[str, int]:
+    if name == _CELL:
+        if at == len(text):
+            raise ValueError(f"{shown(text)}: expected a character of the map")
+        return text[at], at + 1
+    if text.startswith(_JSON, at):
+        return _read_json(text, at)
+    value = _VALUE.match(text, at)
+    assert value is not None
+    return value[0].strip(), value.end()
+
+
+def _read_json(text: str, at: int) -> tuple[str, int]:
+    try:
+        value, end = json.JSONDecoder().raw_decode(text, at)
+    except (ValueError, RecursionError) as fault:
+        raise ValueError(f'{shown(text[at:])}: expected JSON, such as {{"Pass": 0.8}}') from fault
+    return as_json(value), end
+
+
+def as_json(value: object) -> str:
+    """Return ``value`` as the value of an edit holds it: equal values are equal texts."""
+    return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
+
+
+def written_edits(edits: Iterable[Edit]) -> str:
+    """Return ``edits`` as :func:`read_edits` reads them."""
+    return BETWEEN.join(map(_written, edits))
+
+
+def _written(edit: Edit) -> str:
+    places = ",".join(each if _BARE.fullmatch(each) else as_json(each) for each in edit.at)
+    return f"{PREFIX}{edit.name}{f'[{places}]' if edit.at else ''}={edit.value}"
