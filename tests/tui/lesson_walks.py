@@ -227,20 +227,6 @@ class Learner:
             await self.run_to(attempt.steps)
         if attempt.claim:
             await self.keys("A", "enter")
-        if attempt.program:
-            await self._hand_in(attempt.program)
-
-    async def _hand_in(self, program: str) -> None:
-        """Have the file of the page's program begun, write ``program`` into it, and have that checked."""
-        task = self.page.task
-        assert task is not None
-        assert task.program is not None
-        file = Path(task.program.file)
-        if not file.exists():
-            await self.keys("A", "enter")
-            assert file.read_text(encoding="utf-8") == task.program.skeleton
-        file.write_text(program, encoding="utf-8")
-        await self.keys("A", "enter")
 
     async def write_program(self, code: str) -> None:
         """Have the file of the page begun in the working folder, write ``code`` into it, and check it."""

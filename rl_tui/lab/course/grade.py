@@ -16,7 +16,7 @@ from rl_tui.lab.lessons.judging.attempts import judged_claim, judged_program
 from rl_tui.lab.lessons.judging.conditions import JudgedTask, elsewhere, judged_task, verdict
 from rl_tui.lab.lessons.judging.moment import Kept
 from rl_tui.lab.lessons.judging.panel_request import same_panel
-from rl_tui.lab.lessons.judging.replays import replayed
+from rl_tui.lab.lessons.judging.replays import MOST_STEPS, replayed
 from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
 from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict, Panels
 from rl_tui.lab.lessons.lesson import Lesson
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from rl_tui.lab.timeline.branches import Branch
 
 PROVES: Final = "A session proves the run, not who made it."
-MOST_STEPS: Final = 20_000_000
 """Steps of evidence or of a branch: what is longer is not replayed."""
 _MOST_STEPS_IN_ALL: Final = 100_000_000
 _MOST_MOMENTS: Final = 1_000

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rl_tui.lab.lessons.figures.written import mean_with_error, written_number
+from rl_tui.lab.lessons.figures.written import written_number
 
 pytestmark = pytest.mark.unit
 
@@ -84,10 +84,3 @@ def test_a_mean_with_its_error(text: str, mean: float, error: float) -> None:
     assert number is not None
     assert number.error is not None
     assert (number.value, number.error.value) == (pytest.approx(mean), pytest.approx(error))
-
-
-def test_a_mean_is_told_in_two_digits_of_its_error() -> None:
-    assert mean_with_error(70.955, 4.431) == "71.0 ± 4.4"
-    assert mean_with_error(-0.5, 0.0123) == "−0.500 ± 0.012"
-    assert mean_with_error(1234.5, 67.0) == "1,234 ± 67"
-    assert mean_with_error(2.0, 0.0) == "2 ± 0"

@@ -87,14 +87,6 @@ def _last_digit(digits: str, *, is_rough: bool) -> float:
     return 10.0**zeros if is_rough and zeros < len(whole) else 1.0
 
 
-def mean_with_error(mean: float, error: float) -> str:
-    """Return a mean and its standard error, in two digits of the error."""
-    if not error > 0.0:
-        return f"{in_digits_of(mean, '')} ± 0"
-    decimals = max(0, 1 - math.floor(math.log10(error)))
-    return f"{mean:,.{decimals}f} ± {error:,.{decimals}f}".replace("-", "−")
-
-
 def in_digits_of(exact: float, written: str) -> str:
     """Return ``exact`` for people, six digits of it; as a share of a hundred where ``written`` is one."""
     if not math.isfinite(exact):

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left
-from operator import attrgetter
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rl_tui.common.errors import UserError
+from rl_tui.lab.lessons.judging.journal_reader import entries_before
 from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, NotYetError, Value
 from rl_tui.lab.lessons.record import NO_STEP, Given, LessonRecord
 from rl_tui.lab.lessons.setups import recipe_of
@@ -46,7 +45,7 @@ class InRun:
         is_same = known is not None and known.given == given and known.recipe is run.recipe
         if run.step < due:
             return known.value if known is not None and is_same else None
-        entries = run.journal[: bisect_left(run.journal, due, key=attrgetter("step"))]
+        entries = entries_before(run.journal, due)
         if known is not None and is_same and known.journal == entries:
             return known.value
         try:

@@ -79,7 +79,7 @@ class JournalReader:
 
 def entries_before(journal: Sequence[JournalEntry], step: int) -> tuple[JournalEntry, ...]:
     """Return the changes with which the first ``step`` steps were taken."""
-    return tuple(entry for entry in journal if entry.step < step)
+    return tuple(journal[: bisect_left(journal, step, key=attrgetter("step"))])
 
 
 def run_digest(recipe: Recipe, journal: Sequence[JournalEntry], step: int, names: Sequence[str]) -> str:

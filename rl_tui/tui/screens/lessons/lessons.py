@@ -41,8 +41,7 @@ class LessonsScreen(ActionScreen):
     """Left the lessons, right what is known of the one under the cursor.
 
     They are read in a thread after the first paint; keys typed before wait for them. ``sessions`` is the
-    folder of sessions, which say how far
-    one has come, None where none are kept.
+    folder of sessions, which say how far one has come, None where none are kept.
     """
 
     CSS_PATH = "lessons.tcss"
