@@ -111,17 +111,26 @@ ONE_FAULT = {
         "random = 8\n",
         ("random", "8", "a table, { rows = …, columns = …, holes = … }"),
     ),
-    "unknown moves": (MAP + 'moves = "eight"\n', ("moves", '"eight"', "one of four, king, king+stay")),
+    "unknown moves": (
+        MAP + 'moves = "eight"\n',
+        ("moves", '"eight"', "one of four, clockwise, king, king+stay"),
+    ),
     "unknown moves on ice": (
         MAP + 'moves = "eight"\nslippery = true\n',
-        ("moves", '"eight"', "one of four, king, king+stay"),
+        ("moves", '"eight"', "one of four, clockwise, king, king+stay"),
     ),
     "unknown moves with noise": (
         MAP + "moves = [1]\nnoise = 0.1\n",
-        ("moves", "[1]", "one of four, king, king+stay"),
+        ("moves", "[1]", "one of four, clockwise, king, king+stay"),
     ),
-    "moves that are no text": (MAP + "moves = 4\n", ("moves", "4", "one of four, king, king+stay")),
-    "moves that are a list": (MAP + "moves = []\n", ("moves", "[]", "one of four, king, king+stay")),
+    "moves that are no text": (
+        MAP + "moves = 4\n",
+        ("moves", "4", "one of four, clockwise, king, king+stay"),
+    ),
+    "moves that are a list": (
+        MAP + "moves = []\n",
+        ("moves", "[]", "one of four, clockwise, king, king+stay"),
+    ),
     "unknown rewards": (MAP + 'rewards = "both"\n', ("rewards", '"both"', "entering or leaving")),
     "rewards that are a list": (MAP + "rewards = [[1]]\n", ("rewards", "[[1]]", "entering or leaving")),
     "noise beyond 1": (MAP + "noise = 1.5\n", ("noise", "1.5", "a finite number from 0 to 1")),

@@ -103,7 +103,7 @@ def test_cliff_walking_has_its_shape_and_its_own_order_of_actions():
     into_the_cliff = world.space.outcomes_of(world.space.pairs_of(36)[1])[0]
     assert world.space.reward[into_the_cliff] == -100.0
     assert world.space.next_state[into_the_cliff] == 36
-    assert world.space.outcome_action[into_the_cliff] == -1, "being carried back is no direction"
+    assert world.space.outcome_action[into_the_cliff] == 1, "it went right, and was carried back"
 
 
 def test_cliff_walking_is_drawn_with_its_cliff():

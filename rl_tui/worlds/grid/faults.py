@@ -25,7 +25,7 @@ from rl_tui.worlds.grid.map import (
     first_place,
     lines_of,
 )
-from rl_tui.worlds.grid.moves import MOVES
+from rl_tui.worlds.grid.moves import COMPASS, MOVES
 from rl_tui.worlds.sections.schema import parsed
 
 _MOST_TOLD: Final = 20
@@ -83,7 +83,7 @@ def _slip_findings(raw: Mapping[str, Any], moves: Sequence[str] | None) -> Itera
     if noisy and slippery:
         yield Finding(("slippery",), "slippery beside noise", "one of the two")
     for key, given in (("noise", noisy), ("slippery", slippery)):
-        if given and moves not in (None, MOVES["four"]):
+        if given and moves not in (None, *COMPASS):
             yield Finding((key,), f"{key} with moves = {shown(raw['moves'])}", 'moves = "four", or no slips')
     if raw.get("gusts") is True and not _winds(raw):
         yield Finding(("gusts",), "gusts without wind", "wind or wind_rows")

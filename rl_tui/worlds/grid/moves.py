@@ -25,13 +25,17 @@ STEPS: Final[Mapping[str, tuple[int, int]]] = {
     "up-left": (-1, -1),
     "stay": (0, 0),
 }
-"""Rows down and columns right of each move; the order is that of the actions."""
+"""Rows down and columns right of each move; the order is that of the actions, unless they go clockwise."""
 
 MOVES: Final[Mapping[str, tuple[str, ...]]] = {
     "four": tuple(STEPS)[:4],
+    "clockwise": ("up", "right", "down", "left"),
     "king": tuple(STEPS)[:8],
     "king+stay": tuple(STEPS),
 }
+
+COMPASS: Final = tuple(MOVES[name] for name in ("four", "clockwise"))
+"""The moves that go round in a circle, so that one beside the meant one is at a right angle to it."""
 
 
 class Slip(NamedTuple):

@@ -113,7 +113,7 @@ class BanditSection(WorldSection):
         """Return the world; means that the file does not fix are the first draws from ``generator``."""
         from rl_tui.worlds.mdp.tabular_mdp import Transition, tabular_mdp
 
-        means = self._means(generator)
+        means = self.drawn_means(generator)
         mdp = tabular_mdp(
             [STATE_NAME],
             [str(arm) for arm in range(len(means))],
@@ -122,7 +122,8 @@ class BanditSection(WorldSection):
         )
         return World(replace(mdp, drift_std=self.drift) if self.drift else mdp, Arms(), self.budget)
 
-    def _means(self, generator: Generator) -> list[float]:
+    def drawn_means(self, generator: Generator) -> list[float]:
+        """Return the true mean of each arm; those that the file does not fix are drawn from ``generator``."""
         if self.means is not None:
             return self.means
         uniform = self.mean.uniform

@@ -58,12 +58,15 @@ class Layout:
         """Return the action that really happened in outcome ``place`` of the ``count`` that the table lists.
 
         On a compass Gymnasium lists the actions beside the meant one in the order a − 1, a, a + 1 (modulo 4),
-        or the meant one alone. The answer is −1 where that does not explain ``next_state`` on this grid.
+        or the meant one alone; a step off the cliff leads back to the start. The answer is −1 where that does
+        not explain ``next_state`` on this grid.
         """
         if not self.compass or count not in (1, 3):
             return UNKNOWN_ACTION
         candidate = action if count == 1 else (action + place - 1) % len(self.action_names)
-        return candidate if self._landing(state, candidate) == next_state else UNKNOWN_ACTION
+        landing, kinds = self._landing(state, candidate), self.grid.kinds
+        falls = kinds[landing] is CellKind.CLIFF and kinds[next_state] is CellKind.START
+        return candidate if landing == next_state or falls else UNKNOWN_ACTION
 
     def _landing(self, state: int, action: int) -> int:
         """Return the cell that a step from ``state`` leads to on a compass, staying at the edge."""

@@ -1,0 +1,85 @@
+"""Lakes and the cliff of Gymnasium as maps that can be drawn: the same table, bit for bit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Final
+
+from rl_tui.common.errors import UserError
+from rl_tui.worlds.drawing import CellKind, Grid
+from rl_tui.worlds.editing.grid_draft import GridDraft, draft_of_lines
+from rl_tui.worlds.gym.section import GymnasiumSection
+from rl_tui.worlds.mdp.digest import table_digest
+
+if TYPE_CHECKING:
+    from rl_tui.worlds.files.scenario import Scenario
+    from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+    from rl_tui.worlds.world import World
+
+_CHARACTERS: Final[Mapping[CellKind, str]] = {
+    CellKind.START: "S",
+    CellKind.FLOOR: ".",
+    CellKind.HOLE: "H",
+    CellKind.GOAL: "G",
+    CellKind.CLIFF: "C",
+}
+_STEP: Final = -1.0  # what every step of Gymnasium's CliffWalking costs, and a fall in all
+_FALL: Final = -100.0
+_MAPS: Final = "maps, graphs and bandits of scenario files, lakes and the cliff"
+
+
+def gymnasium_draft(scenario: Scenario, seed: int) -> GridDraft:
+    """Return the map that is the same world as the environment of ``scenario``.
+
+    Raises UserError, with the reason, where it is no lake and no cliff, or no map says what it does.
+    """
+    section = scenario.section
+    assert isinstance(section, GymnasiumSection)
+    if section.bins is not None or section.table is False:
+        raise _refused(section.id, "is stepped for real: nobody knows its table")
+    import numpy as np
+
+    world = scenario.build(np.random.default_rng(seed))
+    drawing, mdp = world.drawing, world.mdp
+    if mdp is None:
+        raise _refused(section.id, "is stepped for real: nobody knows its table")
+    if not isinstance(drawing, Grid) or drawing.legend or None in drawing.directions:
+        raise _refused(section.id, "has states that are no cells to walk about in")
+    return _same_map(section.id, drawing, mdp, world)
+
+
+def _same_map(name: str, drawing: Grid, mdp: TabularMDP, world: World) -> GridDraft:
+    characters = [_CHARACTERS.get(kind, "?") for kind in drawing.kinds]
+    columns = drawing.columns
+    lines = ["".join(characters[row * columns : (row + 1) * columns]) for row in range(drawing.rows)]
+    for rules in _rules(mdp):
+        draft = draft_of_lines(lines, rules)
+        if draft.findings:
+            continue
+        built = draft.build()
+        same = built.mdp is not None and table_digest(built.mdp) == table_digest(mdp)
+        if same and built.drawing == world.drawing:
+            return draft
+    raise _refused(name, "does what no map can say")
+
+
+def _refused(name: str, why: str) -> UserError:
+    return UserError(f"{name} {why}, so it cannot be drawn; what can be drawn are {_MAPS}")
+
+
+def _rules(mdp: TabularMDP) -> list[dict[str, Any]]:
+    """Return the rules that lakes and the cliff may have, those of the time limit of ``mdp``."""
+    limit = {"time_limit": mdp.time_limit} if mdp.time_limit else {}
+    cliff = {
+        "moves": "clockwise",
+        "step_reward": _STEP,
+        "legend": {
+            "C": {"kind": "cliff", "back": True, "reward": _FALL - _STEP},
+            "G": {"kind": "goal", "reward": 0.0},
+        },
+    }
+    return [
+        {**rules, **({"slippery": True} if slippery else {}), **limit}
+        for rules in ({}, cliff)
+        for slippery in (False, True)
+    ]
