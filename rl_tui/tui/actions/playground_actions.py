@@ -306,6 +306,17 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         aliases="arrows own sketch evaluate",
     ),
     Action(
+        "editing.toggle",
+        "C",
+        "draw the world",
+        "Change the world while it is learned: cells, rewards, chances, arms, rules; esc ends it.",
+        Group.AGENT,
+        rank=10,
+        needs_world=True,
+        aliases="edit brush paint map wall goal hole reward noise slip wind maze create",
+        not_for_program="the world is your program's: C draws those of scenarios",
+    ),
+    Action(
         "view.next_layer",
         "v",
         "layer",

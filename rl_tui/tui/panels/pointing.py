@@ -42,6 +42,23 @@ class PartPointed(Message):
     step: tuple[int, int] | None
 
 
+@dataclass
+class Stroke(Message):
+    """The pointer was pressed in ``view``, drawn over these ``places``, at least one, and let go."""
+
+    view: Widget
+    places: tuple[int, ...]
+
+
+@dataclass
+class Wheeled(Message):
+    """The wheel was turned over a ``place`` of ``view`` that is drawn on: by ±1, or by ±0.1 with shift."""
+
+    view: Widget
+    place: int
+    amount: float
+
+
 class PlacePicture(Protocol):
     """A picture of places."""
 

@@ -203,6 +203,9 @@ def _define(draft: GridDraft, edit: Edit) -> GridDraft:
 
 
 def _blow(draft: GridDraft, edit: Edit) -> GridDraft:
+    """Let it blow in some lines, or, without a place, as the list says in each of them."""
+    if not edit.at:
+        return replace(draft, rules={**draft.rules, edit.name: plain_value(edit)})
     count = draft.columns if edit.name == "wind" else draft.rows
     line = place_in(edit, "column" if edit.name == "wind" else "row", count)
     wind = list(draft.rules.get(edit.name) or [0] * count)

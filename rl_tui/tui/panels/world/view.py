@@ -21,7 +21,8 @@ from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.pointing import NOWHERE, Moved, PartPointed, Pointed, part_pointed_at
 from rl_tui.tui.panels.policies.studied import as_studied
 from rl_tui.tui.panels.snapshot_facts import passes_too_fast
-from rl_tui.tui.panels.world.policy_picture import TITLE, PolicyPicture
+from rl_tui.tui.panels.world.drawn_picture import DrawnPicture
+from rl_tui.tui.panels.world.policy_picture import TITLE
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.world import World
 
@@ -29,7 +30,7 @@ WAITING: Final = "the world is being built"
 _WHEEL: Final = 3
 
 
-class WorldView(PolicyPicture, can_focus=True):
+class WorldView(DrawnPicture, can_focus=True):
     """A panel with the picture of one world. Before the first snapshot one line says what comes.
 
     In focus it has a cursor, which stands on a place: a cell of a map, a state of a graph, an arm. Until an
@@ -77,10 +78,11 @@ class WorldView(PolicyPicture, can_focus=True):
         self._shows_actions = False
         self.enter(world)
 
-    def enter(self, world: World) -> None:
-        """Take ``world`` for the one that is drawn from here on."""
+    def enter(self, world: World, *, goes_on: bool = False) -> None:
+        """Take ``world`` for the one that is drawn from here on; where it ``goes_on``, the cursor stays."""
         self.world = world
-        self.cursor: int | None = None  # where the user put it; None while it stays with the agent
+        if not goes_on:
+            self.cursor: int | None = None  # where the user put it; None while it stays with the agent
         self._pointed: int | None = None  # where the cursor of another panel stands
 
     @property
@@ -135,9 +137,9 @@ class WorldView(PolicyPicture, can_focus=True):
             self.redraw()
 
     def show(self, snapshot: Snapshot) -> None:
-        """Draw ``snapshot``; another seed may have made another world of the same kind."""
+        """Draw ``snapshot``; another seed may have made another world of the same kind, or an edit."""
         if snapshot.world is not self.world:
-            self.enter(snapshot.world)
+            self.enter(snapshot.world, goes_on=not self.begins_anew(snapshot))
         super().show(as_studied(snapshot))
 
     @property
@@ -333,6 +335,8 @@ class WorldView(PolicyPicture, can_focus=True):
 
     def on_click(self, event: events.Click) -> None:
         """Put the cursor where the pointer is."""
+        if self.is_drawn_on:
+            return
         offset = event.get_content_offset(self)
         if offset is None or self.snapshot is None or self.is_manual:
             return
@@ -366,6 +370,8 @@ class WorldView(PolicyPicture, can_focus=True):
 
     def _turn_wheel(self, lines: int, event: events.MouseEvent) -> None:
         event.stop()
+        if self.turns(event, lines):
+            return
         sideways = event.shift or event.ctrl
         self.pan(0 if sideways else lines, lines if sideways else 0)
         self.redraw()

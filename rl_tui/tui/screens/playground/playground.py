@@ -27,7 +27,7 @@ from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.tui.panels.controls.slider import Slider, key_hints
 from rl_tui.tui.panels.discount.discount import DiscountPanel
-from rl_tui.tui.panels.pointing import PartPointed, Pointed
+from rl_tui.tui.panels.pointing import PartPointed, Pointed, Stroke, Wheeled
 from rl_tui.tui.panels.policies.policies import PolicyChosen
 from rl_tui.tui.panels.program.findings import FindingsPanel
 from rl_tui.tui.panels.q_table.q_table import QTable
@@ -46,6 +46,7 @@ from rl_tui.tui.screens.playground.actions.lesson.kept_back import KeptBack
 from rl_tui.tui.screens.playground.actions.lesson.lesson import LessonActions
 from rl_tui.tui.screens.playground.actions.microscope import MicroscopeActions
 from rl_tui.tui.screens.playground.actions.modes.drawing import PolicyDrawing
+from rl_tui.tui.screens.playground.actions.modes.editing.editing import WorldEditing
 from rl_tui.tui.screens.playground.actions.modes.manual import ManualControl
 from rl_tui.tui.screens.playground.actions.modes.mode import LEAVE, MODE_BINDINGS, Modes
 from rl_tui.tui.screens.playground.actions.policies import PolicyActions
@@ -142,6 +143,7 @@ class Playground(ActionScreen):
         self.modes = Modes()
         self.manual = ManualControl(*of, self.modes)
         self.drawing = PolicyDrawing(*of, self.modes)
+        self.editing = WorldEditing(*of, self.modes)
         self.lanes = LaneActions(*of)
         self.view = ViewActions(*of)
         self.microscope = MicroscopeActions(*of)
@@ -205,8 +207,10 @@ class Playground(ActionScreen):
 
     @on(Pointed)
     @on(PartPointed)
-    def tell_mode(self, event: Pointed | PartPointed) -> None:
-        """Let the mode that is on know what is pointed at."""
+    @on(Stroke)
+    @on(Wheeled)
+    def tell_mode(self, event: Pointed | PartPointed | Stroke | Wheeled) -> None:
+        """Let the mode that is on know what is pointed at, or drawn."""
         self.modes.point(event, self.snapshot)
 
     @on(Slider.Changed)
@@ -280,17 +284,13 @@ class Playground(ActionScreen):
         """Draw whatever the player publishes; it starts to load once the first paint is done."""
         self.show_key_hints()
         self.call_after_refresh(self._start_to_follow)
-        self.set_interval(_CHECKS_ENVIRONMENT, self._check_environment)
+        self.set_interval(_CHECKS_ENVIRONMENT, lambda: self.status.show_unanswered(self.player.unanswered))
         self.session.listen()
 
     def on_unmount(self) -> None:
         """Let the player's thread end, without waiting for it."""
         self.player.close()
         self._settling.end()
-
-    def _check_environment(self) -> None:
-        """Show for how long an environment has not answered, if that is long: only the run waits for it."""
-        self.status.show_unanswered(self.player.unanswered)
 
     def send(self, command: Command) -> None:
         """Ask the player for something; its answer is drawn without waiting for the next frame."""

@@ -48,11 +48,11 @@ class ArmsView(WorldView):
     _top = 0
     _shown = _each = 1
 
-    def enter(self, world: World) -> None:
+    def enter(self, world: World, *, goes_on: bool = False) -> None:
         """Take ``world`` for the one that is drawn: its arms have means of their own."""
         if not isinstance(world.drawing, Arms) or world.mdp is None:
             raise TypeError("an ArmsView draws worlds that have a table and whose drawing is Arms")
-        super().enter(world)
+        super().enter(world, goes_on=goes_on)
         self._mdp = world.mdp
         self._number_forms = SteadyForms()
         self.heading = HEADINGS[0]

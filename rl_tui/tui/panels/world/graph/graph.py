@@ -46,11 +46,11 @@ class GraphView(WorldView):
     _layout: GraphLayout | None = None
     _height = 1
 
-    def enter(self, world: World) -> None:
+    def enter(self, world: World, *, goes_on: bool = False) -> None:
         """Take ``world`` for the one that is drawn."""
         if not isinstance(world.drawing, Graph) or (world.mdp is None and not world.prospects):
             raise TypeError("a GraphView draws worlds whose outcomes are known and whose drawing is a Graph")
-        super().enter(world)
+        super().enter(world, goes_on=goes_on)
         self._graph = world.drawing
         self._take_shape(is_kept=False)
         self._number_forms = SteadyForms()

@@ -62,15 +62,16 @@ class GridView(WorldView):
     _action_digits = LEAST_DIGITS
     _longest_name = 0  # of those in view, where names are shown
 
-    def enter(self, world: World) -> None:
-        """Take ``world`` for the one that is drawn, and follow the agent in it."""
-        if not isinstance(world.drawing, Grid):
-            raise TypeError("a GridView draws worlds whose drawing is a Grid")
-        super().enter(world)
+    def enter(self, world: World, *, goes_on: bool = False) -> None:
+        """Take ``world`` for the one that is drawn, and follow the agent in it, unless it ``goes_on``."""
+        assert isinstance(world.drawing, Grid)
+        super().enter(world, goes_on=goes_on)
         self._map = GridMap(world.space, world.drawing)
         self._kinds = frozenset(world.drawing.kinds)
-        self._top = self._left = 0
-        self._following = True
+        if not goes_on:
+            self._top, self._left, self._following = 0, 0, True
+        elif (self.cursor or 0) >= len(world.drawing.kinds):
+            self.cursor = None
         self._number_forms = SteadyForms()
         self.heading = TITLE
 
@@ -212,6 +213,7 @@ class GridView(WorldView):
             self.differing,
             with_actions=actions is not None,
             named=self.is_numbered,
+            picked=self.picked,
         )
         self._longest_name = max((len(each.extra.name) for each in cells if each.extra), default=0)
         if self._longest_name > self._room_for_names(form):  # all have their numbers, or none
@@ -233,10 +235,11 @@ class GridView(WorldView):
 
     def _cell_form(self, width: int, height: int) -> CellForm:
         """Return the form of cells; first it settles whether they show every action."""
-        grid, actions = self._map.grid, self._form_of_actions(width, height)
-        self._action_form = actions
-        if actions is not None:
+        grid = self._map.grid
+        if actions := self._form_of_actions(width, height):
+            self._action_form = actions
             return CellForm(actions.width, actions.height)
+        self._action_form = None
         return cell_form(grid.rows, grid.columns, width, height, self._digits)
 
     def _form_of_actions(self, width: int, height: int) -> ActionForm | None:
@@ -388,10 +391,7 @@ class GridView(WorldView):
         return stretch(top, rows, grid.rows), stretch(left, columns, grid.columns)
 
     def _where(self, width: int) -> str:
-        """Return which part is in view, and how to follow again.
-
-        Of a whole map, and where the heading had no room for it: what its rows and columns mean.
-        """
+        """Return which part is in view, and how to follow again, or what rows and columns mean."""
         legend = self._map.grid.legend
         if self._is_whole or self._part is None:
             return self.fitting(shorter(legend), width)

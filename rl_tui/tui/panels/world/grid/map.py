@@ -165,10 +165,12 @@ class GridMap:
         *,
         with_actions: bool = False,
         named: bool = False,
+        picked: frozenset[int] = frozenset(),
     ) -> list[CellContent]:
         """Return what stands in the cells of ``part``, row by row; the cursor stands in the cell ``cursor``.
 
-        Of several states in one cell it is the agent's, else the first. With ``named`` they have their names.
+        Cells that are ``picked`` look like that. Of several states in one cell it is the agent's, else the
+        first. With ``named`` they have their names.
         """
         kinds, columns = self.grid.kinds, self.grid.columns
         states = self._states_in(part, snapshot)
@@ -217,13 +219,13 @@ class GridMap:
         for place, state in enumerate(states.tolist() if differing else ()):
             if state in differing:
                 contents[place] = contents[place]._replace(differs=True)
-        self._mark(contents, part, snapshot, cursor)
+        self._mark(contents, part, snapshot, picked if cursor is None else picked | {cursor})
         return contents
 
     def _mark(
-        self, contents: list[CellContent], part: MapPart, snapshot: Snapshot, cursor: int | None
+        self, contents: list[CellContent], part: MapPart, snapshot: Snapshot, cursors: frozenset[int]
     ) -> None:
-        """Put trail, breakpoints and cursor into ``contents``, which are those of ``part``."""
+        """Put trail, breakpoints and cursors into ``contents``, which are those of ``part``."""
         for cell, trace in traces(snapshot.trail, self.grid, self.signs).items():
             marked = self._place(part, cell)
             if marked is not None:
@@ -232,9 +234,10 @@ class GridMap:
             marked = self._place(part, int(self.grid.cell_of_state[state]))
             if marked is not None:
                 contents[marked] = contents[marked]._replace(stops=True)
-        marked = None if cursor is None else self._place(part, cursor)
-        if marked is not None:
-            contents[marked] = contents[marked]._replace(cursor=True)
+        for cell in cursors:
+            marked = self._place(part, cell)
+            if marked is not None:
+                contents[marked] = contents[marked]._replace(cursor=True)
 
     def _actions(
         self, q: list[float], visits: list[int], actions: list[int], known: bool

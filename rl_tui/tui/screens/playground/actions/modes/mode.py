@@ -11,7 +11,7 @@ from textual.widget import Widget
 
 from rl_tui.lab.live.commands import Command
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.panels.pointing import PartPointed, Pointed
+from rl_tui.tui.panels.pointing import PartPointed, Pointed, Stroke, Wheeled
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.key_line import Hints, KeyLine
 from rl_tui.tui.screens.playground.actions.modes.action_keys import DIGITS
@@ -21,6 +21,9 @@ STEPS: Final = {"up": (-1, 0), "down": (1, 0), "left": (0, -1), "right": (0, 1)}
 WITH_SHIFT: Final = "shift+"
 LEAVE: Final = "escape"
 CLEAR: Final = "C"
+_SIGNS: Final = ("full_stop", "number_sign", "less_than_sign", "greater_than_sign", "circumflex_accent")
+EDITING_KEYS: Final = (*_SIGNS, "equals_sign", "plus", "minus", *"HGSXVJmypFiuIUozZw")
+"""Keys with which the world is drawn, besides those that other modes have."""
 
 
 def _binding(key: str, tooltip: str) -> Binding:
@@ -37,6 +40,7 @@ MODE_BINDINGS: Final[list[BindingType]] = [
     _binding("enter", "Draw the arm under the cursor"),
     *(_binding(key, "Draw no action here") for key in ("delete", "backspace")),
     _binding(CLEAR, "Draw afresh"),
+    *(_binding(key, "Draw the world with it") for key in EDITING_KEYS),
     _binding(LEAVE, "Leave the mode"),
 ]
 
@@ -57,11 +61,13 @@ class Modes:
         if self.current is not None:
             self.current.press(key)
 
-    def point(self, event: Pointed | PartPointed, snapshot: Snapshot | None) -> None:
-        """Let the mode take notice of what is pointed at, which may have other keys."""
+    def point(self, event: Pointed | PartPointed | Stroke | Wheeled, snapshot: Snapshot | None) -> None:
+        """Let the mode take notice of what is pointed at, which may have other keys, or drawn."""
         if self.current is not None and snapshot is not None:
             if isinstance(event, PartPointed):
                 self.current.point(event.step)
+            elif isinstance(event, Stroke | Wheeled):
+                self.current.draw(event)
             self.current.show(snapshot)
 
     def note(self, command: Command) -> None:
@@ -119,6 +125,9 @@ class KeyMode(Subject):
 
     def point(self, step: tuple[int, int] | None) -> None:
         """Do what a second click under the cursor means, towards a side or in the middle (None)."""
+
+    def draw(self, event: Stroke | Wheeled) -> None:
+        """Draw where the pointer was drawn over the world, or the wheel was turned."""
 
     def note(self, command: Command) -> None:
         """Take notice of ``command``, which is being sent."""

@@ -1,0 +1,75 @@
+"""A picture on which a person draws with the pointer."""
+
+from __future__ import annotations
+
+from textual import events
+
+from rl_tui.tui.panels.pointing import Stroke, Wheeled
+from rl_tui.tui.panels.world.policy_picture import PolicyPicture
+from rl_tui.tui.theme.look import Look
+
+_FINE = 0.1  # of a turn of the wheel, with shift
+
+
+class DrawnPicture(PolicyPicture):
+    """A picture of places that tells over which of them the pointer was drawn, while that is wanted."""
+
+    cursor: int | None
+
+    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+        super().__init__(look, id=id, classes=classes)
+        self.is_drawn_on = False
+        """Whether a person draws the world: then the pointer paints, and the wheel changes what is paid."""
+        self._picked: frozenset[int] = frozenset()
+        self._stroke: list[int] = []
+
+    @property
+    def picked(self) -> frozenset[int]:
+        """The places that are drawn like that of the cursor: a rectangle, or what the pointer was over."""
+        return self._picked.union(self._stroke)
+
+    @picked.setter
+    def picked(self, picked: frozenset[int]) -> None:
+        if picked != self._picked:
+            self._picked = picked
+            self.redraw()
+
+    def place_at(self, x: int, y: int) -> int | None:
+        """Return the place drawn at column ``x`` of row ``y``, None where there is none."""
+        raise NotImplementedError
+
+    def on_mouse_down(self, event: events.MouseDown) -> None:
+        """Begin a stroke."""
+        place = self._place_under(event)
+        if self.is_drawn_on and place is not None:
+            self.capture_mouse()
+            self._stroke = [place]
+            self.redraw()
+
+    def on_mouse_move(self, event: events.MouseMove) -> None:
+        """Go on with the stroke."""
+        place = self._place_under(event) if self._stroke else None
+        if place is not None and place != self._stroke[-1]:
+            self._stroke.append(place)
+            self.redraw()
+
+    def on_mouse_up(self) -> None:
+        """End the stroke, and tell of it."""
+        if self._stroke:
+            self.release_mouse()
+            stroke, self._stroke = tuple(self._stroke), []
+            self.cursor = stroke[-1]
+            self.redraw()
+            self.post_message(Stroke(self, stroke))
+
+    def turns(self, event: events.MouseEvent, lines: int) -> bool:
+        """Tell that the wheel was turned over a place, if it is drawn on; return whether it is."""
+        place = self._place_under(event) if self.is_drawn_on else None
+        if place is not None:
+            amount = -1.0 if lines > 0 else 1.0
+            self.post_message(Wheeled(self, place, amount * (_FINE if event.shift else 1.0)))
+        return self.is_drawn_on
+
+    def _place_under(self, event: events.MouseEvent) -> int | None:
+        offset = event.get_content_offset(self)
+        return None if offset is None else self.place_at(offset.x, offset.y)

@@ -1,0 +1,1 @@
+"""Drawing the world: which keys and clicks change what in it."""

@@ -1,0 +1,49 @@
+"""What the screen says while a person draws the world."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from rl_tui.common.findings import place
+from rl_tui.common.words import counted
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.screens.key_line import Hints
+from rl_tui.tui.screens.playground.actions.modes.editing.tools import Tool
+
+END: Final = "esc: end"
+
+
+def title(snapshot: Snapshot) -> tuple[str, ...]:
+    """Return what the world is called while it is drawn, the longest form first."""
+    editor = snapshot.editor
+    if editor.unfinished:
+        first = editor.unfinished[0]
+        why = f"{first.found}, but {first.expected} is needed"
+        return (
+            f"Not a world yet: {why} · learning goes on in the one before",
+            f"Not a world yet: {why}",
+            f"Not yet: {first.found}",
+            f"unfinished: {place(first.location)}",
+        )
+    notes = []
+    if editor.turned:
+        notes.append(f"best actions turned in {counted(len(editor.turned), 'state')}")
+    if editor.endless:
+        notes.append(f"no end from {counted(len(editor.endless), 'state')}")
+    together = " · ".join(notes)
+    if not together:
+        return "You draw the world", "You draw"
+    return f"You draw the world · {together}", f"You draw · {together}", *notes, "You draw"
+
+
+def prompts(snapshot: Snapshot, about: Sequence[str]) -> tuple[str, ...]:
+    """Return what stands below the picture: what is ``about`` the cursor, and how to leave."""
+    undo = " · z: undo" if snapshot.editor.can_undo else ""
+    return (*(f"{each}{undo} · {END}" for each in about), *(f"{each} · {END}" for each in about), *about, END)
+
+
+def hints(own: Hints, tools: Sequence[Tool]) -> Hints:
+    """Return the keys for the key line; where not all fit, the last but one goes first."""
+    after: Hints = (("z", "undo"), ("Z", "redo"), ("w", "save"))
+    return (*own[:8], *after, *own[8:], ("esc", "end"))
