@@ -12,6 +12,7 @@ from rl_tui.agents.exact.policies import uniform_over
 from rl_tui.agents.exact.policy_figures import expected_return
 from rl_tui.agents.exact.policy_iteration import Optimum, policy_iteration
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
+from rl_tui.agents.exact.ways_out import staying_states
 from rl_tui.worlds.mdp.space import BoolArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -84,33 +85,6 @@ def ending_ties(model: ExactModel, tied: BoolArray) -> BoolArray:
     descends = np.logical_or.reduceat(lower, model.mdp.first_outcome[:-1])
     if (descends | ~tied).all():
         return tied
-    endless = _endless(model, tied)
+    endless = staying_states(model, tied)
     stays = np.logical_and.reduceat(endless[model.landing], model.mdp.first_outcome[:-1])
     return tied & (descends | ~stays)
-
-
-def _endless(model: ExactModel, usable: BoolArray) -> BoolArray:
-    """Return the states, [S+1], in which some choice among the ``usable`` pairs, [P], never ends.
-
-    It is the largest set each of whose states owns a usable pair with all outcomes in the set: whatever has
-    no such pair is taken out, until all have one.
-    """
-    inside = model.is_live
-    used = usable[model.outcome_pair]
-    source, target = model.outcome_pair[used], model.landing[used]
-    order = np.argsort(target, kind="stable")
-    arriving = source[order].tolist()
-    first = np.searchsorted(target[order], np.arange(model.end + 2)).tolist()
-    owner = model.pair_state.tolist()
-    stays = usable.tolist()
-    staying = np.bincount(model.pair_state[usable], minlength=model.end + 1).tolist()
-    outside = np.flatnonzero(~inside).tolist()
-    for state in outside:
-        for pair in arriving[first[state] : first[state + 1]]:
-            if stays[pair]:
-                stays[pair] = False
-                staying[owner[pair]] -= 1
-                if staying[owner[pair]] == 0:
-                    outside.append(owner[pair])
-    inside[outside] = False
-    return inside

@@ -85,26 +85,31 @@ def _of_base64(text: str, rows: int) -> FloatArray:
 
 def of_json(document: dict[str, Any]) -> FlipAnswer:
     """Return what :func:`as_json` was given; raises ValueError, KeyError or TypeError where it is another."""
-    from rl_tui.agents.exact.flips.flips import Flip, Turn
-
     curves = document["curves"]
     return FlipAnswer(
         FlipState(document["state"]),
         document["reason"],
-        tuple(
-            Flip(
-                gamma=flip["gamma"],
-                turns_the_way=flip["turns_the_way"],
-                expected_return=tuple(flip["expected_return"]),
-                turns=tuple(
-                    Turn(turn["state"], tuple(turn["before"]), tuple(turn["after"])) for turn in flip["turns"]
-                ),
-            )
-            for flip in document["flips"]
-        ),
+        flips_of_json(document["flips"]),
         None
         if curves is None
         else OptimalValueCurves(np.array(curves["gamma"]), _of_base64(curves["q"], len(curves["gamma"]))),
+    )
+
+
+def flips_of_json(document: list[dict[str, Any]]) -> tuple[Flip, ...]:
+    """Return the flips that ``document`` has; raises KeyError or TypeError where it is another."""
+    from rl_tui.agents.exact.flips.flips import Flip, Turn
+
+    return tuple(
+        Flip(
+            gamma=flip["gamma"],
+            turns_the_way=flip["turns_the_way"],
+            expected_return=tuple(flip["expected_return"]),
+            turns=tuple(
+                Turn(turn["state"], tuple(turn["before"]), tuple(turn["after"])) for turn in flip["turns"]
+            ),
+        )
+        for flip in document
     )
 
 

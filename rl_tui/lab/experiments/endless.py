@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from rl_tui.agents.catalogue import POLICY_BY_ID
-from rl_tui.agents.exact.exact_model import exact_model
+from rl_tui.agents.exact.ways_out import endless_states
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.stop import LARGEST_ESTIMATE, LONGEST_EPISODE
 from rl_tui.common.streams import streams
@@ -35,18 +35,20 @@ def endless_warning(scenario: Scenario) -> str:
     mdp = scenario.build(streams(0).world).mdp
     if mdp is None:
         return ""
+    return endless_warning_in(mdp, recipe_for(scenario).hyperparameters, episodes_of(scenario))
+
+
+def endless_warning_in(mdp: TabularMDP, hyperparameters: Hyperparameters, episodes: int) -> str:
+    """Return :func:`endless_warning` of ``mdp`` with these settings and so many ``episodes`` of training."""
     state = endless_state(mdp)
     if state is not None:
         return (
             f"state {mdp.state_names[state]} can never reach an end and there is no time limit: "
             f"training stops after {LONGEST_EPISODE:,} steps of one episode"
         )
-    hyperparameters = recipe_for(scenario).hyperparameters
     if not POLICY_BY_ID[hyperparameters.policy].explores_by_epsilon or not _is_tried(mdp):
         return ""
-    return _long_once_learned(mdp, hyperparameters, episodes_of(scenario)) or _long_in_a_trial(
-        mdp, hyperparameters
-    )
+    return _long_once_learned(mdp, hyperparameters, episodes) or _long_in_a_trial(mdp, hyperparameters)
 
 
 def _long_once_learned(mdp: TabularMDP, hyperparameters: Hyperparameters, episodes: int) -> str:
@@ -137,12 +139,5 @@ def endless_state(mdp: TabularMDP) -> int | None:
 
     None where there is none, or where a time limit cuts every episode off.
     """
-    if mdp.time_limit:
-        return None
-    model = exact_model(mdp)
-    every_pair = np.ones(mdp.pairs, dtype=np.bool_)
-    to_end = model.steps_to([model.end], every_pair)
-    for state in model.live[to_end[model.live] < 0].tolist():
-        if np.any(model.steps_to([state], every_pair)[mdp.start_state] >= 0):
-            return int(state)
-    return None
+    lost = np.flatnonzero(endless_states(mdp))
+    return int(lost[0]) if len(lost) else None

@@ -6,12 +6,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from rl_tui.agents.exact.ways_out import endless_states
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding
 from rl_tui.lab.run.edited_world import EditedWorld, edited_draft
+from rl_tui.lab.run.exact_answers import LIVE_STATES
 from rl_tui.lab.run.recipe import EditWorld, RedoEdit, UndoEdit, WorldChange
 from rl_tui.worlds.editing.draft import Draft
 from rl_tui.worlds.editing.edit import Edit
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.run import Run
@@ -34,7 +39,7 @@ class EditorView:
     turned: frozenset[int] = frozenset()
     """The states whose best actions the last stroke turned, as far as the exact answers are known."""
     endless: frozenset[int] = frozenset()
-    """The states from which no end can be reached, in a world without a time limit."""
+    """The states from which no end can be reached, without a time limit; none of a very large one."""
 
 
 class WorldEditor:
@@ -49,6 +54,7 @@ class WorldEditor:
         self._base: EditedWorld | None = None
         self._waiting: list[tuple[Edit, ...]] = []
         self._dropped: list[tuple[Edit, ...]] = []
+        self._endless: tuple[TabularMDP | None, frozenset[int]] = (None, frozenset())
 
     def draw(self, run: Run, edits: Sequence[Edit]) -> EditWorld | None:
         """Take in a stroke; return what it changes, with all that waited, or None where that has to wait.
@@ -100,7 +106,16 @@ class WorldEditor:
             unfinished=draft.findings if waiting else (),
             can_undo=bool(waiting) or run.edited.done is not None,
             can_redo=bool(self._dropped) or (not waiting and run.edited.undone is not None),
+            endless=self._endless_in(run.edited.world.mdp),
         )
+
+    def _endless_in(self, mdp: TabularMDP | None) -> frozenset[int]:
+        """Return the endless states of ``mdp``, which are worked out once."""
+        if mdp is None or mdp.states > LIVE_STATES:
+            return frozenset()
+        if self._endless[0] is not mdp:
+            self._endless = mdp, frozenset(np.flatnonzero(endless_states(mdp)).tolist())
+        return self._endless[1]
 
     def _come_to(self, run: Run) -> None:
         if self._base is not run.edited:

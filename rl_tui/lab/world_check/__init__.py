@@ -1,0 +1,1 @@
+"""What an author wants to know of a world before a class gets it."""

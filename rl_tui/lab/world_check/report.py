@@ -1,0 +1,77 @@
+"""What a world was found to be, and its way between processes."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+from rl_tui.lab.answers.flip_answer import flips_of_json
+
+if TYPE_CHECKING:
+    from rl_tui.agents.exact.first_update import Wait
+    from rl_tui.agents.exact.flips.flips import Flip
+
+
+@dataclass(frozen=True, slots=True)
+class TrialsMade:
+    """How much was trained of each algorithm: under these ``seeds``, so many episodes, at most so many steps.
+
+    No ``seeds``: none was needed, since each policy ends.
+    """
+
+    seeds: tuple[int, ...]
+    episodes: int
+    steps: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WorldReport:
+    """What an author wants to know of a world. None is what is not known; ``warnings`` say why."""
+
+    warnings: tuple[str, ...] = ()
+    """What is doubtful of the world, and what is not known of it, a line each."""
+    random_return: float | None = None
+    """The exact expected return of the uniformly random policy, undiscounted, within the time limit."""
+    best_return: float | None = None
+    """That of the best policy, which may look at the clock."""
+    shortest_way: int | None = None
+    """The fewest steps in which luck may lead from a start to an end, within the time limit."""
+    first_update: Wait | None = None
+    """The wait for the first update that tells anything, with the settings in force."""
+    flips: tuple[Flip, ...] | None = None
+    """Every γ at which the optimal actions change."""
+    never_reached: tuple[int, ...] | None = None
+    """The states that no episode comes to."""
+    endless_states: tuple[int, ...] | None = None
+    """The states from which no policy can reach an end; none where there is a time limit."""
+    endless: tuple[str, ...] | None = None
+    """The algorithms of which a greedy policy may never end, the time limit left aside, as far as tried."""
+    tried: TrialsMade | None = None
+    """How ``endless`` was found; None where it was not."""
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing at all is known, the world having no table."""
+        return self.never_reached is None
+
+
+def as_json(report: WorldReport) -> dict[str, Any]:
+    """Return ``report`` as a JSON document, which :func:`of_json` reads."""
+    return asdict(report)
+
+
+def of_json(document: dict[str, Any]) -> WorldReport:
+    """Return what :func:`as_json` was given; raises ValueError, KeyError or TypeError where it is another."""
+    from rl_tui.agents.exact.first_update import Wait
+
+    lists = ("warnings", "never_reached", "endless_states", "endless")
+    wait, flips, tried = document["first_update"], document["flips"], document["tried"]
+    return WorldReport(
+        **document
+        | {key: None if document[key] is None else tuple(document[key]) for key in lists}
+        | {
+            "first_update": None if wait is None else Wait(**wait),
+            "flips": None if flips is None else flips_of_json(flips),
+            "tried": None if tried is None else TrialsMade(**tried | {"seeds": tuple(tried["seeds"])}),
+        }
+    )

@@ -1,0 +1,51 @@
+"""States that are never reached, ways to an end, and policies that may never come to one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from rl_tui.agents.exact.policies import policy_of_choices, uniform_policy
+from rl_tui.agents.exact.ways_out import endless_part, endless_states, never_reached, shortest_way
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
+
+pytestmark = pytest.mark.unit
+
+
+def trap(time_limit: int = 0) -> TabularMDP:
+    """From the start on to the end in two steps, or into a trap for ever; nothing leads to the room."""
+    return tabular_mdp(
+        ["start", "half", "end", "trap", "room"],
+        ["on", "aside"],
+        [
+            Transition(0, 0, [Outcome(1.0, 1, 0.0, False)]),
+            Transition(0, 1, [Outcome(1.0, 3, 0.0, False)]),
+            Transition(1, 0, [Outcome(1.0, 2, 1.0, True)]),
+            Transition(1, 1, [Outcome(1.0, 1, 0.0, False)]),
+            Transition(3, 0, [Outcome(1.0, 3, 0.0, False)]),
+            Transition(4, 0, [Outcome(1.0, 0, 0.0, False)]),
+        ],
+        {0: 1.0},
+        time_limit,
+    )
+
+
+def test_a_trap_is_endless_and_a_room_without_a_door_is_never_reached() -> None:
+    assert np.flatnonzero(endless_states(trap())).tolist() == [3]
+    assert never_reached(trap()).tolist() == [4]
+    assert shortest_way(trap()) == 2
+
+
+def test_a_time_limit_ends_every_episode_and_keeps_far_states_out_of_reach() -> None:
+    assert not endless_states(trap(time_limit=1)).any()
+    assert never_reached(trap(time_limit=1)).tolist() == [2, 4]
+    assert never_reached(trap(time_limit=2)).tolist() == [4]
+
+
+@pytest.mark.parametrize(
+    ("half", "start", "endless"), [(2, 0, None), (3, 0, 0), (2, 1, 0)], ids=["ends", "waits", "trapped"]
+)
+def test_a_state_is_named_from_which_a_policy_never_ends(half: int, start: int, endless: int | None) -> None:
+    world = trap()
+    assert endless_part(world, policy_of_choices(world, {0: start, 1: half})) == endless
+    assert endless_part(world, uniform_policy(world)) == 3
