@@ -16,14 +16,15 @@ _FLAGS: Final = (
 _NEW: Final = ".new"
 
 
-def write_atomically(path: Path, content: bytes) -> None:
+def write_atomically(path: Path, content: bytes, mode: int = OURS_ALONE) -> None:
     """Put ``content`` into ``path``, in place of what was there; on the disk once this returns.
 
-    Nobody but the owner may read it. Raises OSError, which names a file, and then the old one is as it was.
+    ``mode`` says who may read and write it, as far as the system lets new files be so. Raises OSError, which
+    names a file, and then the old one is as it was.
     """
     new = draft_of(path)
     try:
-        with open(os.open(new, _FLAGS, OURS_ALONE), "wb") as stream:
+        with open(os.open(new, _FLAGS, mode), "wb") as stream:
             stream.write(content)
             stream.flush()
             os.fsync(stream.fileno())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 from typing import Final
 
 from rl_tui.lab.live.commands import DrawWorld, HideAnswer, OpenEditor, RedoStroke, UndoStroke
@@ -37,6 +38,11 @@ class WorldEditing(KeyMode):
     way_back = "click or tab here to draw on", "tab here to draw on"
     toolbox: Toolbox | None = None
 
+    @cached_property
+    def saving(self) -> ScenarioSaving:
+        """What knows the file of the world."""
+        return ScenarioSaving(self.screen, self.board, self.link)
+
     def takes(self, key: str) -> bool:
         """Return whether ``key`` draws, undoes, saves or leaves."""
         if self.toolbox is None or self._view is None:
@@ -58,7 +64,7 @@ class WorldEditing(KeyMode):
         elif key == REDO:
             self.link.send(RedoStroke())
         elif key == SAVE:
-            ScenarioSaving(self.screen, self.board, self.link).save()
+            self.saving.save()
         elif key in _ALONG:
             self._paint_along(hand, _ALONG[key])
         elif tool is not None:
@@ -96,6 +102,7 @@ class WorldEditing(KeyMode):
             return
         if isinstance(snapshot.world.drawing, Arms) and is_secret(snapshot):
             self.link.send(HideAnswer(is_hidden=False))
+            self.screen.tell("what the arms truly pay is shown now: h hides it again")
         self.toolbox = _TOOLBOXES[type(snapshot.world.drawing)]()
         self.board.bring_into_view(WORLD)
         self.link.send(OpenEditor(is_open=True))
@@ -154,10 +161,8 @@ class WorldEditing(KeyMode):
         """Paint under the cursor and where it moves."""
         assert self.toolbox is not None
         before = hand.view.cursor_place
-        if before is not None:
-            after = hand.view.moved(before, *step)
-            self.toolbox.paint(hand, (before, after))
-            hand.view.put_cursor(after)
+        if before is not None and isinstance(self.toolbox, MapTools):
+            self.toolbox.paint(hand, (before, hand.view.moved(before, *step)))
 
     def _show_picked(self, hand: Hand) -> None:
         if self.toolbox is not None:

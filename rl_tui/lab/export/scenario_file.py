@@ -1,0 +1,121 @@
+"""Drawn worlds as scenario files: where they are written, and what is never written over."""
+
+from __future__ import annotations
+
+import codecs
+import stat
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.text_file import UnreadableError, read_text
+from rl_tui.lab.export.files import new_path, write_text
+from rl_tui.lab.sessions.atomic_file import write_atomically
+from rl_tui.worlds.editing.draft import Draft
+from rl_tui.worlds.editing.saving import saved_text
+from rl_tui.worlds.editing.toml_text import value_text
+from rl_tui.worlds.files.catalogue import user_folder
+from rl_tui.worlds.files.scenario import Scenario
+from rl_tui.worlds.files.shipped import SUFFIX, shipped_folder, shipped_names
+from rl_tui.worlds.sections.schema import is_plain
+
+_MOST_TRIED = 1_000
+
+
+@dataclass(frozen=True, slots=True)
+class ScenarioFile:
+    """The file of a drawn world: what it said when it was read or written last.
+
+    ``path`` is None where there is no file to write to: none at all, or a shipped one.
+    """
+
+    text: str
+    path: Path | None = None
+
+    def text_with(self, draft: Draft) -> str:
+        """Return what it says with the world of ``draft``: see :func:`saved_text`."""
+        return saved_text(self.text, draft)
+
+    @property
+    def has_changed(self) -> bool:
+        """Whether somebody else has written to it since."""
+        if self.path is None or not self.path.exists():
+            return False
+        try:
+            return read_text(self.path) != self.text
+        except UnreadableError:
+            return True
+
+    def written(self, path: Path, text: str) -> ScenarioFile:
+        """Write ``text`` to ``path``, and return that file: over this one, else over none.
+
+        Whether this one :attr:`has_changed` is for others to ask. Raises UserError, in a line, where it
+        cannot be written.
+        """
+        try:
+            if path == self.path and path.exists():
+                _write_over(path, text)
+            else:
+                if path.parent == user_folder():
+                    path.parent.mkdir(parents=True, exist_ok=True)
+                write_text(path, text)
+        except OSError as error:
+            reason = error.strerror or error
+            raise UserError(f"{path} cannot be written ({reason}): save it under another name") from error
+        return replace(self, path=path, text=text)
+
+
+def file_of(scenario: Scenario) -> ScenarioFile:
+    """Return the file of ``scenario``; where it has none, the beginning of one."""
+    text = scenario.text or f"title = {value_text(scenario.title)}\n"
+    path = scenario.source.absolute()
+    is_its_own = (
+        bool(scenario.text) and path.is_file() and path.resolve().parent != shipped_folder().resolve()
+    )
+    return ScenarioFile(text, path if is_its_own else None)
+
+
+def offered_name(scenario: Scenario) -> str:
+    """Return a name that is free among the user's scenarios."""
+    stem = "".join(each if each.isalnum() or each in "-_" else "-" for each in scenario.id)
+    names = (f"{stem}-{number}" for number in range(2, _MOST_TRIED))
+    taken = shipped_names()
+    free = (each for each in (stem, *names) if each not in taken and not _own_path(each).exists())
+    return next(free, stem)
+
+
+def path_named(text: str, file: ScenarioFile) -> Path:
+    """Return where a scenario of that name or path is written: a name is one of the user's scenarios.
+
+    It may be that of ``file``. Raises UserError, in a line, where nothing can be written there.
+    """
+    name = text.strip()
+    is_path = "/" in name or "\\" in name
+    if not name or not is_plain(name) or name == SUFFIX:
+        raise UserError("type a name such as my-maze, or a path such as ./my-maze.toml")
+    stem = name.removesuffix(SUFFIX)
+    if not is_path and stem in shipped_names():
+        raise UserError(f"{stem} is a shipped scenario: type another name")
+    path = Path(f"{stem}{SUFFIX}") if is_path else _own_path(stem)
+    try:
+        path = path.expanduser().absolute()
+    except RuntimeError as error:
+        raise UserError(f"{name}: {error}") from error
+    if path == file.path or (not is_path and not path.parent.is_dir()):
+        return path  # that folder is made where it is not there
+    return new_path(str(path))
+
+
+def _own_path(stem: str) -> Path:
+    return user_folder() / f"{stem}{SUFFIX}"
+
+
+def _write_over(path: Path, text: str) -> None:
+    """Write ``text`` in place of what is in ``path``; the rights of the file stay, and a link to it."""
+    path = path.resolve()
+    content = text.encode()
+    with path.open("rb") as stream:
+        mark = codecs.BOM_UTF8 if stream.read(len(codecs.BOM_UTF8)) == codecs.BOM_UTF8 else b""
+    with path.open("r+b"):
+        pass  # a file that may not be written stays as it is, whatever its folder allows
+    write_atomically(path, mark + content, stat.S_IMODE(path.stat().st_mode))

@@ -1,0 +1,268 @@
+"""What was drawn as the text of a scenario file: the old one, changed where the world has changed."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from difflib import SequenceMatcher
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, cast
+
+from rl_tui.common.errors import UserError
+from rl_tui.worlds.editing.drafts import first_draft
+from rl_tui.worlds.editing.toml_text import map_text, section_text, value_text
+from rl_tui.worlds.files.scenario import WORLD_KINDS, scenario_of
+from rl_tui.worlds.files.toml_file import tables_in
+from rl_tui.worlds.grid.map import lines_of
+
+if TYPE_CHECKING:
+    from tomlkit import TOMLDocument
+    from tomlkit.container import OutOfOrderTableProxy
+    from tomlkit.items import AoT, Item, Table
+
+    from rl_tui.worlds.editing.draft import Draft
+
+    MutableTable = Table | OutOfOrderTableProxy
+
+_MAP, _MEANS, _OUTCOMES = "map", "means", "to"
+_TABLES: Final = ("legend", "place")
+"""What is a table of its own, below that of its world."""
+# Once something is drawn, what it was drawn from is no more; what was drawn stands where it stood
+_DRAWN_FROM: Final = {_MAP: ("random",), _MEANS: ("arms", "mean")}
+_COMMENTS: Final = re.compile(r"[ \t]*#.*", re.DOTALL)
+
+
+def saved_text(text: str, draft: Draft) -> str:
+    """Return ``text``, that of a scenario file, with the world of ``draft`` in place of its own.
+
+    Comments, order and style stay: only lines that say something else now differ. Raises UnfinishedError
+    where ``draft`` is no valid MDP, UserError where no text comes to the same world, bit for bit.
+    """
+    assert draft.section is not None
+    wanted = _filled(draft.table)
+    line_end = "\r\n" if text.count("\r\n") == text.count("\n") > 0 else "\n"
+    for change in (_changed, _rewritten):
+        new = change(text.replace(line_end, "\n"), draft.kind, wanted).replace("\n", line_end)
+        if _is_faithful(new, draft.kind, wanted):
+            return new
+    raise UserError("this world cannot be written into its file: save it under another name")
+
+
+def _is_faithful(text: str, kind: str, wanted: Mapping[str, Any]) -> bool:
+    """Return whether ``text`` reads back as a scenario without faults, and as the very table."""
+    try:
+        scenario = scenario_of(text, Path("drawn.toml"))
+        return scenario.kind == kind and _same(first_draft(scenario, 0).table, wanted)
+    except UserError:
+        return False
+
+
+def _same(one: object, other: object, key: str = "") -> bool:
+    """Return whether two values of files, those of ``key``, make the same world, bit for bit."""
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        if key == _OUTCOMES and list(one) != list(other):
+            return False  # states are numbered as they are mentioned
+        first, second = _filled(one), _filled(other)
+        return first.keys() == second.keys() and all(
+            _same(value, second[name], name) for name, value in first.items()
+        )
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(_same(*pair) for pair in zip(one, other, strict=True))
+    if key == _MAP and isinstance(one, str) and isinstance(other, str):
+        return lines_of(one) == lines_of(other)
+    if isinstance(one, bool) or isinstance(other, bool):
+        return one is other
+    if isinstance(one, (int, float)) and isinstance(other, (int, float)):
+        return one == other and math.copysign(1, one) == math.copysign(1, other)
+    return one == other
+
+
+def _filled(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return ``table`` without what says nothing: a table with nothing in it."""
+    return {key: value for key, value in table.items() if value != {}}
+
+
+def _changed(text: str, kind: str, wanted: Mapping[str, Any]) -> str:
+    """Return ``text`` with what differs from ``wanted`` in the table ``kind`` changed, and nothing else."""
+    import tomlkit
+    from tomlkit.container import OutOfOrderTableProxy
+    from tomlkit.items import Table
+
+    old = tables_in(text).get(kind)
+    if not isinstance(old, dict):
+        return _rewritten(text, kind, wanted)
+    if _same(old, wanted):
+        return text
+    ended = text if text.endswith("\n") else f"{text}\n"
+    document = tomlkit.parse(ended)
+    table = document[kind]
+    missing = {key: value for key, value in wanted.items() if key not in old}
+    drawn = next((key for key in missing if key in _DRAWN_FROM), None)
+    if not isinstance(table, Table) and (drawn is not None or not isinstance(table, OutOfOrderTableProxy)):
+        return _rewritten(text, kind, wanted)
+    _change_values(table, old, {key: value for key, value in wanted.items() if key in old}, kept=drawn)
+    for key, value in missing.items():
+        if key != drawn:
+            _add(document, kind, key, value)
+    if drawn is not None and isinstance(table, Table):
+        _put_in_place(table, drawn, wanted[drawn])
+    return _ended_as(text, tomlkit.dumps(document))
+
+
+def _change_values(
+    table: MutableTable, old: Mapping[str, Any], wanted: Mapping[str, Any], kept: str | None = None
+) -> None:
+    """Change in ``table`` what is ``old`` to what is ``wanted``; of what ``kept`` comes from, nothing."""
+    for key in [each for each in old if each not in wanted]:
+        if key not in _DRAWN_FROM.get(kept or "", ()):
+            del table[key]
+    for key, value in wanted.items():
+        if key not in old:
+            table[key] = _item(value)
+        elif not _same(old[key], value, key):
+            _change_value(table, key, old[key], value)
+
+
+def _change_value(table: MutableTable, key: str, old: Any, new: Any) -> None:
+    """Change one value, in the style that it has."""
+    import tomlkit
+    from tomlkit.container import OutOfOrderTableProxy
+    from tomlkit.items import AoT, Array, InlineTable, Table
+
+    item = table[key]
+    if key == _MAP and isinstance(new, str):
+        table[key] = tomlkit.value(map_text(lines_of(new), item.as_string()))
+    elif isinstance(item, AoT):
+        _change_entries(item, old, new)
+    elif isinstance(item, InlineTable) and isinstance(new, dict):
+        if list(old) != list(new):
+            table[key] = _item(new)
+        else:
+            for name in (name for name in new if not _same(old[name], new[name], name)):
+                item[name] = _item(new[name], old[name])
+    elif isinstance(item, (Table, OutOfOrderTableProxy)) and isinstance(new, dict):
+        _change_values(item, old, new)
+    elif isinstance(item, Array) and isinstance(new, list) and len(old) == len(new):
+        for index in (index for index, value in enumerate(new) if not _same(old[index], value)):
+            item[index] = _item(new[index], old[index])
+    else:
+        table[key] = _item(new, old)
+
+
+def _change_entries(entries: AoT, old: Sequence[Any], new: Sequence[Any]) -> None:
+    """Change, add and remove tables of a list, told apart by state and action."""
+    before, after = ([(each.get("state"), each.get("action")) for each in listed] for listed in (old, new))
+    moved = 0
+    for what, first, last, new_first, new_last in SequenceMatcher(
+        None, before, after, autojunk=False
+    ).get_opcodes():
+        if what == "equal":
+            for index in range(last - first):
+                _change_values(entries[first + moved + index], old[first + index], new[new_first + index])
+            continue
+        for _ in range(last - first):
+            _remove_entry(entries, first + moved)
+        for index in range(new_last - new_first):
+            _insert_entry(entries, first + moved + index, new[new_first + index])
+        moved += (new_last - new_first) - (last - first)
+
+
+def _remove_entry(entries: AoT, index: int) -> None:
+    """Remove a table, and keep the comments behind it: they are about what follows."""
+    import tomlkit
+
+    entry = entries[index]
+    behind = ""
+    for key, item in entry.value.body:
+        behind = "" if key is not None else behind + item.as_string()
+    found = _COMMENTS.search(entry.trivia.indent + behind)
+    comments = found[0] if found else ""
+    del entries[index]
+    if comments and index < len(entries):
+        entries[index].trivia.indent = comments + entries[index].trivia.indent
+    elif comments and index:
+        for _, item in tomlkit.parse(comments).body:
+            entries[index - 1].add(item)  # type: ignore[call-overload]
+
+
+def _insert_entry(entries: AoT, index: int, entry: Mapping[str, Any]) -> None:
+    """Insert a table, with an empty line between it and the next one or the one before."""
+    import tomlkit
+
+    table = tomlkit.table()
+    for key, value in entry.items():
+        table.append(key, _item(value))
+    (table if index < len(entries) else entries[index - 1] if index else table).add(tomlkit.nl())
+    entries.insert(index, table)
+
+
+def _add(document: TOMLDocument, kind: str, key: str, value: Any) -> None:
+    """Add to the table ``kind`` a key that it has not, in the style of the shipped files."""
+    import tomlkit
+
+    table = cast("MutableTable", document[kind])
+    if key not in _TABLES:
+        table[key] = _item(value)
+        return
+    new = tomlkit.table()
+    for name, each in value.items():
+        new.append(name, _item(each))
+    if list(document)[-1] != kind:
+        new.add(tomlkit.nl())
+    table[key] = new
+
+
+def _put_in_place(table: Table, key: str, value: Any) -> None:
+    """Put a key where the first of those stands that it takes the place of, and remove these."""
+    import tomlkit
+
+    body = table.value.body
+    sources = [index for index, (name, _) in enumerate(body) if name and name.key in _DRAWN_FROM[key]]
+    new = tomlkit.value(map_text(lines_of(value)) if key == _MAP else value_text(value))
+    first, *others = sources
+    _copy_surroundings(body[first][1], new)
+    body[first] = (tomlkit.key(key), new)
+    for index in reversed(others):
+        del body[index]
+
+
+def _rewritten(text: str, kind: str, wanted: Mapping[str, Any]) -> str:
+    """Return ``text`` with a new table ``kind`` in place of whichever world it has; all else stays."""
+    import tomlkit
+    from tomlkit.items import Whitespace
+
+    document = tomlkit.parse(text if not text or text.endswith("\n") else f"{text}\n")
+    new = tomlkit.parse(section_text(kind, wanted))[kind]
+    body = document.body
+    places = [index for index, (key, _) in enumerate(body) if key is not None and key.key in WORLD_KINDS]
+    if not places:
+        gap = "" if not text or text.endswith("\n\n") else "\n"
+        return f"{tomlkit.dumps(document)}{gap}{section_text(kind, wanted)}"
+    if places[-1] < len(body) - 1:
+        new.add(Whitespace("\n"))
+    body[places[0]] = (tomlkit.key(kind), new)
+    for index in reversed(places[1:]):
+        del body[index]
+    return _ended_as(text, tomlkit.dumps(document))
+
+
+def _item(value: Any, old: Any = None) -> Item:
+    """Return ``value`` as a file has it, a number with a decimal point where the ``old`` one had it."""
+    import tomlkit
+
+    if isinstance(old, float) and type(value) is int and float(value) == value:
+        value = float(value)
+    return tomlkit.value(value_text(value))
+
+
+def _copy_surroundings(old: Item, new: Item) -> None:
+    """Give ``new`` the comment and the spaces of ``old``."""
+    for name in ("indent", "comment_ws", "comment", "trail"):
+        setattr(new.trivia, name, getattr(old.trivia, name))
+
+
+def _ended_as(text: str, new: str) -> str:
+    """Return ``new`` with as many empty lines at its end as ``text`` has."""
+    body = text.rstrip("\r\n")
+    return new.rstrip("\r\n") + (text[len(body) :] or "\n")

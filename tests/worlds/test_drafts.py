@@ -1,0 +1,139 @@
+"""Drafts: what a person draws of a world begins as the world itself, and is saved as it is."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.streams import streams
+from rl_tui.worlds.editing.draft import Draft
+from rl_tui.worlds.editing.drafts import first_draft, refusal
+from rl_tui.worlds.editing.edit import Edit, read_edits, written_edits
+from rl_tui.worlds.editing.graph_draft import GraphDraft, chances_of, with_chance
+from rl_tui.worlds.editing.grid_draft import GridDraft
+from rl_tui.worlds.files.catalogue import find, scenarios
+from rl_tui.worlds.files.scenario import Scenario, scenario_of
+from rl_tui.worlds.mdp.digest import table_digest
+from rl_tui.worlds.world import World
+
+pytestmark = pytest.mark.unit
+
+REFUSED = {"egg", "taxi", "blackjack", "blackjack-table", "cartpole", "mountain-car"}
+SHIPPED = [each for each in scenarios() if each.id not in REFUSED]
+
+
+def digest(world: World) -> str:
+    assert world.mdp is not None
+    return table_digest(world.mdp)
+
+
+def edited(draft: Draft, text: str) -> Draft:
+    for edit in read_edits(text):
+        draft = draft.edited(edit)
+    return draft
+
+
+def map_of(draft: Draft) -> GridDraft:
+    assert isinstance(draft, GridDraft)
+    return draft
+
+
+def lines(text: str) -> Draft:
+    return first_draft(scenario_of(f"[grid]\nmap = '''\n{text}'''\n", find("maze").source), 0)
+
+
+@pytest.mark.parametrize("scenario", SHIPPED, ids=lambda each: each.id)
+def test_the_first_draft_is_the_world_bit_for_bit(scenario: Scenario) -> None:
+    world, drawn = scenario.build(streams(3).world), first_draft(scenario, 3).build()
+    assert digest(drawn) == digest(world)
+    assert drawn.drawing == world.drawing
+
+
+@pytest.mark.parametrize("name", sorted(REFUSED))
+def test_what_cannot_be_drawn_says_why(name: str) -> None:
+    assert "cannot be drawn" in refusal(find(name), 0)
+
+
+def test_a_reward_of_its_own_has_a_character_until_no_cell_has_it() -> None:
+    draft = edited(lines("S.G\n...\n"), "world.reward[1,0:2]=-2")
+    assert map_of(draft).lines == ("S.G", "aa.")
+    assert map_of(draft).legend["a"].pays == -2.0
+    assert "a" not in map_of(edited(draft, "world.cell[1,0:2]=.")).legend
+
+
+def test_lines_take_their_wind_with_them() -> None:
+    draft = edited(first_draft(find("windy"), 0), "world.columns=+1@3;world.columns=-1@0")
+    assert draft.table["wind"] == [0, 0, 0, 1, 1, 1, 2, 2, 1, 0]
+
+
+def test_what_is_no_valid_mdp_says_why() -> None:
+    draft = edited(lines("S.G\n"), "world.cell[0,0]=.")
+    assert [each.found for each in draft.findings] == ["no start"]
+    with pytest.raises(UserError, match="no start"):
+        draft.build()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "world.cell[9,0]=#",
+        "world.cell[0]=#",
+        "world.rows=+1@9",
+        "world.rows=-2@0",
+        "world.reward[0,0]=much",
+        "world.depth=1",
+    ],
+)
+def test_an_edit_that_cannot_be_done_is_told_in_a_line(text: str) -> None:
+    with pytest.raises(UserError) as told:
+        edited(lines("S.G\n...\n"), text)
+    assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize("text", ["cell[1,2]=#", "world.cell[1,2]", "world.cell[1,2]=#x", "world.cell[,]=#"])
+def test_what_is_no_edit_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match="world"):
+        read_edits(text)
+
+
+@given(
+    st.lists(
+        st.builds(
+            Edit,
+            st.just("cell"),
+            st.tuples(
+                st.from_regex(r"[0-9]{1,3}(:[0-9]{1,3})?", fullmatch=True), st.text(min_size=1, max_size=5)
+            ),
+            st.characters(codec="utf-8"),
+        ),
+        min_size=1,
+        max_size=4,
+    )
+)
+@settings(max_examples=50)
+def test_what_was_written_is_read_again(edits: list[Edit]) -> None:
+    edits = [each for each in edits if each.at[1] == each.at[1].strip()]
+    if edits:
+        assert list(read_edits(written_edits(edits))) == edits
+
+
+def test_states_come_and_go_with_what_leads_to_them() -> None:
+    draft = edited(first_draft(find("student"), 0), 'world.transition[Phone,call]={"to":"Friend","reward":1}')
+    assert isinstance(draft, GraphDraft)
+    assert "Friend" in draft.table["place"]
+    assert "Friend" in draft.build().space.state_names
+    without = edited(draft, "world.transition[Phone,call]=null")
+    assert "Friend" not in without.table["place"]
+
+
+@given(st.floats(0, 1), st.lists(st.floats(0.01, 1), min_size=1, max_size=4))
+def test_the_others_share_what_is_left_as_they_shared_it(chance: float, shares: list[float]) -> None:
+    total = sum(shares)
+    to = {str(number): share / total for number, share in enumerate(shares)}
+    new = chances_of(with_chance({"to": {**to, "x": 0.0}}, "x", chance))
+    assert new["x"] == chance
+    assert sum(new.values()) == pytest.approx(1.0, abs=1e-12)
+    for name, share in to.items():
+        assert new[name] == pytest.approx(share * (1 - chance), abs=1e-12)
