@@ -53,7 +53,8 @@ MOST_RUNS: Final = 100_000
     type=ChangeValue(),
     multiple=True,
     help="after STEP steps set a hyper-parameter, algorithm=NAME, take=ACTION in place of the agent, or "
-    "sweep=evaluation or sweep=improvement of policy iteration; may be given several times",
+    "sweep=evaluation or sweep=improvement of policy iteration; or change the world, such as "
+    "world.cell[1,2]=#; may be given several times",
 )
 @agent_option
 @allow_module_option
@@ -82,9 +83,9 @@ def command(
     if episodes is not None and steps is not None:
         raise click.UsageError("--episodes and --steps exclude each other", click.get_current_context())
     check_targets({"--csv": csv, "--curve": curve}, as_json)
-    if changes and runs is not None:
+    if runs is not None and any(change.name == "take" for change in changes):
         raise click.UsageError(
-            "--change and --runs exclude each other: the steps of a change are those of one run",
+            "take and --runs exclude each other: where an agent stands after so many steps is one run's",
             click.get_current_context(),
         )
     if changes and agent is not None:
@@ -108,7 +109,7 @@ def command(
         if runs is None:
             run, figures = _train_once(recipe, goal, csv, points, changes)
         else:
-            figures = _train_many(recipe, runs, goal, csv, points)
+            figures = _train_many(recipe, runs, goal, csv, points, changes)
     if as_json:
         print_json(figures)
     else:
@@ -214,15 +215,30 @@ def _train_once(
 
 
 def _train_many(
-    recipe: Recipe, runs: int, goal: Goal, csv: CsvTarget, points: TextIO | None
+    recipe: Recipe,
+    runs: int,
+    goal: Goal,
+    csv: CsvTarget,
+    points: TextIO | None,
+    changes: tuple[ChangeText, ...],
 ) -> dict[str, Any]:
     from rl_tui.lab.experiments.curve_file import write_curve
     from rl_tui.lab.experiments.many_runs import many_runs
+    from rl_tui.lab.run.changes import as_json, journal_of
 
+    journal = journal_of(changes, ())
     with progress(f"{recipe.scenario.id}, {counted(runs, 'run')}") as on_progress:
         document = many_runs(
-            recipe, runs, goal, csv, on_progress, on_compiling=lambda: on_progress.say("compiling")
+            recipe,
+            runs,
+            goal,
+            csv,
+            on_progress,
+            on_compiling=lambda: on_progress.say("compiling"),
+            journal=journal,
         )
+    if changes:
+        document["journal"] = as_json(journal, ())
     if points is not None:
         write_curve(points, document["curve"])
     return document

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import ExitStack
 from functools import partial
@@ -20,7 +20,7 @@ from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
 from rl_tui.lab.experiments.training import Goal, OnProgress, no_progress
 from rl_tui.lab.experiments.whole_file import whole_file
 from rl_tui.lab.run.figures import finite, head, summary
-from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.run.recipe import JournalEntry, Recipe
 from rl_tui.lab.run.run import OnEpisodes
 
 Result = TypeVar("Result")
@@ -37,14 +37,16 @@ def many_runs(
     on_progress: OnProgress = no_progress,
     workers: int | None = None,
     on_compiling: Callable[[], None] = no_compiling,
+    journal: Sequence[JournalEntry] = (),
 ) -> dict[str, Any]:
     """Train ``runs`` times, with the seed of ``recipe`` and those that follow, and return what came of it.
 
     It is the document of ``train --runs --json``. ``csv``, a path or a stream, takes one row an episode, in
     the order of the runs. ``on_progress`` is called from several threads, one at a time; ``on_compiling``
-    where they wait for machine code. Raises UserError as one run does.
+    where they wait for machine code. Each of them applies ``journal`` at its steps, a change of the world to
+    the one that its own seed drew. Raises UserError as one run does.
     """
-    seeded = SeededRuns(recipe)
+    seeded = SeededRuns(recipe, journal)
     seeded.get_machine_code(runs, goal, on_compiling)
     return {**head(recipe), **figures_of_runs(seeded, runs, goal, csv, on_progress, workers)}
 

@@ -12,7 +12,14 @@ from rl_tui.agents.exact.solution import Solution
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.patience import pays, seconds_interpreted
 from rl_tui.lab.experiments.training import Goal, OnProgress, train
-from rl_tui.lab.run.figures import BANDIT_FIGURES, exact_world, greedy_figures, optimum_of, pulls
+from rl_tui.lab.run.figures import (
+    BANDIT_FIGURES,
+    exact_world,
+    greedy_figures,
+    optimum_of,
+    pulls,
+    world_digest,
+)
 from rl_tui.lab.run.recipe import JournalEntry, Recipe, begin
 from rl_tui.lab.run.run import OnEpisodes, Run, each_of
 from rl_tui.worlds.drawing import Arms
@@ -56,7 +63,9 @@ class SeededRuns:
         self._world = None if recipe.scenario.section.drawn_from_seed else self.first.world
         # Where the world drifts, each run comes to other means, and so to another exact answer
         self._has_one_answer = self._world is not None and self.first.learner.drifted is None
-        self._optima = dict[float, Solution | None]()  # by γ, which may be set on the way
+        # By γ, which may be set on the way, and by how often the world changed, in all of them alike
+        self._optima = dict[tuple[float, int], Solution | None]()
+        self._digests = dict[int, str | None]()
         self._solving = threading.Lock()
 
     @property
@@ -120,6 +129,7 @@ class SeededRuns:
             "return_last_100": mean_return,
             "length_last_100": mean_length,
             "first_reward_episode": run.learner.first_reward_episode or None,
+            "world": self._digest_of(run),
             **pulls(run),
         }
 
@@ -128,6 +138,16 @@ class SeededRuns:
         if not self._has_one_answer:
             return optimum_of(exact_world(run), gamma)
         with self._solving:
-            if gamma not in self._optima:
-                self._optima[gamma] = optimum_of(exact_world(run), gamma)
-            return self._optima[gamma]
+            key = gamma, len(run.world_changes)
+            if key not in self._optima:
+                self._optima[key] = optimum_of(exact_world(run), gamma)
+            return self._optima[key]
+
+    def _digest_of(self, run: Run) -> str | None:
+        if self._world is None:
+            return world_digest(run)
+        with self._solving:
+            changes = len(run.world_changes)
+            if changes not in self._digests:
+                self._digests[changes] = world_digest(run)
+            return self._digests[changes]

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.patience import Patience
+from rl_tui.lab.run.changes import written_change
 from rl_tui.lab.run.recipe import UNLIMITED, JournalEntry
 from rl_tui.lab.run.run import Run
 
@@ -50,7 +52,8 @@ def train(
     run.learner.set_time_budget(TIME_BUDGET)
     until = run.step  # at first no further than to what is set at the very start
     while True:
-        run.follow(journal, until, UNLIMITED if goal.steps is not None else goal.episodes or 0)
+        with _naming_the_entry(run, journal):
+            run.follow(journal, until, UNLIMITED if goal.steps is not None else goal.episodes or 0)
         if run.stop_reason:
             raise UserError(f"{run.recipe.scenario.id}: {run.stop_reason}")
         done, wanted = goal.reached_by(run)
@@ -58,9 +61,20 @@ def train(
         start += patience.look(run.learner, done, wanted)
         ahead = journal[len(run.journal) :]
         if done < wanted and run.over and ahead and ahead[0].step <= run.step:
-            run.apply(ahead[0].change)  # an action after the end, which is refused
+            with _naming_the_entry(run, journal):
+                run.apply(ahead[0].change)  # an action after the end, which is refused
         if done >= wanted or run.over:
             return time.perf_counter() - start
         chunk = patience.chunk(run.learner)
         end = run.step + chunk if goal.steps is None else min(run.step + chunk, goal.steps)
         until = min(end, next((entry.step for entry in ahead if entry.step > run.step), end))
+
+
+@contextmanager
+def _naming_the_entry(run: Run, journal: Sequence[JournalEntry]) -> Iterator[None]:
+    """Let what is wrong with an entry of ``journal`` name its step and what it changes."""
+    try:
+        yield
+    except UserError as fault:
+        entry = journal[len(run.journal)]
+        raise UserError(f"{written_change(entry, run.first_actions)}: {fault}") from fault

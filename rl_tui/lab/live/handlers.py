@@ -94,6 +94,8 @@ def _redo_stroke(playback: Playback, _: commands.RedoStroke) -> None:
 
 
 def _change_world(playback: Playback, change: Change | None) -> None:
+    if playback.questions.lesson is not None:
+        raise UserError("a lesson's world stays as it is: draw in a scenario of the catalogue")
     if change is not None:
         _change(playback, change)
 

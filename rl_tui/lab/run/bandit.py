@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
@@ -34,6 +34,20 @@ class BanditFigures:
     """What as many pulls of the best arm bring on average: pulls · max q*."""
 
 
+class SettledPulls(NamedTuple):
+    """What the pulls came to that were taken before the arms last became others, each by its own means."""
+
+    pulls: int = 0
+    regret: float = 0.0
+    best_possible: float = 0.0
+    best_pulls: int = 0
+    visits: IntArray = np.zeros(1, np.int64)
+    """How often each arm of now had been pulled by then, [P]."""
+
+
+NOTHING_SETTLED: Final = SettledPulls()
+
+
 def true_means(mdp: TabularMDP) -> FloatArray:
     """Return the expected reward of each pair, [P]: q* of a bandit's arms."""
     return mdp.expected_reward
@@ -46,22 +60,21 @@ def best_arms(mdp: TabularMDP) -> BoolArray:
 
 
 def bandit_figures(
-    world: World, visits: IntArray, winnings: float, drifted: Drifted | None = None
+    world: World,
+    visits: IntArray,
+    winnings: float,
+    drifted: Drifted | None = None,
+    settled: SettledPulls = NOTHING_SETTLED,
 ) -> BanditFigures | None:
     """Return what pulling each arm ``visits``, [P], times came to; None where ``world`` is no bandit.
 
-    ``drifted`` has the sums over all pulls where the means drift.
+    ``drifted`` has the sums over all pulls where the means drift; ``settled`` are the pulls of other means.
     """
     if not isinstance(world.drawing, Arms) or world.mdp is None or world.budget is None:
         return None
-    pulls = int(visits.sum())
+    pulls, regret, best_possible, best_pulls, _ = settle(world.mdp, visits, settled)
     if drifted is not None:
         regret, best_possible, best_pulls = drifted
-    else:
-        means = true_means(world.mdp)
-        best = float(means.max())
-        regret, best_possible = float(np.dot(visits, best - means)), best * pulls
-        best_pulls = int(visits[means == best].sum())
     return BanditFigures(
         pulls=pulls,
         budget=world.budget,
@@ -69,4 +82,17 @@ def bandit_figures(
         regret=regret,
         best_arm_rate=best_pulls / pulls if pulls else None,
         best_possible=best_possible,
+    )
+
+
+def settle(mdp: TabularMDP, visits: IntArray, before: SettledPulls) -> SettledPulls:
+    """Return what pulling each arm of ``mdp`` ``visits``, [P], times came to, some of them ``before``."""
+    means, since = true_means(mdp), visits - before.visits
+    pulls = int(since.sum())
+    best = float(means.max())
+    return SettledPulls(
+        before.pulls + pulls,
+        before.regret + float(np.dot(since, best - means)),
+        before.best_possible + best * pulls,
+        before.best_pulls + int(since[means == best].sum()),
     )

@@ -23,6 +23,8 @@ from rl_tui.lab.run.recipe import (
     TakeAction,
     UndoEdit,
     WorldChange,
+    action_called,
+    no_such_action,
 )
 from rl_tui.worlds.editing.edit import PREFIX, read_edits, written_edits
 
@@ -127,13 +129,20 @@ def _value(text: str, name: str, value: str) -> float | str:
 def journal_of(changes: Iterable[ChangeText], action_names: Sequence[str]) -> tuple[JournalEntry, ...]:
     """Return the journal of ``changes``, by their steps; those of one step stay in their order.
 
-    Raises UserError, naming the actions, where there is none of that name.
+    ``action_names`` are those of the world that a run begins in. Once the world is another one, an action is
+    known by its name alone, which the run looks up when it comes there. Raises UserError, naming the actions,
+    where there is none of that name before.
     """
-    entries = (JournalEntry(each.step, _change(each, action_names)) for each in changes)
-    return tuple(sorted(entries, key=lambda entry: entry.step))
+    entries, names = list[JournalEntry](), action_names
+    for each in sorted(changes, key=lambda change: change.step):
+        if each.name == WORLD:
+            names = ()
+        entries.append(JournalEntry(each.step, _change(each, names)))
+    return tuple(entries)
 
 
 def _change(change: ChangeText, action_names: Sequence[str]) -> Change:
+    """Return what is changed; no ``action_names`` are there where they are not known yet."""
     if change.name == ALGORITHM:
         return SwitchAlgorithm(str(change.value))
     if change.name == WORLD:
@@ -143,19 +152,19 @@ def _change(change: ChangeText, action_names: Sequence[str]) -> Change:
     if change.name != TAKE:
         return SetParameter(change.name, change.value)
     wanted = str(change.value)
-    if wanted not in action_names:  # spaces may belong to a name
-        wanted = wanted.strip()
-    if wanted not in action_names:
-        known = ", ".join(action_names[:20]) + (", …" if len(action_names) > 20 else "")
-        raise UserError(
-            f"{change.step}:take={wanted}: there is no such action{near(wanted, action_names)}; take one of "
-            f"{known}"
-        )
-    return TakeAction(list(action_names).index(wanted))
+    if not action_names:
+        return TakeAction(wanted)
+    number = action_called(wanted, action_names)
+    if number is None:
+        raise UserError(f"{change.step}:{TAKE}={wanted.strip()}: {no_such_action(wanted, action_names)}")
+    return TakeAction(number)
 
 
 def name_and_value(change: Change, action_names: Sequence[str]) -> tuple[str, float | str]:
-    """Return what ``change`` sets and to what; an action by its name."""
+    """Return what ``change`` sets and to what; an action by its name.
+
+    ``action_names`` are those of the world that the run began in.
+    """
     match change:
         case SetParameter(name, value):
             return name, value
@@ -164,7 +173,9 @@ def name_and_value(change: Change, action_names: Sequence[str]) -> tuple[str, fl
         case OrderSweep(phase):
             return SWEEP, phase
         case TakeAction(action):
-            return TAKE, action if isinstance(action, str) else action_names[action]
+            if isinstance(action, str):
+                return TAKE, action
+            return TAKE, action_names[action] if action < len(action_names) else f"action {action}"
         case EditWorld() | UndoEdit() | RedoEdit():
             return WORLD, written_world(change)
 

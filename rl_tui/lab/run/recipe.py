@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, NamedTuple
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.common.errors import UserError
+from rl_tui.common.findings import near
 from rl_tui.common.streams import Streams, streams
 from rl_tui.worlds.editing.edit import Edit
 from rl_tui.worlds.files.scenario import Scenario
@@ -15,6 +17,7 @@ from rl_tui.worlds.world import World
 
 UNLIMITED: Final = 2**62
 """More steps or episodes than any run comes to."""
+_MOST_TOLD: Final = 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,6 +108,20 @@ class JournalEntry:
 
     step: int
     change: Change
+
+
+def action_called(name: str, action_names: Sequence[str]) -> int | None:
+    """Return the number of the action of that name, to which spaces may belong; None where there is none."""
+    for wanted in (name, name.strip()):
+        if wanted in action_names:
+            return action_names.index(wanted)
+    return None
+
+
+def no_such_action(name: str, action_names: Sequence[str]) -> str:
+    """Return that none is called so, and which there are."""
+    known = ", ".join(action_names[:_MOST_TOLD]) + (", …" if len(action_names) > _MOST_TOLD else "")
+    return f"there is no such action{near(name.strip(), action_names)}; take one of {known}"
 
 
 def changed_recipe(recipe: Recipe, *changes: Setting) -> Recipe:

@@ -12,7 +12,7 @@ from rl_tui.agents.kernels.watching import NOTHING_NOTICED
 from rl_tui.agents.learner import Learner
 from rl_tui.agents.learner_state import LearnerState
 from rl_tui.common.errors import UserError
-from rl_tui.lab.run.bandit import BanditFigures, bandit_figures
+from rl_tui.lab.run.bandit import NOTHING_SETTLED, BanditFigures, SettledPulls, bandit_figures, settle
 from rl_tui.lab.run.edited_world import EditedWorld
 from rl_tui.lab.run.evaluation import MOST_STATES, Evaluation, GreedyReturn, MarksState
 from rl_tui.lab.run.exact_answers import DEAREST_LIVE, is_quick, visits_of
@@ -28,8 +28,10 @@ from rl_tui.lab.run.recipe import (
     Setting,
     TakeAction,
     WorldChange,
+    action_called,
     begin,
     changed_parameter,
+    no_such_action,
 )
 from rl_tui.lab.run.results import RunResults
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
@@ -52,6 +54,7 @@ class RunState:
     stop_reason: str
     edited: EditedWorld
     world_changes: tuple[WorldChanged, ...]
+    settled: SettledPulls
 
     @property
     def nbytes(self) -> int:
@@ -94,6 +97,7 @@ class Run:
         world, drawn = beginning or begin(recipe)
         self.edited = EditedWorld(world)
         """The world in force, and what was edited in it."""
+        self._settled = NOTHING_SETTLED
         self.world_changes: tuple[WorldChanged, ...] = ()
         """Where on the way it became another one."""
         mdp, new_environment = world.mdp, world.new_environment
@@ -114,6 +118,8 @@ class Run:
         self.timed_out = False
         """Whether the last advance ended because its time was over: see :meth:`Learner.set_time_budget`."""
         self._journal: list[JournalEntry] = []
+        self.first_actions = world.space.action_names
+        """The names of the actions at first, which numbers in its journal mean."""
         self.greedy_return = GreedyReturn(lambda: self.learner.mdp)
         """What the greedy policy of estimates earns here."""
         self._evaluation = Evaluation(mdp if evaluate else None, self.greedy_return)
@@ -139,10 +145,13 @@ class Run:
         """How the pulls of a bandit were spent; None where the world is no bandit."""
         if self.world.budget is None:
             return None
-        learner = self.learner
-        # A planner's backup counts as a visit of every arm, but it pulls none
-        pulled = learner.visits - learner.planned.steps
-        return bandit_figures(self.world, pulled, self.history.total_return, learner.drifted)
+        total = self.history.total_return
+        return bandit_figures(self.world, self._pulled, total, self.learner.drifted, self._settled)
+
+    @property
+    def _pulled(self) -> IntArray:
+        """How often each arm was pulled: a planner's backup counts as a visit of each, but pulls none."""
+        return self.learner.visits - self.learner.planned.steps
 
     @property
     def mean_return(self) -> float | None:
@@ -271,7 +280,10 @@ class Run:
         before, now = self.edited, self.edited.after(change, self.recipe)
         mdp = now.world.mdp
         assert mdp is not None  # what can be edited has a table
+        pulled = self._pulled
         given_up = self.learner.change_world(mdp, now.carried_from(before, self.recipe))
+        if now.world.budget is not None and before.world.mdp is not None:
+            self._settled = settle(before.world.mdp, pulled, self._settled)._replace(visits=self._pulled)
         self.edited = now
         self.world_changes += (WorldChanged(self.step, self.learner.episodes, given_up),)
         self._evaluation.change_world(mdp)
@@ -279,7 +291,9 @@ class Run:
     def _take(self, wanted: int | str) -> None:
         space, state = self.world.space, self.learner.state
         names = space.action_names
-        action = wanted if isinstance(wanted, int) else names.index(wanted) if wanted in names else -1
+        action = wanted if isinstance(wanted, int) else action_called(wanted, names)
+        if action is None:
+            raise UserError(no_such_action(str(wanted), names))
         pair = space.pair_of(state, action)
         if pair is None:
             known = 0 <= action < len(names)
@@ -336,6 +350,7 @@ class Run:
             self.stop_reason,
             self.edited,
             self.world_changes,
+            self._settled,
         )
 
     def restore(self, state: RunState) -> None:
@@ -346,6 +361,7 @@ class Run:
             self.learner.enter(mdp)
             self._evaluation.change_world(mdp)
         self.edited, self.world_changes = state.edited, state.world_changes
+        self._settled = state.settled
         self.learner.restore(state.learner)
         self.stop_reason = state.stop_reason
         self.history.restore(state.history)

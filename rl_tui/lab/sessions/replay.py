@@ -80,6 +80,6 @@ def replay_figures(session: StoredSession, target: ReplayTarget, run: Run, secon
         "session": str(session.path),
         "lane": target.number + 1,
         "branch": target.branch.name,
-        "journal": as_json(run.journal, run.world.space.action_names),
+        "journal": as_json(run.journal, run.first_actions),
         **training_figures(run, seconds),
     }

@@ -1,0 +1,121 @@
+"""``train --change STEP:world.…``: the world is another one from that step on."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner, Result
+
+from rl_tui.cli.main import program
+
+pytestmark = pytest.mark.unit
+
+MAP = """\
+title = "Two ways"
+[grid]
+step_reward = -1
+map = '''
+S..
+.#.
+..G
+'''
+"""
+DRAWN = """\
+title = "Drawn from the seed"
+[bandit]
+arms = 3
+budget = 50
+"""
+
+
+def train(*args: str) -> Result:
+    return CliRunner().invoke(program, ["train", *args])
+
+
+def trained(*args: str) -> dict[str, Any]:
+    result = train(*args, "--json")
+    assert result.exit_code == 0, result.stderr
+    document: dict[str, Any] = json.loads(result.stdout)
+    return document
+
+
+@pytest.fixture
+def world(tmp_path: Path) -> str:
+    file = tmp_path / "ways.toml"
+    file.write_text(MAP, encoding="utf-8")
+    return str(file)
+
+
+def test_an_edit_at_the_start_is_the_run_of_a_file_with_that_map(world: str, tmp_path: Path) -> None:
+    drawn = tmp_path / "drawn.toml"
+    drawn.write_text(MAP.replace(".#.", "..."), encoding="utf-8")
+    edited = trained(world, "--steps", "300", "--change", "0:world.cell[1,1]=.")
+    whole = trained(str(drawn), "--steps", "300")
+    for name in ("world", "states", "q", "visits", "optimal_value_at_start", "max_error", "expected_return"):
+        assert edited[name] == whole[name], name
+    assert edited["journal"] == [{"step": 0, "name": "world", "value": "world.cell[1,1]=."}]
+
+
+def test_exact_figures_are_those_of_the_world_at_the_end(world: str) -> None:
+    before = trained(world, "--steps", "300", "--gamma", "0.9")
+    after = trained(world, "--steps", "300", "--gamma", "0.9", "--change", "200:world.cell[0,1]=G")
+    undone = trained(
+        world,
+        "--steps",
+        "300",
+        "--gamma",
+        "0.9",
+        "--change",
+        "200:world.cell[0,1]=G",
+        "--change",
+        "250:world.undo=1",
+    )
+    assert after["world"] != before["world"] == undone["world"]
+    assert after["optimal_value_at_start"] > before["optimal_value_at_start"]
+    assert undone["optimal_value_at_start"] == before["optimal_value_at_start"]
+
+
+def test_a_stepped_environment_has_no_table_to_tell() -> None:
+    assert trained("blackjack", "--episodes", "1")["world"] is None
+
+
+def test_an_action_may_be_there_only_after_an_edit(world: str) -> None:
+    take = ("--change", "6:take=down-right")
+    assert "6:take=down-right: there is no such action" in train(world, "--steps", "20", *take).stderr
+    document = trained(world, "--steps", "20", "--change", "5:world.moves=king", *take)
+    assert document["journal"][1] == {"step": 6, "name": "take", "value": "down-right"}
+    assert "down-right" in document["actions"]
+
+
+def test_each_seed_edits_the_world_that_it_drew(tmp_path: Path) -> None:
+    file = tmp_path / "drawn.toml"
+    file.write_text(DRAWN, encoding="utf-8")
+    change = ("--steps", "40", "--change", "10:world.arm[1]=7")
+    together = trained(str(file), "--runs", "2", *change)
+    alone = [trained(str(file), "--seed", str(seed), *change) for seed in (0, 1)]
+    for name in ("world", "max_error", "expected_return"):
+        assert [row[name] for row in together["runs"]] == [each[name] for each in alone], name
+    assert alone[0]["world"] != alone[1]["world"]
+    assert together["journal"] == alone[0]["journal"]
+
+
+@pytest.mark.parametrize(
+    ("change", "fault", "status"),
+    [
+        ("10:world.cell[9,1]=#", "10:world.cell[9,1]=#: cell[9,1]", 1),
+        ("10:world.cell[0,0]=.", "10:world.cell[0,0]=.: grid.map", 1),
+        ("10:world.undo=1", "10:world.undo=1: there is no edit", 1),
+        ("10:world.cell[1", "expected , or ]", 2),
+        ("ten:world.cell[1,1]=#", "is not a whole number of steps", 2),
+    ],
+)
+def test_faults_name_the_step_and_the_edit_in_one_line(
+    world: str, change: str, fault: str, status: int
+) -> None:
+    result = train(world, "--steps", "50", "--change", change)
+    assert (result.exit_code, result.stdout) == (status, "")
+    assert fault in result.stderr
+    assert result.stderr.count("\n") == 1

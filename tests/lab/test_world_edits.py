@@ -1,0 +1,108 @@
+"""Edits of the world are part of the run: the same bits, whichever way one came there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rl_tui.lab.run.changes import read_world, written_world
+from rl_tui.lab.run.recipe import EditWorld, Recipe, UndoEdit
+from rl_tui.lab.run.run import Run
+from rl_tui.lab.timeline.branches import RunRecord
+from rl_tui.lab.timeline.branching_run import BranchingRun
+from rl_tui.worlds.editing.edit import read_edits
+from rl_tui.worlds.files.catalogue import find
+
+pytestmark = pytest.mark.unit
+
+EDITS = (
+    "world.cell[0,3]=#",
+    "world.cell[2,3]=H;world.cell[3,3]=.",
+    "world.reward[1,0:3]=-0.5",
+    "world.slippery=true",
+    "world.rows=+1@1",
+    "world.columns=-1@3",
+    "world.time_limit=7",
+    "world.cell[0,0]=.;world.cell[0,1]=S",
+    "world.cell[0:4,0:4]=.",
+)
+
+
+def test_going_back_over_an_edit_brings_back_what_it_made_forget() -> None:
+    lane = BranchingRun(RunRecord(Recipe(find("maze"))), Run(Recipe(find("maze"))).world)
+    lane.advance(8_000)
+    known, step = lane.run.learner.q.copy(), lane.run.step
+    assert known.any()
+    lane.advance(1)
+    lane.apply(EditWorld(read_edits("world.cell[0:6,1]=#;world.cell[5,1]=.")))
+    lane.advance(50)
+    lane.apply(UndoEdit())
+    assert not np.array_equal(lane.run.learner.q, known), "undo does not bring back what was forgotten"
+    lane.seek_to(step=step)
+    while lane.seek is not None:
+        lane.continue_seek(1_000)
+    assert lane.run.world_changes == ()
+    assert np.array_equal(lane.run.learner.q, known)
+
+
+def test_knowledge_goes_with_its_cell() -> None:
+    run = Run(Recipe(find("maze")))
+    run.advance(400)
+    space, q = run.world.space, run.learner.q.copy()
+    known = {
+        (name, int(space.pair_action[p])): q[p]
+        for s, name in enumerate(space.state_names)
+        for p in space.pairs_of(s)
+    }
+    run.apply(EditWorld(read_edits("world.rows=+1@2")))
+    space = run.world.space
+    for state, name in enumerate(space.state_names):
+        row, column = divmod(int(name), 9)
+        for pair in space.pairs_of(state):
+            before = (
+                None
+                if row == 2
+                else known.get((str((row - (row > 2)) * 9 + column), int(space.pair_action[pair])))
+            )
+            assert run.learner.q[pair] == (0.0 if before is None else before)
+
+
+def test_an_episode_whose_cell_is_gone_is_given_up_and_counts_nowhere() -> None:
+    run = Run(Recipe(find("maze")))
+    run.advance(11)
+    state, episodes = run.learner.state, run.learner.episodes
+    row, column = divmod(int(run.world.space.state_names[state]), 9)
+    run.apply(EditWorld(read_edits(f"world.cell[{row},{column}]=#")))
+    assert run.world_changes[-1].given_up
+    assert (run.learner.episode_step, run.learner.episodes) == (0, episodes)
+    assert run.learner.last_step is None
+    assert run.world.space.state_names[run.learner.state] == "18", "the next one begins at the start"
+
+
+def test_a_checkpoint_of_another_world_is_refused() -> None:
+    run, other = Run(Recipe(find("maze"))), Run(Recipe(find("frozenlake")))
+    with pytest.raises(ValueError, match="another world"):
+        run.learner.restore(other.learner.checkpoint())
+
+
+def test_arms_that_were_drawn_stay_and_pulls_are_told_by_the_means_of_their_time() -> None:
+    recipe = replace(Recipe(find("bandit")), seed=4)
+    run = Run(recipe)
+    run.advance(200)
+    before, means = run.bandit, run.world.mdp
+    run.apply(EditWorld(read_edits("world.arm[2]=9;world.arms=-1@0")))
+    assert before is not None
+    assert means is not None
+    assert run.world.mdp is not None
+    assert np.array_equal(run.world.mdp.expected_reward[2:], means.expected_reward[3:])
+    assert run.bandit == before
+    run.advance(1)
+    assert run.bandit is not None
+    assert run.bandit.pulls == 201
+
+
+@pytest.mark.parametrize("text", [*EDITS, "world.undo=1", "world.redo=1"])
+def test_a_change_of_the_world_is_written_as_it_is_read(text: str) -> None:
+    assert read_world(written_world(read_world(text))) == read_world(text)
