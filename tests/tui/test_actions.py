@@ -12,6 +12,7 @@ from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.tui.screens.key_line import fitting
 
 PLAYGROUND_KEYS = {
+    "C",
     "R",
     "A",
     "full_stop",

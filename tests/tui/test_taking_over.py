@@ -180,7 +180,8 @@ async def test_a_walk_to_the_goal_is_learned_from(make_app: MakeApp) -> None:
         assert sorted(at_goal.agent.visits.nonzero()[0].tolist()) == sorted(pairs)
         assert at_goal.agent.q[pairs[-1]] == pytest.approx(0.1)
         assert at_goal.timeline.current.journal == tuple(
-            JournalEntry(step, TakeAction(action)) for step, (_, action) in enumerate(walked)
+            JournalEntry(step, TakeAction(space.action_names[action]))
+            for step, (_, action) in enumerate(walked)
         )
         last_step = playground(pilot).board.panel(LAST_STEP)
         text = "\n".join(last_step.render_line(y).text for y in range(last_step.size.height))

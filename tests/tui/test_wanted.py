@@ -11,7 +11,7 @@ from conftest import MakeApp
 from seams import notes, playground, press
 from snapshots import changed
 
-import rl_tui.agents.learner
+import rl_tui.agents.learner_memory
 import rl_tui.lab.run.settings
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import Hyperparameters
@@ -88,7 +88,7 @@ async def test_a_tick_of_a_slider_is_checked_once_when_asked_for_and_once_in_the
     checks: Counter[str] = Counter()
     async with make_app("student").run_test(size=(80, 24)) as pilot:
         await settle(pilot)
-        for module in (rl_tui.lab.run.settings, rl_tui.agents.learner):
+        for module in (rl_tui.lab.run.settings, rl_tui.agents.learner_memory):
 
             def check(
                 space: FiniteSpace, algorithm: str, values: Hyperparameters, name: str = module.__name__
@@ -100,7 +100,7 @@ async def test_a_tick_of_a_slider_is_checked_once_when_asked_for_and_once_in_the
         playground(pilot).query_one("#alpha", Slider).focus()
         for ticks in (1, 2, 3):
             await press(pilot, "right")
-            assert checks == {"rl_tui.lab.run.settings": ticks, "rl_tui.agents.learner": ticks}
+            assert checks == {"rl_tui.lab.run.settings": ticks, "rl_tui.agents.learner_memory": ticks}
 
 
 async def test_a_run_in_preparation_has_no_journal_to_show(

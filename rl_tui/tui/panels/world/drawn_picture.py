@@ -58,7 +58,6 @@ class DrawnPicture(PolicyPicture):
         if self._stroke:
             self.release_mouse()
             stroke, self._stroke = tuple(self._stroke), []
-            self.cursor = stroke[-1]
             self.redraw()
             self.post_message(Stroke(self, stroke))
 

@@ -25,6 +25,8 @@ class Prompt(Dialog[float | str]):
     def __init__(self, title: str, hint: str, value: str, read: Reader, does: str = "set") -> None:
         super().__init__()
         self._title = title
+        self.typed = value
+        """What stands in the line."""
         self.hint = hint
         self.value = value
         self.read = read
@@ -43,6 +45,7 @@ class Prompt(Dialog[float | str]):
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Answer the value if it is one."""
+        self.typed = event.value
         if not self._fault(event.value):
             self.dismiss(self.read(event.value))
 

@@ -62,22 +62,34 @@ class GraphTools(Toolbox):
             _written(draft, state, action),
             partial(_outcomes, draft, state, action),
         )
-        hand.ask(prompt, lambda text: hand.draw((Edit("transition", (state, action), str(text)),)))
+        was = _written(draft, state, action)
+
+        def answered(text: object) -> None:
+            if prompt.typed != was:
+                hand.draw((Edit("transition", (state, action), str(text)),))
+
+        hand.ask(prompt, answered)
 
     def begin_here(self, hand: Hand) -> None:
         """Let every episode start in the state under the cursor."""
         hand.draw((Edit("start", (), as_json(_state(hand))),))
 
     def shift(self, hand: Hand, chance: float) -> None:
-        """Let the likeliest outcome of the first action that may turn out in two ways be so much likelier."""
+        """Let the first outcome of the first action that may turn out in two ways be so much likelier.
+
+        It never becomes certain or impossible: the others would forget how they shared the rest.
+        """
         draft, state = _graph_of(hand), _state(hand)
         for action in _actions(draft, state):
             entry = draft.entry(state, action)
             chances = {} if entry is None else chances_of(entry)
             if entry is not None and len(chances) > 1:
-                likeliest = max(chances, key=chances.__getitem__)
-                new = round(min(max(chances[likeliest] + chance, 0.0), 1.0), 10)
-                hand.draw((transition_edit(state, action, with_chance(entry, likeliest, new)),))
+                first = next(iter(chances))
+                new = round(chances[first] + chance, 10)
+                if 0.0 < new < 1.0:
+                    hand.draw((transition_edit(state, action, with_chance(entry, first, new)),))
+                else:
+                    hand.tell(f"{first} would be certain or impossible: enter takes outcomes away")
                 return
         hand.tell("nothing turns out in two ways here: enter says what actions do")
 
@@ -89,7 +101,7 @@ class GraphTools(Toolbox):
             self.choose_action(hand)
 
     def turn(self, hand: Hand, place: int, amount: float) -> None:
-        """Let the likeliest outcome in a state be likelier, or less."""
+        """Let the first outcome in a state be likelier, or less."""
         hand.view.put_cursor(place)
         self.shift(hand, amount / 20)
 
@@ -118,7 +130,7 @@ class GraphTools(Toolbox):
             "plus",
             "+",
             "likelier",
-            "Let the likeliest outcome here be likelier by .05.",
+            "Let the first outcome here be likelier by .05.",
             lambda box, hand: box.shift(hand, 0.05),
             2,
         ),
@@ -126,7 +138,7 @@ class GraphTools(Toolbox):
             "minus",
             "−",
             "less likely",
-            "Let the likeliest outcome here be less likely by .05.",
+            "Let the first outcome here be less likely by .05.",
             lambda box, hand: box.shift(hand, -0.05),
             3,
         ),
@@ -195,8 +207,8 @@ def _written(draft: GraphDraft, state: str, action: str) -> str:
     if not is_plain or any("," in name or _PAYS in name for name in chances_of(entry)):
         return as_json({key: value for key, value in entry.items() if key not in ("state", "action")})
     chances = chances_of(entry)
-    named = [name if len(chances) == 1 else f"{name} {chance:.12g}" for name, chance in chances.items()]
-    return f"{', '.join(named)}{_PAYS}{entry.get('reward', 0.0):g}"
+    named = [f"{name} {chance!r}" for name, chance in chances.items()]
+    return f"{', '.join(named)}{_PAYS}{entry.get('reward', 0.0)!r}"
 
 
 def _outcomes(draft: GraphDraft, state: str, action: str, text: str) -> str:
@@ -238,7 +250,7 @@ def _entry(text: str) -> dict[str, object]:
         pays = float(reward.replace("−", "-")) if reward.strip() else 0.0
     except ValueError:
         raise ValueError(f"expected a number after pays, such as {_FORM}") from None
-    return {"reward": pays, "to": to}
+    return {"reward": pays, "to": next(iter(to)) if list(to.values()) == [1.0] else to}
 
 
 def _name(text: str) -> str:

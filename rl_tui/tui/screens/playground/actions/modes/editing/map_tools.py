@@ -80,6 +80,7 @@ class MapTools(Toolbox):
     def paint(self, hand: Hand, places: Sequence[int]) -> None:
         """Paint the brush at ``places``."""
         draft = _map_of(hand)
+        hand.view.put_cursor(places[-1])
         cells = [divmod(place, draft.columns) for place in dict.fromkeys(places)]
         hand.draw((*_brush_edits(draft, self._brush, cells), *_runs(cells, lambda _: self._character(draft))))
 

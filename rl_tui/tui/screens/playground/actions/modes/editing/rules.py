@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 from rl_tui.common.errors import UserError
 from rl_tui.tui.screens.dialogs.choice import Candidate, Choice
 from rl_tui.tui.screens.dialogs.prompt import Prompt
+from rl_tui.worlds.editing.arms_draft import ArmsDraft
 from rl_tui.worlds.editing.edit import Edit
 
 if TYPE_CHECKING:
@@ -42,6 +43,9 @@ RULES: Final[dict[str, dict[str, str]]] = {
 def ask_rules(_: object, hand: Hand) -> None:
     """Choose one of the rules, and type what it is to be."""
     draft = hand.draft
+    if isinstance(draft, ArmsDraft) and draft.is_bernoulli:
+        hand.tell("arms that pay 1 or 0 have no spread and do not drift")
+        return
     candidates = [
         Candidate(name, f"{name}  {rule_value(draft, name)}", (text,))
         for name, text in RULES[draft.kind].items()

@@ -1,0 +1,163 @@
+"""Drawing the world, with real keys and the mouse, while the agent goes on learning in it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from conftest import MakeApp
+from seams import notes, playground, press, snapshot
+from textual.pilot import Pilot
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.streams import streams
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.world.grid.grid import GridView
+from rl_tui.worlds.editing.grid_draft import GridDraft
+from rl_tui.worlds.files.catalogue import find
+from rl_tui.worlds.mdp.digest import table_digest
+
+pytestmark = pytest.mark.screen
+
+
+def lines(pilot: Pilot[UserError]) -> tuple[str, ...]:
+    draft = snapshot(pilot).editor.draft
+    assert isinstance(draft, GridDraft)
+    return draft.lines
+
+
+def digest(pilot: Pilot[UserError]) -> str:
+    mdp = snapshot(pilot).world.mdp
+    assert mdp is not None
+    return table_digest(mdp)
+
+
+async def click_cell(pilot: Pilot[UserError], cell: int) -> None:
+    view = playground(pilot).board.world
+    assert isinstance(view, GridView)
+    where = next(
+        (x, y) for y in range(view.size.height) for x in range(view.size.width) if view.place_at(x, y) == cell
+    )
+    await pilot.click(view, offset=(where[0] + view.gutter.left, where[1] + view.gutter.top))
+    await settle(pilot)
+
+
+async def test_a_lake_is_drawn_anew_by_keys_alone(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        before = digest(pilot)
+        await press(pilot, "C", "down", "right", "full_stop", "number_sign", "z", "z")
+        assert digest(pilot) == before, "undone"
+        await press(pilot, "full_stop", "H")
+        assert digest(pilot) == before, "the hole is where it was"
+        await press(pilot, "i", "u")
+        assert digest(pilot) == before
+        await press(pilot, "escape")
+        assert snapshot(pilot).editor.draft is None
+
+
+async def test_a_lake_is_drawn_by_the_mouse_alone(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C")
+        await click_cell(pilot, 2)
+        assert lines(pilot)[0] == "S.#."
+        assert len(snapshot(pilot).timeline.current.journal) == 1, "one stroke, one entry"
+
+
+async def test_rewards_are_typed_and_counted_up(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C", "right", "equals_sign", "5", "enter")
+        draft = snapshot(pilot).editor.draft
+        assert isinstance(draft, GridDraft)
+        assert draft.legend[draft.lines[0][1]].pays == 5.0
+        await press(pilot, "minus")
+        draft = snapshot(pilot).editor.draft
+        assert isinstance(draft, GridDraft)
+        assert draft.legend[draft.lines[0][1]].pays == 4.0
+
+
+async def test_without_a_start_it_is_a_draft_and_learning_goes_on(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        before = digest(pilot)
+        shown = await press(pilot, "C", "full_stop")
+        assert shown.editor.unfinished
+        assert digest(pilot) == before
+        assert (await press(pilot, "s")).counters.step == 1
+        shown = await press(pilot, "down", "S")
+        assert not shown.editor.unfinished
+        assert shown.world.space.state_names[int(shown.world.mdp.start_state[0])] == "4"  # type: ignore[union-attr]
+        assert len(shown.timeline.current.journal) == 1
+
+
+async def test_a_rectangle_is_copied_and_filled(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C", "down", "m", "right", "y", "down", "down", "p")
+        assert lines(pilot)[3] == "H.HG"
+        await press(pilot, "m", "right", "right", "number_sign")
+        assert lines(pilot)[3] == "H###"
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+async def test_a_lane_of_another_world_stands_beside(make_app: MakeApp, size: tuple[int, int]) -> None:
+    async with make_app("frozenlake").run_test(size=size) as pilot:
+        await settle(pilot)
+        await press(pilot, "s", "s", "s", "C", "i", "escape", "s", "b", "b", "t")
+        shown = await press(pilot, "s")
+        assert len(shown.timeline.branches) == 2
+        playground(pilot).lanes.link.send(_beside())
+        await settle(pilot)
+        shown = await press(pilot, "s", "l", "s")
+        assert shown.beside is not None
+        assert shown.beside.world.space.states != shown.world.space.states
+
+
+def _beside() -> object:
+    from rl_tui.lab.live.commands import AddBranch
+
+    return AddBranch(0)
+
+
+async def test_what_cannot_be_drawn_says_why(make_app: MakeApp) -> None:
+    async with make_app("taxi").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C")
+        assert snapshot(pilot).editor.draft is None
+        assert isinstance(pilot.app, RlTuiApp)
+        assert "cannot be drawn" in notes(pilot.app)[-1]
+
+
+async def test_a_world_is_saved_and_never_over_what_another_wrote(make_app: MakeApp, tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C", "right", "H", "w")
+        for key in ("ctrl+a", "ctrl+k"):
+            await pilot.press(key)
+        pilot.app.screen.query_one("Input").value = str(path)  # type: ignore[attr-defined]
+        await press(pilot, "enter")
+        saved = find(str(path)).build(streams(0).world).mdp
+        assert saved is not None
+        assert table_digest(saved) == digest(pilot)
+        path.write_text("another's", encoding="utf-8")
+        await press(pilot, "G", "w")
+        pilot.app.screen.query_one("Input").value = str(path)  # type: ignore[attr-defined]
+        await press(pilot, "enter", "escape")
+        assert path.read_text(encoding="utf-8") == "another's"
+
+
+@pytest.mark.parametrize(
+    ("name", "keys"), [("student", ("up", "S")), ("bandit", ("plus", "i", "equals_sign", "2", "enter"))]
+)
+async def test_graphs_and_bandits_are_drawn_as_well(
+    make_app: MakeApp, name: str, keys: tuple[str, ...]
+) -> None:
+    async with make_app(name).run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        before = digest(pilot)
+        await press(pilot, "C", *keys)
+        assert digest(pilot) != before
