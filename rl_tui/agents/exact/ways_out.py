@@ -52,14 +52,13 @@ def never_reached(mdp: TabularMDP) -> IntArray:
     return np.flatnonzero((steps < 0) | is_too_far)
 
 
-def shortest_way(mdp: TabularMDP) -> int | None:
-    """Return the fewest steps in which luck may lead from a start to an end, be it a bad one.
+def shortest_way(mdp: TabularMDP, usable: BoolArray) -> int | None:
+    """Return the fewest steps in which luck may lead by ``usable`` pairs, [P], from a start to an end.
 
-    The time limit is left aside. None where no end can be reached.
+    The time limit is left aside. None where they lead to no end.
     """
     model = exact_model(mdp)
-    steps = model.steps_to([model.end], np.ones(mdp.pairs, dtype=np.bool_))
-    from_start = steps[mdp.start_state[mdp.start_probability > 0.0]]
+    from_start = model.steps_to([model.end], usable)[mdp.start_state[mdp.start_probability > 0.0]]
     known = from_start[from_start >= 0]
     return int(known.min()) if len(known) else None
 

@@ -6,21 +6,42 @@ from dataclasses import replace
 
 import click
 
-from rl_tui.cli.options.run import allow_module_option
+from rl_tui.cli.options.run import allow_module_option, json_option, seed_option
+from rl_tui.cli.output import print_json
 
 
 @click.command("check")
 @click.argument("files", metavar="FILE.toml ...", nargs=-1, required=True)
 @click.option("--quick", is_flag=True, help="of lessons, leave out what takes many seeds")
+@click.option(
+    "--deep", is_flag=True, help="of one scenario, also by its id: what its author should know, exactly"
+)
+@seed_option
 @allow_module_option
+@json_option
 @click.pass_context
-def command(context: click.Context, files: tuple[str, ...], quick: bool) -> None:
+def command(
+    context: click.Context, files: tuple[str, ...], quick: bool, deep: bool, seed: int, as_json: bool
+) -> None:
     """Report every fault of scenario files, and of lesson files, which have pages.
 
     Each is a line of its own on stderr, with its place in the file; what is listed there is counted from 0.
     Of a lesson each number is worked out again, and each task has to pass what it accepts and to refuse what
     it rejects. Files without a fault are named on stdout, even where there is a warning on stderr.
+
+    With --deep the exact returns of the random and of the best policy, the length of the best way, how long
+    nothing is learned, the γ at which the best actions change, states that are never reached, and, by short
+    trainings of each algorithm, of which a greedy policy may never end. --seed counts where the world is
+    drawn from it; --json prints this as one document.
     """
+    if deep:
+        if len(files) != 1:
+            raise click.UsageError("--deep takes one scenario", context)
+        if _deep(files[0], seed, as_json=as_json):
+            context.exit(1)
+        return
+    if as_json:
+        raise click.UsageError("--json is for --deep", context)
     from rl_tui.common.findings import printable
     from rl_tui.lab.course.check import is_lesson_file
 
@@ -37,6 +58,42 @@ def command(context: click.Context, files: tuple[str, ...], quick: bool) -> None
         faulty = faulty or bool(faults)
     if faulty:
         context.exit(1)
+
+
+def _deep(name: str, seed: int, *, as_json: bool) -> bool:
+    """Print all that is to be known of one scenario; return whether it has faults."""
+    from rl_tui.agents.catalogue import BY_ID
+    from rl_tui.cli.progress import progress
+    from rl_tui.cli.reports.world_check import check_document, check_report
+    from rl_tui.common.errors import ScenarioError
+    from rl_tui.common.findings import printable
+    from rl_tui.lab.run.library import episodes_of, find, recipe_for
+    from rl_tui.lab.run.recipe import begin
+    from rl_tui.lab.world_check.deep_check import Question, deep_check, without_table
+    from rl_tui.lab.world_check.report import WorldReport
+
+    try:
+        recipe = recipe_for(find(name), seed=seed)
+        world = begin(recipe).world
+    except ScenarioError as error:
+        if not as_json:
+            raise
+        print_json(check_document([printable(str(fault)) for fault in error.faults], None, WorldReport(())))
+        return True
+    if world.mdp is None:
+        report = without_table()
+    else:
+        asked = Question(world.mdp, recipe.algorithm, recipe.hyperparameters, episodes_of(recipe.scenario))
+        with progress(name) as bar:
+            begun = iter(range(len(BY_ID)))
+            report = deep_check(asked, lambda algorithm: bar(next(begun), len(BY_ID)))
+    if as_json:
+        print_json(check_document([], world, report))
+    else:
+        click.echo(check_report(recipe, world, report))
+        for warning in report.warnings:
+            click.echo(f"{printable(name)}: warning: {warning}", err=True)
+    return False
 
 
 def _scenario(file: str) -> tuple[list[str], list[str]]:

@@ -12,7 +12,7 @@ from rl_tui.agents.exact.first_update import first_wait
 from rl_tui.agents.exact.policies import uniform_policy
 from rl_tui.agents.exact.policy_figures import expected_return
 from rl_tui.agents.exact.solution import NoExactAnswer
-from rl_tui.agents.exact.solve import best_expected_return
+from rl_tui.agents.exact.solve import best_expected_return, solve
 from rl_tui.agents.exact.ways_out import endless_states, never_reached, shortest_way
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.common.errors import UserError
@@ -74,7 +74,7 @@ def deep_check(asked: Question, on_algorithm: OnAlgorithm = ignore) -> WorldRepo
     return WorldReport(
         random_return=random_return,
         best_return=best_return,
-        shortest_way=_shortest_way(mdp, warnings),
+        shortest_way=_shortest_way(mdp, asked.hyperparameters.gamma, warnings),
         first_update=first,
         flips=found_flips,
         never_reached=tuple(never_reached(mdp).tolist()),
@@ -98,13 +98,20 @@ def _returns(mdp: TabularMDP, warnings: list[str]) -> tuple[float | None, float 
     return by_chance, best
 
 
-def _shortest_way(mdp: TabularMDP, warnings: list[str]) -> int | None:
-    steps = shortest_way(mdp)
+def _shortest_way(mdp: TabularMDP, gamma: float, warnings: list[str]) -> int | None:
+    if mdp.states > MOST_STATES:
+        warnings.append(f"length of the best way: {TOO_LARGE}")
+        return None
+    try:
+        steps = shortest_way(mdp, solve(mdp, gamma).greedy)
+    except NoExactAnswer as reason:
+        warnings.append(f"length of the best way: {reason}")
+        return None
     if steps is None:
-        warnings.append("shortest way: no end can be reached from the start")
+        warnings.append("length of the best way: the best policy never comes to an end")
     elif mdp.time_limit and steps > mdp.time_limit:
         limit = counted(mdp.time_limit, "step")
-        warnings.append(f"shortest way: the nearest end is {steps:,} steps away, an episode has {limit}")
+        warnings.append(f"length of the best way: its end is {steps:,} steps away, an episode has {limit}")
         return None
     return steps
 

@@ -35,7 +35,7 @@ class WorldReport:
     best_return: float | None = None
     """That of the best policy, which may look at the clock."""
     shortest_way: int | None = None
-    """The fewest steps in which luck may lead from a start to an end, within the time limit."""
+    """The fewest steps in which the best policy for γ may come to an end, within the time limit."""
     first_update: Wait | None = None
     """The wait for the first update that tells anything, with the settings in force."""
     flips: tuple[Flip, ...] | None = None
