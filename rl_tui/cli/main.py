@@ -35,8 +35,8 @@ class RlTui(Program):
         if not each.ispkg
     }
     first_in_help = (
-        *("play", "learn", "train", "watch", "replay", "solve", "evaluate"),
-        *("list", "check", "bench", "screenshot", "serve"),
+        *("play", "learn", "edit", "train", "watch", "replay", "solve", "evaluate"),
+        *("list", "new", "check", "bench", "screenshot", "serve"),
     )
 
 

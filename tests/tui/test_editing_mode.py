@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,11 @@ from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.run.library import recipe_for
 from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
+from rl_tui.tui.app.opening import DrawingStart
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.world.grid.grid import GridView
 from rl_tui.worlds.editing.grid_draft import GridDraft
@@ -161,3 +166,12 @@ async def test_graphs_and_bandits_are_drawn_as_well(
         before = digest(pilot)
         await press(pilot, "C", *keys)
         assert digest(pilot) != before
+
+
+async def test_a_world_can_be_drawn_from_the_start() -> None:
+    recipe = recipe_for(find("maze"))
+    player = partial(Player, automatic=False)
+    app = RlTuiApp(Display(fps=1000.0), DrawingStart(recipe), make_player=player, picture=True)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert snapshot(pilot).editor.draft is not None

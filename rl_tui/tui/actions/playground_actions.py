@@ -7,6 +7,7 @@ from typing import Final
 from rl_tui.tui.actions.action import Action, Group
 
 ORDINALS: Final = ("first", "second", "third", "fourth")
+DRAW_KEY: Final = "C"
 
 DECIDES: Final = "your program decides that: change it in {file} and save, and it starts again"
 """Why no setting of somebody's program can be changed; ``{file}`` is its file."""
@@ -307,7 +308,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
     ),
     Action(
         "editing.toggle",
-        "C",
+        DRAW_KEY,
         "draw the world",
         "Change the world while it is learned: cells, rewards, chances, arms, rules; esc ends it.",
         Group.AGENT,

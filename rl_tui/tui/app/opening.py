@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
 from rl_tui.common.errors import UserError
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.actions.action import Place
+from rl_tui.tui.actions.playground_actions import DRAW_KEY
 from rl_tui.tui.panels.row import PanelRow
 from rl_tui.tui.theme.look import Look
 
@@ -35,7 +36,16 @@ if TYPE_CHECKING:
     from rl_tui.tui.screens.playground.wanted import Wanted
 
 
-Start: TypeAlias = "Recipe | StoredSession | LessonStart | WatchedProgram | Literal[Place.LESSONS] | None"
+@dataclass(frozen=True, slots=True)
+class DrawingStart:
+    """A run whose world is drawn from the start."""
+
+    recipe: Recipe
+
+
+Start: TypeAlias = (
+    "Recipe | DrawingStart | StoredSession | LessonStart | WatchedProgram | Literal[Place.LESSONS] | None"
+)
 """What the app begins with; LESSONS: the list of lessons, None: the catalogue."""
 
 
@@ -139,6 +149,10 @@ class Opener:
             return self.lessons(look)
         if isinstance(start, Recipe):
             return self.playground(look, start)
+        if isinstance(start, DrawingStart):
+            playground = self.playground(look, start.recipe)
+            playground.early_keys.add(DRAW_KEY)
+            return playground
         from rl_tui.lab.course.entries import LessonStart
         from rl_tui.lab.sessions.session import StoredSession
 

@@ -18,6 +18,10 @@ class EarlyKeys:
         self._waiting = frozenset(waiting)
         self._held: list[Key] = []
 
+    def add(self, key: str) -> None:
+        """Hold ``key`` as if it had been typed."""
+        self._held.append(Key(key, None))
+
     def take(self, event: Key) -> bool:
         """Hold ``event`` back, if it has to wait; escape does not, and ends the waiting."""
         if event.key == "escape" or event.key.startswith("ctrl+"):

@@ -159,7 +159,7 @@ class Playground(ActionScreen):
         self.frames = Frames(self, fps)
         self._settling = Settling(self.link, self.board, self.view.look_at, self.session.named)
         needing_world = (action for action in self.known_actions if action.needs_world)
-        self._early_keys = EarlyKeys(key for action in needing_world for key in action.keys)
+        self.early_keys = EarlyKeys(key for action in needing_world for key in action.keys)
 
     @classmethod
     def with_keys_of(cls, panels: Sequence[PanelRow]) -> type[Self]:
@@ -324,7 +324,7 @@ class Playground(ActionScreen):
         self.session.compare_with_saved(snapshot)
         self.redraw()
         if self._has_world:
-            self._early_keys.release(self.app)
+            self.early_keys.release(self.app)
 
     @on(Board.Toggled)
     def redraw(self) -> None:
@@ -361,7 +361,7 @@ class Playground(ActionScreen):
 
     def on_key(self, event: Key) -> None:
         """Hold back what needs a world; let a second escape leave only if nothing came between."""
-        if not self._has_world and self._early_keys.take(event):
+        if not self._has_world and self.early_keys.take(event):
             event.stop()
         if event.key != "escape":
             self._left_after = None

@@ -1,0 +1,128 @@
+"""What a new scenario begins as: a blank world, a shipped one, or a random lake or maze."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from typing import Final
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import near, shown
+from rl_tui.common.streams import streams
+from rl_tui.worlds.files.shipped import SUFFIX, shipped_folder, shipped_names
+from rl_tui.worlds.sections.world_section import WorldRefusedError
+
+BLANK: Final = ("grid", "mdp", "bandit")
+LAKE, MAZE = "lake", "maze"
+LAKE_HOLES: Final = 0.2
+LARGEST_SIDE: Final = 200
+"""Rows and columns of what is drawn at random here; a person edits it cell by cell."""
+_FOLDER: Final = os.path.join(os.path.dirname(os.path.abspath(__file__)), "blank")
+
+Draw = Callable[[int, int, int], list[str]]
+
+
+def template_text(template: str, seed: int = 0, rows: int | None = None, columns: int | None = None) -> str:
+    """Return the text of a scenario file made from ``template``.
+
+    It is one of ``BLANK``, ``lake`` or ``maze``, which are drawn from ``seed`` and can always be solved, or
+    the id of a shipped scenario. Raises UserError where there is none of that name, or sizes are not for it.
+    """
+    if template in SIZES:
+        size = SIZES[template]
+        return _random_text(template, seed, rows or size[0], columns or size[1])
+    if rows is not None or columns is not None:
+        raise UserError(
+            f"{shown(template)} has a size of its own: --rows and --columns are for {LAKE} and {MAZE}"
+        )
+    if template in BLANK:
+        return _read(os.path.join(_FOLDER, f"{template}{SUFFIX}"))
+    if template in shipped_names():
+        return _read(str(shipped_folder() / f"{template}{SUFFIX}"))
+    names = (*BLANK, *SIZES, *shipped_names())
+    raise UserError(
+        f"there is no template {shown(template)}{near(template, names)}; take {', '.join((*BLANK, *SIZES))} "
+        "or the id of a scenario, as rl-tui list has them"
+    )
+
+
+def named(text: str, title: str) -> str:
+    """Return the ``text`` of a scenario file under another ``title``, which is its first line."""
+    import tomlkit
+
+    document = tomlkit.parse(text)
+    document["title"] = title
+    return tomlkit.dumps(document)
+
+
+def lake(rows: int, columns: int, seed: int) -> list[str]:
+    """Return the lines of a lake with holes, drawn from ``seed``: there is a way from S to G.
+
+    Raises UserError where a map of that size has none.
+    """
+    from rl_tui.worlds.grid.legend import BUILT_IN
+    from rl_tui.worlds.grid.map import RandomMap, draw_map
+
+    wanted = RandomMap(rows=rows, columns=columns, holes=LAKE_HOLES)
+    try:
+        drawn = draw_map(wanted, BUILT_IN, "four", streams(seed).world)
+    except WorldRefusedError as refusal:
+        raise UserError(
+            f"no lake of {rows} × {columns} cells could be drawn with this seed: {refusal}"
+        ) from refusal
+    return ["".join(drawn.characters[code] for code in line) for line in drawn.codes.tolist()]
+
+
+def maze(rows: int, columns: int, seed: int) -> list[str]:
+    """Return the lines of a maze, drawn from ``seed``, in which one way leads from each cell to each other.
+
+    It is a random walk that never enters a cell again and goes back where it cannot go on. Raises UserError
+    where ``rows`` or ``columns`` is even: every second line is one of walls.
+    """
+    for name, size in (("rows", rows), ("columns", columns)):
+        if size % 2 == 0:
+            raise UserError(
+                f"a maze has walls in every second line: --{name} {size - 1} or {size + 1}, not {size}"
+            )
+    generator = streams(seed).world
+    cells = [["#"] * columns for _ in range(rows)]
+    cells[0][0] = "."
+    way = [(0, 0)]
+    while way:
+        row, column = way[-1]
+        around = [(row + 2, column), (row - 2, column), (row, column + 2), (row, column - 2)]
+        free = [(r, c) for r, c in around if 0 <= r < rows and 0 <= c < columns and cells[r][c] == "#"]
+        if not free:
+            way.pop()
+            continue
+        to = free[int(generator.integers(len(free)))]
+        cells[to[0]][to[1]] = cells[(row + to[0]) // 2][(column + to[1]) // 2] = "."
+        way.append(to)
+    cells[0][0], cells[-1][-1] = "S", "G"
+    return ["".join(line) for line in cells]
+
+
+SIZES: Final[Mapping[str, tuple[int, int]]] = {LAKE: (8, 8), MAZE: (9, 15)}
+"""Rows and columns of what is drawn at random, where nothing else is asked for."""
+_DRAW: Final[Mapping[str, Draw]] = {LAKE: lake, MAZE: maze}
+
+
+def _random_text(template: str, seed: int, rows: int, columns: int) -> str:
+    """Return the blank map with lines drawn at random in place of its own."""
+    import tomlkit
+
+    from rl_tui.worlds.editing.toml_text import map_text
+
+    if min(rows, columns) < 2 or max(rows, columns) > LARGEST_SIDE:
+        raise UserError(f"{rows} × {columns} cells: expected 2 to {LARGEST_SIDE} rows and columns")
+    document = tomlkit.parse(_read(os.path.join(_FOLDER, f"grid{SUFFIX}")))
+    document["summary"] = f"A {template} of {rows}×{columns} cells, drawn with seed {seed}."
+    grid = document["grid"]
+    grid["map"] = tomlkit.value(map_text(_DRAW[template](rows, columns, seed)))
+    grid["time_limit"] = max(200, 4 * rows * columns)
+    return tomlkit.dumps(document)
+
+
+def _read(path: str) -> str:
+    with open(path, encoding="utf-8") as stream:
+        return stream.read()
