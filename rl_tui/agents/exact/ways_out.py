@@ -15,8 +15,11 @@ def endless_states(mdp: TabularMDP) -> BoolArray:
 
     None of them where a time limit cuts every episode off. It takes some milliseconds for 10,000 states.
     """
-    if mdp.time_limit:
-        return np.zeros(mdp.states, dtype=np.bool_)
+    return np.zeros(mdp.states, dtype=np.bool_) if mdp.time_limit else states_without_end(mdp)
+
+
+def states_without_end(mdp: TabularMDP) -> BoolArray:
+    """Return the states, [S], as :func:`endless_states` does, but with the time limit left aside."""
     return _is_live(mdp) & ~_comes_to_an_end(mdp, np.ones(len(mdp.next_state), dtype=np.bool_))
 
 

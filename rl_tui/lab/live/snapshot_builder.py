@@ -94,7 +94,7 @@ class SnapshotBuilder:
             cell=None if cell is None else current.cell_history(cell),
             study=questions.seed_studies.study_of(group),
             lesson=questions.lesson_beside(current.run),
-            editor=editor.view(current.run),
+            editor=editor.view(current.run, snapshot.exact_answer, is_hidden=snapshot.answers.is_hidden),
             beside=None
             if beside is None or view.beside is None
             else self.of_lane(

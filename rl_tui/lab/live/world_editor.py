@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rl_tui.agents.exact.ways_out import endless_states
+from rl_tui.agents.exact.ways_out import states_without_end
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding
+from rl_tui.lab.answers.turned import TurnedStates
 from rl_tui.lab.run.edited_world import EditedWorld, edited_draft
-from rl_tui.lab.run.exact_answers import LIVE_STATES
+from rl_tui.lab.run.exact_answers import LIVE_STATES, Answer
 from rl_tui.lab.run.recipe import EditWorld, RedoEdit, UndoEdit, WorldChange
 from rl_tui.worlds.editing.draft import Draft
 from rl_tui.worlds.editing.edit import Edit
@@ -28,6 +29,8 @@ class EditorView:
 
     draft: Draft | None = None
     """What is drawn, valid or not; None: the editor is closed, or this world cannot be edited."""
+    base: Draft | None = None
+    """The draft of the world in force: another one than ``draft`` while what is drawn is not in force."""
     refused: str = ""
     """Why this world cannot be edited; empty where it can, or the editor is closed."""
     unfinished: tuple[Finding, ...] = ()
@@ -37,9 +40,15 @@ class EditorView:
     can_redo: bool = False
     """Whether there is a stroke to make again."""
     turned: frozenset[int] = frozenset()
-    """The states whose best actions the last stroke turned, as far as the exact answers are known."""
+    """The states whose best actions the last stroke turned, as far as the exact answers are known.
+
+    None while these are hidden.
+    """
     endless: frozenset[int] = frozenset()
-    """The states from which no end can be reached, without a time limit; none of a very large one."""
+    """The states from which no end can be reached, but by the time limit; none of a very large world.
+
+    None too where a time limit is what ends every episode.
+    """
 
 
 class WorldEditor:
@@ -55,6 +64,7 @@ class WorldEditor:
         self._waiting: list[tuple[Edit, ...]] = []
         self._dropped: list[tuple[Edit, ...]] = []
         self._endless: tuple[TabularMDP | None, frozenset[int]] = (None, frozenset())
+        self._turned = TurnedStates()
 
     def draw(self, run: Run, edits: Sequence[Edit]) -> EditWorld | None:
         """Take in a stroke; return what it changes, with all that waited, or None where that has to wait.
@@ -90,22 +100,25 @@ class WorldEditor:
         self._dropped = rest
         return change
 
-    def view(self, run: Run) -> EditorView:
-        """Return what is drawn in the world of ``run``."""
+    def view(self, run: Run, answer: Answer, *, is_hidden: bool) -> EditorView:
+        """Return what is drawn in the world of ``run``, of which ``answer`` is known, and maybe hidden."""
+        turned = self._turned.of(run, None if run.learner.drifted else answer.solution)
         if not self.is_open:
             return EditorView()
         self._come_to(run)
         try:
-            draft = run.edited.draft_in(run.recipe)
+            base = run.edited.draft_in(run.recipe)
         except UserError as reason:
             return EditorView(refused=str(reason))
         waiting = [edit for each in self._waiting for edit in each]
-        draft = edited_draft(draft, waiting)
+        draft = edited_draft(base, waiting)
         return EditorView(
             draft=draft,
+            base=base,
             unfinished=draft.findings if waiting else (),
             can_undo=bool(waiting) or run.edited.done is not None,
             can_redo=bool(self._dropped) or (not waiting and run.edited.undone is not None),
+            turned=frozenset() if is_hidden else turned,
             endless=self._endless_in(run.edited.world.mdp),
         )
 
@@ -114,7 +127,10 @@ class WorldEditor:
         if mdp is None or mdp.states > LIVE_STATES:
             return frozenset()
         if self._endless[0] is not mdp:
-            self._endless = mdp, frozenset(np.flatnonzero(endless_states(mdp)).tolist())
+            endless = states_without_end(mdp)
+            if mdp.time_limit and endless[np.diff(mdp.first_pair) > 0].all():
+                endless[:] = False
+            self._endless = mdp, frozenset(np.flatnonzero(endless).tolist())
         return self._endless[1]
 
     def _come_to(self, run: Run) -> None:
