@@ -36,13 +36,18 @@ class Glyphs:
     slip: str
     unreached: str  # fills a cell that no way leads to
     differs: str  # greedy actions that are others in the lane beside
+    turned: str  # the last edit turned the best actions of a state
+    endless: str  # no way leads from a state to an end
+    drafted: str  # fills a cell that is drawn and not in force
     track_done: str  # slider
     track_rest: str
     thumb: str
     flip: str  # on a track: the way from the start turns, only other states do
     side_flip: str
-    change_mark: str  # timeline: a setting was changed, steps were taken by hand, the branch begins
-    manual_mark: str
+    change_mark: str  # timeline: a setting was changed, the world, so that an episode was given up
+    world_mark: str
+    given_up_mark: str
+    manual_mark: str  # steps were taken by hand, the branch begins
     fork_mark: str
     running: str  # status
     paused: str
@@ -117,12 +122,17 @@ _ROWS: Final[Mapping[str, tuple[Any, Any]]] = {
     "slip": ("~", "~"),
     "unreached": ("░", ":"),
     "differs": ("≠", "x"),
+    "turned": ("↻", "T"),
+    "endless": ("∞", "&"),
+    "drafted": ("╱", "/"),
     "track_done": ("━", "="),
     "track_rest": ("─", "-"),
     "thumb": ("●", "o"),
     "flip": ("┃", "|"),
     "side_flip": ("│", ":"),
     "change_mark": ("◆", "+"),
+    "world_mark": ("◈", "W"),
+    "given_up_mark": ("✗", "x"),
     "manual_mark": ("╍", ":"),
     "fork_mark": ("┻", "Y"),
     "running": ("▶", ">"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import ClassVar, Final
 
 from textual import events
@@ -22,6 +22,7 @@ from rl_tui.tui.panels.pointing import NOWHERE, Moved, PartPointed, Pointed, par
 from rl_tui.tui.panels.policies.studied import as_studied
 from rl_tui.tui.panels.snapshot_facts import passes_too_fast
 from rl_tui.tui.panels.world.drawn_picture import DrawnPicture
+from rl_tui.tui.panels.world.edit_marks import edit_signs
 from rl_tui.tui.panels.world.policy_picture import TITLE
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.world import World
@@ -79,7 +80,10 @@ class WorldView(DrawnPicture, can_focus=True):
         self.enter(world)
 
     def enter(self, world: World, *, goes_on: bool = False) -> None:
-        """Take ``world`` for the one that is drawn from here on; where it ``goes_on``, the cursor stays."""
+        """Take ``world`` for the one that is drawn from here on; where it ``goes_on``, the cursor stays.
+
+        Its place is that of :meth:`carried`.
+        """
         self.world = world
         if not goes_on:
             self.cursor: int | None = None  # where the user put it; None while it stays with the agent
@@ -139,8 +143,16 @@ class WorldView(DrawnPicture, can_focus=True):
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``; another seed may have made another world of the same kind, or an edit."""
         if snapshot.world is not self.world:
-            self.enter(snapshot.world, goes_on=not self.begins_anew(snapshot))
+            goes_on = not self.begins_anew(snapshot)
+            if goes_on and self.cursor is not None and self.snapshot is not None:
+                self.cursor = self.carried(self.cursor, self.snapshot, snapshot)
+            self.enter(snapshot.world, goes_on=goes_on)
         super().show(as_studied(snapshot))
+
+    def carried(self, place: int, before: Snapshot, now: Snapshot) -> int | None:
+        """Return where the ``place`` of ``before`` is in ``now``, another world; None where it is gone."""
+        name, names = before.world.space.state_names[place], now.world.space.state_names
+        return names.index(name) if name in names else None
 
     @property
     def cells(self) -> Cells | None:
@@ -155,7 +167,9 @@ class WorldView(DrawnPicture, can_focus=True):
     def legend(self, snapshot: Snapshot) -> Legend:
         """Return the signs of the world; none where keys or an equation need the border they were on."""
         is_taken = (bool(self.title) or self._has_equation) and self.free_rows < 1
-        return () if is_taken else (*self.random_signs(), *self.signs())
+        return (
+            () if is_taken else (*self.random_signs(), *edit_signs(snapshot.editor, self.look), *self.signs())
+        )
 
     def signs(self) -> Legend:
         """Return the signs that pictures of this world may have, those that matter most first."""
@@ -260,13 +274,21 @@ class WorldView(DrawnPicture, can_focus=True):
             if not self.footing and self.has_focus:
                 self.footing = self.fitting(self._about_cursor(), width)
             if self.title:
-                self.heading, self.footing = self.fitting(self.title, width), self.fitting(self.prompt, width)
+                titles = (*self._titles_with_signs(snapshot), *self.title)
+                self.heading, self.footing = self.fitting(titles, width), self.fitting(self.prompt, width)
             return strips
         palette, glyphs = self.look.palette, self.look.glyphs
         canvas = Canvas(width, height, palette.text)
         text = shortened(WAITING, width, glyphs.ellipsis)
         canvas.put((width - len(text)) // 2, (height - 1) // 2, text, palette.dim)
         return canvas.strips()
+
+    def _titles_with_signs(self, snapshot: Snapshot) -> Iterator[str]:
+        """Yield titles with the signs of what is drawn, where the legend has no row for them."""
+        signs = tuple(edit_signs(snapshot.editor, self.look))
+        if signs and self.is_explained and self.free_rows < 1:
+            said = ", ".join(f"{each.sign} {each.meaning}" for each in signs)
+            yield from (f"{title} · {said}" for title in self.title)
 
     def _name_lane(self, width: int) -> None:
         """Write the lane in the border, and below it the note, else what the picture shows."""

@@ -30,6 +30,7 @@ from rl_tui.tui.panels.world.arms.scale import NO_SCALE, ArmsScale, bound_text, 
 from rl_tui.tui.panels.world.drawn import drawn_pairs
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.editing.arms_draft import ArmsDraft
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
@@ -117,6 +118,14 @@ class ArmsView(WorldView):
         if isinstance(twin, ArmsView):
             self._top, self.scale = twin._top, grown(self.scale, twin.scale)
             self._number_forms = twin._number_forms
+
+    def carried(self, place: int, before: Snapshot, now: Snapshot) -> int | None:
+        """Return where an arm is once others were added or taken away; None where it is gone."""
+        old, new = before.editor.base, now.editor.base
+        if isinstance(old, ArmsDraft) and isinstance(new, ArmsDraft):
+            arm = old.arm_ids[place]
+            return new.arm_ids.index(arm) if arm in new.arm_ids else None
+        return place if place < now.world.space.pairs else None
 
     def agent_place(self, snapshot: Snapshot) -> int:
         """Return the arm pulled last, the first before any pull."""

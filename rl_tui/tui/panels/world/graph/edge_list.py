@@ -9,6 +9,7 @@ from textual.strip import Strip
 
 from rl_tui.tui.draw.canvas import Canvas
 from rl_tui.tui.draw.number_form import NumberForm
+from rl_tui.tui.panels.world.edit_marks import marks_of
 from rl_tui.tui.panels.world.graph.shape import GraphAction, GraphShape, Signs
 from rl_tui.tui.panels.world.state_values import StateValues
 from rl_tui.tui.theme.look import Look
@@ -46,7 +47,12 @@ def draw_edge_list(
                 canvas.put(1, y, shape.nodes[state].name, style)
                 flag = values.flag(state, signs.differing, look)
                 style = values.flag_style(state, look.palette.accent, look)
-                canvas.put(1 + len(shape.nodes[state].name), y, flag, style)
+                after = 1 + len(shape.nodes[state].name) + len(flag)
+                canvas.put(after - len(flag), y, flag, style)
+                # beside the longest name one cell is free
+                marks = list(marks_of(signs.editor, state).signs(look))[: names + 2 - after]
+                for place, mark in enumerate(marks, start=after):
+                    canvas.put(place, y, *mark)
             if with_values:
                 text = values.text(state, form, look)
                 canvas.put(2 + names, y, text.rjust(_VALUE_WIDTH), values.style(state, look))

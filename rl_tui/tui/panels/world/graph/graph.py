@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import Final, NamedTuple
 
 from rich.style import Style
@@ -15,6 +17,8 @@ from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import scrolled_to
 from rl_tui.tui.panels.snapshot_facts import keeps_back
+from rl_tui.tui.panels.world.edit_marks import marks_of
+from rl_tui.tui.panels.world.graph.draft_shape import draft_shape
 from rl_tui.tui.panels.world.graph.edge_list import draw_edge_list
 from rl_tui.tui.panels.world.graph.layout import GraphLayout, graph_layout
 from rl_tui.tui.panels.world.graph.routing import Box
@@ -45,6 +49,7 @@ class GraphView(WorldView):
     _top = 0
     _layout: GraphLayout | None = None
     _height = 1
+    _is_draft = False  # whether the shape is that of a draft
 
     def enter(self, world: World, *, goes_on: bool = False) -> None:
         """Take ``world`` for the one that is drawn."""
@@ -64,15 +69,21 @@ class GraphView(WorldView):
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return the graph, or the list of its edges where it does not fit."""
         is_kept = keeps_back(snapshot, "model")
-        if self._shape_glyphs is not self.look.glyphs or self._keeps_chances is not is_kept:
+        editor = snapshot.editor
+        drawn = draft_shape(editor, self.world, self._graph, self.look.glyphs)
+        if drawn is not None:
+            self._shape, self._is_draft = drawn, True
+        elif (
+            self._is_draft or self._shape_glyphs is not self.look.glyphs or self._keeps_chances is not is_kept
+        ):
             self._take_shape(is_kept=is_kept)
         heading = f"{HEADING} {self.policy_shown}"
         forms = self.study_headings("V") or (*self.captioned(TITLE), heading)
         self.heading = self.fitting(forms, width) or heading
-        values = state_values(self.world.space, snapshot)
+        values = _with_new(state_values(self.world.space, snapshot), self._shape)
         form = values.number_form(VALUE_WIDTH, self._number_forms)
         stops = snapshot.playback.breakpoints
-        signs = Signs(snapshot.counters.state, self.shown_cursor, stops, self.differing)
+        signs = Signs(snapshot.counters.state, self.shown_cursor, stops, self.differing, editor)
         self._layout = layout = graph_layout(self._shape, width, height)
         if layout is not None:
             self.footing = ""
@@ -85,7 +96,7 @@ class GraphView(WorldView):
 
     def _take_shape(self, *, is_kept: bool) -> None:
         """Lay out boxes and edges anew, without probabilities where a lesson keeps them back."""
-        self._shape_glyphs, self._keeps_chances = self.look.glyphs, is_kept
+        self._shape_glyphs, self._keeps_chances, self._is_draft = self.look.glyphs, is_kept, False
         self._shape = graph_shape(self.world, self._graph, self.look.glyphs, is_kept=is_kept)
 
     def signs(self) -> Legend:
@@ -111,13 +122,15 @@ class GraphView(WorldView):
         In the list of edges it is the state so many places further, of those that are listed.
         """
         if self._layout is None:
-            listed = sorted({action.source for action in self._shape.actions} | {place})
+            listed = sorted(
+                {action.source for action in self._shape.actions if self._has(action.source)} | {place}
+            )
             return listed[max(0, min(listed.index(place) + rows + columns, len(listed) - 1))]
         here, there = self._shape.nodes[place], {}
         for state, node in enumerate(self._shape.nodes):
             right, down = node.column - here.column, node.row - here.row
             ahead, aside = rows * down + columns * right, abs(rows * right) + abs(columns * down)
-            if ahead > 0:
+            if ahead > 0 and self._has(state):
                 there[state] = ahead + 2 * aside
         return min(there, key=there.__getitem__, default=place)
 
@@ -125,9 +138,14 @@ class GraphView(WorldView):
         """Return the state whose box or edge is drawn there."""
         if self._layout is not None:
             boxes = enumerate(self._layout.boxes)
-            return next((state for state, box in boxes if (x, y) in set(box.cells())), None)
-        line = self._top + y
-        return self._shape.actions[line].source if line < len(self._shape.actions) else None
+            places = (state for state, box in boxes if (x, y) in set(box.cells()))
+        else:
+            places = (action.source for action in self._shape.actions[self._top + y :][:1])
+        return next(filter(self._has, places), None)
+
+    def _has(self, place: int) -> bool:
+        """Return whether a state is in force, and not only drawn."""
+        return place < self.world.space.states
 
     def keep_in_view(self, place: int) -> None:
         """Scroll the list of edges to those of a state."""
@@ -184,7 +202,18 @@ def draw_graph(
     for state in signs.breakpoints.states:
         box = layout.boxes[state]
         canvas.put(box.x + box.width - 1, box.y, look.glyphs.breakpoint, look.palette.breakpoint)
+    for state, box in enumerate(layout.boxes):
+        for y, mark in zip(
+            (box.y, box.y + box.height - 1), marks_of(signs.editor, state).signs(look), strict=False
+        ):
+            canvas.put(box.x, y, *mark)
     return canvas.strips()
+
+
+def _with_new(values: StateValues, shape: GraphShape) -> StateValues:
+    """Return ``values`` with those of states that are only drawn: none, as of an end, or unknown."""
+    new = shape.nodes[len(values.value) :]
+    return replace(values, value=(*values.value, *(None if each.terminal else math.nan for each in new)))
 
 
 def _draw_box(

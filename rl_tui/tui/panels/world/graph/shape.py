@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from rl_tui.lab.live.until import Breakpoints
+from rl_tui.lab.live.world_editor import EditorView
 from rl_tui.tui.draw.names import DEPENDS
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Graph
-from rl_tui.worlds.mdp.space import FiniteSpace
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import Prospect, World
 
@@ -57,19 +57,21 @@ class GraphShape:
 
 
 NO_BREAKPOINTS: Final = Breakpoints()
+NOBODY_DRAWS: Final = EditorView()
 
 
 class Signs(NamedTuple):
     """What is marked in a graph besides its values: the states of agent and cursor, and the breakpoints.
 
     ``cursor`` is None where no cursor is to be seen. ``differing`` are the states whose greedy actions are
-    others in the lane beside.
+    others in the lane beside. ``editor`` knows what a person draws.
     """
 
     agent: int
     cursor: int | None = None
     breakpoints: Breakpoints = NO_BREAKPOINTS
     differing: frozenset[int] = frozenset()
+    editor: EditorView = NOBODY_DRAWS
 
 
 def graph_shape(world: World, graph: Graph, glyphs: Glyphs, *, is_kept: bool = False) -> GraphShape:
@@ -78,15 +80,15 @@ def graph_shape(world: World, graph: Graph, glyphs: Glyphs, *, is_kept: bool = F
     Where the model ``is_kept`` back, it does not depend on the probabilities.
     """
     space, mdp = world.space, world.mdp
-    columns = sorted({column for column, _ in graph.places})
-    rows = sorted({row for _, row in graph.places})
     nodes = tuple(
-        Node(to_ascii(name, glyphs), columns.index(column), rows.index(row), not space.pairs_of(state))
-        for state, (name, (column, row)) in enumerate(zip(space.state_names, graph.places, strict=True))
+        Node(to_ascii(name, glyphs), column, row, not space.pairs_of(state))
+        for state, (name, (column, row)) in enumerate(
+            zip(space.state_names, on_grid(graph.places), strict=True)
+        )
     )
     actions = tuple(
-        _action(
-            space,
+        graph_action(
+            to_ascii(space.action_names[int(space.pair_action[pair])], glyphs),
             state,
             pair,
             world.prospects[pair] if mdp is None else _prospects(mdp, pair, is_kept=is_kept),
@@ -96,6 +98,13 @@ def graph_shape(world: World, graph: Graph, glyphs: Glyphs, *, is_kept: bool = F
         for pair in space.pairs_of(state)
     )
     return GraphShape(nodes, actions)
+
+
+def on_grid(places: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Return column and row of each of ``places`` without those that are empty."""
+    columns = sorted({column for column, _ in places})
+    rows = sorted({row for _, row in places})
+    return [(columns.index(column), rows.index(row)) for column, row in places]
 
 
 def _prospects(mdp: TabularMDP, pair: int, *, is_kept: bool) -> tuple[Prospect, ...]:
@@ -112,10 +121,10 @@ def _prospects(mdp: TabularMDP, pair: int, *, is_kept: bool) -> tuple[Prospect, 
     return tuple(Prospect(target, chance, means[target]) for target, chance in probabilities.items())
 
 
-def _action(
-    space: FiniteSpace, state: int, pair: int, prospects: Sequence[Prospect], glyphs: Glyphs
+def graph_action(
+    name: str, state: int, pair: int, prospects: Sequence[Prospect], glyphs: Glyphs
 ) -> GraphAction:
-    name = to_ascii(space.action_names[int(space.pair_action[pair])], glyphs)
+    """Return an action of ``state`` that is called ``name``, labelled with what it pays and how likely."""
     texts = {each.next_state: _rewards_text(each.rewards, glyphs) for each in prospects}
     targets = sorted(prospects, key=lambda each: -(each.probability or _LIKELY))
     if len(set(texts.values())) == 1:

@@ -10,6 +10,7 @@ from rich.style import Style
 
 from rl_tui.tui.draw.canvas import Canvas
 from rl_tui.tui.draw.number_form import NumberForm
+from rl_tui.tui.panels.world.edit_marks import EditMarks, put_marks
 from rl_tui.tui.panels.world.grid.action_form import FRAME, ActionForm, Places, side_of
 from rl_tui.tui.panels.world.grid.cells import (
     CellArtist,
@@ -54,6 +55,7 @@ class ActionFace(NamedTuple):
     differs: bool
     trace: Trace | None
     name: str
+    edit_marks: EditMarks
 
 
 class ActionArtist:
@@ -87,7 +89,7 @@ class ActionArtist:
     def _face(self, cell: CellContent, low: float, high: float, number_form: NumberForm) -> ActionFace:
         entries = tuple(self._entry(action, low, high, number_form) for action in cell.actions)
         extra = cell.extra or PLAIN
-        marks = cell.reward, cell.stops, cell.cursor, cell.differs, extra.trace, extra.name
+        marks = cell.reward, cell.stops, cell.cursor, cell.differs, extra.trace, extra.name, extra.marks
         return ActionFace(cell.kind, cell.agent, entries, *marks)
 
     def _entry(self, action: ActionValue, low: float, high: float, number_form: NumberForm) -> ActionEntry:
@@ -110,6 +112,7 @@ def _drawn(face: ActionFace, field: int, form: ActionForm, look: Look) -> Drawn:
         _draw_tints(canvas, face, form, look)
     else:
         _draw_sides(canvas, face, form._replace(digits=field), look)
+    put_marks(canvas, face.edit_marks, (form.width - 1, 0), look)
     if face.trace is not None:
         # an arrow says what is greedy where there are tints alone
         put_trace(canvas, face.trace, look, says_meant=form.places is not Places.TINTS)

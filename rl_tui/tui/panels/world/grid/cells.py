@@ -14,6 +14,8 @@ from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas
 from rl_tui.tui.draw.number_form import NumberForm
 from rl_tui.tui.panels.world.drawn import off_way_style
+from rl_tui.tui.panels.world.edit_marks import put_marks
+from rl_tui.tui.panels.world.grid.draft_cells import DraftCell, draw_draft_cell
 from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, CellForm
 from rl_tui.tui.panels.world.grid.map import PLAIN, CellContent, CellExtra, Sign
 from rl_tui.tui.panels.world.grid.rewards import CellReward
@@ -25,6 +27,8 @@ from rl_tui.worlds.drawing import CellKind
 SEVERAL: Final = "*"  # in place of the arrows where they do not fit
 START: Final = "S"
 _MOST_KEPT: Final = 20_000
+
+_ALIVE: Final = (CellKind.FLOOR, CellKind.START)
 
 Drawn = list[list[Segment]]
 
@@ -93,6 +97,8 @@ class CellArtist:
         palette = self.look.palette
         if value is None:
             style = self._idle_styles.get(kind, palette.dim)
+            if extra is not None and extra.draft is not None and kind in _ALIVE:
+                style = palette.start if kind is CellKind.START else palette.text
             return Face(
                 kind, agent, None, self._idle_signs.get(kind, ""), style, None, stops, cursor, differs, extra
             )
@@ -118,6 +124,9 @@ def _draw_cell(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     if face.cursor and form.height == 1:
         face = face._replace(style=look.palette.focus)
     extra = face.extra or PLAIN
+    if extra.draft is not None:
+        _draw_draft(canvas, face, extra.draft, form, look)
+        return
     if extra.name:
         face = _named(face, extra.name, form)
     filling = _filling(face, look)
@@ -140,10 +149,22 @@ def _draw_cell(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
         put_trace(canvas, extra.trace, look)
 
 
+def _draw_draft(canvas: Canvas, face: Face, draft: DraftCell, form: CellForm, look: Look) -> None:
+    """Draw what stands in a cell that is not in force yet, the agent before it, without values."""
+    ways = _signs(draft.ways, look)
+    label = _mark(face, look) + (face.signs or (ways if len(ways) < form.width else SEVERAL))
+    pays = CellReward(draft.pays, draft.pays > 0.0) if draft.pays else None
+    reward = "" if pays is None else reward_text(pays, form.width, look)
+    row = max(0, _value_row(form) - 1)
+    draw_draft_cell(canvas, label, reward, face.style, look, is_wall=face.kind is CellKind.WALL, row=row)
+    if face.cursor and form.height > 1:
+        canvas.restyle(0, _value_row(form), form.width, look.palette.focus)
+
+
 def _filling(face: Face, look: Look) -> str:
     if face.kind is CellKind.WALL:
         return look.glyphs.wall
-    is_floor = face.kind in (CellKind.FLOOR, CellKind.START)
+    is_floor = face.kind in _ALIVE
     return look.glyphs.unreached if is_floor and not (face.extra or PLAIN).is_reached else " "
 
 
@@ -165,6 +186,7 @@ def _draw_large(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
         canvas.put((form.width - len(face.text)) // 2, row + 1, face.text, style)
     if face.stops:
         canvas.put(form.width - 1, 0, look.glyphs.breakpoint, look.palette.breakpoint)
+    put_marks(canvas, (face.extra or PLAIN).marks, (after + face.differs, row), look)
 
 
 def _named(face: Face, name: str, form: CellForm) -> Face:
@@ -208,7 +230,8 @@ def _draw_signs_alone(canvas: Canvas, face: Face, form: CellForm, look: Look) ->
 def _draw_small(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
     """Draw mark, arrows and value in one row."""
     text = (face.text or "").rjust(form.digits)
-    mark = 1 if _mark(face, look) or face.reward or face.stops else 0
+    has_mark = _mark(face, look) or face.reward or face.stops or any((face.extra or PLAIN).marks)
+    mark = 1 if has_mark else 0
     # a blank before it all, so that neighbours keep apart without colours too
     end = form.width - form.digits
     signs = _fitting(face, max(1, form.most_signs - mark), end - mark)
@@ -278,14 +301,19 @@ def _put_mark(canvas: Canvas, x: int, y: int, face: Face, look: Look) -> None:
 
 
 def _put_mark_or_reward(canvas: Canvas, x: int, face: Face, look: Look) -> None:
-    """Put the mark, or where there is none the sign of what the cell pays.
+    """Put the mark, or where there is none that of the last edit, or the sign of what the cell pays.
 
     The agent on a breakpoint has the colour of one.
     """
+    edit = next((face.extra or PLAIN).marks.signs(look), None)
     if face.stops:
         canvas.put(x, 0, look.glyphs.agent if face.agent else look.glyphs.breakpoint, look.palette.breakpoint)
     elif _mark(face, look):
         _put_mark(canvas, x, 0, face, look)
+        if edit is not None and canvas.is_blank(x - 1, 0, 1):
+            canvas.put(x - 1, 0, *edit)
+    elif edit is not None:
+        canvas.put(x, 0, *edit)
     else:
         put_reward(canvas, x, 0, 1, face.reward, look)
 

@@ -17,9 +17,10 @@ from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.numbers_in_common import all_q, all_v, ends
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.scrolling import Scrolled, kept_in_view, scrolled_to
-from rl_tui.tui.panels.world.grid.action_form import ActionForm, Places, part_form, whole_map_form
+from rl_tui.tui.panels.world.grid.action_form import ActionForm, part_form, whole_map_form
 from rl_tui.tui.panels.world.grid.action_values import ActionArtist, name_room, sign_text
-from rl_tui.tui.panels.world.grid.cells import START, CellArtist
+from rl_tui.tui.panels.world.grid.carried_place import carried_place
+from rl_tui.tui.panels.world.grid.cells import CellArtist
 from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.tui.panels.world.grid.headings import (
     FOLLOWS,
@@ -27,15 +28,21 @@ from rl_tui.tui.panels.world.grid.headings import (
     heading_of_actions,
     heading_of_values,
     headings_of_part,
+    in_view,
     numbered,
     shorter,
-    stretch,
     where,
 )
 from rl_tui.tui.panels.world.grid.map import GridMap, MapPart, with_extra
-from rl_tui.tui.panels.world.grid.signs import action_signs, differing_sign, end_signs, reward_signs, tie_sign
+from rl_tui.tui.panels.world.grid.signs import (
+    action_signs,
+    differing_sign,
+    place_signs,
+    reward_signs,
+    tie_sign,
+    trace_signs,
+)
 from rl_tui.tui.panels.world.grid.strips import draw_grid, origin
-from rl_tui.tui.panels.world.grid.trail import traces, trail_signs
 from rl_tui.tui.panels.world.grid.wind import wind_line, wind_sign, wind_strip
 from rl_tui.tui.panels.world.policy_picture import TITLE
 from rl_tui.tui.panels.world.view import WorldView
@@ -70,8 +77,6 @@ class GridView(WorldView):
         self._kinds = frozenset(world.drawing.kinds)
         if not goes_on:
             self._top, self._left, self._following = 0, 0, True
-        elif (self.cursor or 0) >= len(world.drawing.kinds):
-            self.cursor = None
         self._number_forms = SteadyForms()
         self.heading = TITLE
 
@@ -88,7 +93,7 @@ class GridView(WorldView):
     @property
     def is_complete(self) -> bool:
         """Whether the newest snapshot has all that is in view."""
-        return self.snapshot is None or self._part is None or self._map.holds(self._part, self.snapshot)
+        return not self.snapshot or not self._part or self._map.holds(self._part, self.snapshot)
 
     @property
     def is_away(self) -> bool:
@@ -125,6 +130,12 @@ class GridView(WorldView):
         name = super().name_at(place)
         return f"{name}, never reached" if place in self._map.unreached else name
 
+    def carried(self, place: int, before: Snapshot, now: Snapshot) -> int:
+        """Return where a cell is; what is in view goes along with it."""
+        found, down, right = carried_place(place, before, now)
+        self._top, self._left = self._top + down, self._left + right
+        return found
+
     def place_of(self, pair: int) -> int:
         """Return the cell of the state that owns ``pair``."""
         return int(self._map.grid.cell_of_state[self.world.space.state_of(pair)])
@@ -132,7 +143,7 @@ class GridView(WorldView):
     @property
     def page_size(self) -> tuple[int, int]:
         """As many rows and columns as are in view."""
-        return (1, 1) if self._part is None else (self._part.rows, self._part.columns)
+        return self._part[2:] if self._part else (1, 1)
 
     def keep_in_view(self, place: int) -> None:
         """Scroll so far that a cell is seen, in a map that is not whole in view."""
@@ -286,9 +297,8 @@ class GridView(WorldView):
 
     def _name_beside_arrows(self, form: CellForm) -> str:
         """Return a name where names stand beside arrows, or in place of them; else none."""
-        has_names = 0 < self._longest_name <= self._room_for_names(form)
-        is_beside = self._action_form is None and not form.has_values and has_names
-        return self._own_name.rjust(self._longest_name) if is_beside else ""
+        has_names = 0 < self._longest_name <= self._room_for_names(form) and not form.has_values
+        return self._own_name.rjust(self._longest_name) if has_names and not self._action_form else ""
 
     def signs(self) -> Legend:
         """Return the signs of cells that this map has."""
@@ -322,13 +332,8 @@ class GridView(WorldView):
             yield from self.value_signs()
         yield self.agent_sign()
         if self.snapshot is not None and form is not None:
-            left = traces(self.snapshot.trail, self._map.grid, signs)
-            tints_alone = actions is not None and actions.places is Places.TINTS
-            is_high = form.height > 1 and not tints_alone
-            yield from trail_signs(left.values(), self.look, is_high=is_high)
-        yield from end_signs(self._map, self.look)
-        if CellKind.START in self._kinds:
-            yield LegendSign(START, "start", palette.start)
+            yield from trace_signs(self._map, self.snapshot, form, actions, self.look)
+        yield from place_signs(self._map, self._kinds, self.look)
         if actions is None and has_arrows and not self.lacks_table:
             greedy = ([each for each in signs if isinstance(each, tuple)] or signs)[-1]
             yield self.policy_sign(sign_text(greedy, self.look), palette.strong)
@@ -381,14 +386,8 @@ class GridView(WorldView):
         heading_with_legend = self.fitting((f"{heading} · {legend}", f"{TITLE} · {legend}"), width)
         if heading_with_legend or not self._following:
             return heading_with_legend or heading
-        return self.fitting(headings_of_part(*self._in_view()), width) or heading
-
-    def _in_view(self) -> tuple[str, str]:
-        """Return which rows and columns are in view, counted from 0 as in the last step."""
-        grid, part = self._map.grid, self._part
-        assert part is not None
-        top, left, rows, columns = part
-        return stretch(top, rows, grid.rows), stretch(left, columns, grid.columns)
+        assert self._part is not None
+        return self.fitting(headings_of_part(*in_view(self._map.grid, self._part)), width) or heading
 
     def _where(self, width: int) -> str:
         """Return which part is in view, and how to follow again, or what rows and columns mean."""
@@ -397,4 +396,4 @@ class GridView(WorldView):
             return self.fitting(shorter(legend), width)
         if self._following and legend and legend not in self.heading:
             return self.fitting((*shorter(legend), FOLLOWS), width)
-        return self.fitting(where(*self._in_view(), follows=self._following), width)
+        return self.fitting(where(*in_view(self._map.grid, self._part), follows=self._following), width)

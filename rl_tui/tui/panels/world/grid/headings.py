@@ -6,8 +6,10 @@ from typing import Final
 
 from rl_tui.tui.panels.world.grid.action_form import ActionForm, Places
 from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, CellForm
+from rl_tui.tui.panels.world.grid.map import MapPart
 from rl_tui.tui.panels.world.policy_picture import TITLE
 from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.drawing import Grid
 
 FOLLOWS: Final = "follows the agent"
 FOLLOW_HINT: Final = "esc: follow the agent"
@@ -50,6 +52,11 @@ def shorter(legend: str) -> tuple[str, ...]:
 def stretch(first: int, shown: int, total: int) -> str:
     """Return which of ``total`` rows are in view, the first being 0."""
     return f"{first}–{first + shown - 1} of {total:,}"
+
+
+def in_view(grid: Grid, part: MapPart) -> tuple[str, str]:
+    """Return which rows and columns are in view, counted from 0 as in the last step."""
+    return stretch(part.top, part.rows, grid.rows), stretch(part.left, part.columns, grid.columns)
 
 
 def headings_of_part(down: str, across: str) -> tuple[str, ...]:

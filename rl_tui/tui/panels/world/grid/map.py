@@ -13,7 +13,9 @@ from rl_tui.lab.live.viewport import NO_STATE, first_state_of_cells, pairs_of_st
 from rl_tui.tui.draw.action_order import order_of
 from rl_tui.tui.draw.names import is_word
 from rl_tui.tui.panels.world.drawn import AT_RANDOM, drawn_actions, is_off_way
+from rl_tui.tui.panels.world.edit_marks import UNMARKED, EditMarks, marks_of
 from rl_tui.tui.panels.world.grid.action_form import ActionKinds, action_kinds
+from rl_tui.tui.panels.world.grid.draft_cells import DraftCell, draft_cells
 from rl_tui.tui.panels.world.grid.reach import unreached_cells
 from rl_tui.tui.panels.world.grid.rewards import CellReward, cell_rewards
 from rl_tui.tui.panels.world.grid.trail import Trace, traces
@@ -49,13 +51,16 @@ class CellExtra(NamedTuple):
 
     ``trace`` is what the trail of the episode left. ``is_reached`` is False where no way leads to. ``name``
     is that of the state where names were asked for: all are as long as the longest. ``is_off_way`` says that
-    the drawn policy acts at random there and never comes there.
+    the drawn policy acts at random there and never comes there. ``marks`` are those of the last edit,
+    ``draft`` is what is drawn there and not in force.
     """
 
     trace: Trace | None = None
     is_reached: bool = True
     name: str = ""
     is_off_way: bool = False
+    marks: EditMarks = UNMARKED
+    draft: DraftCell | None = None
 
 
 PLAIN: Final = CellExtra()
@@ -219,6 +224,15 @@ class GridMap:
         for place, state in enumerate(states.tolist() if differing else ()):
             if state in differing:
                 contents[place] = contents[place]._replace(differs=True)
+        editor = snapshot.editor
+        for place, state in enumerate(states.tolist() if editor.turned or editor.endless else ()):
+            if (marks := marks_of(editor, state)) != UNMARKED:
+                contents[place] = with_extra(contents[place], marks=marks)
+        for cell, draft in draft_cells(editor, self.grid, part).items():
+            drawn_at = self._place(part, cell)
+            if drawn_at is not None:
+                extra = CellExtra(draft=draft)
+                contents[drawn_at] = CellContent(draft.kind, contents[drawn_at].agent, extra=extra)
         self._mark(contents, part, snapshot, picked if cursor is None else picked | {cursor})
         return contents
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, LegendSign
 from rl_tui.tui.panels.world.grid.action_form import ActionForm, Places
-from rl_tui.tui.panels.world.grid.cells import SEVERAL, differing_style, reward_style
-from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS
+from rl_tui.tui.panels.world.grid.cells import SEVERAL, START, differing_style, reward_style
+from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, CellForm
 from rl_tui.tui.panels.world.grid.map import GridMap
 from rl_tui.tui.panels.world.grid.rewards import CellReward
+from rl_tui.tui.panels.world.grid.trail import traces, trail_signs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
 
@@ -47,8 +49,8 @@ def action_signs(form: ActionForm, look: Look) -> Iterator[LegendSign]:
         yield LegendSign(" tint ", "Q", palette.value(1.0), "value Q(s,a)")
 
 
-def end_signs(of: GridMap, look: Look) -> Iterator[LegendSign]:
-    """Yield the signs of the cells in which nothing can be done."""
+def place_signs(of: GridMap, kinds: frozenset[CellKind], look: Look) -> Iterator[LegendSign]:
+    """Yield the signs of the cells in which nothing can be done, and of the start among ``kinds``."""
     palette, glyphs = look.palette, look.glyphs
     ends = (
         (CellKind.HOLE, glyphs.hole, palette.hole),
@@ -56,6 +58,17 @@ def end_signs(of: GridMap, look: Look) -> Iterator[LegendSign]:
         (CellKind.GOAL, glyphs.goal, palette.goal),
     )
     yield from (LegendSign(sign, of.ends[kind], style) for kind, sign, style in ends if kind in of.ends)
+    if CellKind.START in kinds:
+        yield LegendSign(START, "start", palette.start)
+
+
+def trace_signs(
+    of: GridMap, snapshot: Snapshot, form: CellForm, actions: ActionForm | None, look: Look
+) -> Iterator[LegendSign]:
+    """Yield the signs of the trail of the episode, as cells of ``form`` have them."""
+    tints_alone = actions is not None and actions.places is Places.TINTS
+    left = traces(snapshot.trail, of.grid, of.signs)
+    yield from trail_signs(left.values(), look, is_high=form.height > 1 and not tints_alone)
 
 
 def reward_signs(rewards: Sequence[CellReward], texts: Sequence[str], look: Look) -> Iterator[LegendSign]:
