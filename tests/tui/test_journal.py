@@ -14,13 +14,22 @@ from textual.widgets import OptionList, Static
 
 from rl_tui.lab.live.commands import AddBranch, GoTo
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.lab.run.recipe import (
+    EditWorld,
+    JournalEntry,
+    RedoEdit,
+    SetParameter,
+    SwitchAlgorithm,
+    TakeAction,
+    UndoEdit,
+)
 from rl_tui.lab.timeline.branches import Branch, Timeline
 from rl_tui.lab.timeline.lane_names import LanePast
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.screens.dialogs.goto import goto_prompt, parse_goto
 from rl_tui.tui.screens.dialogs.journal import HOW_TO_BRANCH, NO_CHANGE, JournalScreen, Moment, journal_lines
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
+from rl_tui.worlds.editing.edit import read_edits
 
 HANDS = tuple(JournalEntry(step, TakeAction(1)) for step in range(3_400, 3_461))
 
@@ -54,6 +63,23 @@ def test_a_slider_that_was_dragged_is_one_change() -> None:
     assert words(*drag) == ["step 7: γ 0.99 → 0.5"]
     again = JournalEntry(8, SetParameter("gamma", 0.4))
     assert words(*drag, again) == ["step 7: γ 0.99 → 0.5", "step 8: γ 0.5 → 0.4"]
+
+
+def test_each_stroke_is_a_line() -> None:
+    edits = read_edits("world.cell[1,2]=#;world.cell[0,0:3]=.;world.rows=+1@0;world.noise=0.2")
+    assert words(
+        JournalEntry(7, EditWorld(edits[:1])),
+        JournalEntry(7, EditWorld(edits)),
+        JournalEntry(7, UndoEdit()),
+        JournalEntry(7, UndoEdit()),
+        JournalEntry(8, RedoEdit()),
+    ) == [
+        "step 7: world: cell[1,2]=#",
+        "step 7: world: cell[1,2]=#; cell[0,0:3]=. and 2 more",
+        "step 7: world: an edit undone",
+        "step 7: world: an edit undone",
+        "step 8: world: an edit made again",
+    ]
 
 
 def test_steps_by_hand_in_a_row_are_one_line() -> None:

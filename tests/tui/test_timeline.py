@@ -9,7 +9,7 @@ from textual.pilot import Pilot
 from textual.widgets import Button
 
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.lab.run.recipe import EditWorld, JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.lab.timeline.branches import Branch, Timeline
 from rl_tui.tui.panels.timeline.picture import (
     TimelineState,
@@ -19,6 +19,7 @@ from rl_tui.tui.panels.timeline.picture import (
 )
 from rl_tui.tui.panels.timeline.timeline import TimelineBar
 from rl_tui.tui.theme.palette import Palette
+from rl_tui.worlds.editing.edit import read_edits
 
 JOURNAL = (
     JournalEntry(2_500, SetParameter("alpha", 0.5)),
@@ -73,6 +74,14 @@ def test_changes_are_marked_and_steps_by_hand_more_lightly() -> None:
     start = timeline_form(one(10_000), 62).track
     assert [text[start.start + start.cell_of(step)] for step in (2_500, 5_000, 7_500)] == ["◆", "◆", "╍"]
     assert text.count("◆") == 2
+
+
+def test_a_change_of_the_world_has_its_own_mark_which_outdoes_others() -> None:
+    world = JournalEntry(2_500, EditWorld(read_edits("world.cell[0,1]=#")))
+    text = drawn(one(10_000, journal=(world, *JOURNAL)))
+    start = timeline_form(one(10_000), 62).track
+    assert [text[start.start + start.cell_of(step)] for step in (2_500, 5_000, 7_500)] == ["◈", "◆", "╍"]
+    assert "W" in drawn(one(10_000, journal=(*JOURNAL, world)), ascii=True)
 
 
 def test_ascii() -> None:

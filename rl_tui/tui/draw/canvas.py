@@ -44,6 +44,10 @@ class Canvas:
         """Return whether nothing was written yet in ``length`` cells of row ``y`` from column ``x`` on."""
         return x >= 0 and self._characters[y][x : x + length] == [" "] * length
 
+    def at(self, x: int, y: int) -> str:
+        """Return what stands at column ``x`` of row ``y``, both inside."""
+        return self._characters[y][x]
+
     def put_over(self, x: int, y: int, text: str, style: Style) -> None:
         """Write ``text``, one cell a character, in the styles that are there, each with ``style`` over it."""
         for place, character in enumerate(text, start=x):

@@ -61,7 +61,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "table has; the place where one stands is marked in the other. Two lanes stand side by side, the "
         "lower number left; ▸ marks the one that keys and sliders are about, and ≠ the states where their "
         "greedy actions differ, ties counted. Only states known to both count: updated, or with estimates "
-        "that differ.",
+        "that differ. C draws the world: hatched (╱) is what is drawn and not in force, ↻ marks states whose "
+        "best actions, exactly, the last stroke turned, and the legend has a sign for those from which no way "
+        "leads to an end.",
         caption="as the agent meets it",
         terms=(
             *("agent", "state", "action", "reward", "value", "greedy", "terminal", "ties", "policy", "mdp"),
@@ -95,8 +97,10 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "ε. A greedy policy "
         "that may never end has no return: its line has a gap there. The vertical axis is that of the best "
         "and of most episodes: an arrow stands where a line goes below it. The other one counts "
-        "finished episodes, the top line the one under way: between two it is the next. Where the run cannot "
-        "keep up with the wanted speed, the top line ends with the one measured.",
+        "finished episodes, the top line the one under way: between two it is the next. On it ◈ marks where "
+        "the world was drawn anew, ✗ where that cut off an episode, which counts in no mean; what is best is "
+        "dotted from there on. Where the run cannot keep up with the wanted speed, the top line ends with "
+        "the one measured.",
         caption="what each episode has earned",
         terms=(
             "return",
@@ -120,7 +124,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "in focus (tab), the arrows, < and > by one step, pgup and pgdn by a tenth. g takes a step or, as "
         "e12, an episode, and goes to where that one begins. To play on from there "
         "repeats what happened; to change something begins a branch, and j goes back to the other. ◆ is a "
-        "change, ╍ steps taken by hand, ┻ where the branch began.",
+        "change, ◈ one of the world, ╍ steps taken by hand, ┻ where the branch began.",
         caption="the run, to go back in",
         terms=("branch", "episode", "seed"),
         has_border=False,

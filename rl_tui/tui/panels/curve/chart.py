@@ -26,6 +26,7 @@ from rl_tui.tui.panels.curve.data import CurveData
 from rl_tui.tui.panels.curve.lane_text import lane_columns, lane_labels
 from rl_tui.tui.panels.curve.seed_band import seed_cells
 from rl_tui.tui.panels.curve.text import LineLabel, barren_words, empty_words, label_columns, labels
+from rl_tui.tui.panels.curve.world_marks import draw_marks, lines_of, world_marks
 from rl_tui.tui.theme.look import Look
 
 LEAST_WIDTH: Final = 14
@@ -34,7 +35,7 @@ _TICK_COLUMNS: Final = 9  # a labelled episode number at most every so many colu
 _UNIT_ROOM: Final = 40
 _ARROWS_APART: Final = 8  # columns between the arrows of a line that stays below the axis
 # What a cell shows, the more important the greater; after the greedy line come the lanes
-_NOTHING, _LEVEL, _STUDIED, _BAND, _SEEDS, _EPISODES, _GREEDY = range(7)
+_NOTHING, _CHANGE, _LEVEL, _STUDIED, _BAND, _SEEDS, _EPISODES, _GREEDY = range(8)
 
 
 def plot_columns(scale: Scale, look: Look, width: int) -> int:
@@ -64,6 +65,7 @@ def draw_chart(
     _draw_episode_axis(canvas, plot, data, look)
     if data.furthest:
         _draw_lines(canvas, plot, data, look)
+    draw_marks(canvas, world_marks(data.world_changes, plot), plot, look)
     _draw_names(canvas, plot, data, labels_of(data, look, decimals, width - plot.left), look)
     return canvas.strips()
 
@@ -91,6 +93,7 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     codes = _braille(plot, data) if look.glyphs.braille else _ascii(plot, data)
     band = band_cells(plot, data.band, look)
     shown, kind = band.codes.copy(), np.where(band.codes > 0, _BAND, _NOTHING)
+    _put_changes(shown, kind, plot, data, look)
     _put_levels(shown, kind, plot, data, look)
     seeds, _ = seed_cells(plot, data.seeds, look)
     for line, what, where in (
@@ -104,6 +107,7 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     palette = look.palette
     styles = (
         palette.text,
+        palette.dim,
         palette.optimum,
         palette.good,
         palette.band,
@@ -118,6 +122,7 @@ def _draw_lanes(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     """Put the lines of runs side by side into the plot, over the level of the optimum and the band."""
     cells, palette = lane_cells(plot, data, look), look.palette
     shown, kind = cells.band.copy(), np.where(cells.band > 0, _BAND, _NOTHING)
+    _put_changes(shown, kind, plot, data, look)
     _put_levels(shown, kind, plot, data, look)
     seeds, whose = seed_cells(plot, data.seeds, look)
     shown[seeds > 0], kind[seeds > 0] = seeds[seeds > 0], (_GREEDY + len(palette.lanes) + whose)[seeds > 0]
@@ -128,6 +133,7 @@ def _draw_lanes(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     band = palette.lanes[lane - 1] + Style(dim=True)
     styles = (
         palette.text,
+        palette.dim,
         palette.optimum,
         palette.good,
         band,
@@ -169,6 +175,15 @@ def _mark_off_axis(
     shown[-1, there], kind[-1, there] = ord(look.glyphs.down), first_kind + off[there]
 
 
+def _put_changes(
+    shown: npt.NDArray[np.int64], kind: npt.NDArray[np.int64], plot: Plot, data: CurveData, look: Look
+) -> None:
+    """Put lines where the world changed into ``shown`` and ``kind``, as far as nothing is there."""
+    for column in lines_of(world_marks(data.world_changes, plot), plot):
+        free = kind[:, column] == _NOTHING
+        shown[free, column], kind[free, column] = ord(look.glyphs.zero_line), _CHANGE
+
+
 def _put_levels(
     shown: npt.NDArray[np.int64], kind: npt.NDArray[np.int64], plot: Plot, data: CurveData, look: Look
 ) -> None:
@@ -182,9 +197,9 @@ def _put_levels(
 
 
 def _level_cells(plot: Plot, data: CurveData, value: float, look: Look) -> tuple[int, slice]:
-    """Return the cells of a level line: its row, and its columns as far as there are episodes."""
+    """Return the cells of a level line: its row, and its columns over the episodes in this world."""
     every = 1 if look.glyphs.braille else 2
-    return plot.row(value), slice(0, plot.column(data.furthest) + 1, every)
+    return plot.row(value), slice(plot.column(data.world_since), plot.column(data.furthest) + 1, every)
 
 
 class _Codes(NamedTuple):

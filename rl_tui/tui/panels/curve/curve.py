@@ -18,6 +18,7 @@ from rl_tui.tui.panels.curve.data import CurveData, curve_data
 from rl_tui.tui.panels.curve.lane_text import lane_remark, lane_titles, steps_note
 from rl_tui.tui.panels.curve.seed_band import seed_bands, seed_sign, with_room_for
 from rl_tui.tui.panels.curve.text import all_words, below_note, decimals_for, gap_note, remark, titles
+from rl_tui.tui.panels.curve.world_marks import world_signs
 from rl_tui.tui.panels.legend import Legend, LegendSign, legend_text
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.snapshot_facts import is_new_run, passes_too_fast
@@ -86,20 +87,27 @@ class ReturnCurve(Panel, can_focus=True):
         return [*chart, *strips_of([line], width, 1, self.look)]
 
     def legend(self, snapshot: Snapshot) -> Legend:
-        """Return what the bands are, and what the axis counts: the lines have their names where they end."""
-        seeds = seed_bands(snapshot)
+        """Return where the world changed, what the bands are, and what the axis counts.
+
+        The lines have their names where they end.
+        """
+        seeds, worlds = seed_bands(snapshot), tuple(world_signs(snapshot.world_changes, self.look))
         more = (seed_sign(seeds, self.look),) if seeds else ()
         if isinstance(snapshot.world.drawing, Arms):
-            return more
+            return (*worlds, *more)
         plans = snapshot.agent.row.planner
         sums = LegendSign("return", "= undiscounted sum", self.look.palette.text)
         band = () if plans else band_signs(self.look, lanes=bool(snapshot.run_group.lanes))
-        return (*band, *more, sums) if snapshot.run_group.lanes else (*more, sums, *band)
+        return (*band, *worlds, *more, sums) if snapshot.run_group.lanes else (*worlds, *more, sums, *band)
 
     def _kept_for_legend(self, snapshot: Snapshot) -> int:
-        """Return the cells of the border that the band of lanes has in its legend, with the ``·`` behind."""
+        """Return the cells of the border for the first sign of its legend, with the ``·`` behind.
+
+        That is the band of lanes, or where the world changed; else none is kept.
+        """
         signs = self.legend(snapshot)[:1]
-        if not self.is_explained or not snapshot.run_group.lanes or not signs:
+        needs_it = snapshot.run_group.lanes or snapshot.world_changes
+        if not self.is_explained or not needs_it or not signs:
             return 0
         return cell_len(separated(f"{legend_text(signs, self.size.width, self.look)} · ", self.look.glyphs))
 

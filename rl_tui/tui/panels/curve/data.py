@@ -11,6 +11,7 @@ from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.results import Curve, RunResults
+from rl_tui.lab.run.run import WorldChanged
 from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.draw.braille import NO_STEPS, Steps
 from rl_tui.tui.panels.curve.seed_band import SeedBand, seed_bands
@@ -74,7 +75,8 @@ class CurveData:
 
     All this is of the run shown; ``lanes`` are the runs side by side, itself among them, none if it is alone.
     ``seeds`` is what many seeds say of the same runs, none while that is not known. ``has_estimates`` is
-    false for a program without a table, which has no greedy policy.
+    false for a program without a table, which has no greedy policy. ``world_changes`` are those of the run
+    shown: only from the last of them on are optimum and studied policy those of the world in force.
     """
 
     finished: int
@@ -99,6 +101,12 @@ class CurveData:
     lanes: tuple[LaneLine, ...] = ()
     seeds: tuple[SeedBand, ...] = ()
     has_estimates: bool = True
+    world_changes: tuple[WorldChanged, ...] = ()
+
+    @property
+    def world_since(self) -> int:
+        """How many episodes had ended when the world in force began."""
+        return self.world_changes[-1].episodes if self.world_changes else 0
 
     @property
     def has_both_units(self) -> bool:
@@ -198,6 +206,7 @@ def curve_data(snapshot: Snapshot) -> CurveData:
         ),
         seeds=seed_bands(snapshot),
         has_estimates=has_estimates(snapshot),
+        world_changes=snapshot.world_changes,
     )
 
 

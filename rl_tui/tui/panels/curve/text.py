@@ -301,6 +301,8 @@ def _has_learned(data: CurveData) -> bool:
     """
     if data.greedy_now is None or data.optimum is None or data.barren or not data.is_decided:
         return False
+    if data.finished - data.world_since < RECENT:
+        return False  # some of them are of another world
     recent = data.greedy.low[data.greedy.end > data.finished - RECENT]
     least = data.optimum - abs(data.optimum) / 3 - numbers.NEGLIGIBLE
     return data.greedy_now >= least and bool((recent >= least).all())

@@ -9,14 +9,17 @@ from rich.cells import cell_len
 from rich.segment import Segment
 
 from rl_tui.lab.live.until import Breakpoints
+from rl_tui.lab.live.world_editor import EditorView
 from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.panels.pointing import NOWHERE
 from rl_tui.tui.panels.q_table.layers import Figures, Layer
 from rl_tui.tui.panels.q_table.world import TableWorld
+from rl_tui.tui.panels.world.edit_marks import marks_of
 from rl_tui.tui.theme.look import Look
 
 Pieces = list[Segment]
 NO_BREAKPOINTS: Final = Breakpoints()
+NOBODY_DRAWS: Final = EditorView()
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +28,8 @@ class Scene:
 
     ``last_pair`` is the pair taken last. ``cursor`` is None where no cursor is to be seen; ``pointed`` are
     the pairs on which the cursor of another panel stands, or none. ``hides_means`` says that the means of a
-    bandit are hidden. ``differing`` are the states whose greedy actions are others in the lane beside.
+    bandit are hidden. ``differing`` are the states whose greedy actions are others in the lane beside,
+    ``editor`` knows what a person draws.
     """
 
     world: TableWorld
@@ -40,6 +44,7 @@ class Scene:
     breakpoints: Breakpoints = NO_BREAKPOINTS
     pointed: range = NOWHERE
     differing: frozenset[int] = frozenset()
+    editor: EditorView = NOBODY_DRAWS
 
     @property
     def shown(self) -> Figures:
@@ -57,10 +62,12 @@ class Scene:
         """Return whether the cursor of another panel stands on the state that owns ``pairs``, or on one."""
         return bool(self.pointed) and self.pointed.start in pairs
 
-    def difference_mark(self, state: int) -> Segment | None:
-        """Return the mark behind a state where the lane beside has other greedy actions, None elsewhere."""
+    def mark_behind(self, state: int) -> Segment | None:
+        """Return the mark behind a state: other greedy actions in the lane beside, else that of an edit."""
         look = self.look
-        return Segment(look.glyphs.differs, look.palette.accent) if state in self.differing else None
+        if state in self.differing:
+            return Segment(look.glyphs.differs, look.palette.accent)
+        return next((Segment(*mark) for mark in marks_of(self.editor, state).signs(look)), None)
 
 
 def boxed(scene: Scene, figures: Figures, pair: int, width: int, digits: int, is_greedy: bool) -> Pieces:

@@ -155,7 +155,7 @@ def _pair_columns(scene: Scene, width: int) -> list[Column]:
         pointed = bool(name) and scene.is_pointed(world.space.pairs_of(world.space.state_of(pair)))
         style = look.palette.focus if pointed else look.palette.strong
         blank = padded("", state + gap - cell_len(name))
-        differs = scene.difference_mark(world.space.state_of(pair)) if name else None
+        differs = scene.mark_behind(world.space.state_of(pair)) if name else None
         if differs is None:
             return [Segment(name, style), Segment(blank, look.palette.text)]
         return [Segment(name, style), differs, Segment(blank[1:], look.palette.text)]

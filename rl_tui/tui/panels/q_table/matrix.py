@@ -73,7 +73,7 @@ class MatrixForm:
         pieces = [
             scene.state_mark(state),
             Segment(name, palette.focus if scene.is_pointed(pairs) else style),
-            scene.difference_mark(state) or Segment(" ", style),
+            scene.mark_behind(state) or Segment(" ", style),
         ]
         greedy = scene.shown.greedy(pairs)
         digits = min(self.field, MOST_DIGITS)

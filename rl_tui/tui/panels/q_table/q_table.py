@@ -47,6 +47,7 @@ from rl_tui.tui.panels.q_table.titles import (
 from rl_tui.tui.panels.q_table.world import NO_ROW, TableWorld
 from rl_tui.tui.panels.scrolling import Scrolled
 from rl_tui.tui.panels.snapshot_facts import has_estimates, hides_means, is_new_run
+from rl_tui.tui.panels.world.edit_marks import mark_signs
 from rl_tui.tui.theme.look import Look
 
 WAITING: Final = "the estimates Q(s, a) come with the first step"
@@ -206,6 +207,7 @@ class QTable(Panel, can_focus=True):
         if self.shown_layer is Layer.Q and not has_estimates(snapshot):
             return ()
         return (
+            *mark_signs(snapshot.editor, self.look),
             LegendSign(frame, framed, palette.greedy, greedy),
             *([no_value_sign(self.look)] if lacks_values(snapshot, self.shown_layer) else []),
             *([LegendSign(" lit ", "just updated", palette.updated)] if is_learned and self.lights else []),
@@ -367,6 +369,7 @@ class QTable(Panel, can_focus=True):
             breakpoints=snapshot.playback.breakpoints,
             pointed=self.pointed,
             differing=self.differing,
+            editor=snapshot.editor,
             forms=self._forms,
         )
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import UnionType
 from typing import Final
 
 from rich.cells import cell_len
 from rich.style import Style
 from textual.strip import Strip
 
-from rl_tui.lab.run.recipe import TakeAction
+from rl_tui.lab.run.recipe import OrderSweep, Setting, TakeAction, WorldChange
 from rl_tui.lab.timeline.branches import Timeline
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas, shortened
@@ -134,16 +135,20 @@ def _draw_track(canvas: Canvas, track: Track, state: TimelineState, look: Look) 
 
 
 def _marks(timeline: Timeline, track: Track, look: Look) -> dict[int, tuple[str, Style]]:
-    """Return what stands in which cell: where the branch begins, else a change, else steps by hand."""
+    """Return what stands in which cell: where the branch begins, a change, or steps by hand."""
     palette, glyphs = look.palette, look.glyphs
     branch = timeline.current
     marks: dict[int, tuple[str, Style]] = {}
-    for entry in branch.journal:
-        by_hand, cell = isinstance(entry.change, TakeAction), track.cell_of(entry.step)
-        if by_hand and cell not in marks:
-            marks[cell] = glyphs.manual_mark, palette.text
-        elif not by_hand:
-            marks[cell] = glyphs.change_mark, palette.text
+    # what is told of a cell is the last of these that happened in it
+    kinds: tuple[tuple[type | UnionType, str], ...] = (
+        (TakeAction, glyphs.manual_mark),
+        (Setting | OrderSweep, glyphs.change_mark),
+        (WorldChange, glyphs.world_mark),
+    )
+    for kind, mark in kinds:
+        for entry in branch.journal:
+            if isinstance(entry.change, kind):
+                marks[track.cell_of(entry.step)] = mark, palette.text
     if branch.parent is not None:
         marks[track.cell_of(branch.fork)] = glyphs.fork_mark, palette.strong
     return marks

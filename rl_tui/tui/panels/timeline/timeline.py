@@ -63,6 +63,7 @@ class TimelineBar(Draggable, Panel, can_focus=True):
         glyphs = look.glyphs
         self.tooltip = to_ascii(
             f"what was run; click or drag to go there. {glyphs.change_mark} a setting was changed, "
+            f"{glyphs.world_mark} the world, "
             f"{glyphs.manual_mark} steps by hand, {glyphs.fork_mark} here the branch begins",
             glyphs,
         )

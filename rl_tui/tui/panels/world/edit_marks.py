@@ -51,9 +51,14 @@ def put_marks(canvas: Canvas, marks: EditMarks, wish: tuple[int, int], look: Loo
 
 
 def edit_signs(editor: EditorView, look: Look) -> Iterator[LegendSign]:
-    """Yield the signs of what is drawn and not in force, and of the marks, as far as there are any."""
+    """Yield the signs of a legend, as far as there are any: what is drawn and not in force, and the marks."""
     if editor.draft is not editor.base:
         yield LegendSign(look.glyphs.drafted, "drawn", look.palette.dim, "drawn, not in force yet")
+    yield from mark_signs(editor, look)
+
+
+def mark_signs(editor: EditorView, look: Look) -> Iterator[LegendSign]:
+    """Yield the signs of the marks alone."""
     if editor.endless:
         ((sign, style),) = EditMarks(is_endless=True).signs(look)
         yield LegendSign(sign, "no end", style, "no way to an end")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import ClassVar, NamedTuple
+from typing import ClassVar, Final, NamedTuple
 
 from rich.text import Text
 from textual import events
@@ -20,15 +20,17 @@ from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.words import counted
 from rl_tui.lab.live.commands import AddBranch
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.changes import written_world
 from rl_tui.lab.run.recipe import (
+    EditWorld,
     JournalEntry,
     OrderSweep,
     Recipe,
+    RedoEdit,
     SetParameter,
     Setting,
     SwitchAlgorithm,
     TakeAction,
+    UndoEdit,
     WorldChange,
     changed_recipe,
 )
@@ -40,10 +42,12 @@ from rl_tui.tui.screens.dialogs.lanes.changes import branches_beside
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.editing.edit import BETWEEN, PREFIX, written_edits
 from rl_tui.worlds.world import World
 
 HOW_TO_BRANCH = "To make another branch, go back with b or B and change something."
 NO_CHANGE = "Nothing was changed in this branch."
+_MOST_EDITS: Final = 2  # of a stroke that are told
 
 
 class Moment(NamedTuple):
@@ -196,12 +200,25 @@ def journal_lines(
         elif isinstance(last.change, OrderSweep):
             lines.append(JournalLine(first, first, f"next sweep: {last.change.phase}"))
         elif isinstance(last.change, WorldChange):
-            lines.append(JournalLine(first, first, written_world(last.change)))
+            lines.append(JournalLine(first, first, _edited(last.change)))
         else:
             before, recipe = recipe, changed_recipe(recipe, last.change)
             was, is_now = _in_force(before, last.change), _in_force(recipe, last.change)
             lines.append(JournalLine(first, first, f"{kind} {was} → {is_now}".strip()))
     return lines
+
+
+def _edited(change: WorldChange) -> str:
+    """Return what was drawn: the first edits of a stroke, as text, and how many more there are."""
+    match change:
+        case EditWorld(edits):
+            more = len(edits) - _MOST_EDITS
+            shown = written_edits(edits[:_MOST_EDITS]).replace(PREFIX, "").replace(BETWEEN, f"{BETWEEN} ")
+            return f"world: {shown}{f' and {more:,} more' if more > 0 else ''}"
+        case UndoEdit():
+            return "world: an edit undone"
+        case RedoEdit():
+            return "world: an edit made again"
 
 
 def _taken(world: World, action: int | str, glyphs: Glyphs) -> str:
@@ -215,7 +232,7 @@ def _taken(world: World, action: int | str, glyphs: Glyphs) -> str:
 def _keyed(journal: Sequence[JournalEntry]) -> Iterator[tuple[tuple[str, int], JournalEntry]]:
     """Yield each entry with what makes it one line with its neighbours: kind, and where the line began."""
     began, previous = 0, None
-    for entry in journal:
+    for number, entry in enumerate(journal):
         change = entry.change
         if isinstance(change, TakeAction):
             follows = previous is not None and isinstance(previous.change, TakeAction)
@@ -226,6 +243,8 @@ def _keyed(journal: Sequence[JournalEntry]) -> Iterator[tuple[tuple[str, int], J
             yield (PARAMETERS[change.name].symbol, entry.step), entry
         elif isinstance(change, OrderSweep):
             yield ("sweep", entry.step), entry
+        elif isinstance(change, WorldChange):
+            yield ("world", number), entry  # each stroke by itself
         else:
             yield ("", entry.step), entry
         previous = entry
