@@ -18,8 +18,17 @@ from rl_tui.lab.live.commands import (
     Train,
 )
 from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
-from rl_tui.lab.timeline.lane_names import LanePast, lane_names
+from rl_tui.lab.run.recipe import (
+    EditWorld,
+    JournalEntry,
+    Recipe,
+    SetParameter,
+    SwitchAlgorithm,
+    TakeAction,
+    UndoEdit,
+)
+from rl_tui.lab.timeline.lane_names import LanePast, branch_in_words, lane_names
+from rl_tui.worlds.editing.edit import read_edits
 
 EXPLORE = SetParameter("epsilon", 0.3)
 
@@ -95,6 +104,12 @@ def test_a_session_keeps_it() -> None:
         "branch 2: ε 0.3 from step 400, steps by hand",
         "branch 1",
     ]
+
+
+def test_a_branch_in_which_the_world_was_drawn_says_so() -> None:
+    stroke = EditWorld(read_edits("world.cell[0,1]=#"))
+    drawn = (JournalEntry(7, stroke), JournalEntry(9, UndoEdit()), JournalEntry(9, TakeAction(1)))
+    assert branch_in_words("branch 2", drawn, [()], "step") == "branch 2: world drawn, steps by hand"
 
 
 def test_only_another_branch_can_and_there_must_be_room() -> None:

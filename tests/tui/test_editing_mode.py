@@ -56,7 +56,7 @@ async def test_a_lake_is_drawn_anew_by_keys_alone(make_app: MakeApp) -> None:
         assert digest(pilot) == before, "undone"
         await press(pilot, "full_stop", "H")
         assert digest(pilot) == before, "the hole is where it was"
-        await press(pilot, "i", "u")
+        await press(pilot, "i", "up", "u")  # the cursor has stayed on its cell, below the new row
         assert digest(pilot) == before
         await press(pilot, "escape")
         assert snapshot(pilot).editor.draft is None
@@ -119,6 +119,17 @@ async def test_a_lane_of_another_world_stands_beside(make_app: MakeApp, size: tu
         shown = await press(pilot, "s", "l", "s")
         assert shown.beside is not None
         assert shown.beside.world.space.states != shown.world.space.states
+        board = playground(pilot).board
+        first, second = (board.query_one(f"#{each}", GridView) for each in ("world", "world-beside"))
+        assert not first.differing | second.differing, "maps of two sizes are not compared"
+        assert {"not compared" in (first.footing + second.footing)} == {True}
+        board.world.focus()  # type: ignore[union-attr]
+        await press(pilot, "down", "right")
+        led, other = (first, second) if board.world is first else (second, first)
+        assert led.cursor is not None
+        assert other.cursor is None
+        await press(pilot, "s")
+        assert led.cursor is not None, "the other lane does not take it away"
 
 
 def _beside() -> object:

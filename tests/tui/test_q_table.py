@@ -13,8 +13,7 @@ from snapshots import changed
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.panels.q_table.layers import Figures, Layer
-from rl_tui.tui.panels.q_table.q_table import COMPUTING
-from rl_tui.tui.panels.q_table.titles import FOLLOWS
+from rl_tui.tui.panels.q_table.titles import COMPUTING, FOLLOWS
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
 from rl_tui.worlds.world import World

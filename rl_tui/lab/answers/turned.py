@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rl_tui.worlds.editing.carried import NEW, Carried
+from rl_tui.worlds.editing.carried import NEW, Carried, differing_choices
 
 if TYPE_CHECKING:
     from rl_tui.agents.exact.solution import Solution
@@ -81,14 +81,5 @@ def _through(now: IntArray, was: IntArray) -> IntArray:
 
 
 def _turned(before: _Before, after: Solution, space: FiniteSpace) -> frozenset[int]:
-    states, pairs = before.carried
-    was_best = np.append(before.solution.greedy, False)[pairs]  # NEW is the last one
-    differs = np.zeros(space.states, dtype=np.bool_)
-    differs[space.pair_state[was_best != after.greedy]] = True
-    # actions that were the best and are gone
-    kept = np.bincount(space.pair_state[was_best], minlength=space.states)
-    had = np.bincount(before.space.pair_state[before.solution.greedy], minlength=before.space.states)
-    differs |= kept != np.append(had, 0)[states]
-    acts = np.diff(space.first_pair) > 0
-    acted = np.append(np.diff(before.space.first_pair) > 0, False)[states]
-    return frozenset(np.flatnonzero(differs & acts & acted).tolist())
+    was = before.space, before.solution.greedy
+    return frozenset(np.flatnonzero(differing_choices(was, (space, after.greedy), before.carried)).tolist())

@@ -6,7 +6,17 @@ from collections.abc import Iterable, Sequence
 from itertools import takewhile
 from typing import Final, NamedTuple
 
-from rl_tui.lab.run.recipe import JournalEntry, OrderSweep, Recipe, SetParameter, SwitchAlgorithm
+from rl_tui.lab.run.recipe import (
+    EditWorld,
+    JournalEntry,
+    OrderSweep,
+    Recipe,
+    RedoEdit,
+    SetParameter,
+    SwitchAlgorithm,
+    TakeAction,
+    UndoEdit,
+)
 from rl_tui.lab.timeline.run_names import ALGORITHM, distinct, feature_text, run_names
 
 _MOST_NAMED: Final = 2
@@ -71,7 +81,10 @@ def _deed(entry: JournalEntry, unit: str) -> tuple[tuple[str, int], str]:
             return (ALGORITHM, step), f"{feature_text(ALGORITHM, algorithm)} from {unit} {step:,}"
         case OrderSweep():
             return ("sweeps", 0), "sweeps by hand"
-    return ("by hand", 0), f"{unit}s by hand"
+        case TakeAction():
+            return ("by hand", 0), f"{unit}s by hand"
+        case EditWorld() | UndoEdit() | RedoEdit():
+            return ("world", 0), "world drawn"
 
 
 def _family(lane: LanePast, lanes: Sequence[LanePast]) -> list[int]:

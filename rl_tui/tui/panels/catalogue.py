@@ -62,8 +62,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "lower number left; ▸ marks the one that keys and sliders are about, and ≠ the states where their "
         "greedy actions differ, ties counted. Only states known to both count: updated, or with estimates "
         "that differ. C draws the world: hatched (╱) is what is drawn and not in force, ↻ marks states whose "
-        "best actions, exactly, the last stroke turned, and the legend has a sign for those from which no way "
-        "leads to an end.",
+        "best actions, exactly, the last stroke turned, and the legend has a sign for those from which no "
+        "way leads to an end.",
         caption="as the agent meets it",
         terms=(
             *("agent", "state", "action", "reward", "value", "greedy", "terminal", "ties", "policy", "mdp"),

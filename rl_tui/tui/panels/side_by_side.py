@@ -13,6 +13,7 @@ from rl_tui.lab.live.snapshot import AgentView, Snapshot
 from rl_tui.lab.live.viewport import pairs_of_states
 from rl_tui.lab.timeline.run_names import feature_text
 from rl_tui.tui.panels.controls.controls import in_force, sliders_of
+from rl_tui.tui.panels.counterparts import are_alike, are_same_size, in_common
 from rl_tui.tui.panels.panel import BoardPanel
 from rl_tui.tui.panels.policies.studied import as_studied, studied_kind
 from rl_tui.tui.panels.program.words import name_of
@@ -20,6 +21,7 @@ from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.editing.carried import differing_choices
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
 DIFFERS: Final = "≠"
@@ -42,18 +44,29 @@ def sides(snapshot: Snapshot) -> tuple[Snapshot, Snapshot]:
 class GreedyDifferences:
     """Where two lanes have other greedy actions, all ties counted.
 
-    Only states about which both have learned something count: updated, or with estimates that differ.
+    Only states about which both have learned something count: updated, or with estimates that differ. In two
+    worlds these are the states that both have, the same cells or names.
     """
 
     states: frozenset[int]
-    """The states where the greedy actions differ."""
+    """The states of the left lane where the greedy actions differ."""
     known: int
     """In how many states both know something."""
     is_part: bool
     """Whether only those in view were looked at: of a large world no more is copied."""
+    right: frozenset[int]
+    """The same states by their numbers in the right lane."""
+    is_told: bool = True
+    """Whether the lanes were compared: not where their maps are of two sizes, or of two large worlds."""
 
     def words(self, lane: Snapshot) -> tuple[str, ...]:
         """Return the count as a sentence, the longest form first; empty where nothing is known yet."""
+        if not self.is_told:
+            return (
+                "other worlds: greedy actions are not compared",
+                "other worlds: not compared",
+                "not compared",
+            )
         if not self.known:
             return ()
         if isinstance(lane.world.drawing, Arms):
@@ -75,12 +88,14 @@ class Differing(NamedTuple):
     drawn: frozenset[int]
 
 
-def differing_states(left: Snapshot, right: Snapshot, differences: GreedyDifferences) -> Differing:
-    """Return where ``left`` and ``right``, whose greedy actions have ``differences``, differ."""
+def differing_states(
+    left: Snapshot, right: Snapshot, differences: GreedyDifferences
+) -> tuple[Differing, Differing]:
+    """Return where ``left`` and ``right``, whose greedy actions have ``differences``, differ: for each."""
     drawn = differences
     if studied_kind(left) is not None and studied_kind(right) is not None:
         drawn = greedy_differences(as_studied(left), as_studied(right))
-    return Differing(differences.states, drawn.states)
+    return Differing(differences.states, drawn.states), Differing(differences.right, drawn.right)
 
 
 def name_panels(
@@ -136,18 +151,42 @@ def lane_titles(lane: Snapshot, number: str) -> tuple[str, ...]:
 
 
 def greedy_differences(left: Snapshot, right: Snapshot) -> GreedyDifferences:
-    """Return where ``left`` and ``right``, two lanes in one world, would act differently."""
+    """Return where ``left`` and ``right`` would act differently."""
+    if not are_alike(left.world, right.world):
+        return _differences_of_worlds(left, right)
     space = left.world.space
     states, is_part = _states_held(left, right)
     pairs = pairs_of_states(space, states)
     if not len(pairs):
-        return GreedyDifferences(frozenset(), 0, is_part)
+        return GreedyDifferences(frozenset(), 0, is_part, frozenset())
     count = np.diff(space.first_pair)[states]
     first = np.cumsum(count) - count
     is_greedy, knows = zip(*(_greedy(lane.agent, pairs, first, count) for lane in (left, right)), strict=True)
     known = knows[0] & knows[1]
     differs = known & np.logical_or.reduceat(is_greedy[0] != is_greedy[1], first)
-    return GreedyDifferences(frozenset(states[differs].tolist()), int(known.sum()), is_part)
+    found = frozenset(states[differs].tolist())
+    return GreedyDifferences(found, int(known.sum()), is_part, found)
+
+
+def _differences_of_worlds(left: Snapshot, right: Snapshot) -> GreedyDifferences:
+    """Return where lanes in two worlds would act differently; nothing of large ones, which are not copied."""
+    is_large = left.agent.part is not None or right.agent.part is not None
+    if is_large or not are_same_size(left.world, right.world):
+        return GreedyDifferences(frozenset(), 0, is_large, frozenset(), is_told=False)
+    common, choices = in_common(right.world, left.world), []
+    for lane in (left, right):
+        space = lane.world.space
+        states = np.flatnonzero(np.diff(space.first_pair))
+        count = np.diff(space.first_pair)[states]
+        is_greedy, knows = _greedy(lane.agent, np.arange(space.pairs), space.first_pair[states], count)
+        known = np.zeros(space.states, dtype=np.bool_)
+        known[states] = knows
+        choices.append((space, is_greedy, known))
+    (was, was_greedy, was_known), (now, is_greedy, is_known) = choices
+    known = is_known & np.append(was_known, False)[common.states]
+    differs = known & differing_choices((was, was_greedy), (now, is_greedy), common)
+    found = frozenset(common.states[differs].tolist())
+    return GreedyDifferences(found, int(known.sum()), False, frozenset(np.flatnonzero(differs).tolist()))
 
 
 def _states_held(left: Snapshot, right: Snapshot) -> tuple[IntArray, bool]:

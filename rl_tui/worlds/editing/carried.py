@@ -9,7 +9,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from rl_tui.worlds.editing.draft import Draft
-    from rl_tui.worlds.mdp.space import FiniteSpace, IntArray
+    from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, IntArray
     from rl_tui.worlds.world import World
 
 NEW: Final = -1
@@ -23,12 +23,48 @@ class Carried(NamedTuple):
     pairs: IntArray
 
 
+class Keyed(NamedTuple):
+    """States and actions of a space with what each is known by, [S] and [A]."""
+
+    space: FiniteSpace
+    states: IntArray | Sequence[Hashable]
+    actions: Sequence[Hashable]
+
+
 def carried(before: tuple[Draft, World], after: tuple[Draft, World]) -> Carried:
     """Return what the states and pairs of ``after`` were in ``before``: each a draft and its world."""
     (old_draft, old), (draft, world) = before, after
-    states = _numbers(old_draft.state_keys(old), draft.state_keys(world))
-    actions = _numbers(old_draft.action_keys(old), draft.action_keys(world))
-    return Carried(states, _pairs(old.space, world.space, states, actions))
+    return carried_by_keys(
+        Keyed(old.space, old_draft.state_keys(old), old_draft.action_keys(old)),
+        Keyed(world.space, draft.state_keys(world), draft.action_keys(world)),
+    )
+
+
+def carried_by_keys(old: Keyed, new: Keyed) -> Carried:
+    """Return what the states and pairs of ``new`` were in ``old``: those of the same keys."""
+    states = _numbers(old.states, new.states)
+    actions = _numbers(old.actions, new.actions)
+    return Carried(states, _pairs(old.space, new.space, states, actions))
+
+
+def differing_choices(
+    old: tuple[FiniteSpace, BoolArray], new: tuple[FiniteSpace, BoolArray], common: Carried
+) -> BoolArray:
+    """Return in which states of ``new``, [S], other pairs are chosen than in the same states of ``old``.
+
+    Each is a space and the pairs, [P], that are chosen there. States that are new, or in which nothing can be
+    done before or after, are none of them.
+    """
+    (was, chosen_before), (now, chosen) = old, new
+    before = np.append(chosen_before, False)[common.pairs]  # NEW is the last one
+    differs = np.zeros(now.states, dtype=np.bool_)
+    differs[now.pair_state[before != chosen]] = True
+    # some that were chosen may be gone
+    kept = np.bincount(now.pair_state[before], minlength=now.states)
+    had = np.bincount(was.pair_state[chosen_before], minlength=was.states)
+    differs |= kept != np.append(had, 0)[common.states]
+    acted = np.append(np.diff(was.first_pair) > 0, False)[common.states]
+    return np.asarray(differs & acted & (np.diff(now.first_pair) > 0))
 
 
 def _numbers(old: IntArray | Sequence[Hashable], new: IntArray | Sequence[Hashable]) -> IntArray:

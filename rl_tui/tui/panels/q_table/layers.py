@@ -15,6 +15,7 @@ from rl_tui.lab.run.bandit import best_arms, true_means
 from rl_tui.lab.timeline.lane_view import LaneView
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.number_form import NumberForm, SteadyForms
+from rl_tui.tui.panels.counterparts import are_alike
 from rl_tui.tui.panels.numbers_in_common import ends, finite, lanes_in_view
 from rl_tui.tui.panels.policies.studied import shown_actions, studied_answer
 from rl_tui.tui.panels.snapshot_facts import has_estimates, is_secret, keeps_back, passes_too_fast
@@ -94,10 +95,15 @@ def exact_of(snapshot: Snapshot, layer: Layer) -> Exact | None:
 
 
 def other_lane(snapshot: Snapshot) -> LaneView | None:
-    """Return the run that stands beside the one shown, None without one or where its table is too large."""
-    group = snapshot.run_group
+    """Return the run that stands beside the one shown, None without one or where its table is too large.
+
+    None too where it is the table of a world with other states or pairs.
+    """
+    group, beside = snapshot.run_group, snapshot.beside
     other = group.lanes[group.beside] if group.lanes and group.beside is not None else None
-    return other if other is not None and len(other.q) else None
+    if other is None or (beside is not None and not are_alike(snapshot.world, beside.world)):
+        return None
+    return other if len(other.q) == snapshot.world.space.pairs else None
 
 
 def layer_choices(snapshot: Snapshot | None) -> tuple[Layer, ...]:

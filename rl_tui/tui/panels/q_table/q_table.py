@@ -12,11 +12,12 @@ from textual.message import Message
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.live.viewport import RowRange, followed_state
+from rl_tui.lab.live.viewport import RowRange
 from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.draw.number_form import SteadyForms
-from rl_tui.tui.draw.pieces import Piece, strips_of, wrapped
+from rl_tui.tui.draw.pieces import Piece, strips_of
 from rl_tui.tui.panels.bindings import binding
+from rl_tui.tui.panels.counterparts import are_alike, pair_in, pairs_in
 from rl_tui.tui.panels.legend import GREEDY_IN_FULL, Legend, LegendSign, agent_meaning, no_value_sign
 from rl_tui.tui.panels.panel import BoardPanel, Panel
 from rl_tui.tui.panels.pointing import NOWHERE, Moved, Pointed
@@ -42,16 +43,17 @@ from rl_tui.tui.panels.q_table.titles import (
     footings,
     headings,
     layer_at,
+    no_answer,
     size_in_words,
 )
-from rl_tui.tui.panels.q_table.world import NO_ROW, TableWorld
+from rl_tui.tui.panels.q_table.world import NO_ROW, TableWorld, state_followed
 from rl_tui.tui.panels.scrolling import Scrolled
 from rl_tui.tui.panels.snapshot_facts import has_estimates, hides_means, is_new_run
 from rl_tui.tui.panels.world.edit_marks import mark_signs
 from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.world import World
 
 WAITING: Final = "the estimates Q(s, a) come with the first step"
-COMPUTING: Final = "computing the exact answer …"
 _WHEEL_ROWS: Final = 3
 
 
@@ -161,7 +163,9 @@ class QTable(Panel, can_focus=True):
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``; in another world the table starts at its top and follows the agent."""
         if self.snapshot is not None and self.snapshot.world.space is not snapshot.world.space:
-            self.cursor_pair, self._following, self._first, self.pointed = None, True, 0, NOWHERE
+            self.cursor_pair, self._following, self._first = None, True, 0
+            pointed = pairs_in(self.pointed, self.snapshot.world, snapshot.world)
+            self.pointed = NOWHERE if is_new_run(self.snapshot, snapshot) else pointed
         if self._following and self.snapshot is not None and self.snapshot.playback.phase is Phase.PREPARING:
             self._first = 0  # while a run was prepared there was no step to follow
         if is_new_run(self.snapshot, snapshot):
@@ -176,7 +180,7 @@ class QTable(Panel, can_focus=True):
         if self.shown_layer in EXACT_LAYERS and exact_q(snapshot) is None:
             self.heading = TITLES[self.shown_layer]
             self.footing = self._footing(width, is_scrolled=False)
-            return self._message(snapshot, width, height)
+            return strips_of(no_answer(snapshot, width, self.look), width, height, self.look)
         form, scene = self._form(snapshot, width, height)
         if self._following and height != self._height and not self.is_led:
             self._first = 0  # where it came to stand while the layout was not done must not be seen later
@@ -186,9 +190,9 @@ class QTable(Panel, can_focus=True):
             sheet.scroll_to(self._first, self.pointed.start)
         else:
             follows = self._following and not self.is_led
-            sheet.scroll(self._first, _followed(snapshot) if follows else None)
+            sheet.scroll(self._first, state_followed(snapshot) if follows else None)
             if follows and self.sources and snapshot.counters.last_step is not None:
-                sheet.reach(snapshot.counters.last_step.updated_pair, _followed(snapshot))
+                sheet.reach(snapshot.counters.last_step.updated_pair, state_followed(snapshot))
         self._first = sheet.first
         self.free_rows = sheet.free_rows
         self.heading = self.fitting(
@@ -295,8 +299,20 @@ class QTable(Panel, can_focus=True):
     def align_with(self, twin: BoardPanel) -> None:
         """Take the stance of the table ``twin``."""
         if isinstance(twin, QTable):
-            self.cursor_pair, self._following, self._first = twin.cursor_pair, twin._following, twin._first
             self._layer, self._forms = twin._layer, twin._forms
+            if self.snapshot and twin.snapshot and not are_alike(twin.snapshot.world, self.snapshot.world):
+                self._translate(twin, twin.snapshot.world, self.snapshot.world)
+                return
+            self.cursor_pair, self._following, self._first = twin.cursor_pair, twin._following, twin._first
+
+    def _translate(self, twin: QTable, theirs: World, own: World) -> None:
+        """Put the cursor where it is in the other world of ``twin``; if led by it, begin with its row."""
+        cursor = None if twin.cursor_pair is None else pair_in(twin.cursor_pair, theirs, own)
+        if cursor is not None or self.is_led:
+            self.cursor_pair = cursor
+        if self.is_led and self._sheet is not None and twin._sheet is not None:
+            self._following, first = twin._following, pair_in(twin._sheet.pairs.start, theirs, own)
+            self._first = twin._first if first is None else self._sheet.form.entry_of_pair(first)
 
     def _tell(self) -> None:
         """Tell other panels where the cursor stands."""
@@ -330,7 +346,7 @@ class QTable(Panel, can_focus=True):
         if self.cursor_pair is not None or self.snapshot is None:
             return self.cursor_pair
         world = self._world_of(self.snapshot)
-        state = _followed(self.snapshot) if self._following else int(world.live[0])
+        state = state_followed(self.snapshot) if self._following else int(world.live[0])
         if world.row_of(state) == NO_ROW:
             state = int(world.live[0])
         return world.pairs_shown(state)[0]
@@ -382,13 +398,3 @@ class QTable(Panel, can_focus=True):
         if is_scrolled:
             forms = followed(forms, is_following=self._following)
         return self.fitting(forms, width)
-
-    def _message(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
-        palette, refused = self.look.palette, snapshot.exact_answer.refused
-        text = f"No exact answer: {refused}" if refused else COMPUTING
-        lines = wrapped(text, max(1, width - 2), palette.text if refused else palette.dim, self.look)
-        return strips_of([[Piece(" ", palette.text), *line] for line in lines], width, height, self.look)
-
-
-def _followed(snapshot: Snapshot) -> int:
-    return followed_state(snapshot.world.space, snapshot.counters.state, snapshot.counters.last_step)

@@ -7,6 +7,7 @@ from typing import Final
 
 from rl_tui.common.words import counted
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.draw.pieces import Piece, wrapped
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
@@ -16,7 +17,9 @@ from rl_tui.tui.panels.q_table.list import ListForm
 from rl_tui.tui.panels.q_table.sheet import Form
 from rl_tui.tui.panels.snapshot_facts import has_estimates
 from rl_tui.tui.theme.glyphs import Glyphs
+from rl_tui.tui.theme.look import Look
 
+COMPUTING: Final = "computing the exact answer …"
 FOLLOWS: Final = "follows the agent"
 FOLLOW_HINT: Final = "esc: follow the agent"
 TITLES: Final = {
@@ -108,3 +111,11 @@ def layer_at(footing: str, column: int, choices: Sequence[Layer], glyphs: Glyphs
         if start - 1 <= column <= end:
             return layer
     return None
+
+
+def no_answer(snapshot: Snapshot, width: int, look: Look) -> list[list[Piece]]:
+    """Return why there is no exact answer, or that it is to come, in lines of ``width`` cells."""
+    palette, refused = look.palette, snapshot.exact_answer.refused
+    text = f"No exact answer: {refused}" if refused else COMPUTING
+    lines = wrapped(text, max(1, width - 2), palette.text if refused else palette.dim, look)
+    return [[Piece(" ", palette.text), *line] for line in lines]

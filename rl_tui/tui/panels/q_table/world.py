@@ -10,6 +10,8 @@ from typing import Final
 import numpy as np
 from rich.cells import cell_len
 
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.viewport import followed_state
 from rl_tui.tui.draw.action_order import shown_order, shown_pairs, shown_place
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.names import action_name, with_minus
@@ -105,6 +107,11 @@ class TableWorld:
             self.pairs_shown(state),
             key=lambda pair: abs(shown_place(self._world, self.action_of(pair)) - column),
         )
+
+
+def state_followed(snapshot: Snapshot) -> int:
+    """Return the state that is to be in view: the agent's, or that of its last step where it has none."""
+    return followed_state(snapshot.world.space, snapshot.counters.state, snapshot.counters.last_step)
 
 
 def _brief(name: str) -> str:

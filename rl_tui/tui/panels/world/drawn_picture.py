@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from textual import events
 
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.panels.counterparts import state_in
 from rl_tui.tui.panels.pointing import Stroke, Wheeled
 from rl_tui.tui.panels.world.policy_picture import PolicyPicture
 from rl_tui.tui.theme.look import Look
+from rl_tui.worlds.world import World
 
 _FINE = 0.1  # of a turn of the wheel, with shift
 
@@ -37,6 +40,14 @@ class DrawnPicture(PolicyPicture):
     def place_at(self, x: int, y: int) -> int | None:
         """Return the place drawn at column ``x`` of row ``y``, None where there is none."""
         raise NotImplementedError
+
+    def carried(self, place: int, before: Snapshot, now: Snapshot) -> int | None:
+        """Return where the ``place`` of ``before`` is in ``now``, another world; None where it is gone."""
+        return self.place_in(place, before.world, now.world)
+
+    def place_in(self, place: int, world: World, other: World) -> int | None:
+        """Return where the ``place`` of ``world`` is in ``other``; None for nowhere."""
+        return state_in(place, world, other)
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
         """Begin a stroke."""

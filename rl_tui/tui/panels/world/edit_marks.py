@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from rich.style import Style
@@ -55,6 +55,12 @@ def edit_signs(editor: EditorView, look: Look) -> Iterator[LegendSign]:
     if editor.draft is not editor.base:
         yield LegendSign(look.glyphs.drafted, "drawn", look.palette.dim, "drawn, not in force yet")
     yield from mark_signs(editor, look)
+
+
+def with_signs(titles: Sequence[str], editor: EditorView, look: Look) -> tuple[str, ...]:
+    """Return ``titles`` with the signs and what they mean behind them, then without."""
+    said = ", ".join(f"{each.sign} {each.meaning}" for each in edit_signs(editor, look))
+    return (*(f"{title} · {said}" for title in titles if said), *titles)
 
 
 def mark_signs(editor: EditorView, look: Look) -> Iterator[LegendSign]:

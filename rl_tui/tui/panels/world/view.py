@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import ClassVar, Final
 
 from textual import events
@@ -15,6 +15,7 @@ from rl_tui.lab.live.viewport import Cells
 from rl_tui.tui.draw.canvas import Canvas, shortened
 from rl_tui.tui.draw.names import state_name
 from rl_tui.tui.panels.bindings import binding
+from rl_tui.tui.panels.counterparts import are_alike
 from rl_tui.tui.panels.last_step.state_backup_text import backup_text
 from rl_tui.tui.panels.legend import AGENT, Legend, LegendSign, agent_meaning
 from rl_tui.tui.panels.panel import BoardPanel
@@ -22,7 +23,7 @@ from rl_tui.tui.panels.pointing import NOWHERE, Moved, PartPointed, Pointed, par
 from rl_tui.tui.panels.policies.studied import as_studied
 from rl_tui.tui.panels.snapshot_facts import passes_too_fast
 from rl_tui.tui.panels.world.drawn_picture import DrawnPicture
-from rl_tui.tui.panels.world.edit_marks import edit_signs
+from rl_tui.tui.panels.world.edit_marks import edit_signs, with_signs
 from rl_tui.tui.panels.world.policy_picture import TITLE
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.world import World
@@ -149,11 +150,6 @@ class WorldView(DrawnPicture, can_focus=True):
             self.enter(snapshot.world, goes_on=goes_on)
         super().show(as_studied(snapshot))
 
-    def carried(self, place: int, before: Snapshot, now: Snapshot) -> int | None:
-        """Return where the ``place`` of ``before`` is in ``now``, another world; None where it is gone."""
-        name, names = before.world.space.state_names[place], now.world.space.state_names
-        return names.index(name) if name in names else None
-
     @property
     def cells(self) -> Cells | None:
         """The cells of the map in view, None where all of it is or there is no map."""
@@ -255,7 +251,14 @@ class WorldView(DrawnPicture, can_focus=True):
     def align_with(self, twin: BoardPanel) -> None:
         """Take the cursor of the view ``twin``; subclasses take the rest of its stance."""
         if isinstance(twin, WorldView):
-            self.cursor = twin.cursor
+            at = twin.cursor
+            place = None if at is None else self.place_in(at, twin.world, self.world)
+            if place is not None or self.takes_stance_of(twin):
+                self.cursor = place
+
+    def takes_stance_of(self, twin: WorldView) -> bool:
+        """Return whether all that ``twin`` shows holds here: in another world only where this one is led."""
+        return self.is_led or are_alike(twin.world, self.world)
 
     def _tell(self, pairs: range) -> None:
         if self.is_attached:
@@ -274,7 +277,8 @@ class WorldView(DrawnPicture, can_focus=True):
             if not self.footing and self.has_focus:
                 self.footing = self.fitting(self._about_cursor(), width)
             if self.title:
-                titles = (*self._titles_with_signs(snapshot), *self.title)
+                lacks_legend = self.is_explained and self.free_rows < 1
+                titles = with_signs(self.title, snapshot.editor, self.look) if lacks_legend else self.title
                 self.heading, self.footing = self.fitting(titles, width), self.fitting(self.prompt, width)
             return strips
         palette, glyphs = self.look.palette, self.look.glyphs
@@ -282,13 +286,6 @@ class WorldView(DrawnPicture, can_focus=True):
         text = shortened(WAITING, width, glyphs.ellipsis)
         canvas.put((width - len(text)) // 2, (height - 1) // 2, text, palette.dim)
         return canvas.strips()
-
-    def _titles_with_signs(self, snapshot: Snapshot) -> Iterator[str]:
-        """Yield titles with the signs of what is drawn, where the legend has no row for them."""
-        signs = tuple(edit_signs(snapshot.editor, self.look))
-        if signs and self.is_explained and self.free_rows < 1:
-            said = ", ".join(f"{each.sign} {each.meaning}" for each in signs)
-            yield from (f"{title} · {said}" for title in self.title)
 
     def _name_lane(self, width: int) -> None:
         """Write the lane in the border, and below it the note, else what the picture shows."""

@@ -19,6 +19,7 @@ from rl_tui.lab.live.viewport import Viewport
 from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.tui.panels.controls.controls import Controls
 from rl_tui.tui.panels.controls.slider import Slider
+from rl_tui.tui.panels.counterparts import pairs_in
 from rl_tui.tui.panels.curve.curve import ReturnCurve
 from rl_tui.tui.panels.discount.discount import DiscountPanel
 from rl_tui.tui.panels.lesson.lesson import LessonPanel
@@ -259,11 +260,19 @@ class Board(Container):
         self._pair.align(event.panel)
         for panel in self._widgets().values():
             if isinstance(panel, QTable | WorldView) and panel is not event.panel:
-                panel.point_at(event.pairs)
+                panel.point_at(self._pairs_in(event, panel))
         cursor = event.panel.cursor_pair if isinstance(event.panel, QTable) else None
         cursor = event.panel.cursor if isinstance(event.panel, WorldView) else cursor
         if event.pairs or cursor is None:  # one that is not in focus still points
             self.discount.point_at(event.pairs)
+
+    @staticmethod
+    def _pairs_in(event: Pointed, panel: QTable | WorldView) -> range:
+        """Return the pairs of ``event`` as the world that ``panel`` shows has them."""
+        source = event.panel.snapshot if isinstance(event.panel, QTable | WorldView) else None
+        if source is None or panel.snapshot is None:
+            return event.pairs
+        return pairs_in(event.pairs, source.world, panel.snapshot.world)
 
     def on_moved(self, event: Moved) -> None:
         """Bring the same part into view in the other lane."""

@@ -75,9 +75,9 @@ class LanePair:
         left, right = sides(snapshot)
         differences = greedy_differences(left, right)
         at_left = [self._panels[row] for row in self.twins]
-        differing = differing_states(left, right, differences)
+        differing, beside = differing_states(left, right, differences)
         name_panels(at_left, left, differing, is_led=not self.leads_right, look=self._look)
-        name_panels(self.twins.values(), right, differing, is_led=self.leads_right, look=self._look)
+        name_panels(self.twins.values(), right, beside, is_led=self.leads_right, look=self._look)
         self._note = differences.words(left)
         self._place_note()
         led, other = (right, left) if self.leads_right else (left, right)

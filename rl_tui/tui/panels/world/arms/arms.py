@@ -116,7 +116,8 @@ class ArmsView(WorldView):
         """Take the stance of the bandit ``twin``; the scale holds both."""
         super().align_with(twin)
         if isinstance(twin, ArmsView):
-            self._top, self.scale = twin._top, grown(self.scale, twin.scale)
+            self._top = twin._top if self.takes_stance_of(twin) else self._top
+            self.scale = grown(self.scale, twin.scale)
             self._number_forms = twin._number_forms
 
     def carried(self, place: int, before: Snapshot, now: Snapshot) -> int | None:
@@ -125,7 +126,11 @@ class ArmsView(WorldView):
         if isinstance(old, ArmsDraft) and isinstance(new, ArmsDraft):
             arm = old.arm_ids[place]
             return new.arm_ids.index(arm) if arm in new.arm_ids else None
-        return place if place < now.world.space.pairs else None
+        return self.place_in(place, before.world, now.world)
+
+    def place_in(self, place: int, world: World, other: World) -> int | None:
+        """Return the arm of ``other`` that has the number of an arm of ``world``."""
+        return place if place < other.space.pairs else None
 
     def agent_place(self, snapshot: Snapshot) -> int:
         """Return the arm pulled last, the first before any pull."""

@@ -162,7 +162,8 @@ class GraphView(WorldView):
         """Take the stance of the graph ``twin``."""
         super().align_with(twin)
         if isinstance(twin, GraphView):
-            self._top, self._number_forms = twin._top, twin._number_forms
+            self._top = twin._top if self.takes_stance_of(twin) else self._top
+            self._number_forms = twin._number_forms
 
     def pan(self, rows: int, columns: int) -> None:
         """Scroll the list of edges."""

@@ -8,11 +8,11 @@ from typing import Final
 from rich.segment import Segment
 from textual.strip import Strip
 
-from rl_tui.lab.last_step.gust import gust_of
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import Cells
 from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.tui.draw.number_form import SteadyForms
+from rl_tui.tui.panels.counterparts import are_same_size
 from rl_tui.tui.panels.legend import Legend, LegendSign
 from rl_tui.tui.panels.numbers_in_common import all_q, all_v, ends
 from rl_tui.tui.panels.panel import BoardPanel
@@ -86,9 +86,8 @@ class GridView(WorldView):
         part = self._part
         if part is None or self._is_whole:
             return None
-        if self._following:
-            return Cells(part.rows, part.columns)
-        return Cells(part.rows, part.columns, part.top, part.left)
+        at = () if self._following else (part.top, part.left)
+        return Cells(part.rows, part.columns, *at)
 
     @property
     def is_complete(self) -> bool:
@@ -136,6 +135,10 @@ class GridView(WorldView):
         self._top, self._left = self._top + down, self._left + right
         return found
 
+    def place_in(self, place: int, world: World, other: World) -> int | None:
+        """Return the cell of ``other`` at the same row and column; None where it is of another size."""
+        return place if are_same_size(world, other) else None
+
     def place_of(self, pair: int) -> int:
         """Return the cell of the state that owns ``pair``."""
         return int(self._map.grid.cell_of_state[self.world.space.state_of(pair)])
@@ -163,7 +166,8 @@ class GridView(WorldView):
         """Take the stance of the map ``twin``; numbers are as wide as the wider ones."""
         super().align_with(twin)
         if isinstance(twin, GridView):
-            self._following, self._top, self._left = twin._following, twin._top, twin._left
+            if self.takes_stance_of(twin):
+                self._following, self._top, self._left = twin._following, twin._top, twin._left
             self._number_forms = twin._number_forms
             self._digits = max(self._digits, twin._digits)
             self._action_digits = max(self._action_digits, twin._action_digits)
@@ -196,8 +200,7 @@ class GridView(WorldView):
         assert self._form is not None
         if is_free:
             left, top = self._origin
-            gust = gust_of(snapshot.world, snapshot.counters.last_step)
-            row = wind_strip(grid, self._part, self._form, left, width, gust, self.look)
+            row = wind_strip(grid, self._part, self._form, left, width, snapshot, self.look)
             strips.insert(top + self._part.rows * self._form.height, row)
         elif self._following:
             line = wind_line(grid, self._part, self.look)
@@ -247,10 +250,9 @@ class GridView(WorldView):
     def _cell_form(self, width: int, height: int) -> CellForm:
         """Return the form of cells; first it settles whether they show every action."""
         grid = self._map.grid
-        if actions := self._form_of_actions(width, height):
-            self._action_form = actions
+        self._action_form = actions = self._form_of_actions(width, height)
+        if actions is not None:
             return CellForm(actions.width, actions.height)
-        self._action_form = None
         return cell_form(grid.rows, grid.columns, width, height, self._digits)
 
     def _form_of_actions(self, width: int, height: int) -> ActionForm | None:
@@ -307,14 +309,13 @@ class GridView(WorldView):
     def _signs(self) -> Iterator[LegendSign]:
         palette, glyphs = self.look.palette, self.look.glyphs
         form, signs, actions = self._form, self._map.signs, self._action_form
-        name = "" if form is None else self._name_beside_arrows(form)
+        name = self._name_beside_arrows(form) if form else ""
         has_arrows = form is not None and form.width - len(name) >= LEAST_ARROWS
         if form is not None and self.differing:
             yield differing_sign(form.width, name, self.policy_shown, self.look)
         if form is not None and self._map.rewards:  # what is hardest to guess stands first
-            rewards = self._map.rewards
-            texts = [self._artist_for(form).shown_reward(each) for each in rewards]
-            yield from reward_signs(rewards, texts, self.look)
+            texts = [self._artist_for(form).shown_reward(each) for each in self._map.rewards]
+            yield from reward_signs(self._map.rewards, texts, self.look)
         yield from self.study_signs(has_numbers=bool(form and form.has_values), has_actions=bool(actions))
         if actions is not None:
             yield from action_signs(actions, self.look)

@@ -7,7 +7,8 @@ from typing import Final
 from rich.segment import Segment
 from textual.strip import Strip
 
-from rl_tui.lab.last_step.gust import LastGust
+from rl_tui.lab.last_step.gust import gust_of
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.legend import LegendSign
 from rl_tui.tui.panels.world.grid.form import CellForm
 from rl_tui.tui.panels.world.grid.map import MapPart
@@ -18,10 +19,11 @@ WIND: Final = "wind"
 
 
 def wind_strip(
-    grid: Grid, part: MapPart, form: CellForm, left: int, width: int, gust: LastGust | None, look: Look
+    grid: Grid, part: MapPart, form: CellForm, left: int, width: int, snapshot: Snapshot, look: Look
 ) -> Strip:
     """Return a row of ``width`` cells with the wind of each column of ``part``, which begins at ``left``."""
     palette = look.palette
+    gust = gust_of(snapshot.world, snapshot.counters.last_step)
     label = WIND if left > len(WIND) else ""
     segments = [Segment(label.rjust(left - 1 if label else 0).ljust(left), palette.dim)]
     for column in range(part.left, part.left + part.columns):

@@ -1,0 +1,255 @@
+"""What one sees while one draws, with real keys: the draft, what turned, changes, two worlds."""
+
+from __future__ import annotations
+
+import pytest
+from conftest import MakeApp
+from seams import playground, press, screen_text, snapshot, train
+from textual.pilot import Pilot
+
+from rl_tui.common.errors import UserError
+from rl_tui.lab.live.commands import AddBranch, DrawWorld
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.counterparts import are_alike, in_common, pair_in, pairs_in, state_in
+from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.tui.panels.row import beside
+from rl_tui.tui.panels.side_by_side import greedy_differences
+from rl_tui.tui.panels.world.arms.arms import ArmsView
+from rl_tui.tui.panels.world.graph.graph import GraphView
+from rl_tui.tui.panels.world.grid.grid import GridView
+from rl_tui.tui.panels.world.view import WorldView
+from rl_tui.worlds.editing.edit import read_edits
+
+pytestmark = pytest.mark.screen
+SIZES = [(80, 24), (120, 40)]
+
+
+def world(pilot: Pilot[UserError]) -> WorldView:
+    view = playground(pilot).board.world
+    assert view is not None
+    return view
+
+
+def drawn(pilot: Pilot[UserError]) -> str:
+    view = world(pilot)
+    return "\n".join(view.render_line(y).text for y in range(view.size.height))
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_every_stroke_is_seen_before_it_is_in_force(make_app: MakeApp, size: tuple[int, int]) -> None:
+    async with make_app("frozenlake").run_test(size=size) as pilot:
+        await settle(pilot)
+        shown = await press(pilot, "C", "full_stop")
+        assert "╱" in drawn(pilot)
+        assert "╱ drawn" in screen_text(pilot.app), "the sign is explained"
+        holes = drawn(pilot).count("●")
+        shown = await press(pilot, "right", "H")
+        assert drawn(pilot).count("●") == holes + 1
+        assert shown.editor.draft is not shown.editor.base
+        shown = await press(pilot, "down", "down", "S")
+        assert shown.editor.draft is shown.editor.base
+        assert "╱" not in drawn(pilot)
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_turned_states_are_marked_until_the_next_stroke(
+    make_app: MakeApp, size: tuple[int, int]
+) -> None:
+    async with make_app("frozenlake").run_test(size=size) as pilot:
+        await settle(pilot)
+        await train(pilot, 500)
+        await press(pilot, "C", "home")
+        world(pilot).put_cursor(10)
+        shown = await press(pilot, "H")
+        assert shown.editor.turned
+        assert drawn(pilot).count("↻") == len(shown.editor.turned) + ("↻ turned" in drawn(pilot))
+        assert "↻ turned" in screen_text(pilot.app)
+        await press(pilot, "z")
+        assert "↻" in drawn(pilot), "undoing turns them back"
+        await press(pilot, "h")
+        assert "↻" not in drawn(pilot), "the answer is hidden"
+        await press(pilot, "h")
+        world(pilot).put_cursor(1)
+        assert not (await press(pilot, "full_stop")).editor.turned
+        assert "↻" not in drawn(pilot)
+
+
+async def test_a_trap_is_warned_of_beside_its_cells(make_app: MakeApp) -> None:
+    async with make_app("maze").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C")
+        world(pilot).put_cursor(4 * 9)
+        shown = await press(pilot, "V", "down", "right", "number_sign")
+        assert len(shown.editor.endless) == 2
+        assert drawn(pilot).count("∞") == 2 + ("∞ no" in drawn(pilot))
+        await press(pilot, "z")
+        assert "∞" not in drawn(pilot)
+
+
+async def test_the_cursor_keeps_its_cell_when_lines_are_added_before_it(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C")
+        world(pilot).put_cursor(6)
+        await press(pilot, "i")
+        assert world(pilot).cursor == 2 * 4 + 2
+        await press(pilot, "I")
+        assert world(pilot).cursor == 2 * 5 + 3
+        await press(pilot, "z")
+        assert world(pilot).cursor == 2 * 4 + 2
+        await press(pilot, "z")
+        assert world(pilot).cursor == 6
+        world(pilot).put_cursor(15)
+        await press(pilot, "u")
+        assert world(pilot).cursor == 11, "its row is gone: the last one"
+
+
+async def test_the_cursor_keeps_its_arm_and_its_state(make_app: MakeApp) -> None:
+    async with make_app("bandit").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C")
+        assert isinstance(world(pilot), ArmsView)
+        world(pilot).put_cursor(3)
+        await press(pilot, "i")
+        assert world(pilot).cursor == 4
+    async with make_app("student").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        shown = await press(pilot, "C")
+        names = shown.world.space.state_names
+        world(pilot).put_cursor(names.index("Pass"))
+        # a new state that is mentioned first gets a number of its own before it
+        edit = 'world.transition[Class,study]={"to":{"Bar":0.5,"Pass":0.5},"reward":1}'
+        playground(pilot).send(DrawWorld(read_edits(edit)))
+        await settle(pilot)
+        now = snapshot(pilot).world.space.state_names
+        place = world(pilot).cursor
+        assert place is not None
+        assert now[place] == "Pass"
+
+
+async def test_the_curve_and_the_timeline_show_where_the_world_changed(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await train(pilot, 1_000)
+        board = playground(pilot).board
+        assert "◈" not in screen_text(pilot.app)
+        shown = await press(pilot, "C", "home")
+        world(pilot).put_cursor(11 if shown.counters.state != 11 else 7)
+        shown = await press(pilot, "full_stop")
+        assert len(shown.world_changes) == 1
+        shown = await train(pilot, 1_000)
+        curve = "\n".join(board.curve.render_line(y).text for y in range(board.curve.size.height))
+        assert curve.count("◈") == 1
+        assert board.timeline.render_line(0).text.count("◈") == 1
+        assert "◈ new world" in screen_text(pilot.app)
+
+
+# Two worlds side by side
+
+
+async def two_lanes(pilot: Pilot[UserError], *strokes: str) -> Snapshot:
+    """Lead a lane in the world as it was, and beside it the one in which ``strokes`` were drawn."""
+    await settle(pilot)
+    await train(pilot, 2_000)
+    await press(pilot, "C", *strokes, "escape", "b", "t")
+    await train(pilot, 2_000)
+    playground(pilot).lanes.link.send(AddBranch(0))
+    await settle(pilot)
+    shown = snapshot(pilot)
+    assert shown.beside is not None
+    return shown
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_maps_of_one_size_are_compared_by_cell(make_app: MakeApp, size: tuple[int, int]) -> None:
+    async with make_app("maze").run_test(size=size) as pilot:
+        shown = await two_lanes(pilot, "home", "shift+right")
+        board, other = playground(pilot).board, shown.beside
+        assert other is not None
+        assert not are_alike(shown.world, other.world)
+        found = greedy_differences(shown, other)
+        views = [board.query_one(f"#{each}", GridView) for each in ("world", beside("world"))]
+        assert [view.differing for view in views] == [found.states, found.right]
+        cells = [
+            {view.world.drawing.cell_of_state[state] for state in view.differing}  # type: ignore[union-attr]
+            for view in views
+        ]
+        assert cells[0] == cells[1]
+        assert 0 < found.known <= min(shown.world.space.states, other.world.space.states)
+        for lane, states in ((shown, found.states), (other, found.right)):
+            for state in states:
+                assert lane.agent.visits[list(lane.world.space.pairs_of(state))].any()
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_two_worlds_have_a_cursor_in_common_by_cell_and_by_name(
+    make_app: MakeApp, size: tuple[int, int]
+) -> None:
+    async with make_app("maze").run_test(size=size) as pilot:
+        shown = await two_lanes(pilot, "home", "shift+right")
+        board = playground(pilot).board
+        first, second = (board.query_one(f"#{each}", GridView) for each in ("world", beside("world")))
+        first.focus()
+        await settle(pilot)
+        first.put_cursor(30)
+        await settle(pilot)
+        assert first.cursor == second.cursor == 30
+        tables = [board.query_one(f"#{each}", QTable) for each in ("table", beside("table"))]
+        for table, view in zip(tables, (first, second), strict=True):
+            assert table.snapshot is not None
+            state = view.state_at(30)
+            assert state is not None
+            assert table.pointed == table.snapshot.world.space.pairs_of(state)
+        await press(pilot, "s", "s")
+        assert first.cursor == second.cursor == 30
+        assert shown.beside is not None
+
+
+async def test_graphs_are_compared_by_name(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await train(pilot, 500)
+        edit = 'world.transition[Class,study]={"to":{"Bar":0.5,"Pass":0.5},"reward":-9}'
+        await press(pilot, "C")
+        playground(pilot).send(DrawWorld(read_edits(edit)))
+        await settle(pilot)
+        await press(pilot, "escape", "b", "t")
+        await train(pilot, 200)
+        playground(pilot).lanes.link.send(AddBranch(0))
+        await settle(pilot)
+        shown = snapshot(pilot)
+        other = shown.beside
+        assert other is not None
+        one, two = shown.world.space.state_names, other.world.space.state_names
+        assert list(one) != list(two)
+        for number, name in enumerate(one):
+            there = state_in(number, shown.world, other.world)
+            assert there is not None
+            assert two[there] == name
+        assert state_in(two.index("Bar"), other.world, shown.world) is None
+        found = greedy_differences(shown, other)
+        assert {one[state] for state in found.states} == {two[state] for state in found.right}
+        common = in_common(shown.world, other.world)
+        for pair in range(shown.world.space.pairs):
+            assert pair_in(pair, shown.world, other.world) == common.pairs[pair]
+        mine, theirs = shown.world.space, other.world.space
+        for state in range(mine.states):
+            there = state_in(state, shown.world, other.world)
+            assert there is not None
+            expected = theirs.pairs_of(there)
+            assert len(pairs_in(mine.pairs_of(state), shown.world, other.world)) in (0, len(expected))
+        board = playground(pilot).board
+        first, second = (board.query_one(f"#{each}", GraphView) for each in ("world", beside("world")))
+        first.focus()
+        await settle(pilot)
+        first.put_cursor(one.index("Pass"))
+        await settle(pilot)
+        assert second.cursor == two.index("Pass")
+
+
+async def test_what_differs_from_the_other_table_is_shown_of_the_same_pairs_alone(make_app: MakeApp) -> None:
+    async with make_app("maze").run_test(size=(120, 40)) as pilot:
+        await two_lanes(pilot, "home", "shift+right")
+        table = playground(pilot).board.table
+        assert "other" not in table.footing
