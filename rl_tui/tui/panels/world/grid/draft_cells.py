@@ -47,12 +47,13 @@ def draft_cells(editor: EditorView, grid: Grid, part: MapPart) -> dict[int, Draf
     row_in = _places(base.row_ids, draft.row_ids, range(part.top, part.top + part.rows))
     column_in = _places(base.column_ids, draft.column_ids, range(part.left, part.left + part.columns))
     legend, before = draft.legend, base.legend
+    same = {each for each in legend if legend[each] == before.get(each)}
     found = {}
     for row, its_row in row_in.items():
         line, was = draft.lines[its_row], base.lines[row]
         for column, its_column in column_in.items():
-            character, old = line[its_column], was[column]
-            if character != old or legend.get(character) != before.get(old):
+            character = line[its_column]
+            if character != was[column] or character not in same:
                 found[row * grid.columns + column] = _cell(legend.get(character))
     return found
 
