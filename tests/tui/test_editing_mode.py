@@ -18,6 +18,7 @@ from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.opening import DrawingStart
 from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.last_step.last_step import OF_ANOTHER_WORLD, nothing_yet
 from rl_tui.tui.panels.world.grid.grid import GridView
 from rl_tui.worlds.editing.grid_draft import GridDraft
 from rl_tui.worlds.files.catalogue import find
@@ -96,6 +97,12 @@ async def test_without_a_start_it_is_a_draft_and_learning_goes_on(make_app: Make
         assert not shown.editor.unfinished
         assert shown.world.space.state_names[int(shown.world.mdp.start_state[0])] == "4"  # type: ignore[union-attr]
         assert len(shown.timeline.current.journal) == 1
+
+
+async def test_the_last_step_of_another_world_is_not_told(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        assert nothing_yet(await press(pilot, "s", "C", "down", "right", "H")) == OF_ANOTHER_WORLD
 
 
 async def test_a_rectangle_is_copied_and_filled(make_app: MakeApp) -> None:

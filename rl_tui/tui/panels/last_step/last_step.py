@@ -23,6 +23,7 @@ NOTHING_YET: Final = "no step yet: s takes one"
 ENDED: Final = "ended its episode"
 ENDED_SWEEP: Final = "ended its sweep"
 NOT_REPLAYED_YET: Final = "the last step is told once it is replayed"
+OF_ANOTHER_WORLD: Final = "no step yet in this world: s takes one"
 NOT_OF_THE_TABLE: Final = "this step is none that the world's table has"
 _USUAL_ROWS: Final = 8  # of the longest form
 _ROOM_ON_BORDER: Final = 76
@@ -86,7 +87,10 @@ def nothing_yet(snapshot: Snapshot | None) -> str:
     """Return why there is no last step to tell of."""
     if snapshot is not None and snapshot.program is not None and snapshot.counters.step:
         return NOT_OF_THE_TABLE
-    return NOTHING_YET if snapshot is None or snapshot.counters.step == 0 else NOT_REPLAYED_YET
+    if snapshot is None or snapshot.counters.step == 0:
+        return NOTHING_YET
+    changes = snapshot.world_changes
+    return OF_ANOTHER_WORLD if changes and changes[-1].step == snapshot.counters.step else NOT_REPLAYED_YET
 
 
 def last_step_lines(snapshot: Snapshot | None, look: Look, width: int, height: int) -> list[Line]:
