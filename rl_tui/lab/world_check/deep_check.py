@@ -8,7 +8,6 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.exact.first_update import Wait, first_wait
 from rl_tui.agents.exact.policies import uniform_policy
 from rl_tui.agents.exact.policy_figures import expected_return
@@ -18,7 +17,7 @@ from rl_tui.agents.exact.ways_out import endless_states, never_reached, shortest
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.common.errors import UserError
 from rl_tui.common.words import counted
-from rl_tui.lab.experiments.endless import endless_warning_in
+from rl_tui.lab.experiments.endless import REMEDY, endless_warning_in
 from rl_tui.lab.run.exact_answers import NO_TABLE
 from rl_tui.lab.run.figures import MOST_STATES
 from rl_tui.lab.world_check.greedy_trials import (
@@ -32,11 +31,10 @@ from rl_tui.lab.world_check.greedy_trials import (
     trials,
 )
 from rl_tui.lab.world_check.report import Stage, TrialsMade, WorldReport
+from rl_tui.lab.world_check.words import names
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 TOO_LARGE: Final = f"not worked out above {MOST_STATES:,} states"
-
-REMEDY: Final = "a time_limit would end it"
 
 
 class Question(NamedTuple):
@@ -189,9 +187,10 @@ def _warnings(made: Sequence[Trial], mdp: TabularMDP, episodes: int) -> list[str
         )
     long = [trial for trial in made if trial.long_episode is not None]
     if long:
-        said.append(f"while {_names(long)} learns, an episode may take very long, or never end: {REMEDY}")
+        they = "they learn" if _names(long) == _names(greedy) else f"{_names(long)} learns"
+        said.append(f"while {they}, an episode may take very long, or never end: {REMEDY}")
     return said
 
 
 def _names(made: Sequence[Trial]) -> str:
-    return ", ".join(BY_ID[algorithm].name for algorithm in dict.fromkeys(trial.algorithm for trial in made))
+    return names(tuple(dict.fromkeys(trial.algorithm for trial in made)))

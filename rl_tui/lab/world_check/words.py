@@ -125,4 +125,6 @@ def _endless(report: WorldReport, space: FiniteSpace) -> tuple[str, str]:
 
 def names(algorithms: Sequence[str]) -> str:
     """Return what ``algorithms`` are called."""
+    if len(algorithms) == len(BY_ID):
+        return "every algorithm"
     return ", ".join(BY_ID[algorithm].name for algorithm in algorithms)
