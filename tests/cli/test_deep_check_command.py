@@ -89,6 +89,24 @@ def test_the_lakes_have_the_values_that_are_known_of_them() -> None:
     assert first["mean_episodes"] == pytest.approx(526, abs=0.5)
 
 
+@pytest.mark.parametrize(
+    ("episodes", "cells", "warned"),
+    [(100, "S.G", ""), (100, "SHG", "nothing is ever learned"), (3, "S....G", "a training has 3 episodes")],
+)
+def test_where_nothing_will_be_learned_that_is_said(
+    episodes: int,
+    cells: str,
+    warned: str,
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "quiet.toml"
+    text = f"[defaults]\nepisodes = {episodes}\n[grid]\ntime_limit = 10\nmap = '{cells}'\n"
+    path.write_text(text, encoding="utf-8")
+    found = document(str(path))["warnings"]
+    assert len(found) == bool(warned)
+    assert all(warned in each for each in found)
+
+
 def test_of_a_large_world_what_is_not_worked_out_is_said(tmp_path: Path) -> None:
     rows = ["." * 240 for _ in range(240)]
     rows[0], rows[-1] = "S" + rows[0][1:], rows[-1][1:] + "G"

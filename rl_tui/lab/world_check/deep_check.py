@@ -17,6 +17,7 @@ from rl_tui.agents.exact.ways_out import endless_states, never_reached, shortest
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.common.errors import UserError
 from rl_tui.common.words import counted
+from rl_tui.lab.answers.first_update_words import wait_in_words
 from rl_tui.lab.experiments.endless import REMEDY, endless_warning_in
 from rl_tui.lab.run.exact_answers import NO_TABLE
 from rl_tui.lab.run.figures import MOST_STATES
@@ -74,12 +75,14 @@ def _figures(asked: Question) -> WorldReport:
     """Return all that is exact but for flips."""
     mdp, unknown = asked.mdp, dict[str, str]()
     random_return, best_return = _returns(mdp, unknown)
+    first = _first_wait(asked, unknown)
     return WorldReport(
         Stage.FLIPS,
+        warnings=_wait_warnings(first, asked.episodes),
         random_return=random_return,
         best_return=best_return,
         shortest_way=_shortest_way(mdp, asked.hyperparameters.gamma, unknown),
-        first_update=_first_wait(asked, unknown),
+        first_update=first,
         never_reached=tuple(never_reached(mdp).tolist()),
         endless_states=tuple(np.flatnonzero(endless_states(mdp)).tolist()),
         unknown=unknown,
@@ -127,6 +130,18 @@ def _first_wait(asked: Question, unknown: dict[str, str]) -> Wait | None:
     except NoExactAnswer as reason:
         unknown["first_update"] = str(reason)
         return None
+
+
+def _wait_warnings(wait: Wait | None, episodes: int) -> tuple[str, ...]:
+    """Return that nothing is learned in a whole training of so many ``episodes``, where that is likely."""
+    if wait is None or wait.chance == 1.0:
+        return ()
+    if wait.chance == 0.0:
+        return ("nothing is ever learned: no episode can come to anything that moves an estimate",)
+    if wait.median_episodes is not None and wait.median_episodes <= episodes:
+        return ()
+    training = f"and a training has {counted(episodes, 'episode')}"
+    return (f"{wait_in_words(wait)}, {training}: rl-tui why says what helps",)
 
 
 def _with_flips(report: WorldReport, mdp: TabularMDP) -> WorldReport:
