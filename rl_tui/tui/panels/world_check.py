@@ -34,7 +34,7 @@ _BESIDE: Final = 34
 
 
 class WorldCheckPanel(ScrolledPanel):
-    """How far the check has come, its rows, and the warnings; arrows scroll."""
+    """How far the check has come, the warnings, and its rows; arrows scroll."""
 
     BINDINGS: ClassVar[list[BindingType]] = scroll_bindings("world_check")
     title = TITLE
@@ -61,13 +61,13 @@ def check_lines(snapshot: Snapshot | None, look: Look, width: int) -> Iterator[L
     report, world = view.report, view.world
     if report is None or world is None:
         return
+    for warning in report.warnings:
+        yield from wrapped(
+            warning, width, palette.dim if view.is_outdated else palette.bad, look, " ! ", "   "
+        )
     told = rows(report, world.space, view.gamma, lambda state: state_name(world, state, look.glyphs))
     for row in told:
         yield from _row(row, snapshot, view, look, width)
-    if report.warnings:
-        yield []
-    for warning in report.warnings:
-        yield from wrapped(warning, width, palette.bad, look, " ! ", "   ")
 
 
 def _how_far(view: WorldCheckView, look: Look, width: int) -> Iterator[Line]:
@@ -82,7 +82,7 @@ def _how_far(view: WorldCheckView, look: Look, width: int) -> Iterator[Line]:
         count = len(report.warnings)
         text, style = FINE, palette.good
         if count:
-            text, style = f"done: {counted(count, 'warning')}, below", palette.bad
+            text, style = f"done: {counted(count, 'warning')}", palette.bad
     elif report is not None and report.trying:
         name, place = BY_ID[report.trying].name, list(BY_ID).index(report.trying) + 1
         text = f"trying {name}, {place} of {len(BY_ID)}"
