@@ -8,6 +8,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.exact.first_update import Wait, first_wait
 from rl_tui.agents.exact.policies import uniform_policy
 from rl_tui.agents.exact.policy_figures import expected_return
@@ -35,6 +36,7 @@ from rl_tui.lab.world_check.report import Stage, TrialsMade, WorldReport
 from rl_tui.lab.world_check.words import names
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
+_MOST_NAMED: Final = 3
 TOO_LARGE: Final = f"not worked out above {MOST_STATES:,} states"
 
 
@@ -134,11 +136,9 @@ def _first_wait(asked: Question, unknown: dict[str, str]) -> Wait | None:
 
 def _wait_warnings(wait: Wait | None, episodes: int) -> tuple[str, ...]:
     """Return that nothing is learned in a whole training of so many ``episodes``, where that is likely."""
-    if wait is None or wait.chance == 1.0:
-        return ()
-    if wait.chance == 0.0:
+    if wait is not None and wait.chance == 0.0:
         return ("nothing is ever learned: no episode can come to anything that moves an estimate",)
-    if wait.median_episodes is not None and wait.median_episodes <= episodes:
+    if wait is None or wait.median_episodes is None or wait.median_episodes <= episodes:
         return ()
     training = f"and a training has {counted(episodes, 'episode')}"
     return (f"{wait_in_words(wait)}, {training}: rl-tui why says what helps",)
@@ -174,13 +174,14 @@ def _with_trials(report: WorldReport, asked: Question) -> Iterator[WorldReport]:
     except UserError as reason:
         yield replace(report, stage=Stage.DONE, unknown={**report.unknown, "endless": str(reason)})
         return
+    is_said = mdp.time_limit or report.endless_states
     in_part = dict.fromkeys(trial.algorithm for trial in made if trial.is_cut_short)
     yield replace(
         report,
         stage=Stage.DONE,
         endless=_may_never_end(made),
         tried=TrialsMade(SEEDS, episodes, MOST_STEPS, tuple(in_part)),
-        warnings=(*known, *_warnings(made, mdp, episodes)),
+        warnings=(*known, *([] if is_said else _warnings(made, mdp, episodes))),
     )
 
 
@@ -189,9 +190,10 @@ def _may_never_end(made: Sequence[Trial]) -> tuple[str, ...]:
 
 
 def _warnings(made: Sequence[Trial], mdp: TabularMDP, episodes: int) -> list[str]:
-    """Return what ``made`` gives cause to warn of, and what to do; a time limit has done it."""
-    if mdp.time_limit:
-        return []
+    """Return what ``made`` gives cause to warn of, and what to do.
+
+    A time limit has done it already; and from a state without a way out nothing else is to be expected.
+    """
     said = []
     greedy = [trial for trial in made if trial.endless_at is not None]
     if greedy:
@@ -202,10 +204,12 @@ def _warnings(made: Sequence[Trial], mdp: TabularMDP, episodes: int) -> list[str
         )
     long = [trial for trial in made if trial.long_episode is not None]
     if long:
-        they = "they learn" if _names(long) == _names(greedy) else f"{_names(long)} learns"
-        said.append(f"while {they}, an episode may take very long, or never end: {REMEDY}")
+        said.append(f"with {_names(long)} an episode of training may take very long, or never end: {REMEDY}")
     return said
 
 
 def _names(made: Sequence[Trial]) -> str:
-    return names(tuple(dict.fromkeys(trial.algorithm for trial in made)))
+    """Return what the algorithms of ``made`` are called; where there are many, how many."""
+    found = tuple(dict.fromkeys(trial.algorithm for trial in made))
+    is_short = len(found) <= _MOST_NAMED or len(found) == len(BY_ID)
+    return names(found) if is_short else f"{len(found)} of {len(BY_ID)} algorithms"
