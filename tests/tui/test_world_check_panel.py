@@ -24,7 +24,7 @@ from rl_tui.lab.world_check.deep_check import Question, reports
 from rl_tui.lab.world_check.report import Stage, WorldReport
 from rl_tui.lab.world_check.world_checks import IN_KIOSK, WorldCheckView
 from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.world_check import FINE, OUTDATED, TITLE, WAITING, WorldCheckPanel
+from rl_tui.tui.panels.world_check.world_check import FINE, OUTDATED, TITLE, WAITING, WorldCheckPanel
 
 SIZES = ((118, 30), (58, 19), (36, 17), (36, 5), (20, 30), (16, 10), (5, 3), (1, 1))
 

@@ -308,7 +308,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
     ),
     PanelRow(
         WORLD_CHECK,
-        "rl_tui.tui.panels.world_check:WorldCheckPanel",
+        "rl_tui.tui.panels.world_check.world_check:WorldCheckPanel",
         "World check",
         "What one wants to know of a world before giving it to a class, be it drawn or not: what policies "
         "earn that pick at random and that are best, in how few steps the best one may come to an end, how "
