@@ -48,6 +48,77 @@ def test_a_trap_is_named_by_its_state_and_warned_of(tmp_path: Path) -> None:
     assert "q-learning" in found["endless"]
 
 
+LEDGE = """title = "ledge"
+[defaults]
+algorithm = "sarsa"
+[grid]
+{limit}
+step_reward = -1
+map = '''
+S....
+.#.a.
+...G.
+'''
+[grid.legend]
+a = {{ kind = "floor", only = ["up"], reward = {pays} }}
+"""
+
+
+@pytest.mark.parametrize(("limit", "pays"), [("", 2), ("", -1), ("time_limit = 60", 2)])
+def test_where_a_greedy_policy_may_never_end_a_time_limit_is_asked_for(
+    limit: str, pays: int, tmp_path: Path
+) -> None:
+    path = tmp_path / "ledge.toml"
+    path.write_text(LEDGE.format(limit=limit, pays=pays), encoding="utf-8")
+    found = document(str(path))
+    asked = [each for each in found["warnings"] if "time_limit" in each]
+    is_trap = pays > 0
+    assert bool(asked) is (is_trap and not limit)
+    assert ("sarsa" in found["endless"]) is is_trap
+    plain = CliRunner().invoke(program, ["check", str(path)])
+    assert ("time_limit" in plain.stderr) is bool(asked)
+
+
+def test_the_lakes_have_the_values_that_are_known_of_them() -> None:
+    slippery = document("frozenlake-slippery")
+    assert slippery["random_return"] == pytest.approx(0.013939795959171436, abs=1e-15)
+    assert slippery["best_return"] == pytest.approx(0.7442, abs=5e-5)
+    assert [flip["gamma"] for flip in slippery["flips"]] == pytest.approx([0.808783309216, 0.978316459143])
+    assert [[each["state"] for each in flip["changes"]] for flip in slippery["flips"]] == [["0", "2"], ["2"]]
+    first = document("frozenlake-8x8")["first_update"]
+    assert first["mean_episodes"] == pytest.approx(526, abs=0.5)
+
+
+@pytest.mark.parametrize(
+    ("episodes", "cells", "warned"),
+    [(100, "S.G", ""), (100, "SHG", "nothing is ever learned"), (3, "S....G", "a training has 3 episodes")],
+)
+def test_where_nothing_will_be_learned_that_is_said(
+    episodes: int,
+    cells: str,
+    warned: str,
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "quiet.toml"
+    text = f"[defaults]\nepisodes = {episodes}\n[grid]\ntime_limit = 10\nmap = '{cells}'\n"
+    path.write_text(text, encoding="utf-8")
+    found = document(str(path))["warnings"]
+    assert len(found) == bool(warned)
+    assert all(warned in each for each in found)
+
+
+def test_of_a_large_world_what_is_not_worked_out_is_said(tmp_path: Path) -> None:
+    rows = ["." * 240 for _ in range(240)]
+    rows[0], rows[-1] = "S" + rows[0][1:], rows[-1][1:] + "G"
+    path = tmp_path / "large.toml"
+    path.write_text("[grid]\nmap = '''\n" + "\n".join(rows) + "\n'''\n", encoding="utf-8")
+    found = document(str(path))
+    assert (found["random_return"], found["best_return"], found["shortest_way"]) == (None, None, None)
+    assert (found["first_update"], found["flips"], found["endless"]) == (None, None, None)
+    assert (found["never_reached"], found["endless_states"], found["exit"]) == ([], [], 0)
+    assert len(found["warnings"]) == 6
+
+
 def test_faults_stand_alone(tmp_path: Path) -> None:
     path = tmp_path / "faulty.toml"
     path.write_text("[grid]\nmap = '...'\n", encoding="utf-8")

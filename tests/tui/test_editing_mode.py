@@ -20,6 +20,7 @@ from rl_tui.tui.app.opening import DrawingStart
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.last_step.last_step import OF_ANOTHER_WORLD, nothing_yet
 from rl_tui.tui.panels.world.grid.grid import GridView
+from rl_tui.tui.screens.dialogs.choice import Choice
 from rl_tui.worlds.editing.grid_draft import GridDraft
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.digest import table_digest
@@ -171,6 +172,24 @@ async def test_a_world_is_saved_and_never_over_what_another_wrote(make_app: Make
         pilot.app.screen.query_one("Input").value = str(path)  # type: ignore[attr-defined]
         await press(pilot, "enter", "escape")
         assert path.read_text(encoding="utf-8") == "another's"
+
+
+async def test_after_a_save_r_starts_again_in_the_world_that_was_drawn_and_asks_nothing(
+    make_app: MakeApp, tmp_path: Path
+) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text("[grid]\nmap = '''\nS...G\n'''\n", encoding="utf-8")
+    async with make_app(str(path)).run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C", "right", "H", "w", "enter", "escape", "s")
+        assert "SH..G" in path.read_text(encoding="utf-8")
+        drawn = digest(pilot)
+        await press(pilot, "r")
+        assert (digest(pilot), snapshot(pilot).counters.step) == (drawn, 0)
+        assert not isinstance(pilot.app.screen, Choice)
+        path.write_text("[grid]\nmap = '''\nS..G\n'''\n", encoding="utf-8")
+        await press(pilot, "s", "r")
+        assert isinstance(pilot.app.screen, Choice)
 
 
 @pytest.mark.parametrize(

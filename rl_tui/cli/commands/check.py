@@ -69,7 +69,7 @@ def _deep(name: str, seed: int, *, as_json: bool) -> bool:
     from rl_tui.common.findings import printable
     from rl_tui.lab.run.library import episodes_of, find, recipe_for
     from rl_tui.lab.run.recipe import begin
-    from rl_tui.lab.world_check.deep_check import Question, deep_check, without_table
+    from rl_tui.lab.world_check.deep_check import Question, reports, without_table
     from rl_tui.lab.world_check.report import WorldReport
 
     try:
@@ -78,15 +78,16 @@ def _deep(name: str, seed: int, *, as_json: bool) -> bool:
     except ScenarioError as error:
         if not as_json:
             raise
-        print_json(check_document([printable(str(fault)) for fault in error.faults], None, WorldReport(())))
+        print_json(check_document([printable(str(fault)) for fault in error.faults], None, WorldReport()))
         return True
     if world.mdp is None:
         report = without_table()
     else:
         asked = Question(world.mdp, recipe.algorithm, recipe.hyperparameters, episodes_of(recipe.scenario))
         with progress(name) as bar:
-            begun = iter(range(len(BY_ID)))
-            report = deep_check(asked, lambda algorithm: bar(next(begun), len(BY_ID)))
+            for report in reports(asked):
+                if report.trying:
+                    bar(list(BY_ID).index(report.trying), len(BY_ID))
     if as_json:
         print_json(check_document([], world, report))
     else:

@@ -10,6 +10,7 @@ import click
 from rl_tui.cli.options.display import display_of, display_options
 from rl_tui.cli.options.help_sections import SectionedCommand
 from rl_tui.cli.options.run import allow_module_option, run_options, seed_option
+from rl_tui.common.findings import shown
 
 _BLANK: Final = "my-world.toml"
 
@@ -32,8 +33,11 @@ def command(scenario: str | None, overrides: dict[str, object], seed: int, **dis
     from rl_tui.worlds.editing.drafts import refusal
     from rl_tui.worlds.editing.templates import BLANK, template_text
     from rl_tui.worlds.files.scenario import scenario_of
+    from rl_tui.worlds.files.shipped import SUFFIX
 
     require_terminal()
+    if scenario is not None and scenario.endswith(SUFFIX) and not Path(scenario).exists():
+        raise UserError(f"{shown(scenario)}: there is no such file; rl-tui new begins one")
     found = scenario_of(template_text(BLANK[0]), Path(_BLANK)) if scenario is None else find(scenario)
     if reason := refusal(found, seed):
         raise UserError(f"{found.id}: {reason}")

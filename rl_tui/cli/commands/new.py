@@ -35,10 +35,11 @@ def command(name: str, template: str, seed: int, rows: int | None, columns: int 
     from rl_tui.worlds.files.shipped import SUFFIX
 
     stem = name.removesuffix(SUFFIX)
-    if not stem or "/" in stem or "\\" in stem:
+    if not any(map(str.isalnum, stem)) or "/" in stem or "\\" in stem:
         raise UserError(f"{shown(name)}: expected a name such as my-maze, which becomes my-maze{SUFFIX}")
     path = new_path(f"{stem}{SUFFIX}")
     write_text(path, named(template_text(template, seed, rows, columns), stem))
     complain(f"{path} is written")
-    click.echo(f"rl-tui edit {shlex.quote(str(path))}")
-    click.echo(f"rl-tui check --deep {shlex.quote(str(path))}")
+    argument = shlex.quote(f"./{path}" if stem.startswith("-") else str(path))
+    click.echo(f"rl-tui edit {argument}")
+    click.echo(f"rl-tui check --deep {argument}")

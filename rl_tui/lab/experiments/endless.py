@@ -25,6 +25,8 @@ MOST_STEPS: Final = 200_000
 # In a larger world an agent that knows nothing yet may wander about for as long, or take longer to choose
 _MOST_STATES, _MOST_ACTIONS = 1_000, 50
 _UNTOLD: Final = 1e12  # steps, of which rounding leaves no digit
+REMEDY: Final = "a time_limit would end it"
+_NOT_WORTH_IT: Final = f"the end is not worth the way there; {REMEDY}"
 
 
 def endless_warning(scenario: Scenario) -> str:
@@ -44,7 +46,7 @@ def endless_warning_in(mdp: TabularMDP, hyperparameters: Hyperparameters, episod
     if state is not None:
         return (
             f"state {mdp.state_names[state]} can never reach an end and there is no time limit: "
-            f"training stops after {LONGEST_EPISODE:,} steps of one episode"
+            f"training stops after {LONGEST_EPISODE:,} steps of one episode; {REMEDY}"
         )
     if not POLICY_BY_ID[hyperparameters.policy].explores_by_epsilon or not _is_tried(mdp):
         return ""
@@ -54,7 +56,8 @@ def endless_warning_in(mdp: TabularMDP, hyperparameters: Hyperparameters, episod
 def _long_once_learned(mdp: TabularMDP, hyperparameters: Hyperparameters, episodes: int) -> str:
     """Return that episodes are long with the values that SARSA or Q-learning comes to; empty if not.
 
-    ε is that in force at the beginning or after so many ``episodes``, whichever is less.
+    ε is that in force at the beginning or after so many ``episodes``, whichever is less; and 0, as where a
+    greedy policy is looked at.
     """
     gamma = hyperparameters.gamma
     epsilon = min(hyperparameters.epsilon_at(0), hyperparameters.epsilon_at(episodes))
@@ -64,8 +67,13 @@ def _long_once_learned(mdp: TabularMDP, hyperparameters: Hyperparameters, episod
             steps = f"{length:,.0f} steps on average" if length < _UNTOLD else "nearly for ever"
             return (
                 f"with what {name} learns, at γ {gamma:g} and ε {epsilon:g}, an episode takes {steps}, and "
-                f"there is no time limit: the end is not worth the way there"
+                f"there is no time limit: {_NOT_WORTH_IT}"
             )
+    if learned_length(mdp, gamma, 0.0, 0.0) == np.inf:
+        return (
+            f"the policy that is best for γ {gamma:g} may never come to an end, and there is no time limit: "
+            f"{_NOT_WORTH_IT}"
+        )
     return ""
 
 
@@ -75,7 +83,7 @@ def _long_in_a_trial(mdp: TabularMDP, hyperparameters: Hyperparameters) -> str:
         return ""
     return (
         f"in a trial of SARSA episode {episode} had not ended after {LONG_EPISODE:,} steps and there is no "
-        f"time limit: an episode may take very long, or never end"
+        f"time limit: an episode may take very long, or never end; {REMEDY}"
     )
 
 

@@ -6,18 +6,27 @@ import codecs
 import stat
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rl_tui.common.errors import UserError
+from rl_tui.common.streams import streams
 from rl_tui.common.text_file import UnreadableError, read_text
 from rl_tui.lab.export.files import new_path, write_text
+from rl_tui.lab.run.exact_answers import LIVE_STATES
 from rl_tui.lab.sessions.atomic_file import write_atomically
 from rl_tui.worlds.editing.draft import Draft
 from rl_tui.worlds.editing.saving import saved_text
+from rl_tui.worlds.editing.templates import named
 from rl_tui.worlds.editing.toml_text import value_text
 from rl_tui.worlds.files.catalogue import user_folder
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.files.shipped import SUFFIX, shipped_folder, shipped_names
+from rl_tui.worlds.mdp.digest import table_digest
 from rl_tui.worlds.sections.schema import is_plain
+
+if TYPE_CHECKING:
+    from rl_tui.lab.run.recipe import Recipe
+    from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 _MOST_TRIED = 1_000
 
@@ -49,9 +58,12 @@ class ScenarioFile:
     def written(self, path: Path, text: str) -> ScenarioFile:
         """Write ``text`` to ``path``, and return that file: over this one, else over none.
 
-        Whether this one :attr:`has_changed` is for others to ask. Raises UserError, in a line, where it
-        cannot be written.
+        Where this one has no path, the new one has its name for a title too: two scenarios of one title
+        could not be told apart. Whether this one :attr:`has_changed` is for others to ask. Raises UserError,
+        in a line, where it cannot be written.
         """
+        if self.path is None:
+            text = named(text, path.stem)
         try:
             if path == self.path and path.exists():
                 _write_over(path, text)
@@ -73,6 +85,26 @@ def file_of(scenario: Scenario) -> ScenarioFile:
         bool(scenario.text) and path.is_file() and path.resolve().parent != shipped_folder().resolve()
     )
     return ScenarioFile(text, path if is_its_own else None)
+
+
+def is_on_screen(scenario: Scenario, recipe: Recipe, mdp: TabularMDP | None) -> bool:
+    """Return whether ``scenario`` is the one of ``recipe`` in the world of ``mdp``, and nothing else differs.
+
+    So it is once what was drawn has been saved. Of a large world it is not looked for.
+    """
+    if mdp is None or mdp.states > LIVE_STATES or _head(scenario) != _head(recipe.scenario):
+        return False
+    try:
+        drawn = scenario.build(streams(recipe.seed).world).mdp
+    except UserError:
+        return False
+    return drawn is not None and table_digest(drawn) == table_digest(mdp)
+
+
+def _head(scenario: Scenario) -> tuple[object, ...]:
+    """Return all that a file says besides its world."""
+    defaults, answer = dict(scenario.defaults), scenario.hides_answer
+    return scenario.title, scenario.summary, scenario.notes, scenario.order, defaults, answer
 
 
 def offered_name(scenario: Scenario) -> str:

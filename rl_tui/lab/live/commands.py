@@ -205,6 +205,13 @@ class AskFlips(Command):
 
 
 @dataclass(frozen=True, slots=True)
+class AskCheck(Command):
+    """Tell in every snapshot what an author wants to know of the world, as it comes, or tell it no more."""
+
+    is_asked: bool
+
+
+@dataclass(frozen=True, slots=True)
 class StudyPolicy(Command):
     """Tell in every snapshot what policies are worth, with all values of this one; None: of none."""
 
@@ -290,7 +297,7 @@ class WatchProgram(Command):
 
 
 _AT_ANY_TIME: Final = (
-    *(LookAt, FollowCell, MarkLane, EndStudy, SetSpeed, StudyPolicy, AskFlips, AskWhy, OpenEditor),
+    *(LookAt, FollowCell, MarkLane, EndStudy, SetSpeed, StudyPolicy, AskFlips, AskCheck, AskWhy, OpenEditor),
 )
 LOOKING: Final = (*_AT_ANY_TIME, StudySeeds)
 """Commands that leave nothing behind that is worth keeping."""

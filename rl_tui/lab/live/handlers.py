@@ -124,6 +124,10 @@ def _ask_flips(playback: Playback, _: commands.AskFlips) -> None:
     playback.questions.flips.begin(playback.group.current.run.world.mdp)
 
 
+def _ask_check(playback: Playback, command: commands.AskCheck) -> None:
+    playback.questions.ask_check(is_asked=command.is_asked)
+
+
 def _hide_answer(playback: Playback, command: commands.HideAnswer) -> None:
     playback.questions.is_hidden = command.is_hidden
 
@@ -211,6 +215,7 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.FollowCell: _follow_cell,
     commands.StudyPolicy: _study_policy,
     commands.AskFlips: _ask_flips,
+    commands.AskCheck: _ask_check,
     commands.DrawAction: _draw_action,
     commands.ClearDrawing: lambda playback, _: playback.questions.clear(),
     commands.HideAnswer: _hide_answer,

@@ -17,6 +17,7 @@ from rl_tui.lab.lessons.judging.judge import TaskJudge
 from rl_tui.lab.lessons.view import LessonView
 from rl_tui.lab.many_seeds.seed_studies import SeedStudies
 from rl_tui.lab.run.exact_answers import RunAnswers
+from rl_tui.lab.world_check.world_checks import WorldChecks, WorldCheckView
 
 if TYPE_CHECKING:
     from rl_tui.lab.live.record import Record
@@ -45,6 +46,9 @@ class Questions:
         """The exact answers for the γ in force."""
         self.flips = FlipAnswers(on_exact, automatic=automatic)
         """Every γ at which optimal actions change, by world."""
+        self.asks_check = False
+        """Whether a person wants to know of the world what its author should."""
+        self._checks = WorldChecks(on_exact, automatic=automatic)
         self.is_hidden = record.answer_is_hidden
         """Whether a person wants the answer hidden; None: nobody has said."""
         self.drawn = record.drawn
@@ -95,10 +99,17 @@ class Questions:
         """
         self.is_hidden = self.is_hidden or None
 
+    def ask_check(self, *, is_asked: bool) -> None:
+        """Let the world be checked, or no more."""
+        self.asks_check = is_asked
+        if not is_asked:
+            self._checks.end()
+
     def close(self) -> None:
         """End what is worked out in processes of their own, from any thread, and begin nothing any more."""
         self.seed_studies.close()
         self.flips.close()
+        self._checks.close()
         self._judge.close()
 
     def answers(self, run: Run, *, is_still: bool) -> AnswersView:
@@ -119,6 +130,10 @@ class Questions:
             first_update=self._first_updates.of(run, is_asked=self.asks_why),
             flips=self.flips.of(run.world.mdp),
         )
+
+    def world_check(self, run: Run) -> WorldCheckView | None:
+        """Return what an author wants to know of the world of ``run``; None while nobody asks."""
+        return self._checks.of(run) if self.asks_check else None
 
     def lesson_beside(self, run: Run | None) -> LessonView | None:
         """Return how the lesson stands beside ``run``, None before that is there."""

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.run.run import WorldChanged
     from rl_tui.lab.timeline.table_samples import CellHistory
     from rl_tui.lab.timeline.trail import Trail
+    from rl_tui.lab.world_check.world_checks import WorldCheckView
     from rl_tui.worlds.mdp.space import FloatArray, IntArray
     from rl_tui.worlds.world import World
 
@@ -153,6 +154,8 @@ class Snapshot:
     """The lane that stands beside the one shown, at its own moment, without cell; None: there is none."""
     study: SeedStudy | None = None
     """What many seeds say of these runs; None where nobody has asked."""
+    world_check: WorldCheckView | None = None
+    """What an author wants to know of the world of the run shown; None while nobody asks."""
     trail: Trail = ()
     """The last steps of the episode up to the last one, oldest first; none where they are not known."""
     world_changes: tuple[WorldChanged, ...] = ()

@@ -95,6 +95,7 @@ class SnapshotBuilder:
             study=questions.seed_studies.study_of(group),
             lesson=questions.lesson_beside(current.run),
             editor=editor.view(current.run, snapshot.exact_answer, is_hidden=snapshot.answers.is_hidden),
+            world_check=questions.world_check(current.run),
             beside=None
             if beside is None or view.beside is None
             else self.of_lane(

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Final, NamedTuple
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from rl_tui.agents.catalogue import BY_ID
-from rl_tui.agents.exact.first_update import first_wait
+from rl_tui.agents.exact.first_update import Wait, first_wait
 from rl_tui.agents.exact.policies import uniform_policy
 from rl_tui.agents.exact.policy_figures import expected_return
 from rl_tui.agents.exact.solution import NoExactAnswer
@@ -17,26 +18,25 @@ from rl_tui.agents.exact.ways_out import endless_states, never_reached, shortest
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.common.errors import UserError
 from rl_tui.common.words import counted
-from rl_tui.lab.experiments.endless import endless_warning_in
+from rl_tui.lab.answers.first_update_words import wait_in_words
+from rl_tui.lab.experiments.endless import REMEDY, endless_warning_in
 from rl_tui.lab.run.exact_answers import NO_TABLE
 from rl_tui.lab.run.figures import MOST_STATES
 from rl_tui.lab.world_check.greedy_trials import (
     MOST_EPISODES,
     MOST_STEPS,
     SEEDS,
-    OnAlgorithm,
     Trial,
     is_tried,
     may_stay,
+    suitable,
     trials,
 )
-from rl_tui.lab.world_check.report import TrialsMade, WorldReport
+from rl_tui.lab.world_check.report import Stage, TrialsMade, WorldReport
+from rl_tui.lab.world_check.words import names
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
-if TYPE_CHECKING:
-    from rl_tui.agents.exact.first_update import Wait
-    from rl_tui.agents.exact.flips.flips import Flip
-
+_MOST_NAMED: Final = 3
 TOO_LARGE: Final = f"not worked out above {MOST_STATES:,} states"
 
 
@@ -49,137 +49,167 @@ class Question(NamedTuple):
     episodes: int
 
 
-def ignore(algorithm: str) -> None:
-    """Ignore which algorithm is tried."""
-
-
 def without_table() -> WorldReport:
     """Return the report on a world that is stepped: nothing is known of it."""
-    return WorldReport((f"nothing can be told: {NO_TABLE}",))
+    return WorldReport(warnings=(f"nothing can be told: {NO_TABLE}",))
 
 
-def deep_check(asked: Question, on_algorithm: OnAlgorithm = ignore) -> WorldReport:
-    """Return the report on the world of ``asked``; ``on_algorithm`` as for :func:`trials`.
+def deep_check(asked: Question) -> WorldReport:
+    """Return the whole report on the world of ``asked``.
 
     All is exact but for ``endless``, which rests on trainings of limited length: see :class:`TrialsMade`.
     Equal questions have equal answers, however long they take.
     """
-    mdp, warnings = asked.mdp, list[str]()
-    warning = endless_warning_in(mdp, asked.hyperparameters, asked.episodes)
-    if warning:
-        warnings.append(warning)
-    random_return, best_return = _returns(mdp, warnings)
-    first, found_flips = _first_wait(asked, warnings), _flips(mdp, warnings)
-    endless, tried = _endless(asked, on_algorithm, warnings)
+    *_, report = reports(asked)
+    return report
+
+
+def reports(asked: Question) -> Iterator[WorldReport]:
+    """Yield the report as it grows: figures, flips, then algorithm by algorithm; the last one is whole."""
+    report = _figures(asked)
+    yield report
+    report = _with_flips(report, asked.mdp)
+    yield report
+    yield from _with_trials(report, asked)
+
+
+def _figures(asked: Question) -> WorldReport:
+    """Return all that is exact but for flips."""
+    mdp, unknown = asked.mdp, dict[str, str]()
+    random_return, best_return = _returns(mdp, unknown)
+    first = _first_wait(asked, unknown)
     return WorldReport(
+        Stage.FLIPS,
+        warnings=_wait_warnings(first, asked.episodes),
         random_return=random_return,
         best_return=best_return,
-        shortest_way=_shortest_way(mdp, asked.hyperparameters.gamma, warnings),
+        shortest_way=_shortest_way(mdp, asked.hyperparameters.gamma, unknown),
         first_update=first,
-        flips=found_flips,
         never_reached=tuple(never_reached(mdp).tolist()),
         endless_states=tuple(np.flatnonzero(endless_states(mdp)).tolist()),
-        endless=endless,
-        tried=tried,
-        warnings=tuple(warnings),
+        unknown=unknown,
     )
 
 
-def _returns(mdp: TabularMDP, warnings: list[str]) -> tuple[float | None, float | None]:
-    """Return what the random and the best policy earn; say which of them is not known."""
+def _returns(mdp: TabularMDP, unknown: dict[str, str]) -> tuple[float | None, float | None]:
+    """Return what the random and the best policy earn; say of either why it is not known."""
     if mdp.states > MOST_STATES:
-        warnings.append(f"returns of the random and the best policy: {TOO_LARGE}")
+        unknown |= {"random_return": TOO_LARGE, "best_return": TOO_LARGE}
         return None, None
     by_chance, best = expected_return(mdp, uniform_policy(mdp)), best_expected_return(mdp)
     if by_chance is None:
-        warnings.append("return of the random policy: it has none, for it may go on being paid for ever")
+        unknown["random_return"] = "there is none, for it may go on being paid for ever"
     if best is None:
-        warnings.append("return of the best policy: at γ = 1 there is none; rl-tui solve --gamma 1 says why")
+        unknown["best_return"] = "there is none at γ 1; rl-tui solve --gamma 1 says why"
     return by_chance, best
 
 
-def _shortest_way(mdp: TabularMDP, gamma: float, warnings: list[str]) -> int | None:
+def _shortest_way(mdp: TabularMDP, gamma: float, unknown: dict[str, str]) -> int | None:
+    name = "shortest_way"
     if mdp.states > MOST_STATES:
-        warnings.append(f"length of the best way: {TOO_LARGE}")
+        unknown[name] = TOO_LARGE
         return None
     try:
         steps = shortest_way(mdp, solve(mdp, gamma).greedy)
     except NoExactAnswer as reason:
-        warnings.append(f"length of the best way: {reason}")
+        unknown[name] = str(reason)
         return None
     if steps is None:
-        warnings.append("length of the best way: the best policy never comes to an end")
+        unknown[name] = "the best policy never comes to an end"
     elif mdp.time_limit and steps > mdp.time_limit:
         limit = counted(mdp.time_limit, "step")
-        warnings.append(f"length of the best way: its end is {steps:,} steps away, an episode has {limit}")
+        unknown[name] = f"its end is {steps:,} steps away, an episode has {limit}"
         return None
     return steps
 
 
-def _first_wait(asked: Question, warnings: list[str]) -> Wait | None:
+def _first_wait(asked: Question, unknown: dict[str, str]) -> Wait | None:
     if asked.mdp.states > MOST_STATES:
-        warnings.append(f"first update: {TOO_LARGE}")
+        unknown["first_update"] = TOO_LARGE
         return None
     try:
         return first_wait(asked.mdp, asked.algorithm, asked.hyperparameters)
     except NoExactAnswer as reason:
-        warnings.append(f"first update: {reason}")
+        unknown["first_update"] = str(reason)
         return None
 
 
-def _flips(mdp: TabularMDP, warnings: list[str]) -> tuple[Flip, ...] | None:
+def _wait_warnings(wait: Wait | None, episodes: int) -> tuple[str, ...]:
+    """Return that nothing is learned in a whole training of so many ``episodes``, where that is likely."""
+    if wait is not None and wait.chance == 0.0:
+        return ("nothing is ever learned: no episode can come to anything that moves an estimate",)
+    if wait is None or wait.median_episodes is None or wait.median_episodes <= episodes:
+        return ()
+    training = f"and a training has {counted(episodes, 'episode')}"
+    return (f"{wait_in_words(wait)}, {training}: rl-tui why says what helps",)
+
+
+def _with_flips(report: WorldReport, mdp: TabularMDP) -> WorldReport:
     from rl_tui.agents.exact.flips.flips import flips
 
     try:
-        return () if mdp.terminated.all() else flips(mdp)
+        return replace(report, stage=Stage.TRIALS, flips=flips(mdp))
     except NoExactAnswer as reason:
-        warnings.append(f"flips: {reason}")
-        return None
+        return replace(report, stage=Stage.TRIALS, unknown={**report.unknown, "flips": str(reason)})
 
 
-def _endless(
-    asked: Question, on_algorithm: OnAlgorithm, warnings: list[str]
-) -> tuple[tuple[str, ...] | None, TrialsMade | None]:
-    """Return the algorithms that may learn never to end, and how they were tried."""
-    mdp, episodes = asked.mdp, min(MOST_EPISODES, asked.episodes)
+def _with_trials(report: WorldReport, asked: Question) -> Iterator[WorldReport]:
+    """Yield ``report`` before each algorithm, with those that may learn never to end, and at the end."""
+    mdp, settings, episodes = asked.mdp, asked.hyperparameters, min(MOST_EPISODES, asked.episodes)
+    warning = endless_warning_in(mdp, settings, asked.episodes)
+    known = (*report.warnings, *([warning] if warning else []))
+    report = replace(report, warnings=known)
     if not is_tried(mdp):
-        warnings.append("endless policies: the world is too large for short trainings to tell anything")
-        return None, None
+        unknown = {**report.unknown, "endless": "the world is too large for short trainings to tell anything"}
+        yield replace(report, stage=Stage.DONE, unknown=unknown)
+        return
     if not may_stay(mdp):
-        return (), TrialsMade((), 0, 0)
+        yield replace(report, stage=Stage.DONE, endless=(), tried=TrialsMade((), 0, 0))
+        return
+    made: list[Trial] = []
     try:
-        made = list(trials(mdp, asked.hyperparameters, episodes, on_algorithm))
+        for algorithm in suitable(mdp, settings):
+            yield replace(report, trying=algorithm, endless=_may_never_end(made))
+            made += trials(mdp, algorithm, settings, episodes)
     except UserError as reason:
-        warnings.append(f"endless policies: {reason}")
-        return None, None
-    warnings += _said_of(made, mdp, episodes)
-    found = dict.fromkeys(trial.algorithm for trial in made if trial.may_never_end)
-    return tuple(found), TrialsMade(SEEDS, episodes, MOST_STEPS)
+        yield replace(report, stage=Stage.DONE, unknown={**report.unknown, "endless": str(reason)})
+        return
+    is_said = mdp.time_limit or report.endless_states
+    in_part = dict.fromkeys(trial.algorithm for trial in made if trial.is_cut_short)
+    yield replace(
+        report,
+        stage=Stage.DONE,
+        endless=_may_never_end(made),
+        tried=TrialsMade(SEEDS, episodes, MOST_STEPS, tuple(in_part)),
+        warnings=(*known, *([] if is_said else _warnings(made, mdp, episodes))),
+    )
 
 
-def _said_of(made: Sequence[Trial], mdp: TabularMDP, episodes: int) -> list[str]:
-    """Return what ``made`` gives cause to warn of: traps, and trainings that were broken off."""
+def _may_never_end(made: Sequence[Trial]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(trial.algorithm for trial in made if trial.may_never_end))
+
+
+def _warnings(made: Sequence[Trial], mdp: TabularMDP, episodes: int) -> list[str]:
+    """Return what ``made`` gives cause to warn of, and what to do.
+
+    A time limit has done it already; and from a state without a way out nothing else is to be expected.
+    """
     said = []
     greedy = [trial for trial in made if trial.endless_at is not None]
     if greedy:
         place = mdp.state_names[greedy[0].endless_at or 0]
-        limit = f"the {counted(mdp.time_limit, 'step')} of an episode alone end it"
-        remedy = limit if mdp.time_limit else "there is no time limit, which would end it"
         said.append(
             f"a greedy policy of {_names(greedy)} may never end, as at {place} "
-            f"(up to {counted(episodes, 'episode')}, seeds {SEEDS[0]}–{SEEDS[-1]}): {remedy}"
+            f"(up to {counted(episodes, 'episode')}, seeds {SEEDS[0]}–{SEEDS[-1]}): {REMEDY}"
         )
     long = [trial for trial in made if trial.long_episode is not None]
     if long:
-        said.append(f"while {_names(long)} learns, an episode may take very long, or never end")
-    short = [trial for trial in made if not trial.is_whole and trial.long_episode is None]
-    if short:
-        said.append(
-            f"{_names(short)}: tried in part, up to {MOST_STEPS:,} steps or until it broke down; "
-            "what is learned later is not known"
-        )
+        said.append(f"with {_names(long)} an episode of training may take very long, or never end: {REMEDY}")
     return said
 
 
 def _names(made: Sequence[Trial]) -> str:
-    return ", ".join(BY_ID[algorithm].name for algorithm in dict.fromkeys(trial.algorithm for trial in made))
+    """Return what the algorithms of ``made`` are called; where there are many, how many."""
+    found = tuple(dict.fromkeys(trial.algorithm for trial in made))
+    is_short = len(found) <= _MOST_NAMED or len(found) == len(BY_ID)
+    return names(found) if is_short else f"{len(found)} of {len(BY_ID)} algorithms"

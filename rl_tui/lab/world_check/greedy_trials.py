@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator
 from typing import Final, NamedTuple
 
@@ -10,8 +9,6 @@ import numpy as np
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.compatibility import incompatibility
-from rl_tui.agents.compiling.background import BACKGROUND
-from rl_tui.agents.compiling.cache_folder import was_compiled
 from rl_tui.agents.exact.exact_model import exact_model
 from rl_tui.agents.exact.policies import greedy_policy
 from rl_tui.agents.exact.ways_out import endless_part, staying_states
@@ -20,7 +17,7 @@ from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams
 from rl_tui.lab.experiments.endless import LONG_EPISODE
-from rl_tui.lab.experiments.patience import WORTH_READING
+from rl_tui.lab.experiments.patience import Patience
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 SEEDS: Final = (0, 1, 2)
@@ -31,8 +28,8 @@ MOST_STATES: Final = 1_000
 MOST_ACTIONS: Final = 50
 """In a larger world nothing is learned in so few steps."""
 
-OnAlgorithm = Callable[[str], None]
 _CHUNK: Final = 2_000
+"""Steps between two looks at whether an episode is long: always as many, or it would depend on the time."""
 
 
 class Trial(NamedTuple):
@@ -55,6 +52,11 @@ class Trial(NamedTuple):
         """Whether the greedy policy, or an episode of learning, may go on for ever."""
         return self.endless_at is not None or self.long_episode is not None
 
+    @property
+    def is_cut_short(self) -> bool:
+        """Whether there was more to learn, of which nothing is known."""
+        return not self.is_whole and self.long_episode is None
+
 
 def may_stay(mdp: TabularMDP) -> bool:
     """Return whether some policy of ``mdp`` may stay for ever; else no trial is needed, each ends."""
@@ -66,27 +68,34 @@ def is_tried(mdp: TabularMDP) -> bool:
     return mdp.states <= MOST_STATES and len(mdp.action_names) <= MOST_ACTIONS
 
 
+def suitable(mdp: TabularMDP, hyperparameters: Hyperparameters) -> tuple[str, ...]:
+    """Return the ids of the algorithms that can learn in ``mdp`` with these settings."""
+    return tuple(each for each in BY_ID if not incompatibility(mdp, each, hyperparameters))
+
+
 def trials(
-    mdp: TabularMDP, hyperparameters: Hyperparameters, episodes: int, on_algorithm: OnAlgorithm
+    mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, episodes: int
 ) -> Iterator[Trial]:
-    """Yield a trial of every algorithm that suits ``mdp`` with these settings, for each of ``SEEDS``.
+    """Yield a trial of ``algorithm``, which is :func:`suitable`, for each of ``SEEDS``.
 
     Each takes at most so many ``episodes`` and ``MOST_STEPS`` steps. Equal arguments give equal trials.
-    ``on_algorithm`` is called with the id of each before it begins. A planner draws nothing: one trial does.
+    A planner draws nothing: one trial does.
     """
-    for algorithm in BY_ID.values():
-        if incompatibility(mdp, algorithm.id, hyperparameters):
-            continue
-        on_algorithm(algorithm.id)
-        seeds = SEEDS[:1] if algorithm.planner else SEEDS
-        for seed in seeds:
-            yield _trial(mdp, algorithm.id, hyperparameters, episodes, seed)
+    seeds, patience = SEEDS[:1] if BY_ID[algorithm].planner else SEEDS, Patience()
+    for number, seed in enumerate(seeds):
+        learner = Learner(mdp, algorithm, hyperparameters, streams(seed))
+        wanted = MOST_STEPS if learner.plans else episodes
+
+        def look(learner: Learner, begun: int = number * wanted, in_all: int = len(seeds) * wanted) -> None:
+            patience.look(learner, begun + (learner.step if learner.plans else learner.episodes), in_all)
+
+        yield _trial(mdp, learner, seed, wanted, look)
 
 
-def _trial(mdp: TabularMDP, algorithm: str, values: Hyperparameters, episodes: int, seed: int) -> Trial:
-    learner = Learner(mdp, algorithm, values, streams(seed))
-    wanted = MOST_STEPS if learner.plans else episodes
-    began = time.perf_counter()
+def _trial(
+    mdp: TabularMDP, learner: Learner, seed: int, wanted: int, look: Callable[[Learner], None]
+) -> Trial:
+    """Train ``learner`` for ``wanted`` episodes, or backups of a planner; ``look`` after every chunk."""
     is_long, stop = False, Stop.DONE
     while learner.step < MOST_STEPS and learner.episodes < wanted and not is_long:
         stop = learner.advance(min(_CHUNK, MOST_STEPS - learner.step), wanted - learner.episodes)
@@ -94,14 +103,14 @@ def _trial(mdp: TabularMDP, algorithm: str, values: Hyperparameters, episodes: i
         if stop not in (Stop.DONE, Stop.EPISODES_FULL):
             break
         is_long = not learner.plans and learner.episode_step >= LONG_EPISODE
-        is_slow = not learner.is_compiled and time.perf_counter() - began > WORTH_READING
-        if is_slow and learner.loop not in BACKGROUND.failed and was_compiled(learner.loop):
-            BACKGROUND.read(learner.loop)  # the same bits, sooner; to compile would take longer than the rest
-    is_whole = learner.converged if learner.plans else learner.episodes >= episodes
+        look(learner)
+    is_whole = learner.converged if learner.plans else learner.episodes >= wanted
     # a planner that was broken off has no policy yet
-    greedy = greedy_policy(mdp, learner.q, values.ties) if is_whole or not learner.plans else None
+    greedy = (
+        greedy_policy(mdp, learner.q, learner.hyperparameters.ties) if is_whole or not learner.plans else None
+    )
     return Trial(
-        algorithm,
+        learner.algorithm,
         seed,
         None if greedy is None else endless_part(mdp, greedy),
         learner.episodes + 1 if is_long else None,

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
 from rl_tui.lab.answers.flip_answer import flips_of_json
@@ -12,24 +14,44 @@ if TYPE_CHECKING:
     from rl_tui.agents.exact.flips.flips import Flip
 
 
+class Stage(IntEnum):
+    """What is worked out now, in this order."""
+
+    FIGURES = 0
+    FLIPS = 1
+    TRIALS = 2
+    DONE = 3
+
+
 @dataclass(frozen=True, slots=True)
 class TrialsMade:
     """How much was trained of each algorithm: under these ``seeds``, so many episodes, at most so many steps.
 
-    No ``seeds``: none was needed, since each policy ends.
+    No ``seeds``: none was needed, since each policy ends. Those ``in_part`` had more episodes to go when
+    their steps were used up, or broke down: what they learn later is not known.
     """
 
     seeds: tuple[int, ...]
     episodes: int
     steps: int
+    in_part: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WorldReport:
-    """What an author wants to know of a world. None is what is not known; ``warnings`` say why."""
+    """What an author wants to know of a world, as far as it is worked out.
 
+    None is what is not worked out yet, or not known: then ``unknown`` says why, by the name of the field.
+    """
+
+    stage: Stage = Stage.DONE
+    """What is worked out now."""
+    trying: str = ""
+    """The algorithm that is trained now; empty where none is."""
     warnings: tuple[str, ...] = ()
-    """What is doubtful of the world, and what is not known of it, a line each."""
+    """What is doubtful of the world, and what to do, a line each."""
+    unknown: Mapping[str, str] = field(default_factory=dict)
+    """Why something is not known."""
     random_return: float | None = None
     """The exact expected return of the uniformly random policy, undiscounted, within the time limit."""
     best_return: float | None = None
@@ -52,7 +74,7 @@ class WorldReport:
     @property
     def is_empty(self) -> bool:
         """Whether nothing at all is known, the world having no table."""
-        return self.never_reached is None
+        return self.stage is Stage.DONE and self.never_reached is None and not self.unknown
 
 
 def as_json(report: WorldReport) -> dict[str, Any]:
@@ -70,8 +92,13 @@ def of_json(document: dict[str, Any]) -> WorldReport:
         **document
         | {key: None if document[key] is None else tuple(document[key]) for key in lists}
         | {
+            "stage": Stage(document["stage"]),
             "first_update": None if wait is None else Wait(**wait),
             "flips": None if flips is None else flips_of_json(flips),
-            "tried": None if tried is None else TrialsMade(**tried | {"seeds": tuple(tried["seeds"])}),
+            "tried": None if tried is None else _trials_of_json(tried),
         }
     )
+
+
+def _trials_of_json(document: dict[str, Any]) -> TrialsMade:
+    return TrialsMade(**document | {key: tuple(document[key]) for key in ("seeds", "in_part")})

@@ -20,6 +20,7 @@ from rl_tui.tui.panels.row import (
     TABLE,
     TIMELINE,
     WORLD,
+    WORLD_CHECK,
     OpeningKey,
     PanelRow,
 )
@@ -308,6 +309,31 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             rank=18,
         ),
         in_place_of=(TABLE, BUDGET),
+    ),
+    PanelRow(
+        WORLD_CHECK,
+        "rl_tui.tui.panels.world_check.world_check:WorldCheckPanel",
+        "World check",
+        "What one wants to know of a world before giving it to a class, be it drawn or not: what policies "
+        "earn that pick at random and that are best, in how few steps the best one may come to an end, how "
+        "long nothing is learned with the settings in force, at which γ the best actions change, which "
+        "states are never reached, and from which there is no way to an end. Then each algorithm is trained "
+        "for a short while, to see whether a greedy policy may come out that never ends; that is tried, not "
+        "proven. All else is exact. After a change of the world or of the settings it is worked out anew, at "
+        "low priority. # numbers the states of a map. rl-tui check --deep prints the same.",
+        caption="before a class gets it",
+        terms=(
+            *("uniform-policy", "best-by-clock", "fewest-steps", "first-update", "flip-point"),
+            *("unreached", "no-way-out", "return", "greedy", "truncated"),
+        ),
+        opened_by=OpeningKey(
+            "Q",
+            "check world",
+            "Check the world: what chance and the best policy earn, and what may never end.",
+            rank=20,
+        ),
+        in_place_of=(TABLE, BUDGET),
+        not_for_program="Q checks worlds of scenarios; rl-tui check --deep checks one by its id or file",
     ),
     PanelRow(
         FINDINGS,

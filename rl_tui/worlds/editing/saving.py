@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, MutableMapping, Sequence
 from difflib import SequenceMatcher
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, cast
@@ -87,7 +87,7 @@ def _changed(text: str, kind: str, wanted: Mapping[str, Any]) -> str:
     """Return ``text`` with what differs from ``wanted`` in the table ``kind`` changed, and nothing else."""
     import tomlkit
     from tomlkit.container import OutOfOrderTableProxy
-    from tomlkit.items import Table
+    from tomlkit.items import InlineTable, Table
 
     old = tables_in(text).get(kind)
     if not isinstance(old, dict):
@@ -97,6 +97,9 @@ def _changed(text: str, kind: str, wanted: Mapping[str, Any]) -> str:
     ended = text if text.endswith("\n") else f"{text}\n"
     document = tomlkit.parse(ended)
     table = document[kind]
+    if isinstance(table, InlineTable) and list(old) == list(wanted):
+        _change_value(document, kind, old, wanted)
+        return _ended_as(text, tomlkit.dumps(document))
     missing = {key: value for key, value in wanted.items() if key not in old}
     drawn = next((key for key in missing if key in _DRAWN_FROM), None)
     if not isinstance(table, Table) and (drawn is not None or not isinstance(table, OutOfOrderTableProxy)):
@@ -124,7 +127,7 @@ def _change_values(
             _change_value(table, key, old[key], value)
 
 
-def _change_value(table: MutableTable, key: str, old: Any, new: Any) -> None:
+def _change_value(table: MutableMapping[str, Any], key: str, old: Any, new: Any) -> None:
     """Change one value, in the style that it has."""
     import tomlkit
     from tomlkit.container import OutOfOrderTableProxy
@@ -140,7 +143,7 @@ def _change_value(table: MutableTable, key: str, old: Any, new: Any) -> None:
             table[key] = _item(new)
         else:
             for name in (name for name in new if not _same(old[name], new[name], name)):
-                item[name] = _item(new[name], old[name])
+                _change_value(item, name, old[name], new[name])
     elif isinstance(item, (Table, OutOfOrderTableProxy)) and isinstance(new, dict):
         _change_values(item, old, new)
     elif isinstance(item, Array) and isinstance(new, list) and len(old) == len(new):
@@ -265,4 +268,4 @@ def _copy_surroundings(old: Item, new: Item) -> None:
 def _ended_as(text: str, new: str) -> str:
     """Return ``new`` with as many empty lines at its end as ``text`` has."""
     body = text.rstrip("\r\n")
-    return new.rstrip("\r\n") + (text[len(body) :] or "\n")
+    return new.rstrip("\r\n") + (text[len(body) :] if body else "\n")

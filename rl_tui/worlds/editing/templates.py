@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from typing import Final
 
 from rl_tui.common.errors import UserError
@@ -14,7 +15,8 @@ from rl_tui.worlds.sections.world_section import WorldRefusedError
 
 BLANK: Final = ("grid", "mdp", "bandit")
 LAKE, MAZE = "lake", "maze"
-LAKE_HOLES: Final = 0.2
+LAKE_HOLES: Final = (0.2, 0.1, 0.05, 0.0)
+"""The share of holes; the next one where so many leave no way, as in a lake of one row."""
 LARGEST_SIDE: Final = 200
 """Rows and columns of what is drawn at random here; a person edits it cell by cell."""
 _FOLDER: Final = os.path.join(os.path.dirname(os.path.abspath(__file__)), "blank")
@@ -47,29 +49,26 @@ def template_text(template: str, seed: int = 0, rows: int | None = None, columns
 
 
 def named(text: str, title: str) -> str:
-    """Return the ``text`` of a scenario file under another ``title``, which is its first line."""
+    """Return the ``text`` of a scenario file under another ``title``, of which a long one is cut."""
     import tomlkit
 
+    from rl_tui.worlds.files.scenario import LONGEST_TITLE
+
     document = tomlkit.parse(text)
-    document["title"] = title
+    document["title"] = title[:LONGEST_TITLE]
     return tomlkit.dumps(document)
 
 
 def lake(rows: int, columns: int, seed: int) -> list[str]:
-    """Return the lines of a lake with holes, drawn from ``seed``: there is a way from S to G.
-
-    Raises UserError where a map of that size has none.
-    """
+    """Return the lines of a lake with holes, drawn from ``seed``: there is a way from S to G."""
     from rl_tui.worlds.grid.legend import BUILT_IN
     from rl_tui.worlds.grid.map import RandomMap, draw_map
 
-    wanted = RandomMap(rows=rows, columns=columns, holes=LAKE_HOLES)
-    try:
-        drawn = draw_map(wanted, BUILT_IN, "four", streams(seed).world)
-    except WorldRefusedError as refusal:
-        raise UserError(
-            f"no lake of {rows} × {columns} cells could be drawn with this seed: {refusal}"
-        ) from refusal
+    for holes in LAKE_HOLES:
+        wanted = RandomMap(rows=rows, columns=columns, holes=holes)
+        with suppress(WorldRefusedError):
+            drawn = draw_map(wanted, BUILT_IN, "four", streams(seed).world)
+            break
     return ["".join(drawn.characters[code] for code in line) for line in drawn.codes.tolist()]
 
 
@@ -81,9 +80,8 @@ def maze(rows: int, columns: int, seed: int) -> list[str]:
     """
     for name, size in (("rows", rows), ("columns", columns)):
         if size % 2 == 0:
-            raise UserError(
-                f"a maze has walls in every second line: --{name} {size - 1} or {size + 1}, not {size}"
-            )
+            larger = f" or {size + 1}" if size < LARGEST_SIDE else ""
+            raise UserError(f"a maze has walls in every second line: --{name} {size - 1}{larger}, not {size}")
     generator = streams(seed).world
     cells = [["#"] * columns for _ in range(rows)]
     cells[0][0] = "."
@@ -113,8 +111,10 @@ def _random_text(template: str, seed: int, rows: int, columns: int) -> str:
 
     from rl_tui.worlds.editing.toml_text import map_text
 
-    if min(rows, columns) < 2 or max(rows, columns) > LARGEST_SIDE:
-        raise UserError(f"{rows} × {columns} cells: expected 2 to {LARGEST_SIDE} rows and columns")
+    if rows * columns < 2 or max(rows, columns) > LARGEST_SIDE:
+        raise UserError(
+            f"{rows} × {columns} cells: expected 2 cells or more, in at most {LARGEST_SIDE} rows and columns"
+        )
     document = tomlkit.parse(_read(os.path.join(_FOLDER, f"grid{SUFFIX}")))
     document["summary"] = f"A {template} of {rows}×{columns} cells, drawn with seed {seed}."
     grid = document["grid"]

@@ -41,6 +41,7 @@ WORLD_KINDS: Final[Mapping[str, str]] = {
 }
 """The class of each kind of table, ``module:Class``, imported when a file has such a table."""
 
+LONGEST_TITLE: Final = 80
 HIDDEN: Final = "hidden"
 ANSWERS: Final = (HIDDEN, "shown")
 _USUAL_ANSWERS: Final = {"bandit": HIDDEN}  # of every other kind it is shown
@@ -49,7 +50,7 @@ _USUAL_ANSWERS: Final = {"bandit": HIDDEN}  # of every other kind it is shown
 class ScenarioHead(FileSection):
     """What a file says besides its world."""
 
-    title: Annotated[str, text(80)] = ""
+    title: Annotated[str, text(LONGEST_TITLE)] = ""
     summary: Annotated[str, text(200)] = ""
     notes: Annotated[str, markdown(20_000)] = ""
     order: Annotated[int, whole_number(0, 1_000_000)] = 1_000_000

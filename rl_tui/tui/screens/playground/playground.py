@@ -334,7 +334,7 @@ class Playground(ActionScreen):
             return
         self.microscope.follow_update()
         self.seeds.follow_panel()
-        self.view.follow_flips()
+        self.view.follow_panels()
         self.policies.follow_panel()
         with self.app.batch_update():
             self.session.show_name()

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from rl_tui.lab.answers.flip_answer import FlipState
-from rl_tui.lab.live.commands import AskFlips, HideAnswer, LookAt
+from rl_tui.lab.live.commands import AskCheck, AskFlips, HideAnswer, LookAt
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.panels.controls.controls import GAMMA
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.panel import BORDERS
-from rl_tui.tui.panels.row import DISCOUNT
+from rl_tui.tui.panels.row import DISCOUNT, WORLD_CHECK
 from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.tui.screens.dialogs.model import ModelScreen
 from rl_tui.tui.screens.playground.actions.subject import Subject
@@ -21,6 +21,7 @@ class ViewActions(Subject):
 
     _model: ModelScreen | None = None
     _flips_asked: World | None = None
+    _asks_check: bool = False
 
     def look_at(self) -> None:
         """Have those parts of a large world copied that are in view now."""
@@ -31,6 +32,14 @@ class ViewActions(Subject):
         """Draw ``snapshot`` in the model, if that is open."""
         if self._model is not None:
             self._model.show(snapshot)
+
+    def follow_panels(self) -> None:
+        """Ask for what the opened panel is about, and no more once it is closed."""
+        self.follow_flips()
+        is_open = self.board.opened == WORLD_CHECK
+        if is_open != self._asks_check:
+            self._asks_check = is_open
+            self.link.send(AskCheck(is_open))
 
     def follow_flips(self) -> None:
         """Ask for the flips of the world shown, where they are wanted and were not asked for yet."""

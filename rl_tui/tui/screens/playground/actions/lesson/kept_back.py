@@ -10,7 +10,7 @@ from rl_tui.lab.lessons.schema import HIDEABLE, Page
 from rl_tui.lab.live.commands import StudyPolicy
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.tui.panels.lesson.stage import keeping_page
-from rl_tui.tui.panels.row import DISCOUNT, MANY_SEEDS, MICROSCOPE, POLICIES
+from rl_tui.tui.panels.row import DISCOUNT, MANY_SEEDS, MICROSCOPE, POLICIES, WORLD_CHECK
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
 NO_LESSON: Final = "there is no lesson here: rl-tui learn lists them"
@@ -29,6 +29,7 @@ _KEPT: Final[Mapping[str, tuple[str, ...]]] = {
     "drawing.toggle": ("policies", "answer"),
     "why.explain": ("why",),
     f"board.toggle('{DISCOUNT}')": ("flips", "answer"),
+    f"board.toggle('{WORLD_CHECK}')": ("policies", "why", "flips", "answer"),
     f"board.toggle('{MANY_SEEDS}')": ("many seeds",),
     "view.model": ("model",),
     f"board.toggle('{MICROSCOPE}')": ("model",),
@@ -40,11 +41,13 @@ _KEPT: Final[Mapping[str, tuple[str, ...]]] = {
 _PANELS_KEPT: Final = {
     POLICIES: ("policies",),
     DISCOUNT: ("flips", "answer"),
+    WORLD_CHECK: ("policies", "why", "flips", "answer"),
     MANY_SEEDS: ("many seeds",),
     MICROSCOPE: ("model",),
 }
 _ID_OF: Final = {
-    f"board.toggle('{panel}')": f"board.{panel}" for panel in (POLICIES, DISCOUNT, MANY_SEEDS, MICROSCOPE)
+    f"board.toggle('{panel}')": f"board.{panel}"
+    for panel in (POLICIES, DISCOUNT, WORLD_CHECK, MANY_SEEDS, MICROSCOPE)
 }
 _LEAVES: Final = frozenset({"scenario.previous", "scenario.following"})
 _READING_GOES_ON: Final = ("lesson", "session", "export", "scenario", "why")

@@ -1,0 +1,161 @@
+"""The check of the world on screen: while a person wants it, for the world and the settings in force."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Final
+
+from rl_tui.common.kiosk import in_kiosk
+from rl_tui.lab.run.exact_answers import LIVE_STATES, NO_TABLE
+from rl_tui.lab.run.library import episodes_of
+from rl_tui.lab.workers.answering_process import AnsweringProcess
+from rl_tui.lab.world_check.report import Stage, WorldReport, of_json
+
+if TYPE_CHECKING:
+    from rl_tui.lab.run.run import Run
+    from rl_tui.lab.world_check.deep_check import Question
+    from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+    from rl_tui.worlds.world import World
+
+WORKER: Final = "rl_tui.lab.world_check.worker"
+"""What runs in its process: it trains every algorithm there is."""
+KEPT: Final = 4
+"""Whole reports that are kept: of worlds and settings that a person goes back to."""
+IN_KIOSK: Final = "worlds are not checked in a kiosk"
+TOO_LARGE: Final = f"more than {LIVE_STATES:,} states: rl-tui check --deep tells what can be told"
+NO_PROCESS: Final = "no process can be started"
+BROKEN_OFF: Final = "the rest took too long, or its process was ended"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WorldCheckView:
+    """What is known of the world by now: nothing yet, a part of the report, or all of it."""
+
+    report: WorldReport | None = None
+    """The report; None: nothing is known yet, or ever, where it is ``refused``."""
+    world: World | None = None
+    """The world that was checked; None where there is no report."""
+    gamma: float = 0.0
+    """The γ with which it was."""
+    refused: str = ""
+    """Why there will be none, or no more than there is; empty where all is well."""
+    is_outdated: bool = False
+    """Whether it is of the world, or of the settings, before a change."""
+
+
+class WorldChecks:
+    """Has one world at a time checked, in a process of its own.
+
+    A check of what is no longer in force is ended for the newest once its figures are known: they come in
+    moments, so that not each of many strokes begins one. ``on_news`` is called, from any thread, when there
+    is more to tell. With ``automatic`` off each is waited for, so that what is known does not depend on the
+    time.
+    """
+
+    def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
+        self._on_news = on_news
+        self._automatic = automatic
+        self._lock = threading.Lock()  # guards the process and whether there may be one
+        self._process: _CheckProcess | None = None
+        self._is_closed = False
+        self._known: list[tuple[Question, WorldCheckView]] = []
+        self._last = WorldCheckView()
+
+    def of(self, run: Run) -> WorldCheckView:
+        """Return what is known by now of the world of ``run``, and see to it that more will be."""
+        mdp = run.world.mdp
+        if mdp is None or mdp.states > LIVE_STATES or in_kiosk():
+            self.end()
+            return WorldCheckView(refused=IN_KIOSK if in_kiosk() else TOO_LARGE if mdp else NO_TABLE)
+        self._last = self._of(_question(run, mdp), run.world)
+        return self._last
+
+    def _of(self, asked: Question, world: World) -> WorldCheckView:
+        process = self._process
+        if process is None or (process.has_figures and not _is_same(process.asked, asked)):
+            self.end()
+            known = next((view for each, view in self._known if _is_same(each, asked)), None)
+            if known is not None:
+                return known
+            process = self._begin(asked, world)
+        if process is None:
+            return WorldCheckView(refused=NO_PROCESS)
+        if _is_same(process.asked, asked) and process.has_figures:
+            return process.view
+        last = self._last
+        return WorldCheckView() if last.report is None else replace(last, refused="", is_outdated=True)
+
+    def _begin(self, asked: Question, world: World) -> _CheckProcess | None:
+        """Begin to work ``asked`` out; None where no process can be started."""
+        try:
+            with self._lock:
+                if self._is_closed:
+                    return None
+                process = self._process = _CheckProcess(asked, world, self._on_news)
+        except OSError:
+            return None
+        if not self._automatic:
+            process.wait()
+        return process
+
+    def end(self) -> None:
+        """Keep what the process has found, if it has come to its end, and end it if not."""
+        with self._lock:
+            process, self._process = self._process, None
+        if process is not None:
+            process.end()
+            if process.is_done:
+                self._known = [*self._known, (process.asked, process.view)][-KEPT:]
+
+    def close(self) -> None:
+        """End what is under way, from any thread, and begin nothing any more."""
+        with self._lock:
+            self._is_closed = True
+            if self._process is not None:
+                self._process.end()
+
+
+def _question(run: Run, mdp: TabularMDP) -> Question:
+    """Return what is asked of the world of ``run``: with the settings in force, as if it began with them."""
+    from rl_tui.lab.world_check.deep_check import Question
+
+    learner, recipe = run.learner, run.recipe
+    # estimates start from what the recipe says, whatever is set later
+    values = replace(learner.hyperparameters, initial_q=recipe.hyperparameters.initial_q)
+    return Question(mdp, learner.algorithm, values, episodes_of(recipe.scenario))
+
+
+def _is_same(one: Question, other: Question) -> bool:
+    return one.mdp is other.mdp and one[1:] == other[1:]
+
+
+class _CheckProcess(AnsweringProcess):
+    """Checks the world of ``asked``; ``view`` is what is known by now."""
+
+    def __init__(self, asked: Question, world: World, on_news: Callable[[], None]) -> None:
+        self.asked = asked
+        self.view = WorldCheckView(world=world, gamma=asked.hyperparameters.gamma)
+        self._on_news = on_news
+        super().__init__(WORKER, asked, self._take_in, self._has_ended, "world check")
+
+    @property
+    def has_figures(self) -> bool:
+        """Whether there is something to show, be it that there will be nothing."""
+        return self.view.report is not None or self.is_done
+
+    @property
+    def is_done(self) -> bool:
+        """Whether no more will come."""
+        report = self.view.report
+        return bool(self.view.refused) or (report is not None and report.stage is Stage.DONE)
+
+    def _take_in(self, document: Any) -> None:
+        self.view = replace(self.view, report=of_json(document))
+        self._on_news()
+
+    def _has_ended(self) -> None:
+        if not self.is_done:
+            self.view = replace(self.view, refused=BROKEN_OFF)
+            self._on_news()

@@ -1,0 +1,1 @@
+"""What an author wants to know of the world in force."""

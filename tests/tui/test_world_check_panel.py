@@ -1,0 +1,126 @@
+"""The panel of the world's check: its states, what is hidden, and that its figures are the command's."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+from conftest import MakeApp
+from samples import bandit, lake, look, student
+from seams import press, screen_text, snapshot
+from snapshots import changed
+
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.cli.main import program
+from rl_tui.lab.answers.view import AnswersView
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.library import recipe_named
+from rl_tui.lab.run.recipe import begin
+from rl_tui.lab.world_check.deep_check import Question, reports
+from rl_tui.lab.world_check.report import Stage, WorldReport
+from rl_tui.lab.world_check.world_checks import IN_KIOSK, WorldCheckView
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.world_check.world_check import FINE, OUTDATED, TITLE, WAITING, WorldCheckPanel
+
+SIZES = ((118, 30), (58, 19), (36, 17), (36, 5), (20, 30), (16, 10), (5, 3), (1, 1))
+
+
+@cache
+def grown(shown: Snapshot) -> tuple[WorldReport, ...]:
+    mdp = shown.world.mdp
+    assert mdp is not None
+    return tuple(reports(Question(mdp, "q-learning", Hyperparameters(gamma=0.9), 20)))
+
+
+def with_check(shown: Snapshot, report: WorldReport | None = None, **view: Any) -> Snapshot:
+    known = WorldCheckView(report or grown(shown)[-1], shown.world, 0.9)
+    return changed(shown, world_check=replace(known, **view))
+
+
+@cache
+def walk() -> Snapshot:
+    """A world in which each policy ends, so that nothing is tried."""
+    return changed(student(), world=begin(recipe_named("random-walk")).world)
+
+
+def drawn(shown: Snapshot | None, width: int = 58, height: int = 30, *, ascii: bool = False) -> str:  # noqa: A002
+    panel = WorldCheckPanel(look(ascii))
+    rows = panel.picture(shown, width, height)
+    assert [row.cell_length for row in rows] == [width] * height
+    return "\n".join(row.text.rstrip() for row in rows)
+
+
+def said(shown: Snapshot | None, width: int = 58) -> str:
+    return " ".join(drawn(shown, width).split())
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("ascii", [False, True])
+def test_it_is_drawn_at_any_size(size: tuple[int, int], ascii: bool) -> None:  # noqa: A002
+    shown = [with_check(walk(), report) for report in grown(walk())]
+    shown += [with_check(walk(), is_outdated=True), with_check(walk(), refused="too large")]
+    shown += [changed(walk(), world_check=WorldCheckView(refused=IN_KIOSK)), student()]
+    for each in (None, *shown):
+        text = drawn(each, *size, ascii=ascii)
+        assert not ascii or text.isascii()
+
+
+def test_it_says_how_far_it_has_come() -> None:
+    assert said(None) == said(student()) == said(changed(student(), world_check=WorldCheckView())) == WAITING
+    first, *_, last = grown(walk())
+    assert "working out the flips" in said(with_check(walk(), first))
+    assert FINE in said(with_check(walk(), last))
+    trying = replace(last, stage=Stage.TRIALS, trying="sarsa")
+    assert "trying SARSA, 2 of 12" in said(with_check(walk(), trying))
+    assert OUTDATED in said(with_check(walk(), is_outdated=True))
+    warned = replace(last, warnings=("never ends: a time_limit would end it",))
+    text = said(with_check(walk(), warned))
+    assert text.startswith("done: 1 warning ! never ends: a time_limit would end it random policy")
+    broken_off = said(with_check(walk(), first, refused="it took too long"))
+    assert "it took too long" in broken_off
+    assert "0.50000" in broken_off
+
+
+def test_what_is_not_known_yet_and_what_never_will_be_look_different() -> None:
+    first = grown(walk())[0]
+    assert "may never end …" in said(with_check(walk(), first))
+    unknown = replace(first, random_return=None, unknown={"random_return": "too large"})
+    assert "random policy not known: too large" in said(with_check(walk(), unknown))
+
+
+def test_while_hidden_nothing_gives_the_answer_away() -> None:
+    hidden = said(changed(with_check(walk()), answers=AnswersView(is_hidden=True)))
+    assert "best policy h shows it" in hidden
+    assert "flips h shows it" in hidden
+    assert "random policy 0.50000" in hidden
+    arms = said(changed(with_check(bandit(1)), answers=AnswersView(is_hidden=True)))
+    assert "random policy h shows it" in arms
+    assert "no way out no state" in arms
+
+
+def test_a_report_of_another_world_names_the_states_of_that_one() -> None:
+    far = replace(grown(lake())[0], never_reached=(15,))
+    view = WorldCheckView(far, lake().world, 0.9, is_outdated=True)
+    assert "1 state: 15" in said(changed(student(), world_check=view))
+
+
+async def test_figures_on_screen_are_the_commands(make_app: MakeApp) -> None:
+    printed = CliRunner().invoke(program, ["check", "--deep", "random-walk", "--json"])
+    command = json.loads(printed.stdout)
+    app = make_app("random-walk")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "Q")
+        await settle(pilot)
+        text = " ".join(screen_text(app).split())
+        assert TITLE in text
+        assert f"random policy {command['random_return']:.5f}" in text
+        assert f"best policy {command['best_return']:.5f}" in text
+        assert f"best way {command['shortest_way']} steps" in text
+        await press(pilot, "Q")
+        await settle(pilot)
+        assert snapshot(pilot).world_check is None
