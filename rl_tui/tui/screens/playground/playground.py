@@ -241,7 +241,8 @@ class Playground(ActionScreen):
         if self.snapshot is not None:
             self.modes.show(self.snapshot)
         keys = self.query_one(KeyLine)
-        keys.first, keys.is_running = key_hints(self.focused), self.run.is_under_way
+        keys.first = key_hints(self.focused) or self.editing.offered
+        keys.is_running = self.run.is_under_way
         idle = self.program.idle_keys | self.run.idle_keys | self.lesson.idle_keys
         keys.idle = idle | self.kept_back.idle_keys | self.editing.idle_keys
 

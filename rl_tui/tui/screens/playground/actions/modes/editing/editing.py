@@ -12,11 +12,14 @@ from rl_tui.lab.live.commands import DrawWorld, HideAnswer, OpenEditor, RedoStro
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.run.edited_world import edited_draft
 from rl_tui.tui.actions.action import Action, Group
+from rl_tui.tui.actions.playground_actions import DRAW_KEY
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.drawing.sheet import LinePressed, Sheet, ToolCell, ToolPressed
 from rl_tui.tui.panels.pointing import Stroke, Touched, Wheeled
 from rl_tui.tui.panels.row import DRAW, WORLD
 from rl_tui.tui.panels.snapshot_facts import is_secret
+from rl_tui.tui.panels.world.view import WorldView
+from rl_tui.tui.screens.key_line import Hints
 from rl_tui.tui.screens.playground.actions.modes.action_keys import DIGITS
 from rl_tui.tui.screens.playground.actions.modes.editing.arms_tools import ArmsTools
 from rl_tui.tui.screens.playground.actions.modes.editing.graph_tools import GraphTools
@@ -29,7 +32,6 @@ from rl_tui.tui.screens.playground.actions.modes.mode import LEAVE, STEPS, WITH_
 from rl_tui.worlds.drawing import Arms, Graph, Grid
 from rl_tui.worlds.editing.edit import Edit
 from rl_tui.worlds.files.scenario import Scenario
-from rl_tui.worlds.world import World
 
 TOOLBOXES: Final[Mapping[type, Callable[[], Toolbox]]] = {
     Grid: MapTools,
@@ -60,7 +62,6 @@ class WorldEditing(KeyMode):
     way_back = "click or tab here to draw on", "tab here to draw on"
     toolbox: Toolbox | None = None
     _looked_at: tuple[Scenario, str] | None = None
-    _placed_in: World | None = None
 
     @cached_property
     def saving(self) -> ScenarioSaving:
@@ -92,6 +93,15 @@ class WorldEditing(KeyMode):
     def idle_keys(self) -> frozenset[str]:
         """The ids of the actions that can do nothing here: the key line leaves them out."""
         return frozenset({_TOGGLE} if self.refused else ())
+
+    @property
+    def offered(self) -> tuple[Hints, ...]:
+        """What stands first on the key line while the world has the focus, the longest form first."""
+        can_begin = self.modes.current is None and isinstance(self.screen.focused, WorldView)
+        snapshot = self.snapshot
+        if not can_begin or self.refused or snapshot is None or snapshot.program is not None:
+            return ()
+        return tuple(((DRAW_KEY, form),) for form in ("draw the world", "draw"))
 
     def marked(self, action: Action) -> Action:
         """Return ``action``, with the reason where it is to draw a world that cannot be drawn."""
@@ -256,9 +266,10 @@ class WorldEditing(KeyMode):
         view, box = self.board.world, self.toolbox
         if view is None or box is None:
             return
-        if snapshot.world not in (view.world, self._placed_in):
-            self._placed_in = snapshot.world
-            view.cursor = box.place_in(snapshot.world, view)
+        if snapshot.world is not view.world:  # it is drawn next, and then all of this is shown
+            place, view.cursor = box.place_in(snapshot.world, view), None
+            self.screen.call_later(self._land, place)
+            return
         hand = self._hand()
         about = () if hand is None else box.about(hand)
         with_brush = tuple(f"{each} · {box.in_hand}" for each in about[:2] if box.in_hand)
@@ -308,6 +319,12 @@ class WorldEditing(KeyMode):
             return
         self.link.send(DrawWorld(tuple(edits)))
         self._pending.note(self.link.wanted.sent, edits)
+
+    def _land(self, place: int | None) -> None:
+        """Put the cursor on its place in another world, which is drawn now."""
+        if self.is_on and self.board.world is not None and place is not None:
+            self.board.world.put_cursor(place)
+        self._show_picked()
 
     def _show_picked(self) -> None:
         hand = self._hand()

@@ -69,6 +69,14 @@ GRAPH_TOOLS: Final = (
         6,
     ),
     Tool(
+        "comma",
+        ",",
+        "next state",
+        "Go to the next state: to one that no arrow key leads to as well.",
+        lambda box, hand: box.go_on(hand),
+        15,
+    ),
+    Tool(
         "less_than_sign",
         "<",
         "move left",

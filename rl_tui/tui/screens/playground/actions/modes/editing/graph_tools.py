@@ -214,6 +214,10 @@ class GraphTools(Toolbox):
         """Take the state under the cursor away, and what leads there."""
         hand.draw((Edit("state", (_state(hand),), "null"),))
 
+    def go_on(self, hand: Hand) -> None:
+        """Put the cursor on the next state, after the last on the first."""
+        hand.view.put_cursor(((hand.view.cursor_place or 0) + 1) % hand.snapshot.world.space.states)
+
     def move(self, hand: Hand, columns: int, rows: int) -> None:
         """Draw the state under the cursor a place further; what stands there changes places with it.
 
