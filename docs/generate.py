@@ -88,7 +88,7 @@ def drawing_keys() -> str:
     tools = {title: TOOLBOXES[kind]().tools for title, kind in kinds.items()} | {"All": ALWAYS}
     parts = []
     for title, each in tools.items():
-        rows = [(f"`{tool.shown}`" if tool.shown else "", tool.word, tool.help) for tool in each]
+        rows = [(f"`{tool.shown}`" if tool.shown else "", tool.label, tool.help) for tool in each]
         parts += [f"### {title}", _table(("key", "name", "what it does"), rows)]
     return "\n\n".join(parts)
 

@@ -233,7 +233,8 @@ class Mouse(Hands):
                 if cell is not None:
                     self._places.setdefault(cell, (x + view.gutter.left, y + view.gutter.top))
 
-    def _offset(self, cell: Cell) -> tuple[int, int]:
+    def offset(self, cell: Cell) -> tuple[int, int]:
+        """Where ``cell`` is drawn in the view."""
         drawing = snapshot(self.pilot).world.drawing
         assert isinstance(drawing, Grid)
         return self._places[cell[0] * drawing.columns + cell[1]]
@@ -266,7 +267,7 @@ class Mouse(Hands):
     async def resize(self, by: int, what: str) -> None:
         last, away = ("R row last", "u row −") if what == "rows" else ("N col last", "U column −")
         await self.tool("A arrow")
-        await self.pilot.click(self._view, offset=self._offset((1, 0) if what == "rows" else (0, 1)))
+        await self.pilot.click(self._view, offset=self.offset((1, 0) if what == "rows" else (0, 1)))
         for _ in range(abs(by)):
             await self.tool(last if by > 0 else away)
             await settle(self.pilot)
@@ -289,22 +290,22 @@ class Mouse(Hands):
         for character, pieces in {"S": [(start, start)], **runs}.items():
             await self.tool(_PAINT[character][1])
             for first, last in pieces:
-                await self.drag(self._view, self._offset(first), self._offset(last))
+                await self.drag(self._view, self.offset(first), self.offset(last))
 
     async def pay(self, reward: float, cells: Sequence[Cell]) -> None:
         draft = map_drawn(self.pilot)
         pays = draft.legend[draft.lines[cells[0][0]][cells[0][1]]].pays
         await self.tool("A arrow")
-        await self.pilot.click(self._view, offset=self._offset(cells[0]))
+        await self.pilot.click(self._view, offset=self.offset(cells[0]))
         if abs(reward) == 10.0:
             await self._slide_to_end("pays", up=reward > 0)
         else:
-            await self.wheel(self._view, self._offset(cells[0]), round(reward - pays))
+            await self.wheel(self._view, self.offset(cells[0]), round(reward - pays))
         if len(cells) == 1:
             return
         await self.tool(", pick up")
         for cell in cells[1:]:  # as the first
-            await self.pilot.click(self._view, offset=self._offset(cell))
+            await self.pilot.click(self._view, offset=self.offset(cell))
 
     async def _slide_to_end(self, name: str, *, up: bool) -> None:
         await settle(self.pilot)
@@ -314,9 +315,9 @@ class Mouse(Hands):
 
     async def jump(self, source: Cell, target: Cell) -> None:
         await self.tool("A arrow")
-        await self.pilot.click(self._view, offset=self._offset(source))
+        await self.pilot.click(self._view, offset=self.offset(source))
         await self.tool("J jump")
-        await self.pilot.click(self._view, offset=self._offset(target))
+        await self.pilot.click(self._view, offset=self.offset(target))
 
     async def set_number(self, name: str, value: float) -> None:
         await settle(self.pilot)

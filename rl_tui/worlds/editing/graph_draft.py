@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 RULES: Final = ("start", "time_limit")
 """What can be set for the whole graph, by the names of the file's keys."""
-_DECIMALS: Final = 12  # of a chance that is worked out: 1 − 0.8 is 0.2
+_DECIMALS: Final = 15  # of a chance that is worked out: 1 − 0.8 is 0.2
 # Where a new state is put: the free place nearest to the state that leads to it
 _AROUND: Final = ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1))
 

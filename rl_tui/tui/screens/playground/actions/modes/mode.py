@@ -66,12 +66,13 @@ class Modes:
 
     def point(self, event: Touched, snapshot: Snapshot | None) -> None:
         """Let the mode take notice of what is pointed at, which may have other keys, or drawn."""
-        if self.current is not None and snapshot is not None:
-            if isinstance(event, PartPointed):
-                self.current.point(event.step)
-            elif not isinstance(event, Pointed):
-                self.current.draw(event)
-            self.current.show(snapshot)
+        if self.current is None or snapshot is None:
+            return
+        if isinstance(event, PartPointed):
+            self.current.point(event.step)
+        elif not isinstance(event, Pointed):
+            self.current.draw(event)
+        self.show(snapshot)  # of the mode, unless that was left by a click
 
     def note(self, command: Command) -> None:
         """Let the mode take notice of ``command``, which is being sent."""

@@ -18,13 +18,17 @@ _FREE: Final = "abcdefghijklmnopqrstuwxyz"
 
 
 class Brush(NamedTuple):
-    """What a key paints: a ``character`` of the map, and what it means where no legend says it."""
+    """What a key paints: a ``character`` of the map, and what it means where no legend says it.
+
+    ``word``, ``sentence`` and ``name`` are those of its tool.
+    """
 
     key: str
     character: str
     word: str
     entry: LegendEntry | None = None
     sentence: str = ""
+    name: str = ""
 
 
 BRUSHES: Final = (
@@ -47,10 +51,20 @@ BRUSHES: Final = (
         LegendEntry(kind=CellKind.GOAL, exit=True),
         "Paint an exit: whatever is done there next pays 1 and ends the episode.",
     ),
-    Brush("less_than_sign", "<", "one-way", sentence="Paint a cell that is left left only."),
-    Brush("greater_than_sign", ">", "one-way", sentence="Paint a cell that is left right only."),
-    Brush("circumflex_accent", "^", "one-way", sentence="Paint a cell that is left up only."),
-    Brush("V", "v", "one-way", sentence="Paint a cell that is left down only."),
+    Brush(
+        "less_than_sign", "<", "one-way", sentence="Paint a cell that is left left only.", name="one-way left"
+    ),
+    Brush(
+        "greater_than_sign",
+        ">",
+        "one-way",
+        sentence="Paint a cell that is left right only.",
+        name="one-way right",
+    ),
+    Brush(
+        "circumflex_accent", "^", "one-way", sentence="Paint a cell that is left up only.", name="one-way up"
+    ),
+    Brush("V", "v", "one-way", sentence="Paint a cell that is left down only.", name="one-way down"),
 )
 
 

@@ -41,10 +41,38 @@ TOOLBOXES: Final[Mapping[type, Callable[[], Toolbox]]] = {
 """What there is to draw with, by how a world is drawn."""
 UNDO, REDO, SAVE = "z", "Z", "w"
 ALWAYS: Final = (
-    Tool(UNDO, "z", "undo", "Undo the last stroke.", lambda editing, _: editing.undo()),
-    Tool(REDO, "Z", "redo", "Make the stroke again that was undone.", lambda editing, _: editing.redo()),
-    Tool(SAVE, "w", "save", "Save the world as a scenario file.", lambda editing, _: editing.saving.save()),
-    Tool(LEAVE, "esc", "end", "End drawing; the world stays as it is.", lambda editing, _: editing.end()),
+    Tool(
+        UNDO,
+        "z",
+        "undo",
+        "Undo the last stroke.",
+        lambda editing, _: editing.undo(),
+        name="undo the stroke",
+    ),
+    Tool(
+        REDO,
+        "Z",
+        "redo",
+        "Make the stroke again that was undone.",
+        lambda editing, _: editing.redo(),
+        name="redo the stroke",
+    ),
+    Tool(
+        SAVE,
+        "w",
+        "save",
+        "Save the world as a scenario file.",
+        lambda editing, _: editing.saving.save(),
+        name="save the world",
+    ),
+    Tool(
+        LEAVE,
+        "esc",
+        "end",
+        "End drawing; the world stays as it is.",
+        lambda editing, _: editing.end(),
+        name="end drawing",
+    ),
 )
 """Tools of every kind of world; they belong to the mode."""
 _ALONG: Final = {f"{WITH_SHIFT}{key}": step for key, step in STEPS.items()}
@@ -338,7 +366,7 @@ def action_of(tool: Tool) -> Action:
     return Action(
         f"editing.{tool.id}",
         tool.key,
-        tool.word,
+        tool.label,
         tool.help,
         Group.DRAWING,
         symbol=tool.shown,

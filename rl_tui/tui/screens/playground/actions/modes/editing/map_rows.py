@@ -22,6 +22,7 @@ MAP_TOOLS: Final = (
             partial(lambda brush, box, hand: box.take(brush, hand), each),
             rank,
             click=partial(lambda brush, box, hand: box.choose(brush, hand), each),
+            name=each.name,
         )
         for rank, each in enumerate(BRUSHES)
     ),

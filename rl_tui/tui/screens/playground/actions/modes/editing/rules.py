@@ -100,14 +100,19 @@ def next_word(hand: Hand, name: str) -> None:
 
 
 def fault_of(draft: Draft, edits: Sequence[Edit], name: str) -> str:
-    """Return why the rule ``name`` of ``draft`` cannot be what ``edits`` say; empty where it can."""
+    """Return why the rule ``name`` of ``draft`` cannot be what ``edits`` say; empty where it can.
+
+    What was unfinished before is no reason.
+    """
+    before = draft.findings
     try:
         for edit in edits:
             draft = draft.edited(edit)
         findings = draft.findings
     except UserError as fault:
         return str(fault)
-    here = next((each for each in findings if each.location[:1] == (name,)), None)
+    new = (each for each in findings if each not in before or each.location[:1] == (name,))
+    here = next(new, None)
     return "" if here is None else f"found {here.found}; expected {here.expected}"
 
 

@@ -38,7 +38,8 @@ class Tool:
     ``key`` is Textual's name of its key, empty where it has none, ``shown`` how people see it, ``word`` a
     word for key line and panel, ``help`` a sentence for the palette. ``use`` gets the toolbox, or whatever
     the tool belongs to, and the hand; ``click`` is what a click on it does instead. ``rank`` orders the key
-    line; None: it is not there. Where it is not ``in_panel``, the panel says otherwise what it does.
+    line; None: it is not there. Where it is not ``in_panel``, the panel says otherwise what it does. ``name``
+    is what palette and docs call it, where the word alone says too little.
     """
 
     key: str
@@ -49,11 +50,17 @@ class Tool:
     rank: int | None = None
     click: Callable[[Any, Hand], None] | None = None
     in_panel: bool = True
+    name: str = ""
 
     @property
     def id(self) -> str:
         """By what it is asked for."""
         return self.key or self.word
+
+    @property
+    def label(self) -> str:
+        """What it is called where it stands alone."""
+        return self.name or self.word
 
 
 class Toolbox(ABC):
