@@ -76,6 +76,13 @@ def test_it_takes_the_place_of_others_and_leaves_world_and_curve(size: tuple[int
     assert drawn[DRAW].area == sum(usual[each].area for each in gone)
 
 
+@pytest.mark.parametrize("size", [(80, 22), (120, 38)])
+def test_two_lanes_make_room_for_it(size: tuple[int, int]) -> None:
+    regions = arrangement(Size(*size), Shape(DRAWINGS["map"], 11, lanes=True, is_drawn=True))
+    assert {WORLD, CURVE, DRAW} <= regions.keys()
+    assert sum(each.area for each in regions.values()) == Size(*size).area
+
+
 @pytest.mark.parametrize("ascii_only", [False, True])
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("scenario", ["maze", "student", "bandit"])

@@ -31,7 +31,7 @@ class DrawPanel(Container, BoardPanel):
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)
-        self._look = look
+        self.look = look
         self._sheet = Sheet()
         self._tools = ToolList(look, id="tools")
         self._is_explained = False
@@ -84,7 +84,7 @@ class DrawPanel(Container, BoardPanel):
         is_wide = width >= _TWO_SLIDERS
         self.set_class(is_wide, _WIDE)
         halves = sum(1 if is_wide or each.is_short else 2 for each in self._sheet.numbers)
-        sliders, glyphs = -(-halves // 2), self._look.glyphs
+        sliders, glyphs = -(-halves // 2), self.look.glyphs
         in_full = rows_of(self._sheet, width, glyphs, has_about=True)
         has_about = in_full + sliders <= height
         rows = in_full if has_about else rows_of(self._sheet, width, glyphs, has_about=False)
@@ -94,19 +94,19 @@ class DrawPanel(Container, BoardPanel):
             self.query_one("#world-numbers").styles.height = sliders
 
     def _write_border(self) -> None:
-        glyphs, count = self._look.glyphs, len(self._sheet.numbers)
+        glyphs, count = self.look.glyphs, len(self._sheet.numbers)
         titles = (f"Draw · {self.caption}", "Draw")[not self._is_explained :]
         fitting = (each for each in titles if cell_len(each) <= self.size.width - BORDER_ENDS)
-        keys = f"1–{count}: its sliders" if count > 1 else ""
+        keys = f"1–{count}: its sliders" if count > 1 else "1: its slider" if count else ""
         self.border_title = Content(separated(next(fitting, titles[-1]), glyphs))
         self.border_subtitle = Content(separated(keys, glyphs))
 
     def _made(self) -> Iterable[Slider]:
-        glyphs = self._look.glyphs
+        glyphs = self.look.glyphs
         labels = [cell_len(to_ascii(each.parameter.symbol, glyphs)) for each in self._sheet.numbers]
         for number in self._sheet.numbers:
             slider = Slider(
-                self._look,
+                self.look,
                 number.parameter,
                 number.value,
                 is_told_at_once=False,
