@@ -28,6 +28,8 @@ from rl_tui.tui.actions.registry import ACTIONS
 from rl_tui.tui.glossary.figure_text import figure_text
 from rl_tui.tui.glossary.glossary import BOOK
 from rl_tui.tui.glossary.glossary import glossary as terms
+from rl_tui.tui.screens.playground.actions.modes.editing.editing import ALWAYS, TOOLBOXES
+from rl_tui.worlds.drawing import Arms, Graph, Grid
 from rl_tui.worlds.files.catalogue import scenarios as read_scenarios
 from rl_tui.worlds.files.catalogue import shipped_folder
 
@@ -75,7 +77,19 @@ def keys() -> str:
     parts = []
     for group in Group:
         rows = [_key_row(action) for action in ACTIONS if action.group == group]
-        parts += [f"### {group}", _table(("key", "name", "where", "what it does"), rows)]
+        if rows:
+            parts += [f"### {group}", _table(("key", "name", "where", "what it does"), rows)]
+    return "\n\n".join(parts)
+
+
+def drawing_keys() -> str:
+    """Return the tools of each kind of world, with their keys, and those of all."""
+    kinds = {"A map": Grid, "A graph": Graph, "A bandit": Arms}
+    tools = {title: TOOLBOXES[kind]().tools for title, kind in kinds.items()} | {"All": ALWAYS}
+    parts = []
+    for title, each in tools.items():
+        rows = [(f"`{tool.shown}`" if tool.shown else "", tool.label, tool.help) for tool in each]
+        parts += [f"### {title}", _table(("key", "name", "what it does"), rows)]
     return "\n\n".join(parts)
 
 
@@ -262,7 +276,7 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 BLOCKS = {
     made.__name__: made
     for made in (
-        *(keys, glossary, scenarios, lessons, measures, figure_functions),
+        *(keys, drawing_keys, glossary, scenarios, lessons, measures, figure_functions),
         *(algorithms, policies, settings, commands),
     )
 }

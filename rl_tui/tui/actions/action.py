@@ -20,6 +20,7 @@ class Group(StrEnum):
     """The headings of the help panel, in its order."""
 
     LESSON = "Lesson"
+    DRAWING = "Drawing"
     RUN = "Run"
     TIME = "Time"
     AGENT = "Agent"
@@ -45,7 +46,8 @@ class Action:
 
     What cannot be done to somebody's program that is watched says in ``not_for_program`` why, and what to do
     instead, as a sentence with ``{file}`` for the program's file. What is ``of_program`` is for such a
-    program alone, what is ``of_lesson`` for a lesson.
+    program alone, what is ``of_lesson`` for a lesson. What can do nothing in this world is ``refused``, with
+    the reason.
     """
 
     id: str
@@ -66,6 +68,7 @@ class Action:
     not_for_program: str = ""
     of_program: bool = False
     of_lesson: bool = False
+    refused: str = ""
 
     @property
     def keys(self) -> list[str]:
@@ -76,6 +79,11 @@ class Action:
     def shown(self) -> str:
         """How people see the key."""
         return self.symbol or self.key
+
+    @property
+    def sentence(self) -> str:
+        """What it does, or why it can do nothing here."""
+        return f"Not here: {self.refused}." if self.refused else self.help
 
     @property
     def textual_action(self) -> str:

@@ -18,6 +18,7 @@ from rl_tui.tui.theme.look import Look
 
 NOTHING_FOUND: Final = "No action has a word that begins so. Enter shows every key."
 _MARK: Final = Style(reverse=True)
+_DIM: Final = Style(dim=True)
 _WORD: Final = re.compile(r"^\W+|\W+$")
 
 
@@ -36,12 +37,16 @@ class HasActions(Protocol):
 
 
 class PaletteEntry(NamedTuple):
-    """What is listed, the sentence about it, what it does, and other words for it."""
+    """What is listed, the sentence about it, what it does, and other words for it.
+
+    One that ``is_refused`` can do nothing now, as its sentence says: it is dim, and says so when chosen.
+    """
 
     name: str
     sentence: str
     do: Callable[[], object]
     aliases: str = ""
+    is_refused: bool = False
 
 
 def relevance(query: str, entry: PaletteEntry) -> float:
@@ -72,10 +77,13 @@ def _words(text: str) -> list[str]:
     return [_WORD.sub("", each) or each for each in text.lower().split()]
 
 
-def _marked(name: str, query: str, style: Style | None) -> Content:
-    content = Content(name)
+def _marked(entry: PaletteEntry, query: str = "", style: Style | None = None) -> Content:
+    """Return the name of ``entry`` with what was searched for marked in it."""
+    content = Content(entry.name)
+    if entry.is_refused:
+        content = content.stylize(_DIM)
     for word in _words(query):
-        start = name.lower().find(word)
+        start = entry.name.lower().find(word)
         if start >= 0:
             content = content.stylize(style or _MARK, start, start + len(word))
     return content
@@ -87,7 +95,7 @@ class ActionProvider(Provider):
     async def discover(self) -> Hits:
         """Yield every entry, for an empty search."""
         for entry in self._entries():
-            yield DiscoveryHit(entry.name, entry.do, help=entry.sentence)
+            yield DiscoveryHit(_marked(entry), entry.do, help=entry.sentence)
 
     async def search(self, query: str) -> Hits:
         """Yield the entries that ``query`` is about; where there is none, one that says so and helps."""
@@ -96,7 +104,7 @@ class ActionProvider(Provider):
             score = relevance(query, entry)
             if score > 0.0:
                 found = True
-                yield Hit(score, _marked(entry.name, query, self.match_style), entry.do, help=entry.sentence)
+                yield Hit(score, _marked(entry, query, self.match_style), entry.do, help=entry.sentence)
         if not found:
             yield Hit(1.0, "Nothing found", self._show_keys, help=NOTHING_FOUND)
 
@@ -110,14 +118,14 @@ class ActionProvider(Provider):
         if isinstance(screen, HasActions):
             for action in screen.actions:
                 name, sentence = (
-                    to_ascii(text, screen.look.glyphs) for text in (palette_name(action), action.help)
+                    to_ascii(text, screen.look.glyphs) for text in (palette_name(action), action.sentence)
                 )
-                yield PaletteEntry(
-                    name, sentence, partial(screen.run_action, action.textual_action), action.aliases
-                )
+                do = partial(screen.run_action, action.textual_action)
+                yield PaletteEntry(name, sentence, do, action.aliases, is_refused=bool(action.refused))
         yield PaletteEntry("Theme", "Choose the colours.", self.app.action_change_theme, "color dark light")
 
 
 def palette_name(action: Action) -> str:
     """Return how the palette lists ``action``: the word and its key."""
-    return f"{action.label[0].upper()}{action.label[1:]} ({action.shown})"
+    name = f"{action.label[0].upper()}{action.label[1:]}"
+    return f"{name} ({action.shown})" if action.shown else name

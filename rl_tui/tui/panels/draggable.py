@@ -11,6 +11,11 @@ class Draggable(Widget):
 
     _held = False
 
+    @property
+    def is_held(self) -> bool:
+        """Whether the handle is held."""
+        return self._held
+
     def drag_to(self, column: int) -> None:
         """Let the handle go to ``column``, which may lie past either end."""
         raise NotImplementedError

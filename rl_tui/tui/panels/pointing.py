@@ -13,8 +13,12 @@ NOWHERE: Final = range(0)
 _MIDDLE: Final = 0.2  # of half a place
 
 
+class Touched(Message):
+    """Something was pointed at, drawn or pressed that a mode may have a use for."""
+
+
 @dataclass
-class Pointed(Message):
+class Pointed(Touched):
     """The cursor of ``panel`` was moved to what ``pairs`` are: those of a state, or one by itself.
 
     They are empty where there is no cursor any more, or where it stands on no pair.
@@ -32,7 +36,7 @@ class Moved(Message):
 
 
 @dataclass
-class PartPointed(Message):
+class PartPointed(Touched):
     """The place under the cursor of ``panel`` was clicked again.
 
     ``step`` says in which part of it, as a step (rows down, columns right) towards there; None: the middle.
@@ -43,7 +47,7 @@ class PartPointed(Message):
 
 
 @dataclass
-class Stroke(Message):
+class Stroke(Touched):
     """The pointer was pressed in ``view``, drawn over these ``places``, at least one, and let go."""
 
     view: Widget
@@ -51,7 +55,7 @@ class Stroke(Message):
 
 
 @dataclass
-class Wheeled(Message):
+class Wheeled(Touched):
     """The wheel was turned over a ``place`` of ``view`` that is drawn on: by ±1, or by ±0.1 with shift."""
 
     view: Widget

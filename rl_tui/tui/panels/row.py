@@ -29,6 +29,7 @@ PROGRAM: Final = "program"
 FINDINGS: Final = "findings"
 OUTPUT: Final = "output"
 LESSON: Final = "lesson"
+DRAW: Final = "draw"
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +59,7 @@ class PanelRow:
     of two lanes side by side has one; :func:`beside` is the id of the second. A panel ``of_program`` has
     something to show only while somebody's own program is watched; ``not_for_program`` says why one has
     nothing to show of it then, and what to do instead, with ``{file}`` for the program's file. One
-    ``of_lesson`` is there only beside a lesson.
+    ``of_lesson`` is there only beside a lesson, one ``of_drawing`` only while a person draws the world.
     """
 
     id: str
@@ -76,6 +77,7 @@ class PanelRow:
     of_program: bool = False
     not_for_program: str = ""
     of_lesson: bool = False
+    of_drawing: bool = False
 
     def make(self, look: Look, panel_id: str | None = None) -> BoardPanel:
         """Return the panel, hidden if a key opens it; ``panel_id`` is its id, None: that of the row."""

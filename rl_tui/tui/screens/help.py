@@ -154,4 +154,4 @@ class HelpScreen(Dialog[None]):
         for group, actions in groupby(self._actions, key=lambda action: action.group):
             yield Explanation(group)
             for action in actions:
-                yield Explanation(f"  {action.shown}", action.help)
+                yield Explanation(f"  {action.shown}", action.sentence)

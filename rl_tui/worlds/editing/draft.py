@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -39,6 +39,8 @@ class Draft(ABC):
     """The name of the table in a scenario file."""
     section_class: ClassVar[type[WorldSection]]
     """What reads it."""
+    rules: Mapping[str, Any]
+    """Its table but for what is drawn: the rules that hold for the whole world."""
 
     @property
     @abstractmethod

@@ -11,6 +11,7 @@ from rl_tui.common.errors import UserError
 if TYPE_CHECKING:
     from rl_tui.worlds.editing.draft import Draft
     from rl_tui.worlds.files.scenario import Scenario
+    from rl_tui.worlds.world import World
 
 _DRAFTED_BY: Final[Mapping[str, str]] = {
     "grid": "rl_tui.worlds.editing.grid_draft:grid_draft",
@@ -37,3 +38,17 @@ def refusal(scenario: Scenario, seed: int) -> str:
     except UserError as reason:
         return str(reason)
     return ""
+
+
+def seen_refusal(scenario: Scenario, world: World) -> str:
+    """Return why ``world``, which ``scenario`` has made, cannot be edited, as far as a look at it tells.
+
+    It makes no draft, so it is quick; a map that turns out to be none is refused by :func:`first_draft` only.
+    """
+    if scenario.kind == "gymnasium":
+        from rl_tui.worlds.editing.gymnasium_draft import seen_at_once
+        from rl_tui.worlds.gym.section import GymnasiumSection
+
+        assert isinstance(scenario.section, GymnasiumSection)
+        return str(seen_at_once(scenario.section, world) or "")
+    return refusal(scenario, 0) if scenario.kind == "mdp" else ""

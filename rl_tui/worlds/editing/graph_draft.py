@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
-from rl_tui.common.limits import LARGEST_PLACE
+from rl_tui.common.limits import LARGEST_PLACE, MOST_ACTIONS_WRITTEN, MOST_STATES_WRITTEN, MOST_TRANSITIONS
 from rl_tui.worlds.editing.draft import Draft
 from rl_tui.worlds.editing.edit import Edit, as_json
 from rl_tui.worlds.editing.values import plain_value
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 RULES: Final = ("start", "time_limit")
 """What can be set for the whole graph, by the names of the file's keys."""
+_DECIMALS: Final = 15  # of a chance that is worked out: 1 − 0.8 is 0.2
 # Where a new state is put: the free place nearest to the state that leads to it
 _AROUND: Final = ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1))
 
@@ -113,6 +114,35 @@ def _set_transition(draft: GraphDraft, edit: Edit) -> GraphDraft:
             transitions[index] = entry
         else:
             transitions.insert(own[-1] + 1 if own else len(transitions), entry)
+    changed = replace(draft, transitions=tuple(transitions))
+    _check_size(changed)
+    return _with_places(changed, near_to=state)
+
+
+def _check_size(draft: GraphDraft) -> None:
+    """Raise UserError where there is more in ``draft`` than a file may hold."""
+    actions = len({each.get("action") for each in draft.transitions})
+    for name, count, most in (
+        ("states", len(draft.states), MOST_STATES_WRITTEN),
+        ("actions", actions, MOST_ACTIONS_WRITTEN),
+        ("transitions", len(draft.transitions), MOST_TRANSITIONS),
+    ):
+        if count > most:
+            raise UserError(f"a graph has at most {most:,} {name}")
+
+
+def _remove_state(draft: GraphDraft, edit: Edit) -> GraphDraft:
+    """Take a state away: what can be done there, and what leads there; other outcomes share its chance."""
+    (state,) = edit.at if len(edit.at) == 1 else ("",)
+    if plain_value(edit) is not None:
+        raise UserError(f"{edit.name}[{state}] is {shown(edit.value)}; expected null, which takes it away")
+    if state not in draft.states:
+        raise UserError(f"there is no state {shown(state)}{near(state, draft.states)}")
+    transitions = []
+    for entry in draft.transitions:
+        if entry.get("state") == state or list(chances_of(entry)) == [state]:
+            continue
+        transitions.append(without_outcome(entry, state) if state in chances_of(entry) else entry)
     return _with_places(replace(draft, transitions=tuple(transitions)), near_to=state)
 
 
@@ -161,6 +191,7 @@ def _put(draft: GraphDraft, edit: Edit) -> GraphDraft:
 
 _EDITS: Final[Mapping[str, Callable[[GraphDraft, Edit], GraphDraft]]] = {
     "transition": _set_transition,
+    "state": _remove_state,
     "place": _put,
 }
 
@@ -185,11 +216,14 @@ def with_chance(entry: Mapping[str, Any], state: str, chance: float) -> dict[str
     """
     chances = chances_of(entry)
     others = {name: share for name, share in chances.items() if name != state}
-    total, rest = sum(others.values()), 1.0 - chance
+    total, rest = sum(others.values()), round(1.0 - chance, _DECIMALS)
     if not others:
         new = {state: 1.0}
     else:
-        new = {name: rest * (share / total if total else 1 / len(others)) for name, share in others.items()}
+        new = {
+            name: round(rest * (share / total if total else 1 / len(others)), _DECIMALS)
+            for name, share in others.items()
+        }
         new = {name: chance if name == state else new[name] for name in dict.fromkeys((*chances, state))}
     to = entry.get("to")
     outcomes = to if isinstance(to, Mapping) else {}
@@ -200,6 +234,12 @@ def with_chance(entry: Mapping[str, Any], state: str, chance: float) -> dict[str
             for name, share in new.items()
         },
     }
+
+
+def without_outcome(entry: Mapping[str, Any], state: str) -> dict[str, Any]:
+    """Return ``entry``, which leads to other states too, without ``state``: those share its chance."""
+    rest = with_chance(entry, state, 0.0)
+    return {**rest, "to": {name: outcome for name, outcome in rest["to"].items() if name != state}}
 
 
 def transition_edit(state: str, action: str, entry: Mapping[str, Any] | None) -> Edit:

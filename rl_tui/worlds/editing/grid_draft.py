@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
-from rl_tui.common.limits import MOST_CELLS, MOST_CHARACTERS
+from rl_tui.common.limits import LONGEST_SIDE, MOST_CELLS, MOST_CHARACTERS
 from rl_tui.common.streams import streams
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.editing.draft import Draft
@@ -212,7 +212,10 @@ def _blow(draft: GridDraft, edit: Edit) -> GridDraft:
     value = plain_value(edit)
     for each in line:
         wind[each] = value
-    return replace(draft, rules={**draft.rules, edit.name: wind})
+    rules = {**draft.rules, edit.name: wind}
+    if not any(wind):
+        del rules[edit.name]
+    return replace(draft, rules=rules)
 
 
 def _resize(draft: GridDraft, edit: Edit) -> GridDraft:
@@ -221,8 +224,9 @@ def _resize(draft: GridDraft, edit: Edit) -> GridDraft:
     ids = draft.row_ids if is_rows else draft.column_ids
     count, at = lines_added(edit, len(ids))
     across = draft.columns if is_rows else draft.rows
-    if len(ids) + count < 1 or (len(ids) + count) * across > MOST_CELLS:
-        raise UserError(f"a map has 1 to {MOST_CELLS:,} cells")
+    side = len(ids) + count
+    if not 1 <= side <= LONGEST_SIDE or side * across > MOST_CELLS:
+        raise UserError(f"a map has 1 to {LONGEST_SIDE:,} {edit.name}, and at most {MOST_CELLS:,} cells")
     new_ids = tuple(range(draft.next_id, draft.next_id + max(count, 0)))
     kept = ids[:at] + new_ids + ids[at + max(-count, 0) :]
     wind_name = "wind_rows" if is_rows else "wind"

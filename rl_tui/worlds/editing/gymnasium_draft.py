@@ -25,6 +25,7 @@ _CHARACTERS: Final[Mapping[CellKind, str]] = {
 }
 _STEP: Final = -1.0  # what every step of Gymnasium's CliffWalking costs, and a fall in all
 _FALL: Final = -100.0
+_STEPPED: Final = "is stepped for real: nobody knows its table"
 _MAPS: Final = "maps, graphs and bandits of scenario files, lakes and the cliff"
 
 
@@ -36,16 +37,25 @@ def gymnasium_draft(scenario: Scenario, seed: int) -> GridDraft:
     section = scenario.section
     assert isinstance(section, GymnasiumSection)
     if section.bins is not None or section.table is False:
-        raise _refused(section.id, "is stepped for real: nobody knows its table")
+        raise _refused(section.id, _STEPPED)
     import numpy as np
 
     world = scenario.build(np.random.default_rng(seed))
-    drawing, mdp = world.drawing, world.mdp
-    if mdp is None:
-        raise _refused(section.id, "is stepped for real: nobody knows its table")
-    if not isinstance(drawing, Grid) or drawing.legend or None in drawing.directions:
-        raise _refused(section.id, "has states that are no cells to walk about in")
-    return _same_map(section.id, drawing, mdp, world)
+    refused = seen_at_once(section, world)
+    if refused is not None:
+        raise refused
+    assert isinstance(world.drawing, Grid)
+    assert world.mdp is not None
+    return _same_map(section.id, world.drawing, world.mdp, world)
+
+
+def seen_at_once(section: GymnasiumSection, world: World) -> UserError | None:
+    """Return why ``world``, which ``section`` has made, is no map, as far as a look at it tells."""
+    if world.mdp is None:
+        return _refused(section.id, _STEPPED)
+    if not isinstance(world.drawing, Grid) or world.drawing.legend or None in world.drawing.directions:
+        return _refused(section.id, "has states that are no cells to walk about in")
+    return None
 
 
 def _same_map(name: str, drawing: Grid, mdp: TabularMDP, world: World) -> GridDraft:

@@ -27,6 +27,7 @@ from rl_tui.tui.theme.look import Look
 _BEGINS_TYPING: Final = frozenset("056789.,")  # 1 to 4 go to the other sliders
 _TYPED: Final = frozenset("0123456789.,/")
 _NUMBER: Final = re.compile(r"\d*[.,]?\d*", re.ASCII)
+_SIGN: Final = "-"
 _AVERAGE: Final = "1/n"
 _LONGEST_TYPED: Final = 14
 _STAY: Final = frozenset({"enter", "tab", "shift+tab", "left", "right", "home", "end", "pageup", "pagedown"})
@@ -36,7 +37,8 @@ class Slider(Draggable, can_focus=True):
     """Shows and sets the value of ``parameter``, which needs a finite range (ValueError otherwise).
 
     ``value`` is a number, or one of the parameter's words (sample-average). Changed is posted for what the
-    user does, not for :meth:`set_value`. A text that is no value is refused: on the slider itself, and by a
+    user does, not for :meth:`set_value`; of a drag at every cell if it ``is_told_at_once``, else when the
+    thumb is let go. A text that is no value is refused: on the slider itself, and by a
     message that says why. The messages go to the screen at once, so that they are there before the key that
     ended the typing.
     """
@@ -78,8 +80,19 @@ class Slider(Draggable, can_focus=True):
     class TypingChanged(Message):
         """Typing a value has begun or ended."""
 
-    def __init__(self, look: Look, parameter: Parameter, value: float | str) -> None:
+    def __init__(
+        self,
+        look: Look,
+        parameter: Parameter,
+        value: float | str,
+        *,
+        is_told_at_once: bool = True,
+        label_columns: int = 0,
+    ) -> None:
         super().__init__(id=parameter.name)
+        self._is_told_at_once = is_told_at_once
+        self._label_columns = label_columns
+        self._before_drag = value
         self.look = look
         self.parameter = parameter
         self.scale = scale_of(parameter)
@@ -129,7 +142,9 @@ class Slider(Draggable, can_focus=True):
     @property
     def state(self) -> SliderState:
         """What the slider shows now."""
-        return SliderState(self._value, self._typed, self._refused, self.has_focus, self._marks)
+        return SliderState(
+            self._value, self._typed, self._refused, self.has_focus, self._label_columns, self._marks
+        )
 
     def render_line(self, y: int) -> Strip:
         """Draw the row, and blank ones below it."""
@@ -171,7 +186,7 @@ class Slider(Draggable, can_focus=True):
         """Take what belongs to a value; any other key ends the typing, and then does what it does."""
         if self._typed is not None:
             self._take_key(event, self._typed)
-        elif event.character is not None and event.character in _BEGINS_TYPING:
+        elif event.character is not None and self._begins_typing(event.character):
             event.stop()
             self._type(event.character)
 
@@ -197,7 +212,7 @@ class Slider(Draggable, can_focus=True):
         elif character is not None and self._may_become_a_value(longer):
             event.stop()
             self._type(longer)
-        elif character is not None and character in _TYPED:
+        elif character is not None and (character in _TYPED or self._is_sign(character)):
             event.stop()  # a second point, or more digits than there is room for
         elif not self._set_typed():
             if event.key in _STAY:
@@ -206,10 +221,18 @@ class Slider(Draggable, can_focus=True):
             event.stop()
             self.action_release()
 
+    def _begins_typing(self, character: str) -> bool:
+        return character in _BEGINS_TYPING or self._is_sign(character)
+
+    def _is_sign(self, character: str) -> bool:
+        """Return whether ``character`` is the sign of numbers that the parameter takes."""
+        return character == _SIGN and self.parameter.range is not None and self.parameter.range.low < 0
+
     def _may_become_a_value(self, text: str) -> bool:
         if SAMPLE_AVERAGE in self.parameter.words and _AVERAGE.startswith(text.lower()):
             return True
-        return _NUMBER.fullmatch(text) is not None and len(text) <= _LONGEST_TYPED
+        digits = text[1:] if text and self._is_sign(text[0]) else text
+        return _NUMBER.fullmatch(digits) is not None and len(text) <= _LONGEST_TYPED
 
     def _type(self, text: str | None) -> None:
         was_typing = self.is_typing
@@ -251,6 +274,7 @@ class Slider(Draggable, can_focus=True):
         self._type(None)
         start, cells = self._track()
         if start <= offset.x < start + cells:
+            self._before_drag = self._value
             self.take_hold(offset.x)
         elif offset.x >= start + cells:
             self._type("")
@@ -266,7 +290,7 @@ class Slider(Draggable, can_focus=True):
         self._set(self._moved(-self.scale.step))
 
     def _track(self) -> tuple[int, int]:
-        plain = SliderState(self._number)
+        plain = SliderState(self._number, label_columns=self._label_columns)
         form = slider_form(self.parameter, plain, self.look.glyphs, self.size.width)
         return form.start, form.cells
 
@@ -274,6 +298,19 @@ class Slider(Draggable, can_focus=True):
         """Set the value that belongs to ``column``."""
         start, cells = self._track()
         self._set(self.scale.at_cell(column - start, cells))
+
+    def on_mouse_up(self) -> None:
+        """Tell where the thumb was let go, if that was not told on the way."""
+        self._tell_drag()
+
+    def on_mouse_release(self) -> None:
+        """Tell where the thumb was when another widget took the mouse."""
+        self._tell_drag()
+
+    def _tell_drag(self) -> None:
+        if not self._is_told_at_once and self.is_held and self._value != self._before_drag:
+            self._before_drag = self._value
+            self.screen.post_message(self.Changed(self.parameter.name, self._value))
 
     def _moved(self, by: float) -> float:
         return self._number if isinstance(self._value, str) else self.scale.moved(self._value, by)
@@ -283,7 +320,8 @@ class Slider(Draggable, can_focus=True):
         if value == self._value:
             return
         self.set_value(value)
-        self.screen.post_message(self.Changed(self.parameter.name, value))
+        if self._is_told_at_once or not self.is_held:
+            self.screen.post_message(self.Changed(self.parameter.name, value))
 
 
 def _first_number(parameter: Parameter, scale: SliderScale, value: float | str) -> float:

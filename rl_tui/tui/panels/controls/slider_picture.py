@@ -41,12 +41,16 @@ class SliderMark:
 
 @dataclass(frozen=True, slots=True)
 class SliderState:
-    """What a slider shows. ``typed`` is the text being typed, else None; ``refused``: it was not accepted."""
+    """What a slider shows. ``typed`` is the text being typed, else None; ``refused``: it was not accepted.
+
+    Its label takes at least so many ``label_columns``, those of others above and below it.
+    """
 
     value: float | str
     typed: str | None = None
     refused: bool = False
     focused: bool = False
+    label_columns: int = 0
     marks: tuple[SliderMark, ...] = ()
 
 
@@ -68,8 +72,8 @@ class SliderForm:
 def slider_form(parameter: Parameter, state: SliderState, glyphs: Glyphs, width: int) -> SliderForm:
     """Return what stands where in ``width`` cells."""
     gap = 2 if width >= ROOMY else 1
-    label = to_ascii(parameter.symbol, glyphs)
-    if width >= ROOMY and label != parameter.symbol:
+    label = to_ascii(parameter.symbol, glyphs).ljust(state.label_columns)
+    if width >= ROOMY and label.rstrip() != parameter.symbol:
         label = label.ljust(_SPELLED)  # sliders one above the other begin in one column
     room = width - 1 - cell_len(label) - 2 * gap - 1
     is_word = isinstance(state.value, str) and state.typed is None and not state.refused
@@ -138,6 +142,8 @@ def _texts(parameter: Parameter, state: SliderState, glyphs: Glyphs) -> tuple[st
         return (state.typed.rjust(_NUMBER - len(_CARET)) + _CARET,)
     if isinstance(state.value, str):
         return _WORDS.get(state.value, (state.value.replace("-", " "),))
+    if parameter.whole:
+        return (f"{state.value:,.0f}".rjust(_NUMBER),)
     exact = numbers.brief(state.value, glyphs, leading_zero=True)
     short = numbers.value(state.value, _NUMBER, glyphs).rjust(_NUMBER)
     return (exact, short) if len(exact) > _NUMBER else (short,)

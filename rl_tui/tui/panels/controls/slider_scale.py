@@ -16,11 +16,13 @@ _NOISE: Final = 12  # decimals; what lies beyond is left over from adding steps
 class SliderScale:
     """A finite range, walked in steps of a hundredth; ``fine`` is a tenth of a step, ``coarse`` ten.
 
-    A ``logarithmic`` one is walked in equal ratios: its steps are shares of the way from end to end.
+    A ``logarithmic`` one is walked in equal ratios: its steps are shares of the way from end to end. One of
+    ``whole`` numbers has none that is smaller than 1.
     """
 
     range: Range
     logarithmic: bool = False
+    whole: bool = False
 
     def __post_init__(self) -> None:
         if not math.isfinite(self.span) or self.span <= 0.0:
@@ -36,17 +38,17 @@ class SliderScale:
     @property
     def step(self) -> float:
         """What a key, or the wheel, moves."""
-        return self.span / 100.0
+        return max(1.0, round(self.span / 100.0)) if self.whole else self.span / 100.0
 
     @property
     def fine(self) -> float:
         """The smallest movement."""
-        return self.span / 1000.0
+        return 1.0 if self.whole else self.span / 1000.0
 
     @property
     def coarse(self) -> float:
         """The largest movement but that to an end."""
-        return self.span / 10.0
+        return max(1.0, round(self.span / 10.0)) if self.whole else self.span / 10.0
 
     @property
     def low(self) -> float:
@@ -84,7 +86,7 @@ class SliderScale:
             rounded = round(round(value / grain) * grain, _NOISE)
             if self.cell_of(rounded, cells) == cell and rounded >= self.low:
                 return rounded
-        return value
+        return float(round(value)) if self.whole else value
 
     @property
     def _ratio(self) -> float:
@@ -107,9 +109,9 @@ def scale_of(parameter: Parameter) -> SliderScale:
         raise ValueError(f"a slider needs a range; {parameter.name} takes words only")
     slide, whole = parameter.slide, parameter.range
     if slide is None:
-        return SliderScale(whole)
+        return SliderScale(whole, whole=parameter.whole)
     is_open = whole.open_low and slide.low == whole.low
-    return SliderScale(Range(slide.low, slide.high, open_low=is_open), slide.logarithmic)
+    return SliderScale(Range(slide.low, slide.high, open_low=is_open), slide.logarithmic, parameter.whole)
 
 
 def _significant(value: float, digits: int) -> float:

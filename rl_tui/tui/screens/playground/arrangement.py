@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -13,6 +13,7 @@ from rl_tui.tui.panels.row import (
     BUDGET,
     CONTROLS,
     CURVE,
+    DRAW,
     LAST_STEP,
     LESSON,
     PROGRAM,
@@ -55,6 +56,7 @@ class Shape:
     Where there is room for it, the world has ``legend_rows`` more than its picture takes. With ``lanes`` two
     runs are to stand side by side. Of a program that is watched there is nothing to set. With ``has_lesson``
     a page stands beside the world; where there is no room for both, ``reads`` says that the page has it.
+    While a person draws the world, it ``is_drawn``: then there is a panel of tools.
     """
 
     drawing: Drawing | None = None
@@ -65,6 +67,7 @@ class Shape:
     is_program: bool = False
     has_lesson: bool = False
     reads: bool = False
+    is_drawn: bool = False
 
     @property
     def settings(self) -> str:
@@ -146,14 +149,25 @@ def _of_run(
     rows = {row.id: row for row in panels}
     budget = _BUDGET_ROWS if rows[BUDGET].needs(shape.drawing) else 0
     if _is_pair(size, shape) and (opened is None or WORLD not in rows[opened].in_place_of):
-        return _pair(size, shape, opened or (BUDGET if budget and is_roomy(size) else None))
+        usual = DRAW if shape.is_drawn else BUDGET if budget and is_roomy(size) else None
+        return _pair(size, shape, opened or usual)
     regions = (_roomy if is_roomy(size) else _compact)(size, shape, budget)
-    if opened is None:
-        return regions
-    if rows[opened].is_wide and is_roomy(size):
+    if opened is not None and rows[opened].is_wide and is_roomy(size):
         return _above_wide(size, shape, opened)
-    taken = [regions.pop(panel) for panel in rows[opened].in_place_of if panel in regions]
-    return regions | {opened: Region.from_union(taken)} if taken else {opened: size.region}
+    if opened is not None:
+        regions = _in_place_of(rows[opened].in_place_of, opened, regions) or {opened: size.region}
+    if shape.is_drawn:
+        # where controls stand there: meanwhile most of their keys draw
+        place = (CONTROLS, LAST_STEP) if is_roomy(size) else (TABLE, BUDGET)
+        regions = _in_place_of(place, DRAW, regions) or regions
+    return regions
+
+
+def _in_place_of(panels: Iterable[str], panel: str, regions: Mapping[str, Region]) -> dict[str, Region]:
+    """Return ``regions`` with ``panel`` where ``panels`` stood; nothing where none of them does."""
+    taken = [regions[each] for each in panels if each in regions]
+    rest = {name: region for name, region in regions.items() if name not in panels}
+    return rest | {panel: Region.from_union(taken)} if taken else {}
 
 
 def _is_pair(size: Size, shape: Shape) -> bool:

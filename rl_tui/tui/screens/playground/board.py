@@ -22,6 +22,7 @@ from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.counterparts import pairs_in
 from rl_tui.tui.panels.curve.curve import ReturnCurve
 from rl_tui.tui.panels.discount.discount import DiscountPanel
+from rl_tui.tui.panels.drawing.draw_panel import DrawPanel
 from rl_tui.tui.panels.lesson.lesson import LessonPanel
 from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
 from rl_tui.tui.panels.panel import BoardPanel
@@ -31,6 +32,7 @@ from rl_tui.tui.panels.row import (
     CONTROLS,
     CURVE,
     DISCOUNT,
+    DRAW,
     LESSON,
     MICROSCOPE,
     POLICIES,
@@ -84,6 +86,7 @@ class Board(Container):
         self.controls.begin_with(wanted.recipe)
         self.microscope = self._made(MICROSCOPE, Microscope)
         self.discount = self._made(DISCOUNT, DiscountPanel)
+        self.tools = self._made(DRAW, DrawPanel)
         self._wanted = wanted
         self._focused_before: Widget | None = None
         self._focused_beside_sliders: Widget | None = None
@@ -232,7 +235,8 @@ class Board(Container):
         for row in self.rows.values():
             if row.of_program if not is_program else row.id == CONTROLS:
                 continue
-            if row.of_lesson and not self._arrangement.shape.has_lesson:
+            shape = self._arrangement.shape
+            if (row.of_lesson and not shape.has_lesson) or (row.of_drawing and not shape.is_drawn):
                 continue
             if row.opened_by is None or row.id == self.opened:
                 yield self._panels[row.id]

@@ -27,7 +27,7 @@ from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.tui.panels.controls.slider import Slider, key_hints
 from rl_tui.tui.panels.discount.discount import DiscountPanel
-from rl_tui.tui.panels.pointing import PartPointed, Pointed, Stroke, Wheeled
+from rl_tui.tui.panels.pointing import Touched
 from rl_tui.tui.panels.policies.policies import PolicyChosen
 from rl_tui.tui.panels.program.findings import FindingsPanel
 from rl_tui.tui.panels.q_table.q_table import QTable
@@ -176,9 +176,10 @@ class Playground(ActionScreen):
 
     @property
     def actions(self) -> tuple[Action, ...]:
-        """What a person can do here now: what is of a lesson only with one."""
-        has_lesson = self.wanted.lesson is not None
-        return tuple(each for each in self.known_actions if has_lesson or not each.of_lesson)
+        """What a person can do here now: what is of a lesson only with one, tools while drawing."""
+        lesson = self.wanted.lesson
+        usual = (each for each in self.known_actions if lesson or not each.of_lesson)
+        return *self.editing.actions, *map(self.editing.marked, usual)
 
     @property
     def _has_world(self) -> bool:
@@ -205,18 +206,16 @@ class Playground(ActionScreen):
         if self.modes.current is not self.manual or key == LEAVE or not self.kept_back.refuses_to_act():
             self.modes.press(key)
 
-    @on(Pointed)
-    @on(PartPointed)
-    @on(Stroke)
-    @on(Wheeled)
-    def tell_mode(self, event: Pointed | PartPointed | Stroke | Wheeled) -> None:
+    @on(Touched)
+    def tell_mode(self, event: Touched) -> None:
         """Let the mode that is on know what is pointed at, or drawn."""
         self.modes.point(event, self.snapshot)
 
     @on(Slider.Changed)
     def set_parameter(self, event: Slider.Changed) -> None:
-        """Set the hyper-parameter of the slider in the running learner."""
-        self.agent.set_parameter(event.name, event.value)
+        """Set the hyper-parameter of the slider in the running learner, or the number in the world."""
+        if not self.editing.set_number(event.name, event.value):
+            self.agent.set_parameter(event.name, event.value)
 
     @on(DiscountPanel.GammaWanted)
     def set_gamma(self, event: DiscountPanel.GammaWanted) -> None:
@@ -242,9 +241,10 @@ class Playground(ActionScreen):
         if self.snapshot is not None:
             self.modes.show(self.snapshot)
         keys = self.query_one(KeyLine)
-        keys.first, keys.is_running = key_hints(self.focused), self.run.is_under_way
-        keys.idle = self.program.idle_keys | self.run.idle_keys | self.lesson.idle_keys
-        keys.idle |= self.kept_back.idle_keys
+        keys.first = key_hints(self.focused) or self.editing.offered
+        keys.is_running = self.run.is_under_way
+        idle = self.program.idle_keys | self.run.idle_keys | self.lesson.idle_keys
+        keys.idle = idle | self.kept_back.idle_keys | self.editing.idle_keys
 
     @on(DescendantFocus)
     def ask_for_flips(self) -> None:

@@ -11,7 +11,7 @@ from textual.widget import Widget
 
 from rl_tui.lab.live.commands import Command
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.panels.pointing import PartPointed, Pointed, Stroke, Wheeled
+from rl_tui.tui.panels.pointing import PartPointed, Pointed, Touched
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.key_line import Hints, KeyLine
 from rl_tui.tui.screens.playground.actions.modes.action_keys import DIGITS
@@ -21,8 +21,11 @@ STEPS: Final = {"up": (-1, 0), "down": (1, 0), "left": (0, -1), "right": (0, 1)}
 WITH_SHIFT: Final = "shift+"
 LEAVE: Final = "escape"
 CLEAR: Final = "C"
-_SIGNS: Final = ("full_stop", "number_sign", "less_than_sign", "greater_than_sign", "circumflex_accent")
-EDITING_KEYS: Final = (*_SIGNS, "equals_sign", "plus", "minus", *"HGSXVJmypFiuIUozZw")
+_SIGNS: Final = (
+    *("full_stop", "comma", "number_sign", "less_than_sign", "greater_than_sign", "circumflex_accent"),
+    *("equals_sign", "plus", "minus"),
+)
+EDITING_KEYS: Final = (*_SIGNS, *"AFGHIJNRSUVXZimopuwyz")
 """Keys with which the world is drawn, besides those that other modes have."""
 
 
@@ -61,14 +64,15 @@ class Modes:
         if self.current is not None:
             self.current.press(key)
 
-    def point(self, event: Pointed | PartPointed | Stroke | Wheeled, snapshot: Snapshot | None) -> None:
+    def point(self, event: Touched, snapshot: Snapshot | None) -> None:
         """Let the mode take notice of what is pointed at, which may have other keys, or drawn."""
-        if self.current is not None and snapshot is not None:
-            if isinstance(event, PartPointed):
-                self.current.point(event.step)
-            elif isinstance(event, Stroke | Wheeled):
-                self.current.draw(event)
-            self.current.show(snapshot)
+        if self.current is None or snapshot is None:
+            return
+        if isinstance(event, PartPointed):
+            self.current.point(event.step)
+        elif not isinstance(event, Pointed):
+            self.current.draw(event)
+        self.show(snapshot)  # of the mode, unless that was left by a click
 
     def note(self, command: Command) -> None:
         """Let the mode take notice of ``command``, which is being sent."""
@@ -126,8 +130,8 @@ class KeyMode(Subject):
     def point(self, step: tuple[int, int] | None) -> None:
         """Do what a second click under the cursor means, towards a side or in the middle (None)."""
 
-    def draw(self, event: Stroke | Wheeled) -> None:
-        """Draw where the pointer was drawn over the world, or the wheel was turned."""
+    def draw(self, event: Touched) -> None:
+        """Draw where the pointer was drawn over the world or the wheel was turned, or as was clicked."""
 
     def note(self, command: Command) -> None:
         """Take notice of ``command``, which is being sent."""

@@ -1,68 +1,153 @@
-"""The tools for graphs: what an action does in a state, the start, and where states stand."""
+"""Drawing graphs: states, what their actions do, the start, and where states stand."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Final
+from typing import Any, Final
 
-from rl_tui.common.errors import UserError
+from rl_tui.tui.panels.drawing.sheet import SheetLine, ToolCell, WorldNumber
+from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.dialogs.choice import Candidate, Choice
 from rl_tui.tui.screens.dialogs.prompt import Prompt
-from rl_tui.tui.screens.playground.actions.modes.editing.rules import ask_rules
+from rl_tui.tui.screens.playground.actions.modes.editing.graph_rows import GRAPH_TOOLS, NEEDS_OUTCOME
+from rl_tui.tui.screens.playground.actions.modes.editing.numbers import CHANCE, LIMIT, PAYS
+from rl_tui.tui.screens.playground.actions.modes.editing.outcomes import (
+    FORM,
+    Outcome,
+    actions_in,
+    outcomes_in,
+    paying,
+    read_name,
+    read_outcomes,
+    written,
+)
+from rl_tui.tui.screens.playground.actions.modes.editing.rules import fault_of, number_of
+from rl_tui.tui.screens.playground.actions.modes.editing.texts import number_in
 from rl_tui.tui.screens.playground.actions.modes.editing.tools import Hand, Tool, Toolbox
+from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.editing.edit import Edit, as_json
-from rl_tui.worlds.editing.graph_draft import GraphDraft, chances_of, transition_edit, with_chance
+from rl_tui.worlds.editing.graph_draft import GraphDraft, transition_edit, with_chance
+from rl_tui.worlds.world import World
 
 _NEW: Final = "+ an action"
-_FORM: Final = "Pass 0.8, Class 0.2 pays -2"
-_PAYS: Final = " pays "
+_NOTHING: Final = "nothing can be done here: enter adds an action"
 
 
 class GraphTools(Toolbox):
-    """Draws the graph of an MDP: one line says what an action does."""
+    """Draws the graph of an MDP: one line says what an action does. It remembers the outcome chosen."""
+
+    tools = GRAPH_TOOLS
+
+    def __init__(self) -> None:
+        self._chosen: tuple[str, int] | None = None
+        self._awaited: str | None = None
+
+    # What is shown
 
     def about(self, hand: Hand) -> tuple[str, ...]:
-        """Return the state under the cursor, and how many actions it has."""
+        """Return the state under the cursor, and what can be done there."""
         state = _state(hand)
-        actions = _actions(_graph_of(hand), state)
+        actions = actions_in(_graph_of(hand), state)
         return (
             f"{state}: {', '.join(actions) or 'terminal'} · enter: what they do",
             f"{state} · enter: actions",
         )
 
+    def advice(self, hand: Hand) -> tuple[str, ...]:
+        """Return how an outcome is chosen."""
+        return "shift+↑ ↓ or a click chooses an outcome", "shift+↑ ↓: another outcome"
+
+    def lines(self, hand: Hand) -> tuple[SheetLine, ...]:
+        """Return a line for each outcome in the state under the cursor."""
+        outcomes = outcomes_in(_graph_of(hand), _state(hand))
+        chosen = self._number(hand, outcomes)
+        return tuple(
+            SheetLine(
+                f"{each.action} → {each.to} {each.chance:.4g} pays {each.pays:g}", is_on=number == chosen
+            )
+            for number, each in enumerate(outcomes)
+        )
+
+    def choose_line(self, hand: Hand, line: int) -> None:
+        """Choose the outcome of that line."""
+        self._chosen = _state(hand), line
+
+    def go_along(self, hand: Hand, step: tuple[int, int]) -> None:
+        """Choose the next outcome, or the one before."""
+        outcomes = outcomes_in(_graph_of(hand), _state(hand))
+        if outcomes:
+            self.choose_line(hand, (self._number(hand, outcomes) + sum(step)) % len(outcomes))
+
+    def cell(self, tool: Tool, hand: Hand) -> ToolCell:
+        """Return how the panel shows ``tool``: where nothing can be done, nothing is to be changed."""
+        is_idle = tool.id in NEEDS_OUTCOME and self._outcome(hand) is None
+        return ToolCell(tool.id, tool.shown, tool.word, refused=_NOTHING if is_idle else "")
+
+    def numbers(self, hand: Hand) -> tuple[WorldNumber, ...]:
+        """Return chance and reward of the outcome chosen, and the time limit."""
+        outcome = self._outcome(hand)
+        return (
+            WorldNumber(CHANCE, 0.0 if outcome is None else outcome.chance),
+            WorldNumber(PAYS, 0.0 if outcome is None else outcome.pays),
+            WorldNumber(LIMIT, number_of(hand.draft, LIMIT.name)),
+        )
+
+    def number_edits(self, hand: Hand, name: str, value: float) -> Sequence[Edit]:
+        """Return the edits that set one of them. Raises ValueError, in words, where it cannot be that."""
+        if name == LIMIT.name:
+            edits = (Edit(name, (), str(int(value))),)
+            fault = fault_of(hand.draft, edits, name)
+            if fault:
+                raise ValueError(fault)
+            return edits
+        outcome = self._outcome(hand)
+        if outcome is None:
+            raise ValueError(_NOTHING)
+        entry = paying(outcome, value) if name == PAYS.name else _as_likely(outcome, value)
+        return (transition_edit(_state(hand), outcome.action, entry),)
+
+    def place_in(self, world: World, view: WorldView) -> int | None:
+        """Return the same state in another graph, or a new one that was asked for."""
+        names, before = world.space.state_names, view.world.space.state_names
+        if self._awaited in names:
+            name, self._awaited = self._awaited, None
+            return names.index(name)
+        if view.cursor is None or view.cursor >= len(before):
+            return view.cursor
+        name = before[view.cursor]
+        return names.index(name) if name in names else 0
+
+    # What actions do
+
     def choose_action(self, hand: Hand) -> None:
         """Choose an action of the state under the cursor, or a new one, and type what it does."""
         draft, state = _graph_of(hand), _state(hand)
         candidates = [
-            *(Candidate(each, each, (_written(draft, state, each),)) for each in _actions(draft, state)),
+            *(Candidate(each, each, (written(draft, state, each),)) for each in actions_in(draft, state)),
             Candidate(_NEW, _NEW, ("type its name, then what it does",)),
         ]
+        outcome = self._outcome(hand)
+        current = "" if outcome is None else outcome.action
         hand.ask(
-            Choice(f"What can be done in {state}", candidates, "", hand.glyphs),
-            partial(self._chosen, hand, state),
+            Choice(f"What can be done in {state}", candidates, current, hand.glyphs),
+            partial(self._chosen_action, hand, state),
         )
 
-    def _chosen(self, hand: Hand, state: str, action: str) -> None:
+    def _chosen_action(self, hand: Hand, state: str, action: str) -> None:
         if action != _NEW:
             self._ask_outcomes(hand, state, action)
             return
-        prompt = Prompt("A new action", f"Its name, in {state}.", "", _name)
+        prompt = Prompt("A new action", f"Its name, in {state}.", "", read_name)
         hand.ask(prompt, lambda name: self._ask_outcomes(hand, state, str(name)))
 
     def _ask_outcomes(self, hand: Hand, state: str, action: str) -> None:
         draft = _graph_of(hand)
         hint = (
-            f"States and chances: {_FORM}. A new name makes a new state; an empty line takes the action away."
+            f"States and chances: {FORM}. A new name makes a new state; an empty line takes the action away."
         )
-        prompt = Prompt(
-            f"{action} in {state}",
-            hint,
-            _written(draft, state, action),
-            partial(_outcomes, draft, state, action),
-        )
-        was = _written(draft, state, action)
+        was = written(draft, state, action)
+        prompt = Prompt(f"{action} in {state}", hint, was, partial(read_outcomes, draft, state, action))
 
         def answered(text: object) -> None:
             if prompt.typed != was:
@@ -70,28 +155,89 @@ class GraphTools(Toolbox):
 
         hand.ask(prompt, answered)
 
+    def take_action_away(self, hand: Hand) -> None:
+        """Take the action chosen away."""
+        outcome = self._outcome(hand)
+        if outcome is None:
+            hand.tell(_NOTHING)
+        else:
+            hand.draw((transition_edit(_state(hand), outcome.action, None),))
+
+    def shift(self, hand: Hand, chance: float) -> None:
+        """Let the outcome chosen be so much likelier."""
+        outcome = self._outcome(hand)
+        try:
+            if outcome is None:
+                raise ValueError(_NOTHING)
+            entry = _as_likely(outcome, round(outcome.chance + chance, 10))
+        except ValueError as fault:
+            hand.tell(str(fault))
+        else:
+            hand.draw((transition_edit(_state(hand), outcome.action, entry),))
+
+    def ask_reward(self, hand: Hand) -> None:
+        """Type what the action chosen pays."""
+        outcome, state = self._outcome(hand), _state(hand)
+        if outcome is None:
+            hand.tell(_NOTHING)
+            return
+        title = f"Reward of {outcome.action} in {state}"
+        hand.ask(
+            Prompt(title, "A number.", f"{outcome.pays:g}", number_in),
+            lambda value: hand.draw((transition_edit(state, outcome.action, paying(outcome, float(value))),)),
+        )
+
+    # States
+
     def begin_here(self, hand: Hand) -> None:
         """Let every episode start in the state under the cursor."""
         hand.draw((Edit("start", (), as_json(_state(hand))),))
 
-    def shift(self, hand: Hand, chance: float) -> None:
-        """Let the first outcome of the first action that may turn out in two ways be so much likelier.
+    def add_state(self, hand: Hand) -> None:
+        """Type the name of a new state; an action from the one under the cursor leads there."""
+        draft, state = _graph_of(hand), _state(hand)
 
-        It never becomes certain or impossible: the others would forget how they shared the rest.
+        def read(text: str) -> str:
+            name = read_name(text)
+            if name in draft.states:
+                raise ValueError("there is a state of that name: enter says what leads there")
+            return read_outcomes(draft, state, f"to {name}", as_json({"reward": 0.0, "to": name})) and name
+
+        def answered(name: object) -> None:
+            self._awaited = str(name)
+            hand.draw((transition_edit(state, f"to {name}", {"reward": 0.0, "to": str(name)}),))
+
+        hint = f"Its name. An action leads there from {state}; enter says what it is."
+        hand.ask(Prompt("A new state", hint, "", read, "add"), answered)
+
+    def remove_state(self, hand: Hand) -> None:
+        """Take the state under the cursor away, and what leads there."""
+        hand.draw((Edit("state", (_state(hand),), "null"),))
+
+    def go_on(self, hand: Hand) -> None:
+        """Put the cursor on the next state, after the last on the first."""
+        hand.view.put_cursor(((hand.view.cursor_place or 0) + 1) % hand.snapshot.world.space.states)
+
+    def move(self, hand: Hand, columns: int, rows: int) -> None:
+        """Draw the state under the cursor a place further; what stands there changes places with it.
+
+        Where the file has no place for a state, those of the picture are put into it.
         """
         draft, state = _graph_of(hand), _state(hand)
-        for action in _actions(draft, state):
-            entry = draft.entry(state, action)
-            chances = {} if entry is None else chances_of(entry)
-            if entry is not None and len(chances) > 1:
-                first = next(iter(chances))
-                new = round(chances[first] + chance, 10)
-                if 0.0 < new < 1.0:
-                    hand.draw((transition_edit(state, action, with_chance(entry, first, new)),))
-                else:
-                    hand.tell(f"{first} would be certain or impossible: enter takes outcomes away")
-                return
-        hand.tell("nothing turns out in two ways here: enter says what actions do")
+        place = _places(hand, draft)
+        missing = [
+            Edit("place", (name,), as_json(list(at)))
+            for name, at in place.items()
+            if name not in (draft.rules.get("place") or {})
+        ]
+        column, row = place[state]
+        new = [column + columns, row + rows]
+        if min(new) < 0:
+            hand.tell("there is nothing further in that direction: move the others away from it")
+            return
+        hand.draw((*missing, Edit("place", (state,), as_json(new))))
+
+    # The pointer
 
     def paint(self, hand: Hand, places: Sequence[int]) -> None:
         """Put the cursor where it was clicked; there again, ask what is done there."""
@@ -101,81 +247,32 @@ class GraphTools(Toolbox):
             self.choose_action(hand)
 
     def turn(self, hand: Hand, place: int, amount: float) -> None:
-        """Let the first outcome in a state be likelier, or less."""
+        """Let the outcome chosen in a state be likelier, or less."""
         hand.view.put_cursor(place)
         self.shift(hand, amount / 20)
 
-    def move(self, hand: Hand, columns: int, rows: int) -> None:
-        """Draw the state under the cursor a place further; what stands there changes places with it."""
-        draft, state = _graph_of(hand), _state(hand)
-        at = (draft.rules.get("place") or {}).get(state)
-        if at is None:
-            hand.tell("this graph has no places of its own: give it [mdp.place] in its file")
-            return
-        new = [at[0] + columns, at[1] + rows]
-        if min(new) >= 0:
-            hand.draw((Edit("place", (state,), as_json(new)),))
+    def _outcome(self, hand: Hand) -> Outcome | None:
+        """Return the outcome chosen in the state under the cursor, None where there is none."""
+        outcomes = outcomes_in(_graph_of(hand), _state(hand))
+        return outcomes[self._number(hand, outcomes)] if outcomes else None
 
-    tools = (
-        Tool(
-            "enter",
-            "enter",
-            "actions",
-            "What can be done in the state, and what comes of it.",
-            choose_action,
-            0,
-        ),
-        Tool("S", "S", "start", "Let every episode start here.", begin_here, 1),
-        Tool(
-            "plus",
-            "+",
-            "likelier",
-            "Let the first outcome here be likelier by .05.",
-            lambda box, hand: box.shift(hand, 0.05),
-            2,
-        ),
-        Tool(
-            "minus",
-            "−",
-            "less likely",
-            "Let the first outcome here be less likely by .05.",
-            lambda box, hand: box.shift(hand, -0.05),
-            3,
-        ),
-        Tool(
-            "less_than_sign",
-            "<",
-            "move left",
-            "Draw the state one place to the left.",
-            lambda box, hand: box.move(hand, -1, 0),
-            5,
-        ),
-        Tool(
-            "greater_than_sign",
-            ">",
-            "move right",
-            "Draw the state one place to the right.",
-            lambda box, hand: box.move(hand, 1, 0),
-            6,
-        ),
-        Tool(
-            "circumflex_accent",
-            "^",
-            "move up",
-            "Draw the state one place higher.",
-            lambda box, hand: box.move(hand, 0, -1),
-            7,
-        ),
-        Tool(
-            "V",
-            "V",
-            "move down",
-            "Draw the state one place lower.",
-            lambda box, hand: box.move(hand, 0, 1),
-            8,
-        ),
-        Tool("o", "o", "rules", "The rules of the graph: start and time limit.", ask_rules, 4),
-    )
+    def _number(self, hand: Hand, outcomes: Sequence[Outcome]) -> int:
+        """Return which of ``outcomes`` is chosen; at first it is one whose chance can be changed."""
+        if self._chosen is not None and self._chosen[0] == _state(hand):
+            return min(self._chosen[1], max(0, len(outcomes) - 1))
+        return next((number for number, each in enumerate(outcomes) if not each.is_alone), 0)
+
+
+def _as_likely(outcome: Outcome, chance: float) -> Mapping[str, Any]:
+    """Return the entry in which ``outcome`` has that chance. Raises ValueError, in words.
+
+    It never becomes certain or impossible: the others would forget how they shared the rest.
+    """
+    if outcome.is_alone:
+        raise ValueError(f"nothing but {outcome.to} comes of {outcome.action}: enter adds outcomes")
+    if not 0.0 < chance < 1.0:
+        raise ValueError(f"{outcome.to} would be certain or impossible: enter takes outcomes away")
+    return with_chance(outcome.entry, outcome.to, chance)
 
 
 def _graph_of(hand: Hand) -> GraphDraft:
@@ -185,75 +282,13 @@ def _graph_of(hand: Hand) -> GraphDraft:
 
 
 def _state(hand: Hand) -> str:
-    place = hand.view.cursor_place or 0
-    state = hand.view.state_at(place)
-    return hand.snapshot.world.space.state_names[0 if state is None else state]
+    names = hand.snapshot.world.space.state_names
+    return names[min(hand.view.cursor_place or 0, len(names) - 1)]
 
 
-def _actions(draft: GraphDraft, state: str) -> list[str]:
-    return [str(each["action"]) for each in draft.transitions if each.get("state") == state]
-
-
-def _written(draft: GraphDraft, state: str, action: str) -> str:
-    """Return what ``action`` does in a line, empty where it is new; as JSON where no line says it all."""
-    entry = draft.entry(state, action)
-    if entry is None:
-        return ""
-    to = entry.get("to")
-    is_plain = (
-        not (isinstance(to, dict) and any(isinstance(each, dict) for each in to.values()))
-        and "std" not in entry
-    )
-    if not is_plain or any("," in name or _PAYS in name for name in chances_of(entry)):
-        return as_json({key: value for key, value in entry.items() if key not in ("state", "action")})
-    chances = chances_of(entry)
-    named = [f"{name} {chance!r}" for name, chance in chances.items()]
-    return f"{', '.join(named)}{_PAYS}{entry.get('reward', 0.0)!r}"
-
-
-def _outcomes(draft: GraphDraft, state: str, action: str, text: str) -> str:
-    """Return the value of the edit that lets ``action`` do what was typed. Raises ValueError."""
-    value = text.strip()
-    if value.startswith("{"):
-        read: object = json.loads(value)
-    elif not value:
-        read = None
-    else:
-        read = _entry(value)
-    edit = Edit("transition", (state, action), as_json(read))
-    try:
-        findings = draft.edited(edit).findings
-    except UserError as fault:
-        raise ValueError(str(fault)) from fault
-    here = next((each for each in findings if "probabilities" in each.expected), None)
-    if here is not None:
-        raise ValueError(f"found {here.found}; expected {here.expected}")
-    return edit.value
-
-
-def _entry(text: str) -> dict[str, object]:
-    """Return what ``Pass 0.8, Class 0.2 pays -2`` says; a last chance that is left out is the rest."""
-    outcomes, _, reward = text.partition(_PAYS.rstrip())
-    to: dict[str, float] = {}
-    named = [each.strip() for each in outcomes.split(",") if each.strip()]
-    for number, each in enumerate(named):
-        name, _, chance = each.rpartition(" ")
-        try:
-            to[name] = float(chance)
-        except ValueError:
-            if number < len(named) - 1:
-                raise ValueError(f"expected states and chances, such as {_FORM}") from None
-            to[each] = round(1.0 - sum(to.values()), 12)
-    if not to or "" in to:
-        raise ValueError(f"expected states and chances, such as {_FORM}")
-    try:
-        pays = float(reward.replace("−", "-")) if reward.strip() else 0.0
-    except ValueError:
-        raise ValueError(f"expected a number after pays, such as {_FORM}") from None
-    return {"reward": pays, "to": next(iter(to)) if list(to.values()) == [1.0] else to}
-
-
-def _name(text: str) -> str:
-    if not text.strip():
-        raise ValueError("expected a name")
-    return text.strip()
+def _places(hand: Hand, draft: GraphDraft) -> dict[str, Sequence[int]]:
+    """Return where each state stands: as it is drawn, as the draft says where that is known."""
+    world = hand.snapshot.world
+    assert isinstance(world.drawing, Graph)
+    seen = dict(zip(world.space.state_names, world.drawing.places, strict=True))
+    return {**seen, **(draft.rules.get("place") or {})}

@@ -1,8 +1,9 @@
-"""The rules of a world, to be typed: a list of them, and a line for each."""
+"""The rules of a world: a list of them, a line to type for each, and why one cannot be what was asked for."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.errors import UserError
@@ -10,6 +11,8 @@ from rl_tui.tui.screens.dialogs.choice import Candidate, Choice
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.worlds.editing.arms_draft import ArmsDraft
 from rl_tui.worlds.editing.edit import Edit
+from rl_tui.worlds.grid.moves import MOVES
+from rl_tui.worlds.grid.section import REWARDS
 
 if TYPE_CHECKING:
     from rl_tui.tui.screens.playground.actions.modes.editing.tools import Hand
@@ -38,10 +41,17 @@ RULES: Final[dict[str, dict[str, str]]] = {
     },
 }
 """What can be set for a whole world, and what that is."""
+WORDS: Final[dict[str, tuple[str, ...]]] = {
+    "slippery": ("false", "true"),
+    "gusts": ("false", "true"),
+    "rewards": REWARDS,
+    "moves": tuple(MOVES),
+}
+"""What a rule may be that is no number."""
 
 
 def ask_rules(_: object, hand: Hand) -> None:
-    """Choose one of the rules, and type what it is to be."""
+    """Choose one of the rules, and type or choose what it is to be."""
     draft = hand.draft
     if isinstance(draft, ArmsDraft) and draft.is_bernoulli:
         hand.tell("arms that pay 1 or 0 have no spread and do not drift")
@@ -54,23 +64,56 @@ def ask_rules(_: object, hand: Hand) -> None:
 
 
 def _ask_rule(hand: Hand, name: str) -> None:
-    draft = hand.draft
+    draft, now = hand.draft, rule_value(hand.draft, name)
+    if name in WORDS:
+        candidates = [
+            Candidate(word, word, refused=fault_of(draft, (rule_edit(name, word),), name))
+            for word in WORDS[name]
+        ]
+        title = f"{name}: {RULES[draft.kind][name]}"
+        hand.ask(
+            Choice(title, candidates, now, hand.glyphs), lambda word: hand.draw((rule_edit(name, word),))
+        )
+        return
 
     def read(text: str) -> str:
-        edit = rule_edit(name, text)
-        try:
-            findings = draft.edited(edit).findings
-        except UserError as fault:
-            raise ValueError(str(fault)) from fault
-        here = next((each for each in findings if each.location[:1] == (name,)), None)
-        if here is not None:
-            raise ValueError(f"found {here.found}; expected {here.expected}")
+        fault = fault_of(draft, (rule_edit(name, text),), name)
+        if fault:
+            raise ValueError(fault)
         return text
 
     hand.ask(
-        Prompt(name, RULES[draft.kind][name], rule_value(draft, name), read),
+        Prompt(name, RULES[draft.kind][name], now, read),
         lambda text: hand.draw((rule_edit(name, str(text)),)),
     )
+
+
+def next_word(hand: Hand, name: str) -> None:
+    """Let a rule be the next of its words, where it can be that."""
+    words, now = WORDS[name], rule_value(hand.draft, name)
+    edit = rule_edit(name, words[(words.index(now) + 1) % len(words)] if now in words else words[0])
+    fault = fault_of(hand.draft, (edit,), name)
+    if fault:
+        hand.tell(f"{name} stays {now}: {fault}")
+    else:
+        hand.draw((edit,))
+
+
+def fault_of(draft: Draft, edits: Sequence[Edit], name: str) -> str:
+    """Return why the rule ``name`` of ``draft`` cannot be what ``edits`` say; empty where it can.
+
+    What was unfinished before is no reason.
+    """
+    before = draft.findings
+    try:
+        for edit in edits:
+            draft = draft.edited(edit)
+        findings = draft.findings
+    except UserError as fault:
+        return str(fault)
+    new = (each for each in findings if each not in before or each.location[:1] == (name,))
+    here = next(new, None)
+    return "" if here is None else f"found {here.found}; expected {here.expected}"
 
 
 def rule_edit(name: str, text: str) -> Edit:
@@ -80,7 +123,19 @@ def rule_edit(name: str, text: str) -> Edit:
 
 def rule_value(draft: Draft, name: str) -> str:
     """Return what the rule ``name`` is in ``draft``, as it is typed."""
-    value: Any = draft.table.get(name)
+    value = rule_of(draft, name)
+    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+
+
+def rule_of(draft: Draft, name: str) -> Any:
+    """Return what the rule ``name`` is in ``draft``: as drawn, else the usual."""
+    value = draft.rules.get(name)
     if value is None:
         value = draft.section_class.model_fields[name].get_default(call_default_factory=True)
-    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+    return value
+
+
+def number_of(draft: Draft, name: str) -> float:
+    """Return the number that the rule ``name`` is; 0 where what stands there is none."""
+    value = rule_of(draft, name)
+    return float(value) if isinstance(value, int | float) else 0.0

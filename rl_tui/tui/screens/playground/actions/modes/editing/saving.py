@@ -32,9 +32,6 @@ class ScenarioSaving(Subject):
     def save(self) -> None:
         """Save the world as it is drawn."""
         snapshot = self.snapshot
-        if self.screen.in_kiosk:
-            self.screen.tell("saving is off here: this is a kiosk")
-            return
         if snapshot is None or snapshot.editor.draft is None:
             return
         file = self._file or file_of(snapshot.recipe.scenario)

@@ -1,4 +1,4 @@
-"""What the screen says while a person draws the world."""
+"""What the screen says while a person draws the world, and how what is typed is read."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from rl_tui.common.findings import place
 from rl_tui.common.words import counted
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.screens.key_line import Hints
-from rl_tui.tui.screens.playground.actions.modes.editing.tools import Tool
 
 END: Final = "esc: end"
 
@@ -43,7 +42,15 @@ def prompts(snapshot: Snapshot, about: Sequence[str]) -> tuple[str, ...]:
     return (*(f"{each}{undo} · {END}" for each in about), *(f"{each} · {END}" for each in about), *about, END)
 
 
-def hints(own: Hints, tools: Sequence[Tool]) -> Hints:
+def hints(own: Hints) -> Hints:
     """Return the keys for the key line; where not all fit, the last but one goes first."""
     after: Hints = (("z", "undo"), ("Z", "redo"), ("w", "save"))
     return (*own[:8], *after, *own[8:], ("esc", "end"))
+
+
+def number_in(text: str) -> float:
+    """Return the number that was typed. Raises ValueError."""
+    try:
+        return float(text.replace("−", "-"))
+    except ValueError:
+        raise ValueError("expected a number, such as -1 or 0.5") from None

@@ -1,4 +1,4 @@
-"""What there is to draw with in one kind of world: a row a key."""
+"""What there is to draw with in one kind of world: a row a tool."""
 
 from __future__ import annotations
 
@@ -7,42 +7,39 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from rl_tui.lab.live.commands import Command
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.panels.drawing.sheet import SheetLine, ToolCell, WorldNumber
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.dialogs.dialog import Dialog
 from rl_tui.tui.screens.key_line import Hints
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.worlds.editing.draft import Draft
 from rl_tui.worlds.editing.edit import Edit
+from rl_tui.worlds.world import World
 
 
 @dataclass(frozen=True, slots=True)
 class Hand:
-    """What a tool works with: the picture, the newest snapshot, and the ways to speak."""
+    """What a tool works with: the picture, the newest snapshot, what is drawn, and the ways to speak."""
 
     view: WorldView
     snapshot: Snapshot
+    draft: Draft
     glyphs: Glyphs
-    send: Callable[[Command], None]
     draw: Callable[[Sequence[Edit]], None]
     tell: Callable[[str], None]
     ask: Callable[[Dialog[Any], Callable[[Any], None]], None]
 
-    @property
-    def draft(self) -> Draft:
-        """What is drawn; there is a draft wherever tools are at work."""
-        draft = self.snapshot.editor.draft
-        assert draft is not None
-        return draft
-
 
 @dataclass(frozen=True, slots=True)
 class Tool:
-    """One key of the mode.
+    """One thing to draw with.
 
-    ``key`` is Textual's name of it, ``shown`` how people see it, ``word`` a word for the key line, ``help`` a
-    sentence for the palette. ``rank`` orders the key line; None: it is not there.
+    ``key`` is Textual's name of its key, empty where it has none, ``shown`` how people see it, ``word`` a
+    word for key line and panel, ``help`` a sentence for the palette. ``use`` gets the toolbox, or whatever
+    the tool belongs to, and the hand; ``click`` is what a click on it does instead. ``rank`` orders the key
+    line; None: it is not there. Where it is not ``in_panel``, the panel says otherwise what it does. ``name``
+    is what palette and docs call it, where the word alone says too little.
     """
 
     key: str
@@ -51,16 +48,25 @@ class Tool:
     help: str
     use: Callable[[Any, Hand], None]
     rank: int | None = None
+    click: Callable[[Any, Hand], None] | None = None
+    in_panel: bool = True
+    name: str = ""
+
+    @property
+    def id(self) -> str:
+        """By what it is asked for."""
+        return self.key or self.word
+
+    @property
+    def label(self) -> str:
+        """What it is called where it stands alone."""
+        return self.name or self.word
 
 
 class Toolbox(ABC):
     """The tools of one kind of world, and what is remembered between two of them."""
 
     tools: ClassVar[tuple[Tool, ...]]
-
-    def tool(self, key: str) -> Tool | None:
-        """Return what ``key`` means, None for nothing."""
-        return next((each for each in self.tools if each.key == key), None)
 
     def hints(self) -> Hints:
         """Return the keys for the key line."""
@@ -73,6 +79,35 @@ class Toolbox(ABC):
     def about(self, hand: Hand) -> tuple[str, ...]:
         """Return what stands under the cursor, the longest form first."""
 
+    @property
+    def in_hand(self) -> str:
+        """What there is to paint with, empty where nothing is."""
+        return ""
+
+    def advice(self, hand: Hand) -> tuple[str, ...]:
+        """Return what a click does now, the longest form first."""
+        return ()
+
+    def lines(self, hand: Hand) -> tuple[SheetLine, ...]:
+        """Return lines to choose from, what tools are about besides the place under the cursor."""
+        return ()
+
+    def choose_line(self, hand: Hand, line: int) -> None:
+        """Choose one of them."""
+        raise NotImplementedError
+
+    def cell(self, tool: Tool, hand: Hand) -> ToolCell:
+        """Return how the panel shows ``tool`` now."""
+        return ToolCell(tool.id, tool.shown, tool.word)
+
+    def numbers(self, hand: Hand) -> tuple[WorldNumber, ...]:
+        """Return the numbers that have a slider."""
+        return ()
+
+    def number_edits(self, hand: Hand, name: str, value: float) -> Sequence[Edit]:
+        """Return the edits that set one of them. Raises ValueError, in words, where it cannot be that."""
+        raise NotImplementedError
+
     def picked(self, hand: Hand) -> frozenset[int]:
         """Return the places that the next tool is about, besides the one under the cursor."""
         return frozenset()
@@ -84,3 +119,17 @@ class Toolbox(ABC):
     @abstractmethod
     def turn(self, hand: Hand, place: int, amount: float) -> None:
         """Change what a place pays, by the wheel."""
+
+    def go_along(self, hand: Hand, step: tuple[int, int]) -> None:
+        """Do what shift and an arrow mean, a step (rows down, columns right): move, if nothing more."""
+        place = hand.view.cursor_place
+        if place is not None:
+            hand.view.put_cursor(hand.view.moved(place, *step))
+
+    def cancel(self) -> bool:
+        """Forget what was begun and not ended; return whether there was something."""
+        return False
+
+    def place_in(self, world: World, view: WorldView) -> int | None:
+        """Return where the cursor of ``view`` belongs in ``world``, which is drawn next."""
+        return view.cursor

@@ -1,0 +1,1 @@
+"""The panel of tools while a person draws the world."""

@@ -1,0 +1,131 @@
+"""What an action does, in a line that can be typed, and outcome by outcome."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any, Final, NamedTuple
+
+from rl_tui.common.errors import UserError
+from rl_tui.worlds.editing.edit import Edit, as_json
+from rl_tui.worlds.editing.graph_draft import GraphDraft, chances_of
+
+FORM: Final = "Pass 0.8, Class 0.2 pays -2"
+_PAYS: Final = " pays "
+
+
+class Outcome(NamedTuple):
+    """One thing that may come of ``action``, of which ``entry`` is all that is drawn."""
+
+    action: str
+    to: str
+    chance: float
+    pays: float
+    entry: Mapping[str, Any]
+
+    @property
+    def is_alone(self) -> bool:
+        """Whether nothing else may come of the action."""
+        return len(chances_of(self.entry)) == 1
+
+
+def outcomes_in(draft: GraphDraft, state: str) -> list[Outcome]:
+    """Return every outcome of every action in ``state``, in the order of the file."""
+    return [
+        Outcome(str(entry["action"]), to, chance, _pays(entry, to), entry)
+        for entry in draft.transitions
+        if entry.get("state") == state
+        for to, chance in chances_of(entry).items()
+    ]
+
+
+def _pays(entry: Mapping[str, Any], to: str) -> float:
+    own = _own(entry, to)
+    pays = own.get("reward", entry.get("reward", 0.0))
+    return float(pays) if isinstance(pays, int | float) else 0.0
+
+
+def _own(entry: Mapping[str, Any], to: str) -> Mapping[str, Any]:
+    """Return what an outcome says of itself besides its chance."""
+    outcomes = entry.get("to")
+    own = outcomes.get(to) if isinstance(outcomes, Mapping) else None
+    return own if isinstance(own, Mapping) else {}
+
+
+def paying(outcome: Outcome, reward: float) -> dict[str, Any]:
+    """Return the entry of ``outcome`` with another reward: that of the outcome if it has one of its own."""
+    entry = outcome.entry
+    if "reward" not in _own(entry, outcome.to):
+        return {**entry, "reward": reward}
+    return {**entry, "to": {**entry["to"], outcome.to: {**_own(entry, outcome.to), "reward": reward}}}
+
+
+def actions_in(draft: GraphDraft, state: str) -> list[str]:
+    """Return the names of what can be done in ``state``."""
+    return [str(each["action"]) for each in draft.transitions if each.get("state") == state]
+
+
+def written(draft: GraphDraft, state: str, action: str) -> str:
+    """Return what ``action`` does in a line, empty where it is new; as JSON where no line says it all."""
+    entry = draft.entry(state, action)
+    if entry is None:
+        return ""
+    to = entry.get("to")
+    is_plain = (
+        not (isinstance(to, dict) and any(isinstance(each, dict) for each in to.values()))
+        and "std" not in entry
+    )
+    if not is_plain or any("," in name or _PAYS in name for name in chances_of(entry)):
+        return as_json({key: value for key, value in entry.items() if key not in ("state", "action")})
+    chances = chances_of(entry)
+    named = [f"{name} {chance!r}" for name, chance in chances.items()]
+    return f"{', '.join(named)}{_PAYS}{entry.get('reward', 0.0)!r}"
+
+
+def read_outcomes(draft: GraphDraft, state: str, action: str, text: str) -> str:
+    """Return the value of the edit that lets ``action`` do what was typed. Raises ValueError."""
+    value = text.strip()
+    if value.startswith("{"):
+        read: object = json.loads(value)
+    elif not value:
+        read = None
+    else:
+        read = _entry(value)
+    edit = Edit("transition", (state, action), as_json(read))
+    try:
+        findings = draft.edited(edit).findings
+    except UserError as fault:
+        raise ValueError(str(fault)) from fault
+    here = next((each for each in findings if "probabilities" in each.expected), None)
+    if here is not None:
+        raise ValueError(f"found {here.found}; expected {here.expected}")
+    return edit.value
+
+
+def _entry(text: str) -> dict[str, object]:
+    """Return what ``Pass 0.8, Class 0.2 pays -2`` says; a last chance that is left out is the rest."""
+    outcomes, _, reward = text.partition(_PAYS.rstrip())
+    to: dict[str, float] = {}
+    named = [each.strip() for each in outcomes.split(",") if each.strip()]
+    for number, each in enumerate(named):
+        name, _, chance = each.rpartition(" ")
+        try:
+            to[name] = float(chance)
+        except ValueError:
+            if number < len(named) - 1:
+                raise ValueError(f"expected states and chances, such as {FORM}") from None
+            to[each] = round(1.0 - sum(to.values()), 12)
+    if not to or "" in to:
+        raise ValueError(f"expected states and chances, such as {FORM}")
+    try:
+        pays = float(reward.replace("−", "-")) if reward.strip() else 0.0
+    except ValueError:
+        raise ValueError(f"expected a number after pays, such as {FORM}") from None
+    return {"reward": pays, "to": next(iter(to)) if list(to.values()) == [1.0] else to}
+
+
+def read_name(text: str) -> str:
+    """Return the name that was typed. Raises ValueError where that is none."""
+    if not text.strip():
+        raise ValueError("expected a name")
+    return text.strip()

@@ -1,0 +1,41 @@
+"""What is drawn, strokes included that the player has not taken in yet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rl_tui.common.errors import UserError
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.edited_world import edited_draft
+from rl_tui.worlds.editing.draft import Draft
+from rl_tui.worlds.editing.edit import Edit
+
+
+class PendingStrokes:
+    """Strokes that were sent: two quick keys are two steps, though no picture came between them."""
+
+    def __init__(self) -> None:
+        self._sent: list[tuple[int, tuple[Edit, ...]]] = []
+
+    def __bool__(self) -> bool:
+        """Whether there are any."""
+        return bool(self._sent)
+
+    def note(self, number: int, edits: Sequence[Edit]) -> None:
+        """Keep ``edits``, which were sent as command ``number``."""
+        self._sent.append((number, tuple(edits)))
+
+    def forget(self) -> None:
+        """Wait for the next picture: what comes next undoes, or makes again, something else."""
+        self._sent.clear()
+
+    def draft(self, snapshot: Snapshot) -> Draft | None:
+        """Return the draft of ``snapshot`` with all that it does not have yet; None where there is none."""
+        self._sent = [each for each in self._sent if each[0] > snapshot.playback.handled]
+        draft = snapshot.editor.draft
+        for _, edits in self._sent if draft is not None else ():
+            try:
+                draft = edited_draft(draft, edits)  # type: ignore[arg-type]
+            except UserError:
+                return snapshot.editor.draft
+        return draft

@@ -1,0 +1,394 @@
+"""The panel of tools: what stands in it, its sliders, and that all of it is in the palette too."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import pytest
+from conftest import MakeApp
+from drawing_hands import Mouse, app_of_template, map_drawn
+from seams import notes, playground, press, screen_text, slider, snapshot
+from textual.geometry import Size
+from textual.pilot import Pilot
+
+from rl_tui.common import limits
+from rl_tui.common.errors import UserError
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.run.library import recipe_for
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
+from rl_tui.tui.app.palette_entries import ActionProvider
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.draw.to_ascii import to_ascii
+from rl_tui.tui.panels.drawing.tool_list import ToolList
+from rl_tui.tui.panels.row import BUDGET, CONTROLS, CURVE, DRAW, LAST_STEP, TABLE, WORLD
+from rl_tui.tui.screens.key_line import KeyLine
+from rl_tui.tui.screens.playground.actions.modes.editing.editing import ALWAYS, TOOLBOXES
+from rl_tui.tui.screens.playground.arrangement import Shape, arrangement
+from rl_tui.tui.theme.glyphs import ASCII, UNICODE
+from rl_tui.worlds.drawing import Arms, CellKind, Graph, Grid
+from rl_tui.worlds.editing.arms_draft import ArmsDraft
+from rl_tui.worlds.editing.graph_draft import GraphDraft, chances_of
+from rl_tui.worlds.files.catalogue import find
+
+pytestmark = pytest.mark.screen
+
+SIZES = [(80, 24), (120, 40)]
+DRAWINGS = {
+    "map": Grid(2, 2, (CellKind.FLOOR,) * 4, (0, 1, 2, 3), ((0, -1), (1, 0), (0, 1), (-1, 0))),
+    "graph": Graph(((0, 0), (1, 0))),
+    "arms": Arms(),
+}
+
+
+def graph_drawn(pilot: Pilot[UserError]) -> GraphDraft:
+    draft = snapshot(pilot).editor.draft
+    assert isinstance(draft, GraphDraft)
+    return draft
+
+
+def arms_drawn(pilot: Pilot[UserError]) -> ArmsDraft:
+    draft = snapshot(pilot).editor.draft
+    assert isinstance(draft, ArmsDraft)
+    return draft
+
+
+def strokes(pilot: Pilot[UserError]) -> int:
+    return len(snapshot(pilot).timeline.current.journal)
+
+
+async def palette(pilot: Pilot[UserError], query: str) -> dict[str, str]:
+    """What the palette finds for ``query``: names and sentences."""
+    hits = [hit async for hit in ActionProvider(pilot.app.screen).search(query)]
+    return {str(hit.match_display): str(hit.help) for hit in hits}
+
+
+@pytest.mark.parametrize("drawing", DRAWINGS)
+@pytest.mark.parametrize("size", [(60, 16), (80, 22), (100, 32), (120, 38), (200, 58)])
+def test_it_takes_the_place_of_others_and_leaves_world_and_curve(size: tuple[int, int], drawing: str) -> None:
+    shape = Shape(DRAWINGS[drawing], 11, 10)
+    usual = arrangement(Size(*size), shape)
+    drawn = arrangement(Size(*size), Shape(DRAWINGS[drawing], 11, 10, is_drawn=True))
+    assert {WORLD, CURVE} <= drawn.keys()
+    assert DRAW not in usual
+    gone = usual.keys() - drawn.keys()
+    assert gone in ({CONTROLS, LAST_STEP}, {TABLE}, {TABLE, BUDGET})
+    assert drawn[DRAW].area == sum(usual[each].area for each in gone)
+
+
+@pytest.mark.parametrize("size", [(80, 22), (120, 38)])
+def test_two_lanes_make_room_for_it(size: tuple[int, int]) -> None:
+    regions = arrangement(Size(*size), Shape(DRAWINGS["map"], 11, lanes=True, is_drawn=True))
+    assert {WORLD, CURVE, DRAW} <= regions.keys()
+    assert sum(each.area for each in regions.values()) == Size(*size).area
+
+
+@pytest.mark.parametrize("ascii_only", [False, True])
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("scenario", ["maze", "student", "bandit"])
+async def test_every_tool_and_every_number_is_on_screen(
+    make_app: MakeApp, scenario: str, size: tuple[int, int], ascii_only: bool
+) -> None:
+    async with make_app(scenario, ascii=ascii_only).run_test(size=size) as pilot:
+        await settle(pilot)
+        assert not pilot.app.screen.query_one(ToolList).is_on_screen
+        await press(pilot, "C")
+        glyphs, text = ASCII if ascii_only else UNICODE, screen_text(pilot.app)
+        tools = (*TOOLBOXES[type(snapshot(pilot).world.drawing)]().tools, *ALWAYS)
+        for tool in tools:
+            written = "four moves" if tool.id == "moves" else f"{tool.shown} {tool.word}".strip()
+            assert not tool.in_panel or to_ascii(written, glyphs) in text, written
+        panel = playground(pilot).board.tools
+        assert panel.sliders
+        for each in panel.sliders:
+            assert to_ascii(each.parameter.symbol, glyphs) in each.render_line(0).text
+            assert panel.region.contains_region(each.region)
+        assert not panel.show_vertical_scrollbar
+        await press(pilot, "escape")
+        assert not pilot.app.screen.query_one(ToolList).is_on_screen
+
+
+async def test_the_brush_in_force_stands_out_and_a_click_takes_one_without_painting(
+    make_app: MakeApp,
+) -> None:
+    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C")
+        hands = Mouse(pilot)
+        tools = pilot.app.screen.query_one(ToolList)
+
+        def standing_out() -> list[str]:
+            focus = playground(pilot).look.palette.focus
+            rows = [tools.render_line(y) for y in range(tools.size.height)]
+            return [
+                each.text.strip()
+                for row in rows
+                for each in row
+                if each.style and each.style.bgcolor == focus.bgcolor
+            ]
+
+        assert standing_out() == ["# wall"]
+        await hands.tool("H hole")
+        await settle(pilot)
+        assert standing_out() == ["H hole"]
+        assert not strokes(pilot)
+        assert playground(pilot).focused is playground(pilot).board.world, "keys draw as before"
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_a_drag_of_a_slider_is_one_stroke(make_app: MakeApp, size: tuple[int, int]) -> None:
+    async with make_app("maze").run_test(size=size) as pilot:
+        await settle(pilot)
+        await press(pilot, "C")
+        noise = slider(pilot.app, "noise")
+        start = noise.render_line(0).text.index("●")
+        await Mouse(pilot).drag(noise, (start, 0), (start + 6, 0))
+        await settle(pilot)
+        assert strokes(pilot) == 1
+        assert map_drawn(pilot).rules["noise"] == noise.value > 0.0
+        await press(pilot, "escape", "z")
+        assert noise.value == 0.0, "the slider goes back with an undo"
+
+
+async def test_numbers_are_typed_and_what_cannot_be_is_refused_in_words(make_app: MakeApp) -> None:
+    async with make_app("maze").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C", "3", "enter", *"1.2", "enter")
+        assert notes(pilot.app)[-1] == "noise stays 0: 1.2 is not a number from 0 to 1"
+        assert slider(pilot.app, "noise").has_focus
+        await press(pilot, "2", "-", *".04", "enter")
+        assert map_drawn(pilot).rules["step_reward"] == -0.04
+        assert playground(pilot).focused is playground(pilot).board.world
+        assert strokes(pilot) == 1
+        await press(pilot, "4", "right", "escape", "5", "right", "escape")
+        assert map_drawn(pilot).rules["time_limit"] == 5
+        column = (playground(pilot).board.world.cursor or 0) % map_drawn(pilot).columns  # type: ignore[union-attr]
+        assert map_drawn(pilot).rules["wind"][column] == 1
+        await press(pilot, "5", "left", "escape")
+        assert "wind" not in map_drawn(pilot).rules
+
+
+async def test_noise_is_refused_on_slippery_ice_in_words(make_app: MakeApp) -> None:
+    async with make_app("frozenlake-slippery").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C", "3", "right")
+        assert not strokes(pilot)
+        assert notes(pilot.app)[-1].startswith("noise stays 0: ")
+        assert slider(pilot.app, "noise").value == 0.0
+
+
+async def test_quick_keys_count_before_their_picture_comes(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C", "right")
+        await pilot.press("plus", "plus", "plus")
+        await settle(pilot)
+        assert map_drawn(pilot).legend[map_drawn(pilot).lines[0][1]].pays == 3.0
+
+
+async def test_while_drawing_the_palette_has_every_tool_and_they_work_from_there(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert "Pick up (,)" not in await palette(pilot, "pick up")
+        await press(pilot, "C", "right")
+        for tool in (*TOOLBOXES[Grid]().tools, *ALWAYS):
+            assert tool.help in (await palette(pilot, tool.label)).values(), tool
+        await pilot.app.screen.run_action("do(\"editing.use('H')\")")
+        await settle(pilot)
+        assert map_drawn(pilot).lines[0] == "SH.."
+
+
+@pytest.mark.parametrize("word", ["edit", "map", "wall", "paint", "draw the world"])
+async def test_drawing_is_found_by_words(make_app: MakeApp, word: str) -> None:
+    async with make_app("maze").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert "Draw the world (C)" in await palette(pilot, word)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "reason"),
+    [
+        ("taxi", "no cells to walk about in"),
+        ("blackjack", "nobody knows"),
+        ("blackjack-table", "no cells"),
+        ("cartpole", "nobody knows"),
+    ],
+)
+async def test_what_cannot_be_drawn_is_dim_with_the_reason(
+    make_app: MakeApp, scenario: str, reason: str
+) -> None:
+    async with make_app(scenario).run_test(size=(240, 40)) as pilot:
+        await settle(pilot)
+        sentence = (await palette(pilot, "draw the world"))["Draw the world (C)"]
+        assert sentence.startswith("Not here: ")
+        assert reason in sentence
+        assert "C draw the world" not in pilot.app.screen.query_one(KeyLine).render_line(0).text
+        await press(pilot, "C")
+        assert reason in notes(pilot.app)[-1]
+
+
+async def test_elsewhere_the_world_in_focus_offers_it_on_the_key_line(make_app: MakeApp) -> None:
+    async with make_app("maze").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        line = pilot.app.screen.query_one(KeyLine)
+        assert "C draw" not in line.render_line(0).text
+        await pilot.click(playground(pilot).board.world, offset=(5, 2))
+        await settle(pilot)
+        assert "C draw the world" in line.render_line(0).text
+
+
+async def test_a_rectangle_is_marked_copied_and_moved_by_the_mouse(make_app: MakeApp) -> None:
+    async with app_of_template("grid").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        hands = Mouse(pilot)
+        await hands.begin()
+        view = playground(pilot).board.world
+        assert view is not None
+        await hands.tool("A arrow")
+        await hands.drag(view, hands.offset((2, 2)), hands.offset((3, 3)))
+        await settle(pilot)
+        assert len(view.picked) == 4
+        await hands.tool("y copy")
+        await pilot.click(view, offset=hands.offset((0, 4)))
+        await hands.tool("p paste")
+        await settle(pilot)
+        assert [line[4:6] for line in map_drawn(pilot).lines[:2]] == ["##", ".H"]
+        await hands.tool("z undo")
+        await settle(pilot)
+        assert map_drawn(pilot).lines[0] == "S......"
+        await hands.tool("Z redo")
+        await settle(pilot)
+        assert strokes(pilot) == 3
+        await hands.tool("esc end")
+        await settle(pilot)
+        assert snapshot(pilot).editor.draft is None
+
+
+async def test_of_a_graph_one_outcome_is_chosen_and_changed_by_the_mouse(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C", "up", "down")
+        hands = Mouse(pilot)
+
+        def study() -> dict[str, float]:
+            entry = graph_drawn(pilot).entry("Class", "study")
+            assert entry is not None
+            return chances_of(entry)
+
+        await hands.tool("study → Class")
+        await hands.tool("+ likelier")
+        await settle(pilot)
+        assert study() == {"Pass": 0.75, "Class": 0.25}
+        await hands.wheel(slider(pilot.app, "chance"), (1, 0), 5)
+        await settle(pilot)
+        assert study() == {"Pass": 0.7, "Class": 0.3}
+        await hands.tool("check phone → Phone")
+        await settle(pilot)
+        await hands.wheel(slider(pilot.app, "pays"), (1, 0), 5)
+        await settle(pilot)
+        assert (graph_drawn(pilot).entry("Class", "check phone") or {})["reward"] == 1.0
+        await hands.wheel(slider(pilot.app, "chance"), (1, 0), -1)
+        await settle(pilot)
+        assert "nothing but Phone comes of check phone" in notes(pilot.app)[-1]
+        await hands.tool("del action −")
+        await settle(pilot)
+        assert graph_drawn(pilot).entry("Class", "check phone") is None
+
+
+async def test_a_state_goes_with_what_leads_there(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C", "up", "u")  # Phone
+        assert graph_drawn(pilot).states == ("Class", "Pass", "Sleep")
+        await press(pilot, "z")
+        assert graph_drawn(pilot).states == ("Class", "Pass", "Phone", "Sleep")
+
+
+async def test_a_graph_without_places_gets_those_of_the_picture(tmp_path: object) -> None:
+    text = find("student").text
+    bare = text[: text.index("[mdp.place]")] + text[text.index("[[mdp.transition]]") :]
+    from pathlib import Path
+
+    from rl_tui.worlds.files.scenario import scenario_of
+
+    scenario = scenario_of(bare, Path("bare.toml"))
+    app = RlTuiApp(
+        Display(fps=1000.0), recipe_for(scenario), make_player=partial(Player, automatic=False), picture=True
+    )
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        before = snapshot(pilot).world.drawing
+        assert isinstance(before, Graph)
+        await press(pilot, "C", "comma", "V")
+        after = snapshot(pilot).world.drawing
+        assert isinstance(after, Graph)
+        moved = [each for each in range(len(before.places)) if before.places[each] != after.places[each]]
+        assert moved
+        assert set(graph_drawn(pilot).rules["place"]) == set(graph_drawn(pilot).states)
+
+
+async def test_arms_are_drawn_by_the_mouse(make_app: MakeApp) -> None:
+    async with make_app("bandit").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C")
+        hands = Mouse(pilot)
+        before = arms_drawn(pilot).means
+        await hands.wheel(slider(pilot.app, "std"), (1, 0), 2)
+        await hands.wheel(slider(pilot.app, "drift"), (1, 0), 1)
+        await hands.tool("R arm last")
+        await settle(pilot)
+        draft = arms_drawn(pilot)
+        assert draft.rules["std"] == pytest.approx(1.1)
+        assert draft.rules["drift"] == pytest.approx(0.01)
+        assert draft.means == (*before, 0.0)
+        mean = slider(pilot.app, "mean")
+        start = mean.render_line(0).text.index("●")
+        await hands.drag(mean, (start, 0), (mean.size.width - 1, 0))
+        await settle(pilot)
+        assert arms_drawn(pilot).means[0] == 3.0
+
+
+def in_kiosk(scenario: str) -> RlTuiApp:
+    make_player = partial(Player, automatic=False)
+    return RlTuiApp(
+        Display(fps=1000.0), recipe_for(find(scenario)), make_player=make_player, picture=True, kiosk=True
+    )
+
+
+async def test_in_a_kiosk_one_draws_and_saves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rl_tui.worlds.editing.grid_draft.MOST_CELLS", 17)
+    async with in_kiosk("frozenlake").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C", "right", "H")
+        assert map_drawn(pilot).lines[0] == "SH.."
+        screens = len(pilot.app.screen_stack)
+        await press(pilot, "w")
+        assert notes(pilot.app)[-1] == "saving is off here: this is a kiosk"
+        assert len(pilot.app.screen_stack) == screens
+        for key in ("i", "R", "I", "N"):
+            await press(pilot, key)
+            assert "at most 17 cells" in notes(pilot.app)[-1]
+            assert map_drawn(pilot).rows == map_drawn(pilot).columns == 4
+        # what is pasted over the edge is cut off there: nothing makes a map larger but its lines
+        await press(pilot, "m", "down", "y", "down", "down", "right", "right", "p")
+        assert map_drawn(pilot).rows == map_drawn(pilot).columns == 4
+
+
+@pytest.mark.parametrize(
+    ("scenario", "limit", "most", "keys"),
+    [
+        ("student", "graph_draft.MOST_STATES_WRITTEN", 4, ("i", "n", "e", "w", "enter")),
+        ("bandit", "arms_draft.MOST_ARMS", 10, ("i",)),
+    ],
+)
+async def test_limits_of_size_hold_for_states_and_arms(
+    monkeypatch: pytest.MonkeyPatch, scenario: str, limit: str, most: int, keys: tuple[str, ...]
+) -> None:
+    name = limit.rpartition(".")[2]
+    assert getattr(limits, name) > most
+    monkeypatch.setattr(f"rl_tui.worlds.editing.{limit}", most)
+    async with in_kiosk(scenario).run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C", *keys)
+        assert not strokes(pilot)
+        assert f"{most}" in screen_text(pilot.app)

@@ -1,0 +1,87 @@
+"""Worlds that everybody knows, drawn from a blank one: with keys alone, and with the mouse alone."""
+
+from __future__ import annotations
+
+import pytest
+from drawing_hands import Hands, Keys, Mouse, app_of_template, map_drawn, plan_of
+from seams import playground, press, snapshot
+from textual.pilot import Pilot
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.streams import streams
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.worlds.files.catalogue import find
+from rl_tui.worlds.mdp.digest import table_digest
+
+pytestmark = pytest.mark.screen
+
+SCENARIOS = ("karpathy", "book", "bridge", "discount", "maze-188")
+
+
+def digest(pilot: Pilot[UserError]) -> str:
+    mdp = snapshot(pilot).world.mdp
+    assert mdp is not None
+    return table_digest(mdp)
+
+
+def digest_of(scenario: str) -> str:
+    mdp = find(scenario).build(streams(0).world).mdp
+    assert mdp is not None
+    return table_digest(mdp)
+
+
+@pytest.mark.parametrize("hands", [Keys, Mouse])
+@pytest.mark.parametrize("scenario", SCENARIOS)
+async def test_a_known_map_is_drawn_from_a_blank_one(scenario: str, hands: type[Hands]) -> None:
+    async with app_of_template("grid").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await hands(pilot).draw(plan_of(scenario))
+        assert digest(pilot) == digest_of(scenario), map_drawn(pilot).table
+
+
+async def type_lines(pilot: Pilot[UserError], *texts: str) -> None:
+    """Type each text into the line that asks for it, and press enter."""
+    for text in texts:
+        await press(pilot, *("space" if each == " " else each for each in text), "enter")
+
+
+async def go_to(pilot: Pilot[UserError], state: str) -> None:
+    """Go from state to state until the cursor stands on ``state``."""
+    names = snapshot(pilot).world.space.state_names
+    view = playground(pilot).board.world
+    assert view is not None
+    assert view.cursor is not None
+    await press(pilot, *["comma"] * ((names.index(state) - view.cursor) % len(names)))
+
+
+async def set_action(pilot: Pilot[UserError], state: str, action: str, does: str) -> None:
+    """Let ``action``, which is new in ``state``, do what a line says."""
+    await go_to(pilot, state)
+    await press(pilot, "enter", "end", "enter")
+    await type_lines(pilot, action, does)
+
+
+async def test_the_student_evening_is_drawn_from_a_blank_graph_by_keys() -> None:
+    async with app_of_template("mdp").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C", "down", "up")
+        for source, name in (("Start", "Class"), ("Class", "Phone"), ("Class", "Pass"), ("Phone", "Sleep")):
+            await go_to(pilot, source)
+            await press(pilot, "i")
+            await type_lines(pilot, name)
+        await go_to(pilot, "Class")
+        await press(pilot, "S")
+        for state in ("Start", "Detour"):  # and with them End, to which nothing leads then
+            await go_to(pilot, state)
+            await press(pilot, "u")
+        await set_action(pilot, "Class", "study", "Pass 0.8, Class 0.2 pays -2")
+        await set_action(pilot, "Class", "check phone", "Phone")
+        await set_action(pilot, "Phone", "scroll", "Phone pays -1")
+        await set_action(pilot, "Phone", "quit", "Class")
+        await set_action(pilot, "Pass", "sleep", "Sleep pays 10")
+        # the actions by which the states came to be stand first; at first one of several outcomes is chosen
+        await go_to(pilot, "Class")
+        await press(pilot, "shift+up", "shift+up", "delete", "delete")
+        await go_to(pilot, "Phone")
+        await press(pilot, "delete")
+        assert digest(pilot) == digest_of("student")
