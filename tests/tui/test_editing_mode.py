@@ -58,7 +58,7 @@ async def test_a_lake_is_drawn_anew_by_keys_alone(make_app: MakeApp) -> None:
         assert digest(pilot) == before, "undone"
         await press(pilot, "full_stop", "H")
         assert digest(pilot) == before, "the hole is where it was"
-        await press(pilot, "i", "up", "u")  # the cursor has stayed on its cell, below the new row
+        await press(pilot, "i", "u")
         assert digest(pilot) == before
         await press(pilot, "escape")
         assert snapshot(pilot).editor.draft is None

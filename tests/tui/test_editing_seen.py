@@ -87,17 +87,17 @@ async def test_a_trap_is_warned_of_beside_its_cells(make_app: MakeApp) -> None:
         assert "∞" not in drawn(pilot)
 
 
-async def test_the_cursor_keeps_its_cell_when_lines_are_added_before_it(make_app: MakeApp) -> None:
+async def test_the_cursor_is_on_the_line_that_was_added_and_else_keeps_its_cell(make_app: MakeApp) -> None:
     async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
         await settle(pilot)
         await press(pilot, "C")
         world(pilot).put_cursor(6)
         await press(pilot, "i")
-        assert world(pilot).cursor == 2 * 4 + 2
-        await press(pilot, "I")
-        assert world(pilot).cursor == 2 * 5 + 3
-        await press(pilot, "z")
-        assert world(pilot).cursor == 2 * 4 + 2
+        assert world(pilot).cursor == 6, "the new row"
+        await press(pilot, "down", "I")
+        assert world(pilot).cursor == 2 * 5 + 2, "the new column"
+        await press(pilot, "right", "z")
+        assert world(pilot).cursor == 2 * 4 + 2, "the cell that is left of where it was"
         await press(pilot, "z")
         assert world(pilot).cursor == 6
         world(pilot).put_cursor(15)
@@ -112,7 +112,9 @@ async def test_the_cursor_keeps_its_arm_and_its_state(make_app: MakeApp) -> None
         assert isinstance(world(pilot), ArmsView)
         world(pilot).put_cursor(3)
         await press(pilot, "i")
-        assert world(pilot).cursor == 4
+        assert world(pilot).cursor == 3, "the new arm"
+        await press(pilot, "down", "z")
+        assert world(pilot).cursor == 3, "the arm that was there"
     async with make_app("student").run_test(size=(120, 40)) as pilot:
         await settle(pilot)
         shown = await press(pilot, "C")

@@ -13,10 +13,14 @@ from rl_tui.tui.screens.playground.actions.modes.editing.texts import number_in
 from rl_tui.tui.screens.playground.actions.modes.editing.tools import Hand, Tool, Toolbox
 from rl_tui.worlds.editing.arms_draft import ArmsDraft
 from rl_tui.worlds.editing.edit import Edit
+from rl_tui.worlds.world import World
 
 
 class ArmsTools(Toolbox):
-    """Draws the arms of a bandit."""
+    """Draws the arms of a bandit. It remembers which it has added."""
+
+    def __init__(self) -> None:
+        self._added: tuple[int, int] | None = None  # how many there are with it, and its number
 
     def about(self, hand: Hand) -> tuple[str, ...]:
         """Return the arm under the cursor, and its mean."""
@@ -63,9 +67,19 @@ class ArmsTools(Toolbox):
         dialog = Prompt(f"Mean of arm {arm}", hint, repr(draft.means[arm]), partial(_mean, draft))
         hand.ask(dialog, lambda value: hand.draw((self._edit(hand, arm, float(value)),)))
 
+    def place_added(self, world: World) -> int | None:
+        """Return the arm that was added, once it is there."""
+        if self._added is None or self._added[0] != world.space.pairs:
+            return None
+        (_, place), self._added = self._added, None
+        return place
+
     def resize(self, count: int, hand: Hand, *, at_end: bool = False) -> None:
         """Add an arm before the cursor, or ``at_end``, or take away the one under it."""
-        at = len(_arms_of(hand).means) if at_end else _arm(hand)
+        arms = len(_arms_of(hand).means)
+        at = arms if at_end else _arm(hand)
+        if count > 0 and not at_end:
+            self._added = arms + count, at
         hand.draw((Edit("arms", (), f"{count:+d}@{at}"),))
 
     def paint(self, hand: Hand, places: Sequence[int]) -> None:

@@ -295,8 +295,7 @@ class WorldEditing(KeyMode):
         if view is None or box is None:
             return
         if snapshot.world is not view.world:  # it is drawn next, and then all of this is shown
-            place, view.cursor = box.place_in(snapshot.world, view), None
-            self.screen.call_later(self._land, place)
+            self.screen.call_later(self._land, box.place_added(snapshot.world))
             return
         hand = self._hand()
         about = () if hand is None else box.about(hand)
@@ -349,9 +348,12 @@ class WorldEditing(KeyMode):
         self._pending.note(self.link.wanted.sent, edits)
 
     def _land(self, place: int | None) -> None:
-        """Put the cursor on its place in another world, which is drawn now."""
-        if self.is_on and self.board.world is not None and place is not None:
-            self.board.world.put_cursor(place)
+        """Put the cursor on what was added to another world, which is drawn now; else it has its place."""
+        view = self.board.world
+        if self.is_on and view is not None:
+            # without one, where its own place is gone, it would go along with the agent
+            stays = view.cursor if place is None else place
+            view.put_cursor((view.cursor_place or 0) if stays is None else stays)
         self._show_picked()
 
     def _show_picked(self) -> None:

@@ -7,7 +7,6 @@ from functools import partial
 from typing import Any, Final
 
 from rl_tui.tui.panels.drawing.sheet import SheetLine, ToolCell, WorldNumber
-from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.dialogs.choice import Candidate, Choice
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.screens.playground.actions.modes.editing.graph_rows import GRAPH_TOOLS, NEEDS_OUTCOME
@@ -41,7 +40,7 @@ class GraphTools(Toolbox):
 
     def __init__(self) -> None:
         self._chosen: tuple[str, int] | None = None
-        self._awaited: str | None = None
+        self._added: str | None = None
 
     # What is shown
 
@@ -107,16 +106,13 @@ class GraphTools(Toolbox):
         entry = paying(outcome, value) if name == PAYS.name else _as_likely(outcome, value)
         return (transition_edit(_state(hand), outcome.action, entry),)
 
-    def place_in(self, world: World, view: WorldView) -> int | None:
-        """Return the same state in another graph, or a new one that was asked for."""
-        names, before = world.space.state_names, view.world.space.state_names
-        if self._awaited in names:
-            name, self._awaited = self._awaited, None
-            return names.index(name)
-        if view.cursor is None or view.cursor >= len(before):
-            return view.cursor
-        name = before[view.cursor]
-        return names.index(name) if name in names else 0
+    def place_added(self, world: World) -> int | None:
+        """Return the state that was added, once it is there."""
+        names = world.space.state_names
+        if self._added not in names:
+            return None
+        name, self._added = self._added, None
+        return names.index(name)
 
     # What actions do
 
@@ -204,7 +200,7 @@ class GraphTools(Toolbox):
             return read_outcomes(draft, state, f"to {name}", as_json({"reward": 0.0, "to": name})) and name
 
         def answered(name: object) -> None:
-            self._awaited = str(name)
+            self._added = str(name)
             hand.draw((transition_edit(state, f"to {name}", {"reward": 0.0, "to": str(name)}),))
 
         hint = f"Its name. An action leads there from {state}; enter says what it is."

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Final
 
 from rl_tui.tui.panels.drawing.sheet import ToolCell, WorldNumber
-from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.screens.playground.actions.modes.editing.brushes import (
     BRUSHES,
@@ -65,6 +64,7 @@ class MapTools(Toolbox):
         self._corner: int | None = None
         self._copied: tuple[str, ...] = ()
         self._jump_from: int | None = None
+        self._added: tuple[tuple[int, int], int] | None = None  # the size of the map with it, and its cell
 
     # What is shown
 
@@ -179,13 +179,16 @@ class MapTools(Toolbox):
         self._corner = before if self._corner is None else self._corner
         hand.view.put_cursor(there)
 
-    def place_in(self, world: World, view: WorldView) -> int | None:
-        """Return the same row and column in another map, or the nearest."""
-        old, new = view.world.drawing, world.drawing
-        if view.cursor is None or not isinstance(old, Grid) or not isinstance(new, Grid):
-            return view.cursor
-        row, column = divmod(view.cursor, old.columns)
-        return min(row, new.rows - 1) * new.columns + min(column, new.columns - 1)
+    def place_added(self, world: World) -> int | None:
+        """Return the cell of the row or column that was added before the cursor, once it is there."""
+        grid = world.drawing
+        if self._added is None or not isinstance(grid, Grid):
+            return None
+        size, place = self._added
+        if size != (grid.rows, grid.columns):
+            return None
+        self._added = None
+        return place
 
     # Brushes
 
@@ -316,6 +319,9 @@ class MapTools(Toolbox):
         draft, (row, column) = _map_of(hand), _here(hand)
         self._corner = self._jump_from = None
         last, here = (draft.rows, row) if name == "rows" else (draft.columns, column)
+        if count > 0 and not at_end:
+            rows, columns = draft.rows + count * (name == "rows"), draft.columns + count * (name == "columns")
+            self._added = (rows, columns), row * columns + column
         hand.draw((Edit(name, (), f"{count:+d}@{last if at_end else here}"),))
 
     def _rectangle(self, hand: Hand) -> tuple[range, range]:

@@ -130,6 +130,6 @@ class Toolbox(ABC):
         """Forget what was begun and not ended; return whether there was something."""
         return False
 
-    def place_in(self, world: World, view: WorldView) -> int | None:
-        """Return where the cursor of ``view`` belongs in ``world``, which is drawn next."""
-        return view.cursor
+    def place_added(self, world: World) -> int | None:
+        """Return the place of what a tool has added, the first time that it is in ``world``; else None."""
+        return None
