@@ -76,7 +76,7 @@ class _Block:
         is_reached = self._reached(acting, landings)[acting]
         if not is_reached.all():
             acting, kept = acting[is_reached], np.flatnonzero(is_reached)
-            landings = {way: Landings(*(each[kept] for each in those)) for way, those in landings.items()}
+            landings = {way: each.of(kept) for way, each in landings.items()}
         self.acting = acting
         self.shape = (len(acting), len(action_names(states, rules)), len(self.variants))
         self.exits, self.jump_to = states.exits[acting], states.jump_to[acting]
@@ -141,7 +141,7 @@ class _Block:
         goes_on = ~states.ends[leads_to] & ~states.exits[acting][:, None]
         count = np.zeros(len(states.numbers) + 1, dtype=np.int64)
         count[acting + 1] = goes_on.sum(axis=1)
-        return reachable(np.cumsum(count), leads_to[goes_on], states.starts)
+        return reachable(np.cumsum(count), leads_to[goes_on].astype(np.int64), states.starts)
 
     def _walk(self, landings: dict[_Way, Landings]) -> None:
         """Work out which state each outcome enters, and where one is stopped."""
