@@ -13,7 +13,7 @@ from rl_tui.worlds.mdp.space import BoolArray, IntArray
 MOST_PLAIN: Final = 100_000
 # Up to so many it takes less time than SciPy's own
 FEW: Final = 2_000
-_COMPILED: Final = "scipy.sparse.csgraph"
+_COMPILED: Final = "scipy.sparse"
 
 
 def reachable(first_edge: IntArray, leads_to: IntArray, start: IntArray) -> BoolArray:
