@@ -21,6 +21,7 @@ from statistics import median, quantiles
 from tempfile import TemporaryDirectory
 from typing import Final
 
+from edit_times import edit_times
 from frame_times import frame_times
 from journeys import journeys
 from player_calls import player_calls
@@ -200,6 +201,20 @@ def frames(rounds: int) -> Rows:
         yield f"{name} of a 1,000×1,000 map", f"{many:.2f} ms, {many / few:.1f} times", "about as quick"
 
 
+def edits(rounds: int) -> Rows:
+    """How soon a wall that is drawn is in a snapshot, with the exact answer, and how soon on the screen."""
+    for side in (10, 30, 100):
+        times = asyncio.run(edit_times(side, 4 * rounds))
+        what = f"edit of a {side}×{side} map"
+        yield f"{what}, its world", f"{times.made:.1f} ms", ""
+        yield f"{what}, its exact answer", f"{times.answered:.1f} ms", "at most 66 ms"
+        yield f"{what}, a frame of it", f"{times.frame:.1f} ms", ""
+    times = asyncio.run(edit_times(1_000, rounds))
+    yield "edit of a 1,000×1,000 map, drawn", f"{times.drawn:.0f} ms", "at most 200 ms with a frame"
+    yield "edit of a 1,000×1,000 map, its table", f"{times.made / 1e3:.2f} s", ""
+    yield "the first frame of that table", f"{times.frame:.0f} ms", ""
+
+
 def first_paint(rounds: int) -> Rows:
     """The time to the first frame with something on it, against that of an empty Textual app."""
     empty, ours = [], []
@@ -321,8 +336,8 @@ def main() -> None:
     parser.add_argument(
         "what",
         nargs="*",
-        help="start-up, beginnings, bench, algorithms, sizes, evaluation, frames, first-paint, live, travel, "
-        "player, seeds, memory; default: all",
+        help="start-up, beginnings, bench, algorithms, sizes, evaluation, frames, edits, first-paint, live, "
+        "travel, player, seeds, memory; default: all",
     )
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--memory-steps", type=int, default=1_000_000_000)
@@ -336,6 +351,7 @@ def main() -> None:
         "sizes": lambda: sizes(options.rounds),
         "evaluation": lambda: evaluation(options.rounds),
         "frames": lambda: frames(options.rounds),
+        "edits": lambda: edits(options.rounds),
         "first-paint": lambda: first_paint(options.rounds),
         "live": lambda: live(options.rounds),
         "travel": lambda: travel(100_000_000),

@@ -26,9 +26,9 @@ class Ticking:
         return self.now
 
 
-def begin(made_from: Recipe, record: Record | None = None) -> Playback:
+def begin(made_from: Recipe, record: Record | None = None, *, automatic: bool = False) -> Playback:
     playback = Playback(
-        made_from, speed=None, automatic=False, clock=Ticking(), on_exact=lambda: None, record=record
+        made_from, speed=None, automatic=automatic, clock=Ticking(), on_exact=lambda: None, record=record
     )
     while playback.on_the_way:
         playback.work()

@@ -9,7 +9,7 @@ from recipes import recipe
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
 from rl_tui.agents.exact.solve import solve
 from rl_tui.lab.run import exact_answers
-from rl_tui.lab.run.exact_answers import PENDING, ExactAnswers
+from rl_tui.lab.run.exact_answers import PENDING, ExactAnswers, RunAnswers
 from rl_tui.lab.run.recipe import begin
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -94,6 +94,16 @@ def test_an_answer_under_way_is_worked_out_once_however_often_it_is_asked_for() 
     worker.join()
     assert asked == [0.5]
     assert answers.answer(0.5).solution is not None
+
+
+def test_the_answers_of_two_worlds_in_turn_are_worked_out_once() -> None:
+    """As where two runs side by side are in two worlds."""
+    answers, worlds = RunAnswers(nobody), [replace(STUDENT, time_limit=limit) for limit in (50, 60)]
+    first = [answers.at(world, 0.9).solution for world in worlds]
+    assert None not in first
+    assert [answers.at(world, 0.9).solution for world in worlds] == first
+    answers.at(replace(STUDENT, time_limit=70), 0.9)
+    assert answers.at(worlds[0], 0.9).solution is not first[0], "a world left long ago is forgotten"
 
 
 def test_an_unexpected_failure_is_raised_when_asked_again() -> None:

@@ -116,7 +116,7 @@ def straight(recipe: Recipe, journal: Any, step: int) -> Run:
 
 
 @pytest.mark.parametrize("algorithm", BY_ID)
-@settings(max_examples=15)
+@settings(max_examples=15, deadline=None)
 @given(what=deeds(MAP_STROKES))
 def test_on_a_map_it_ends_in_the_bits_of_the_straight_replay(algorithm: str, what: list[Any]) -> None:
     run = Run(small_map(algorithm=algorithm))
@@ -125,7 +125,7 @@ def test_on_a_map_it_ends_in_the_bits_of_the_straight_replay(algorithm: str, wha
     assert not differing(run, straight(*through_a_file(run), run.step))
 
 
-@settings(max_examples=30)
+@settings(max_examples=30, deadline=None)
 @given(
     algorithm=st.sampled_from(["q-learning", "n-step-sarsa", "value-iteration"]), what=deeds(GRAPH_STROKES)
 )
@@ -135,7 +135,7 @@ def test_on_a_graph_it_ends_in_the_bits_of_the_straight_replay(algorithm: str, w
     assert not differing(run, straight(*through_a_file(run), run.step))
 
 
-@settings(max_examples=15)
+@settings(max_examples=15, deadline=None)
 @given(first=st.sampled_from(list(BY_ID)), then=st.sampled_from(list(BY_ID)), what=deeds(MAP_STROKES))
 def test_so_it_does_where_the_algorithm_is_changed_between(first: str, then: str, what: list[Any]) -> None:
     run = Run(small_map(algorithm=first))

@@ -1,12 +1,15 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from program_samples import program, watched
 from samples import bandit, lake, look, planning, student
 
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.live.snapshot_builder import PREPARING
+from rl_tui.lab.live.snapshot_builder import PREPARING, REBUILDING
 from rl_tui.lab.live.speed.transport import WAITING
+from rl_tui.lab.live.world_editor import EditorView
 from rl_tui.lab.timeline.branches import Branch, Timeline
 from rl_tui.tui.panels.status_line import StatusLine
 
@@ -236,6 +239,13 @@ def test_what_a_replay_waits_for_is_told() -> None:
     assert "2,000,000 steps to replay: waiting for the compiler" in drawn(
         lake(phase=Phase.SEEKING, message=message), 60
     )
+
+
+def test_that_learning_waits_for_a_world_is_told_whatever_the_run_was_doing() -> None:
+    for phase in (Phase.PAUSED, Phase.RUNNING):
+        waiting = replace(lake(phase=phase, message=REBUILDING), editor=EditorView(rebuilding=True))
+        for width in (60, 80, 120):
+            assert REBUILDING in drawn(waiting, width)
 
 
 def test_a_short_way_changes_nothing() -> None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from rl_tui.worlds.mdp.reachable import reachable
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -70,9 +71,16 @@ class ExactModel:
 
         Only ``usable`` pairs, [P], are taken; the end may be a goal. −1 where no goal can be reached.
         """
+        return self._ways(usable).steps_to(goals)
+
+    def endless(self, usable: BoolArray) -> IntArray:
+        """Return the live states, [n], from which ``usable`` pairs, [P], lead to no end, rising."""
+        may_end = self._ways(usable).leading_to(np.array([self.end]))
+        return self.live[~may_end[self.live]]
+
+    def _ways(self, usable: BoolArray) -> Ways:
         used = usable[self.outcome_pair]
-        ways = Ways(self.pair_state[self.outcome_pair][used], self.landing[used], self.end + 1)
-        return ways.steps_to(goals)
+        return Ways(self.pair_state[self.outcome_pair][used], self.landing[used], self.end + 1)
 
 
 class Ways:
@@ -81,13 +89,13 @@ class Ways:
     def __init__(self, source: IntArray, target: IntArray, states: int) -> None:
         ways = np.sort(target * states + source)
         ways = ways[np.diff(ways, prepend=-1) > 0]  # each once: a world that slips has some of them often
-        self._before: list[int] = (ways % states).tolist()
-        self._first: list[int] = np.searchsorted(ways, states * np.arange(states + 1)).tolist()
+        self._before: IntArray = ways % states
+        self._first: IntArray = np.searchsorted(ways, states * np.arange(states + 1))
         self._states = states
 
     def steps_to(self, goals: Iterable[int]) -> IntArray:
         """Return the fewest steps, [S+1], from each state to one of ``goals``, −1 where none is reached."""
-        before, first = self._before, self._first
+        before, first = self._before.tolist(), self._first.tolist()
         steps = [-1] * self._states
         queue = list(goals)
         for goal in queue:
@@ -98,6 +106,10 @@ class Ways:
                     steps[previous] = steps[state] + 1
                     queue.append(previous)
         return np.array(steps, dtype=np.int64)
+
+    def leading_to(self, goals: IntArray) -> BoolArray:
+        """Return from which states luck may lead to one of ``goals``, [n], themselves among them, [S+1]."""
+        return reachable(self._first, self._before, goals)
 
 
 def exact_model(mdp: TabularMDP) -> ExactModel:

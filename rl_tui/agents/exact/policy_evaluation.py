@@ -174,7 +174,7 @@ class PolicyChain:
         """Return from which states luck may lead to one of ``goals``, themselves among them, [S+1] both."""
         if self._ways is None:
             self._ways = Ways(self._moves.source, self._moves.target, self._model.end + 1)
-        return self._ways.steps_to(np.flatnonzero(goals).tolist()) >= 0
+        return self._ways.leading_to(np.flatnonzero(goals))
 
     def _solver_of(self, gamma: float, unknown: BoolArray) -> Solver:
         wanted = gamma, unknown.tobytes()

@@ -7,15 +7,18 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.agents.exact.backward_induction import best_values
+from rl_tui.agents.exact.backward_induction import best_values, model_of
 from rl_tui.agents.exact.exact_model import ExactModel, ExtendedArray
-from rl_tui.agents.exact.policy_evaluation import PolicyChain
+from rl_tui.agents.exact.policy_evaluation import MOST_DENSE, PolicyChain
 from rl_tui.agents.exact.solution import NoExactAnswer
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 SMALLEST_GAIN: Final = 1e-12
 NOISE: Final = 32 * float(np.finfo(np.longdouble).eps)
 LONGEST_WARM_UP: Final = 1_000
+# A sweep that moves values by no more, of the largest, leaves next to nothing to improve
+AT_REST: Final = 1e-13
+BETWEEN_LOOKS: Final = 5
 MOST_NAMES: Final = 6
 
 
@@ -32,13 +35,19 @@ class Optimum:
     iterations: int
 
 
-def policy_iteration(model: ExactModel, gamma: float) -> Optimum:
+def policy_iteration(model: ExactModel, gamma: float, start: IntArray | None = None) -> Optimum:
     """Return the best values over an unlimited horizon.
 
     At γ = 1 they are the best over the policies that end with probability 1: it starts from such a policy.
+    That is ``start``, [N] pairs, where it is given and ends: a good one saves time and changes nothing else.
     Raises NoExactAnswer, at γ = 1, naming a state that cannot reach an end or a loop that gains for ever.
     """
-    policy = _way_out(model) if gamma == 1.0 else _far_sighted(model, gamma)
+    if gamma < 1.0:
+        policy = _far_sighted(model, gamma)
+    elif start is not None and not len(model.endless(_probabilities(model, start) > 0.0)):
+        policy = start
+    else:
+        policy = _way_out(model)
     v = np.zeros(model.end + 1, dtype=np.longdouble)
     seen: set[bytes] = set()
     while True:
@@ -70,22 +79,48 @@ def _improved(model: ExactModel, policy: IntArray, advantage: ExtendedArray, lea
 
 def _far_sighted(model: ExactModel, gamma: float) -> IntArray:
     """Return the greedy policy, [N], for a long finite horizon: a start that leaves little to improve."""
-    steps = min(model.mdp.states, LONGEST_WARM_UP)
-    v = np.append(best_values(model.mdp, gamma, steps), 0.0).astype(np.longdouble)
-    first = model.mdp.first_pair[model.live]
-    return _improved(model, first, model.advantage(v, gamma), 0.0)
+    mdp = model.mdp
+    if mdp.states <= MOST_DENSE:
+        v = best_values(mdp, gamma, min(mdp.states, LONGEST_WARM_UP))
+    else:
+        v = _swept(model, gamma)
+    first = mdp.first_pair[model.live]
+    return _improved(model, first, model.advantage(np.append(v, 0.0).astype(np.longdouble), gamma), 0.0)
+
+
+def _swept(model: ExactModel, gamma: float) -> FloatArray:
+    """Return values, [S], after sweeps of value iteration, until one moves them by next to nothing."""
+    from scipy.sparse import csr_array
+
+    mdp, v = model.mdp, np.zeros(model.mdp.states)
+    sweep = model_of(mdp, mdp.reward, gamma)
+    shape = mdp.pairs, mdp.states
+    following = csr_array((sweep.weight, sweep.next_state, sweep.first_outcome), shape=shape)
+    reward, each, first = sweep.pair_reward, int(model.pairs_each[0]), mdp.first_pair[model.live]
+    is_even = bool((model.pairs_each == each).all())
+    if is_even:  # action by action the best of each state is found in a quarter of the time
+        order = np.arange(mdp.pairs).reshape(-1, each).T.ravel()
+        following, reward = following[order], reward[order]
+    for _ in range(LONGEST_WARM_UP // BETWEEN_LOOKS):
+        for _ in range(BETWEEN_LOOKS):
+            of_pairs, before = reward + following @ v, v[model.live]
+            best = of_pairs.reshape(each, -1).max(axis=0) if is_even else np.maximum.reduceat(of_pairs, first)
+            v[model.live] = best
+        if np.abs(best - before).max() <= AT_REST * np.abs(best).max():
+            break
+    return v
 
 
 def _way_out(model: ExactModel) -> IntArray:
-    """Return a policy, [N], that ends with probability 1: every action may come one step nearer to an end."""
+    """Return a policy, [N], sure to end: it takes what most likely comes nearer to an end."""
     steps = model.steps_to([model.end], np.ones(model.mdp.pairs, dtype=np.bool_))
     lost = model.live[steps[model.live] < 0]
     if len(lost):
         name = model.mdp.state_names[lost[0]]
         raise NoExactAnswer(f"γ = 1: state {name} cannot reach an end; choose γ below 1")
-    nearness = -np.minimum.reduceat(steps[model.landing], model.mdp.first_outcome[:-1])
-    first = model.mdp.first_pair[model.live]
-    return _improved(model, first, nearness.astype(np.longdouble), 0.0)
+    nearer = steps[model.landing] < steps[model.pair_state][model.outcome_pair]
+    chance = np.add.reduceat(np.where(nearer, model.probability, 0.0), model.mdp.first_outcome[:-1])
+    return _improved(model, model.mdp.first_pair[model.live], chance, 0.0)
 
 
 def _check_that_it_ends(model: ExactModel, policy: IntArray) -> None:
@@ -95,7 +130,7 @@ def _check_that_it_ends(model: ExactModel, policy: IntArray) -> None:
     above 0.
     """
     usable = _probabilities(model, policy) > 0.0
-    endless = model.live[model.steps_to([model.end], usable)[model.live] < 0]
+    endless = model.endless(usable)
     if len(endless):
         loop = _names(model, _loop_from(model, usable, int(endless[0])))
         raise NoExactAnswer(f"γ = 1: the loop through {loop} gains for ever; choose γ below 1")

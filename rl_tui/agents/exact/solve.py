@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, TypedDict
 
 import numpy as np
 
@@ -13,10 +13,17 @@ from rl_tui.agents.exact.policy_figures import expected_return
 from rl_tui.agents.exact.policy_iteration import Optimum, policy_iteration
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
 from rl_tui.agents.exact.ways_out import staying_states
-from rl_tui.worlds.mdp.space import BoolArray
+from rl_tui.worlds.mdp.space import BoolArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 TIE: Final = 1e-9
+
+
+class _Returns(TypedDict):
+    """Two fields of a solution."""
+
+    expected_return: float | None
+    best_expected_return: float | None
 
 
 def solve(mdp: TabularMDP, gamma: float) -> Solution:
@@ -33,7 +40,6 @@ def solve(mdp: TabularMDP, gamma: float) -> Solution:
     best = advantage >= np.repeat(model.best(advantage), model.pairs_each) - TIE
     best[optimum.policy] = True  # where values are so large that rounding is more than that
     greedy = ending_ties(model, best) if gamma == 1.0 else best
-    discounts_nothing = gamma == 1.0 or bool(mdp.terminated.all())
     return Solution(
         gamma=gamma,
         v=optimum.v[:-1].astype(np.float64),
@@ -41,10 +47,27 @@ def solve(mdp: TabularMDP, gamma: float) -> Solution:
         best=best,
         greedy=greedy,
         value_at_start=mdp.average_at_start(optimum.v),
-        expected_return=expected_return(mdp, uniform_over(mdp, greedy)),
-        best_expected_return=_best_expected_return(model, optimum if discounts_nothing else None),
+        **_returns(model, gamma, optimum, greedy),
         iterations=optimum.iterations,
     )
+
+
+def _returns(model: ExactModel, gamma: float, optimum: Optimum, greedy: BoolArray) -> _Returns:
+    """Return what ``greedy``, the tied pairs [P] of ``optimum``, and the best policy earn undiscounted."""
+    mdp = model.mdp
+    if mdp.time_limit:
+        best = mdp.average_at_start(best_values(mdp, 1.0, mdp.time_limit))
+        return _Returns(
+            expected_return=expected_return(mdp, uniform_over(mdp, greedy)), best_expected_return=best
+        )
+    discounts_nothing = gamma == 1.0 or bool(mdp.terminated.all())
+    undiscounted = optimum if discounts_nothing else _undiscounted(model, optimum.policy)
+    best_return = None if undiscounted is None else mdp.average_at_start(undiscounted.v)
+    has_ties = int(greedy.sum()) > len(optimum.policy)
+    if undiscounted is not None and not has_ties and np.array_equal(undiscounted.policy, optimum.policy):
+        return _Returns(expected_return=best_return, best_expected_return=best_return)
+    earned = expected_return(mdp, uniform_over(mdp, greedy))
+    return _Returns(expected_return=earned, best_expected_return=best_return)
 
 
 def best_expected_return(mdp: TabularMDP) -> float | None:
@@ -52,19 +75,18 @@ def best_expected_return(mdp: TabularMDP) -> float | None:
 
     Without a time limit that of the best policy that ends with probability 1; None where γ = 1 has no answer.
     """
-    return _best_expected_return(exact_model(mdp), None)
-
-
-def _best_expected_return(model: ExactModel, undiscounted: Optimum | None) -> float | None:
-    """Return :func:`best_expected_return`; ``undiscounted`` is the optimum at γ = 1 if it is at hand."""
-    mdp = model.mdp
     if mdp.time_limit:
         return mdp.average_at_start(best_values(mdp, 1.0, mdp.time_limit))
+    optimum = _undiscounted(exact_model(mdp), None)
+    return None if optimum is None else mdp.average_at_start(optimum.v)
+
+
+def _undiscounted(model: ExactModel, start: IntArray | None) -> Optimum | None:
+    """Return the optimum at γ = 1, None where there is none; ``start``, [N] pairs, may be a good policy."""
     try:
-        optimum = undiscounted or policy_iteration(model, 1.0)
+        return policy_iteration(model, 1.0, start=start)
     except NoExactAnswer:
         return None
-    return mdp.average_at_start(optimum.v)
 
 
 def ending_ties(model: ExactModel, tied: BoolArray) -> BoolArray:

@@ -101,7 +101,5 @@ def _comes_to_an_end(mdp: TabularMDP, usable: BoolArray) -> BoolArray:
     """Return from which states, [S], the ``usable`` outcomes, [O], can lead to an end."""
     source = mdp.pair_state[mdp.outcome_pair]
     goes_on = usable & ~mdp.terminated
-    order = np.argsort(mdp.next_state[goes_on], kind="stable")
-    back_to, lands_in = source[goes_on][order], mdp.next_state[goes_on][order]
-    first_edge = np.searchsorted(lands_in, np.arange(mdp.states + 1))
-    return reachable(first_edge, back_to, np.unique(source[usable & mdp.terminated]))
+    ways = Ways(source[goes_on], mdp.next_state[goes_on], mdp.states)
+    return ways.leading_to(np.unique(source[usable & mdp.terminated]))

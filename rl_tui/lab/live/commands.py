@@ -307,11 +307,13 @@ MOVES: Final = (Play, WatchLearning, Pause, Step, RunEpisode, RunUntil, Take, Tr
 
 _TAKES_STEPS: Final = (Play, WatchLearning, Step, RunEpisode, RunSweep, RunUntil, Take, Train)
 
-_WHILE_SEEKING: Final = (
-    *(StepBack, GoTo, Pause, DropLane, DrawAction, ClearDrawing, HideAnswer, KeepLesson, WatchProgram),
-    *_AT_ANY_TIME,
-)
+_BESIDE: Final = (Pause, DrawAction, ClearDrawing, HideAnswer, KeepLesson, WatchProgram, *_AT_ANY_TIME)
+
+_WHILE_SEEKING: Final = (StepBack, GoTo, DropLane, *_BESIDE)
 """Commands that replace a seek under way, or leave it alone."""
+
+WHILE_REBUILDING: Final = (Play, Restart, DrawWorld, UndoStroke, RedoStroke, *_BESIDE)
+"""Commands that need not wait for a world that is being rebuilt."""
 
 _FROM_HERE: Final = (StepBack, EpisodeBack, ChooseBranch)
 """Commands that need to know where the run shown is to stand, but not where the others are."""

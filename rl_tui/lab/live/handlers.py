@@ -9,7 +9,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live import commands
 from rl_tui.lab.live.state import State
 from rl_tui.lab.live.until import Breakpoints, Event, Until
-from rl_tui.lab.run.recipe import Change, OrderSweep, TakeAction
+from rl_tui.lab.run.recipe import Change, OrderSweep, TakeAction, WorldChange
 
 if TYPE_CHECKING:
     from rl_tui.lab.live.playback import Playback
@@ -73,12 +73,15 @@ def _apply(playback: Playback, command: commands.Apply) -> None:
 
 
 def _change(playback: Playback, change: Change) -> None:
-    group = playback.group
-    group.apply(change)
-    group.gather()
-    playback.take_in_change()
-    if group.seeking:
+    _make(playback, change)
+    if playback.group.seeking:
         playback.seek()
+
+
+def _make(playback: Playback, change: Change) -> None:
+    playback.group.apply(change)
+    playback.group.gather()
+    playback.take_in_change()
 
 
 def _draw_world(playback: Playback, command: commands.DrawWorld) -> None:
@@ -93,11 +96,34 @@ def _redo_stroke(playback: Playback, _: commands.RedoStroke) -> None:
     _change_world(playback, playback.editor.redo(playback.group.current.run))
 
 
-def _change_world(playback: Playback, change: Change | None) -> None:
+def _change_world(playback: Playback, change: WorldChange | None) -> None:
     if playback.questions.lesson is not None:
         raise UserError("a lesson's world stays as it is: draw in a scenario of the catalogue")
-    if change is not None:
+    if change is None:
+        return
+    if playback.editor.puts_off(playback.group.current.run, change):
+        playback.rebuild()
+    else:
         _change(playback, change)
+
+
+def make_changes_that_waited(playback: Playback) -> bool:
+    """Make the changes that waited and whose world is there now; return whether any waits on."""
+    run, editor = playback.group.current.run, playback.editor
+    try:
+        while editor.is_ahead:
+            change = editor.next_change(run)
+            if change is None:
+                return True
+            _make(playback, change)
+            editor.take_in(run)
+            playback.changed = True
+    except UserError as fault:
+        run.ready = None
+        editor.forget()
+        playback.rest()
+        playback.paused_by = str(fault)
+    return False
 
 
 def _open_editor(playback: Playback, command: commands.OpenEditor) -> None:

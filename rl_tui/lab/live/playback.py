@@ -10,19 +10,20 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import (
     LOOKING,
     MOVES,
+    WHILE_REBUILDING,
     Command,
     Restart,
     is_taken_while_seeking,
     takes_steps,
 )
 from rl_tui.lab.live.compilation import LOOK_AGAIN, Compilation
-from rl_tui.lab.live.handlers import HANDLERS
+from rl_tui.lab.live.handlers import HANDLERS, make_changes_that_waited
 from rl_tui.lab.live.questions import Questions
-from rl_tui.lab.live.record import LearnedTable, Record
+from rl_tui.lab.live.record import LearnedTable, Record, record_of, table_of
 from rl_tui.lab.live.snapshot import PHASES, Phase, Snapshot
 from rl_tui.lab.live.snapshot_builder import SnapshotBuilder, as_left, view_of
 from rl_tui.lab.live.speed.pacing import AT_ONCE, CHUNK
-from rl_tui.lab.live.state import BUSY, ENDED, PASSING, UNFINISHED, State, shows_trail
+from rl_tui.lab.live.state import BUSY, ENDED, PASSING, SHOWN_AS_NEXT, UNFINISHED, State, shows_trail
 from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, until_in_words, watching_for
 from rl_tui.lab.live.until import Breakpoints, Event, Until
 from rl_tui.lab.live.world_editor import WorldEditor
@@ -116,30 +117,20 @@ class Playback:
         """Return True if ``command`` need not wait."""
         if self.state in BUSY or (not self._automatic and self.state in UNFINISHED):
             return False
+        if self.state is State.REBUILDING:
+            return isinstance(command, WHILE_REBUILDING)
         return self.state is not State.SEEKING or is_taken_while_seeking(command, self.group.current.seek)
 
     @property
     def record(self) -> Record:
         """What is needed to come back to here."""
-        if self.state is State.BUILDING:
-            return self._record
-        return Record(
-            self.group.records,
-            self.group.shown,
-            self.breakpoints,
-            self.transport.speed,
-            self.questions.drawn,
-            self.questions.is_hidden,
-            self.questions.lesson,
-        )
+        return self._record if self.state is State.BUILDING else record_of(self)
 
     @property
     def table(self) -> LearnedTable | None:
         """The live table of the run shown, None while it is not where the record says."""
-        if self.state is State.BUILDING or self.group.seeking:
-            return None
-        learner = self.group.current.run.learner
-        return LearnedTable(learner.q, learner.visits, learner.episodes, learner.state)
+        is_elsewhere = self.state is State.BUILDING or self.group.seeking
+        return None if is_elsewhere else table_of(self.group.current.run)
 
     def handle(self, command: Command) -> None:
         """Carry out ``command``, or begin to. Raises UserError where the world of a restart cannot be built.
@@ -179,6 +170,8 @@ class Playback:
                 return self._continue_seek()
             case State.TRAINING:
                 return self._continue_training()
+            case State.REBUILDING:
+                return self._continue_rebuild()
             case State.UNTIL:
                 self._continue_until()
             case State.RUNNING if self._automatic:
@@ -212,10 +205,9 @@ class Playback:
         """Do what ``state`` says: at once, or once it has loaded, sought or trained."""
         if state not in PASSING:
             self._next = state
-            if self.state in PASSING:
-                return
-        self.state = state
-        self.phase = PHASES[self._next if state is State.TRAINING else state]
+        if state in PASSING or self.state not in PASSING:
+            self.state = state
+        self.phase = PHASES[self._next if self.state in SHOWN_AS_NEXT else self.state]
 
     @property
     def _takes_all_it_can(self) -> bool:
@@ -247,8 +239,8 @@ class Playback:
             self._enter(State.PAUSED)
 
     def run(self) -> None:
-        """Run on at the wanted speed, unless it runs already."""
-        if self.state is State.PAUSED:
+        """Run on at the wanted speed, once the world is there, unless it runs already."""
+        if self._next is State.PAUSED:
             self.paused_by = ""
             self.transport.start(at_once=True)
             self._enter(State.RUNNING)
@@ -276,6 +268,11 @@ class Playback:
         self.transport.start_seek()
         self._enter(State.SEEKING)
         self._continue_seek()
+
+    def rebuild(self) -> None:
+        """Take no step until the world is there that the editor waits for."""
+        self.paused_by = ""
+        self._enter(State.REBUILDING)
 
     def stop_if_due(self) -> None:
         """Rest where the run shown is over or has met a breakpoint."""
@@ -342,6 +339,7 @@ class Playback:
     def restart(self, recipe: Recipe) -> None:
         """Start again from ``recipe``, paused. Raises UserError where its world cannot be built."""
         group, old = self.group, self.group.current
+        self.editor.forget()
         beginning = begin(recipe, old.world if recipe.scenario == old.recipe.scenario else None)
         if beginning.world is not old.world:
             self.breakpoints = Breakpoints()
@@ -357,6 +355,15 @@ class Playback:
         elif self.transport.has_news():
             self.changed = True
         return LOOK_AGAIN if self.waits else 0.0
+
+    def _continue_rebuild(self) -> float:
+        if make_changes_that_waited(self):
+            return LOOK_AGAIN
+        if self.group.seeking:
+            self.seek()
+        else:
+            self._go_on()
+        return 0.0
 
     def _continue_training(self) -> float:
         if self.compilation.waits(self._steps_to_train):

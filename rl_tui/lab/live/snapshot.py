@@ -53,7 +53,7 @@ PHASES: Final = {
     State.UNTIL: Phase.RUNNING,
     **{state: Phase[state.name] for state in (State.SEEKING, State.RUNNING, State.PAUSED, *ENDED)},
 }
-"""What a snapshot tells of each state; while it trains, that of the state in which it goes on."""
+"""What a snapshot tells of each state; while it trains or rebuilds, that of the state in which it goes on."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

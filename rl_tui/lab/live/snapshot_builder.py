@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.timeline.run_group import RunGroup
 
 PREPARING: Final = "building the world"
+REBUILDING: Final = "the world is being rebuilt; learning waits"
 _MOVING: Final = (Phase.PREPARING, Phase.RUNNING, Phase.SEEKING)
 
 
@@ -164,10 +165,16 @@ class SnapshotBuilder:
 def view_of(playback: Playback) -> PlaybackView:
     """Return what ``playback``, which has a run already, is doing, and what was asked of it."""
     transport, run = playback.transport, playback.group.current.run
-    seeks = playback.state is State.SEEKING
+    match playback.state:
+        case State.SEEKING:
+            message = transport.seek_message(waits=playback.waits)
+        case State.REBUILDING:
+            message = REBUILDING
+        case _:
+            message = run.message
     return PlaybackView(
         phase=playback.phase,
-        message=transport.seek_message(waits=playback.waits) if seeks else run.message,
+        message=message,
         speed=transport.speed,
         watching=transport.watching(hides_answer=playback.questions.hides_answer(run.recipe.scenario)),
         steps_per_second=transport.meter.steps_per_second,

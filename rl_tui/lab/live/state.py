@@ -15,6 +15,8 @@ class State(Enum):
     """Runs are brought to another step; then it goes on."""
     TRAINING = auto()
     """An exact number of steps is taken, of which no snapshot shows anything; then it goes on."""
+    REBUILDING = auto()
+    """Learning waits for a large world that was edited, which is built in another thread; then it goes on."""
     UNTIL = auto()
     """It runs as fast as it goes until a condition holds."""
     RUNNING = auto()
@@ -32,8 +34,11 @@ class State(Enum):
 ENDED: Final = frozenset({State.SPENT, State.DONE, State.STOPPED})
 """The run shown takes no further step, unless something is changed."""
 
-PASSING: Final = frozenset({State.SEEKING, State.TRAINING})
+PASSING: Final = frozenset({State.SEEKING, State.TRAINING, State.REBUILDING})
 """After these a playback goes on with what it did before."""
+
+SHOWN_AS_NEXT: Final = frozenset({State.TRAINING, State.REBUILDING})
+"""Of these a snapshot tells what it goes on with afterwards."""
 
 UNFINISHED: Final = frozenset({State.BUILDING, State.UNTIL, *PASSING})
 """Something that was asked for and has an end is not done yet."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -12,8 +12,10 @@ from rl_tui.agents.exact.ways_out import states_without_end
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding
 from rl_tui.lab.answers.turned import TurnedStates
-from rl_tui.lab.run.edited_world import EditedWorld, edited_draft
+from rl_tui.lab.run.edited_world import Drawn, EditedWorld, edited_draft
 from rl_tui.lab.run.exact_answers import LIVE_STATES, Answer
+from rl_tui.lab.run.large_worlds import takes_long
+from rl_tui.lab.run.rebuild import Rebuild
 from rl_tui.lab.run.recipe import EditWorld, RedoEdit, UndoEdit, WorldChange
 from rl_tui.worlds.editing.draft import Draft
 from rl_tui.worlds.editing.edit import Edit
@@ -31,6 +33,8 @@ class EditorView:
     """What is drawn, valid or not; None: the editor is closed, or this world cannot be edited."""
     base: Draft | None = None
     """The draft of the world in force: another one than ``draft`` while what is drawn is not in force."""
+    rebuilding: bool = False
+    """Whether the draft is ahead of the world in force, which is being rebuilt; learning waits for it."""
     refused: str = ""
     """Why this world cannot be edited; empty where it can, or the editor is closed."""
     unfinished: tuple[Finding, ...] = ()
@@ -51,16 +55,26 @@ class EditorView:
     """
 
 
+class _Ahead(NamedTuple):
+    """A change whose world takes long to build, and all that is drawn once it is made."""
+
+    change: WorldChange
+    drawn: Drawn
+
+
 class WorldEditor:
     """Strokes in the world of one run at a time.
 
-    What is no valid MDP is not made, but waits here; it is forgotten where the run comes to another world.
+    What is no valid MDP is not made, but waits here, and so do changes whose worlds take long to build, in
+    order; all that is forgotten where the run comes to another world.
     """
 
     def __init__(self) -> None:
         self.is_open = False
         """Whether a person draws."""
         self._base: EditedWorld | None = None
+        self._ahead: list[_Ahead] = []
+        self._rebuild = Rebuild()
         self._waiting: list[tuple[Edit, ...]] = []
         self._dropped: list[tuple[Edit, ...]] = []
         self._endless: tuple[TabularMDP | None, frozenset[int]] = (None, frozenset())
@@ -74,7 +88,7 @@ class WorldEditor:
         self._come_to(run)
         stroke = tuple(edits)
         together = (*(edit for each in self._waiting for edit in each), *stroke)
-        draft = edited_draft(run.edited.draft_in(run.recipe), together)
+        draft = edited_draft(self._drawn(run).draft, together)
         self._dropped.clear()
         if draft.findings:
             self._waiting.append(stroke)
@@ -85,39 +99,90 @@ class WorldEditor:
     def undo(self, run: Run) -> WorldChange | None:
         """Drop the last stroke that waits, and return None; else return what undoes the last one made."""
         self._come_to(run)
-        if not self._waiting:
+        if self._waiting:
+            self._dropped.append(self._waiting.pop())
+            return None
+        last = self._ahead[-1].change if self._ahead else None
+        if last is None or isinstance(last, UndoEdit):
             return UndoEdit()
-        self._dropped.append(self._waiting.pop())
+        self._ahead.pop()
+        if isinstance(last, EditWorld):
+            self._dropped.append(last.edits)
         return None
 
     def redo(self, run: Run) -> WorldChange | None:
         """Return what makes the last stroke again that was undone; None where it waits once more."""
         self._come_to(run)
-        if not self._dropped:
-            return RedoEdit()
-        stroke, rest = self._dropped.pop(), list(self._dropped)
-        change = self.draw(run, stroke)
-        self._dropped = rest
-        return change
+        if self._dropped:
+            stroke, rest = self._dropped.pop(), list(self._dropped)
+            change = self.draw(run, stroke)
+            self._dropped = rest
+            return change
+        if not self._waiting and self._ahead and isinstance(self._ahead[-1].change, UndoEdit):
+            self._ahead.pop()
+            return None
+        return RedoEdit()
+
+    def puts_off(self, run: Run, change: WorldChange) -> bool:
+        """Return whether ``change``, drawn already, waits for its world, which takes long to build.
+
+        Raises UserError where it cannot be done.
+        """
+        drawn = self._drawn(run).after(change)
+        if not self._ahead and not takes_long(drawn.draft, run.world):
+            return False
+        self._ahead.append(_Ahead(change, drawn))
+        self._waiting.clear()
+        if isinstance(change, UndoEdit):
+            self._dropped.clear()  # what was undone before that is no longer the next to be made again
+        return True
+
+    @property
+    def is_ahead(self) -> bool:
+        """Whether changes wait for their worlds."""
+        return bool(self._ahead)
+
+    def next_change(self, run: Run) -> WorldChange | None:
+        """Return the next change that waits for its world, once ``run`` has that ready; None before.
+
+        Raises what made building it fail.
+        """
+        change = self._ahead[0].change
+        run.ready = self._rebuild.of(run.edited, change, run.recipe)
+        return None if run.ready is None else change
+
+    def take_in(self, run: Run) -> None:
+        """Take in that the next change that waited was made in ``run``: all others wait on."""
+        del self._ahead[0]
+        self._base = run.edited
+
+    def forget(self) -> None:
+        """Forget all that waits."""
+        self._ahead.clear()
+        self._waiting.clear()
+        self._dropped.clear()
+        self._rebuild.give_up()
 
     def view(self, run: Run, answer: Answer, *, is_hidden: bool) -> EditorView:
         """Return what is drawn in the world of ``run``, of which ``answer`` is known, and maybe hidden."""
         turned = self._turned.of(run, None if run.learner.drifted else answer.solution)
-        if not self.is_open:
-            return EditorView()
         self._come_to(run)
+        if not self.is_open:
+            return EditorView(rebuilding=self.is_ahead)
         try:
             base = run.edited.draft_in(run.recipe)
+            drawn = self._drawn(run)
         except UserError as reason:
             return EditorView(refused=str(reason))
         waiting = [edit for each in self._waiting for edit in each]
-        draft = edited_draft(base, waiting)
+        draft = edited_draft(drawn.draft, waiting)
         return EditorView(
             draft=draft,
             base=base,
+            rebuilding=self.is_ahead,
             unfinished=draft.findings if waiting else (),
-            can_undo=bool(waiting) or run.edited.done is not None,
-            can_redo=bool(self._dropped) or (not waiting and run.edited.undone is not None),
+            can_undo=bool(waiting) or drawn.done is not None,
+            can_redo=bool(self._dropped) or (not waiting and drawn.undone is not None),
             turned=frozenset() if is_hidden else turned,
             endless=self._endless_in(run.edited.world.mdp),
         )
@@ -133,8 +198,11 @@ class WorldEditor:
             self._endless = mdp, frozenset(np.flatnonzero(endless).tolist())
         return self._endless[1]
 
+    def _drawn(self, run: Run) -> Drawn:
+        """Return what is drawn of the world of ``run``, but for strokes that come to no valid MDP yet."""
+        return self._ahead[-1].drawn if self._ahead else run.edited.drawn_in(run.recipe)
+
     def _come_to(self, run: Run) -> None:
         if self._base is not run.edited:
             self._base = run.edited
-            self._waiting.clear()
-            self._dropped.clear()
+            self.forget()

@@ -18,6 +18,8 @@ AT_ONCE_STATES: Final = 200
 LONGEST_AT_ONCE: Final = 1_000
 LIVE_STATES: Final = 20_000
 KEPT: Final = 64
+# Two runs in view may be in two worlds
+MOST_WORLDS: Final = 2
 # An evaluation within a time limit visits every outcome once for every step of it, some 10⁹ a second. One
 # that costs more than this is left out of snapshots, which must not wait.
 DEAREST_LIVE: Final = 2_000_000
@@ -136,11 +138,11 @@ class ExactAnswers:
 
 
 class RunAnswers:
-    """The exact answers of runs in one world at a time; ``on_ready`` as for :class:`ExactAnswers`."""
+    """The exact answers of runs in a few worlds at a time; ``on_ready`` as for :class:`ExactAnswers`."""
 
     def __init__(self, on_ready: Callable[[], None]) -> None:
         self._on_ready = on_ready
-        self._of_world: ExactAnswers | None = None
+        self._of_worlds: list[ExactAnswers] = []  # the one that was asked for last comes last
 
     def of(self, run: Run) -> Answer:
         """Return the exact answer for the γ in force in ``run``, as far as it is known."""
@@ -152,6 +154,10 @@ class RunAnswers:
 
     def at(self, mdp: TabularMDP | None, gamma: float) -> Answer:
         """Return the exact answer for ``gamma`` in the world of ``mdp``, as far as it is known."""
-        if self._of_world is None or self._of_world.mdp is not mdp:
-            self._of_world = ExactAnswers(mdp, self._on_ready, at_once_states=AT_ONCE_STATES)
-        return self._of_world.answer(gamma)
+        known = next((each for each in self._of_worlds if each.mdp is mdp), None)
+        if known is None:
+            known = ExactAnswers(mdp, self._on_ready, at_once_states=AT_ONCE_STATES)
+        if mdp is None or mdp.states <= LIVE_STATES:  # a larger one is not to stay in memory for a refusal
+            others = [each for each in self._of_worlds if each is not known]
+            self._of_worlds = [*others[1 - MOST_WORLDS :], known]
+        return known.answer(gamma)

@@ -13,7 +13,7 @@ from rl_tui.agents.learner import Learner
 from rl_tui.agents.learner_state import LearnerState
 from rl_tui.common.errors import UserError
 from rl_tui.lab.run.bandit import NOTHING_SETTLED, BanditFigures, SettledPulls, bandit_figures, settle
-from rl_tui.lab.run.edited_world import EditedWorld
+from rl_tui.lab.run.edited_world import EditedWorld, NextWorld, next_world
 from rl_tui.lab.run.evaluation import MOST_STATES, Evaluation, GreedyReturn, MarksState
 from rl_tui.lab.run.exact_answers import DEAREST_LIVE, is_quick, visits_of
 from rl_tui.lab.run.history import History
@@ -97,6 +97,8 @@ class Run:
         world, drawn = beginning or begin(recipe)
         self.edited = EditedWorld(world)
         """The world in force, and what was edited in it."""
+        self.ready: NextWorld | None = None
+        """What the next change of the world comes to, if that was worked out before it is made."""
         self._settled = NOTHING_SETTLED
         self.world_changes: tuple[WorldChanged, ...] = ()
         """Where on the way it became another one."""
@@ -277,11 +279,14 @@ class Run:
     def _change_world(self, change: WorldChange) -> None:
         if self.stop_reason:
             raise UserError(f"the run is over: {self.stop_reason}")
-        before, now = self.edited, self.edited.after(change, self.recipe)
+        ready, self.ready = self.ready, None
+        if ready is None or ready.before is not self.edited or ready.change != change:
+            ready = next_world(self.edited, change, self.recipe)
+        before, _, now, carried = ready
         mdp = now.world.mdp
         assert mdp is not None  # what can be edited has a table
         pulled = self._pulled
-        given_up = self.learner.change_world(mdp, now.carried_from(before, self.recipe))
+        given_up = self.learner.change_world(mdp, carried)
         if now.world.budget is not None and before.world.mdp is not None:
             self._settled = settle(before.world.mdp, pulled, self._settled)._replace(visits=self._pulled)
         self.edited = now

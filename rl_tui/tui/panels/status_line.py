@@ -130,7 +130,8 @@ def status_line(
         whole = f"preparing: {snapshot.playback.message}"
         fits = cell_len(to_ascii(whole, glyphs)) < width
         return _waiting(snapshot, whole if fits else snapshot.playback.message, look, width)
-    if snapshot.playback.phase is Phase.SEEKING and snapshot.playback.message:
+    waits = snapshot.editor.rebuilding or snapshot.playback.phase is Phase.SEEKING
+    if waits and snapshot.playback.message:
         return _waiting(snapshot, snapshot.playback.message, look, width)
     fields = _fitting(_fields(snapshot, look, width, is_manual=is_manual), width - 1)
     right = [

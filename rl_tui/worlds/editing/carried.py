@@ -70,6 +70,8 @@ def differing_choices(
 def _numbers(old: IntArray | Sequence[Hashable], new: IntArray | Sequence[Hashable]) -> IntArray:
     """Return where each of the ``new`` keys stands among the ``old`` ones, NEW for nowhere."""
     if isinstance(old, np.ndarray) and isinstance(new, np.ndarray):
+        if np.array_equal(old, new):
+            return np.arange(len(new))
         order = np.argsort(old, kind="stable")
         place = np.searchsorted(old, new, sorter=order)
         found: IntArray = order[np.minimum(place, len(old) - 1)]
@@ -80,6 +82,14 @@ def _numbers(old: IntArray | Sequence[Hashable], new: IntArray | Sequence[Hashab
 
 def _pairs(old: FiniteSpace, new: FiniteSpace, states: IntArray, actions: IntArray) -> IntArray:
     """Return what each pair of ``new`` was in ``old``."""
+    same = (
+        (states, np.arange(old.states)),
+        (actions, np.arange(len(old.action_names))),
+        (old.first_pair, new.first_pair),
+        (old.pair_action, new.pair_action),
+    )
+    if all(np.array_equal(one, other) for one, other in same):
+        return np.arange(new.pairs)
     owner = np.repeat(np.arange(new.states), np.diff(new.first_pair))
     state, action = states[owner], actions[new.pair_action]
     width = len(old.action_names)

@@ -47,6 +47,11 @@ class Draft(ABC):
     def table(self) -> dict[str, Any]:
         """The table as a file would have it, in the types of TOML; its own, to be written to."""
 
+    @property
+    def size(self) -> int:
+        """About how many states it comes to; 0 where they are written one by one, so that they are few."""
+        return 0
+
     @abstractmethod
     def edited(self, edit: Edit) -> Draft:
         """Return what comes of ``edit``; raises UserError where nothing can: no such place, no such value."""

@@ -66,6 +66,11 @@ class GridDraft(Draft):
         return len(self.column_ids)
 
     @property
+    def size(self) -> int:
+        """How many cells there are."""
+        return self.rows * self.columns
+
+    @property
     def legend(self) -> Mapping[str, LegendEntry]:
         """What each character means that can stand on the map; those at fault are left out."""
         own = {key: parsed(LegendEntry, raw)[0] for key, raw in self._raw_legend.items()}

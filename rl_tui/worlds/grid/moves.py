@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from rl_tui.worlds.mdp.space import BoolArray
+    from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
     CellArray = npt.NDArray[np.int32]
 
@@ -76,6 +76,10 @@ class Landings(NamedTuple):
 
     cells: CellArray
     bumped: BoolArray
+
+    def of(self, chosen: IntArray) -> Landings:
+        """Return those from the ``chosen`` of the n cells."""
+        return Landings(self.cells[chosen], self.bumped[chosen])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from rl_tui.worlds.grid.moves import MOVES, STEPS, Gust, Landings, Slip, Terrain
 from rl_tui.worlds.grid.states import GridStates
 from rl_tui.worlds.mdp.number_names import NumberNames
+from rl_tui.worlds.mdp.reachable import reachable
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP, TransitionArrays, mdp_of_arrays
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
 EXIT: Final = "exit"
 _GUST_SHARE: Final = 1.0 / 3.0
+_Way = tuple[int, Gust]
 
 
 class Variant(NamedTuple):
@@ -45,8 +47,7 @@ def action_names(states: GridStates, rules: GridSection) -> tuple[str, ...]:
 def grid_table(states: GridStates, rules: GridSection) -> TabularMDP:
     """Return the table of a map without faults.
 
-    Every move from every cell that is not terminal is worked out, for all cells at once; the pairs of cells
-    that cannot be reached are then dropped.
+    It is worked out for all cells at once; those that cannot be reached have no pairs.
     """
     block = _Block(states, rules)
     return mdp_of_arrays(
@@ -56,23 +57,33 @@ def grid_table(states: GridStates, rules: GridSection) -> TabularMDP:
         states.starts,
         np.full(len(states.starts), 1.0 / len(states.starts)),
         rules.time_limit,
+        is_live=True,
     )
 
 
 class _Block:
-    """The outcomes of n acting cells × A actions × V variants; not all of them are possible everywhere."""
+    """The outcomes of n acting cells × A actions × V variants; not all of them are possible everywhere.
+
+    Acting are the cells that episodes come to and go on from.
+    """
 
     def __init__(self, states: GridStates, rules: GridSection) -> None:
         self.states, self.rules = states, rules
-        self.acting: IntArray = np.flatnonzero(~states.ends)
         self.moves, self.variants = MOVES[rules.moves], variants_of(rules)
-        self.shape = (len(self.acting), len(action_names(states, rules)), len(self.variants))
-        self.exits, self.jump_to = states.exits[self.acting], states.jump_to[self.acting]
-        self.jumps = self.jump_to >= 0
         self.terrain = _terrain(states, rules)
+        acting: IntArray = np.flatnonzero(~states.ends)
+        landings = self._landings(acting)
+        is_reached = self._reached(acting, landings)[acting]
+        if not is_reached.all():
+            acting, kept = acting[is_reached], np.flatnonzero(is_reached)
+            landings = {way: each.of(kept) for way, each in landings.items()}
+        self.acting = acting
+        self.shape = (len(acting), len(action_names(states, rules)), len(self.variants))
+        self.exits, self.jump_to = states.exits[acting], states.jump_to[acting]
+        self.jumps = self.jump_to >= 0
         self.entered: CellArray = np.empty(self.shape, dtype=np.int32)
         self.bumped: BoolArray = np.zeros(self.shape if rules.bump_reward else (1, 1, 1), dtype=np.bool_)
-        self._walk()
+        self._walk(landings)
 
     def arrays(self) -> TransitionArrays:
         """Return all that is possible, pair by pair."""
@@ -81,9 +92,12 @@ class _Block:
         all_possible = bool((probability > 0.0).all())
         possible = np.broadcast_to(probability > 0.0, self.shape)
 
-        def kept(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
-            values = np.broadcast_to(values, self.shape)
-            return values.flatten() if all_possible else values[possible]
+        def kept(values: npt.NDArray[Any], kind: type[np.generic]) -> npt.NDArray[Any]:
+            if not all_possible:
+                return np.broadcast_to(values, self.shape)[possible].astype(kind, copy=False)
+            flat = np.empty(cells * actions * variants, dtype=kind)
+            flat.reshape(self.shape)[...] = values
+            return flat
 
         count = np.full(cells * actions, variants) if all_possible else possible.sum(axis=2).ravel()
         pair_state = np.repeat(self.acting, actions)
@@ -95,30 +109,47 @@ class _Block:
             pair_state=pair_state,
             pair_action=pair_action,
             outcome_count=count,
-            probability=kept(probability),
-            next_state=kept(self.states.arrival[self.entered]).astype(np.int64),
-            reward=kept(self._reward()),
+            probability=kept(probability, np.float64),
+            next_state=kept(self.states.arrival[self.entered], np.int64),
+            reward=kept(self._reward(), np.float64),
             reward_std=np.zeros(int(count.sum())),
-            terminated=kept(self.states.ends[self.entered] | self.exits[:, None, None]),
-            outcome_action=kept(self._happened()),
+            terminated=kept(self.states.ends[self.entered] | self.exits[:, None, None], np.bool_),
+            outcome_action=kept(self._happened(), np.int64),
         )
 
-    def _walk(self) -> None:
-        """Work out which state each outcome enters, and where one is stopped."""
-        states, known = self.states, dict[tuple[int, Gust], Landings]()
-        places = states.places[self.acting]
-        for action, (variant, (slip, gust)) in product(range(len(self.moves)), enumerate(self.variants)):
+    def _landings(self, acting: IntArray) -> dict[_Way, Landings]:
+        """Return where each move that may happen leads from the ``acting`` cells, [n], in each gust."""
+        states, known = self.states, dict[_Way, Landings]()
+        places = states.places[acting]
+        for action, (slip, gust) in product(range(len(self.moves)), self.variants):
             happened = (action + slip.turn) % len(self.moves)
             if (happened, gust) not in known:
                 move = self.moves[happened]
                 allowed = states.allows(move)
                 known[happened, gust] = self.terrain.landings(
-                    places, STEPS[move], None if allowed is None else allowed[self.acting], gust
+                    places, STEPS[move], None if allowed is None else allowed[acting], gust
                 )
-            landings = known[happened, gust]
-            self.entered[:, action, variant] = states.state_at[landings.cells]
+        return known
+
+    def _reached(self, acting: IntArray, landings: dict[_Way, Landings]) -> BoolArray:
+        """Return which states episodes come to, [S]; ``landings`` say where the ``acting`` ones lead."""
+        states = self.states
+        leads_to = np.stack([states.state_at[each.cells] for each in landings.values()], axis=1)
+        jumps = states.jump_to[acting] >= 0
+        leads_to[jumps] = states.jump_to[acting][jumps][:, None]
+        leads_to = states.arrival[leads_to]
+        goes_on = ~states.ends[leads_to] & ~states.exits[acting][:, None]
+        count = np.zeros(len(states.numbers) + 1, dtype=np.int64)
+        count[acting + 1] = goes_on.sum(axis=1)
+        return reachable(np.cumsum(count), leads_to[goes_on].astype(np.int64), states.starts)
+
+    def _walk(self, landings: dict[_Way, Landings]) -> None:
+        """Work out which state each outcome enters, and where one is stopped."""
+        for action, (variant, (slip, gust)) in product(range(len(self.moves)), enumerate(self.variants)):
+            landed = landings[(action + slip.turn) % len(self.moves), gust]
+            self.entered[:, action, variant] = self.states.state_at[landed.cells]
             if self.rules.bump_reward:
-                self.bumped[:, action, variant] = landings.bumped
+                self.bumped[:, action, variant] = landed.bumped
         still = self.exits | self.jumps
         if still.any():
             ends_in = np.where(self.jumps, self.jump_to, self.acting)[still]
@@ -139,7 +170,7 @@ class _Block:
         if self.jumps.any():
             certain = np.arange(len(self.variants)) == 0
             chance = np.where(self.jumps[:, None, None], certain[None, None, :].astype(np.float64), chance)
-        if self.exits.any():
+        if self.shape[1] > len(self.moves):
             is_move = (np.arange(self.shape[1]) < len(self.moves))[None, :, None]
             exits = (~is_move) & (np.arange(len(self.variants)) == 0)[None, None, :]
             chance = np.where(self.exits[:, None, None], exits.astype(np.float64), chance * is_move)
@@ -160,7 +191,7 @@ class _Block:
         if rules.rewards == "leaving":
             reward = (states.rewards[self.acting] + rules.step_reward)[:, None, None]
         else:
-            reward = np.where(states.exits, 0.0, states.rewards)[self.entered] + rules.step_reward
+            reward = (np.where(states.exits, 0.0, states.rewards) + rules.step_reward)[self.entered]
         if rules.bump_reward:
             reward = reward + rules.bump_reward * self.bumped
         if self.exits.any():

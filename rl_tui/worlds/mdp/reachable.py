@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Final
 
 import numpy as np
 
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
-# Below it a plain search takes less time than importing SciPy does
+# Up to so many edges a plain search takes less time than importing SciPy does
 MOST_PLAIN: Final = 100_000
+# Up to so many it takes less time than SciPy's own
+FEW: Final = 2_000
+_COMPILED: Final = "scipy.sparse"
 
 
 def reachable(first_edge: IntArray, leads_to: IntArray, start: IntArray) -> BoolArray:
@@ -18,7 +22,8 @@ def reachable(first_edge: IntArray, leads_to: IntArray, start: IntArray) -> Bool
     State s owns the edges first_edge[s] .. first_edge[s+1], ``first_edge`` being [S+1]; ``leads_to``, [E],
     holds the state at the end of each.
     """
-    search = _plain_search if len(leads_to) <= MOST_PLAIN else _large_search
+    most_plain = min(FEW, MOST_PLAIN) if _COMPILED in sys.modules else MOST_PLAIN
+    search = _plain_search if len(leads_to) <= most_plain else _large_search
     return search(first_edge, leads_to, start)
 
 

@@ -182,22 +182,26 @@ def mdp_of_arrays(
     start_state: IntArray,
     start_probability: FloatArray,
     time_limit: int = 0,
+    *,
+    is_live: bool = False,
 ) -> TabularMDP:
     """Make the MDP of these arrays as :func:`tabular_mdp` does of a list, in no more passes than numpy needs.
 
-    ``start_state`` and ``start_probability``, [K], are where an episode begins. The arrays become the MDP's
-    own where they can: do not write to them afterwards. Raises ValueError where nothing can be done at
-    the start, or the arrays contradict each other.
+    ``start_state`` and ``start_probability``, [K], are where an episode begins. ``is_live`` says that the
+    arrays hold the pairs of live states only, as they are to be. They become the MDP's own where they can: do
+    not write to them afterwards. Raises ValueError where nothing can be done at the start, or the arrays
+    contradict each other.
     """
     states = len(state_names)
     owned = np.bincount(arrays.pair_state, minlength=states)
     _check_start(start_state, owned)
-    live = _live_states(arrays, owned, start_state)
-    alive = live[arrays.pair_state]
-    if not alive.all():
-        arrays = _only(arrays, alive)
-        owned = np.where(live, owned, 0)
-    np.logical_or(arrays.terminated, ~live[arrays.next_state], out=arrays.terminated)
+    if not is_live:
+        live = _live_states(arrays, owned, start_state)
+        alive = live[arrays.pair_state]
+        if not alive.all():
+            arrays = _only(arrays, alive)
+            owned = np.where(live, owned, 0)
+        np.logical_or(arrays.terminated, ~live[arrays.next_state], out=arrays.terminated)
     first_outcome = _offsets(arrays.outcome_count)
     for array in arrays:
         array.flags.writeable = False

@@ -18,6 +18,7 @@ from rl_tui.tui.draw.names import action_name, with_minus
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.number_names import NumberNames
 from rl_tui.worlds.mdp.space import IntArray
 from rl_tui.worlds.world import World
 
@@ -64,6 +65,8 @@ class TableWorld:
         A name that the sample overlooks is drawn shortened.
         """
         names, live = self.space.state_names, self.live
+        if isinstance(names, NumberNames):
+            live = live[-1:]  # they rise
         if len(live) > MOST_MEASURED:
             live = np.append(live[:: -(-len(live) // MOST_MEASURED)], live[-1])
         return max(cell_len(form(names[state])) for state in live.tolist())

@@ -35,13 +35,15 @@ def cell_rewards(space: FiniteSpace, grid: Grid) -> dict[int, CellReward]:
     moved = source != space.next_state
     leaving = _only_reward(space.states, source, space.reward)
     entering = _only_reward(space.states, space.next_state[moved], space.reward[moved])
-    found = {}
-    for state in np.flatnonzero(np.diff(space.first_pair)).tolist():
-        cell = grid.cell_of_state[state]
-        pays = [each for each in (leaving[state], entering[state]) if np.isfinite(each) and each != usual]
-        if pays:
-            found[cell] = CellReward(float(pays[0]), bool(pays[0] > usual))
-    return found
+    pays = np.full(space.states, np.nan)
+    for each in (entering, leaving):
+        np.copyto(pays, each, where=np.isfinite(each) & (each != usual))
+    pays[np.diff(space.first_pair) == 0] = np.nan
+    unusual = np.flatnonzero(np.isfinite(pays))
+    return {
+        grid.cell_of_state[state]: CellReward(reward, reward > usual)
+        for state, reward in zip(unusual.tolist(), pays[unusual].tolist(), strict=True)
+    }
 
 
 def _only_reward(states: int, state: IntArray, reward: FloatArray) -> FloatArray:

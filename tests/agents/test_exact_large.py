@@ -1,0 +1,69 @@
+"""Exact answers of worlds of some hundred states, which are solved another way than small ones."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from rl_tui.agents.exact.backward_induction import best_values
+from rl_tui.agents.exact.policy_evaluation import MOST_DENSE
+from rl_tui.agents.exact.solve import best_expected_return, solve
+from rl_tui.agents.exact.ways_out import endless_states
+from rl_tui.worlds.grid.section import GridSection
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+pytestmark = pytest.mark.unit
+
+
+def random_map(seed: int, characters: str, **rules: Any) -> TabularMDP:
+    """A map of 24 × 24 cells with a start and a goal in its corners."""
+    cells = np.random.default_rng(seed).choice(list(characters), (24, 24))
+    cells[0, 0], cells[-1, -1], cells[-1, -2] = "S", "G", "."
+    lines = "\n".join("".join(row) for row in cells)
+    legend = {"X": {"kind": "floor", "exit": True, "reward": 0.3}}
+    section = GridSection.model_validate({"map": lines, "legend": legend, "step_reward": -0.02, **rules})
+    mdp = section.build(np.random.default_rng(0)).mdp
+    assert mdp is not None
+    assert mdp.states > MOST_DENSE
+    return mdp
+
+
+@pytest.mark.parametrize("characters", ["....#", "......#X", ".....#H"])
+@pytest.mark.parametrize("noise", [0.0, 0.2])
+@pytest.mark.parametrize("gamma", [0.9, 0.99])
+def test_values_are_those_of_a_very_long_horizon(characters: str, noise: float, gamma: float) -> None:
+    mdp = random_map(7, characters, noise=noise)
+    solution = solve(mdp, gamma)
+    assert solution.v == pytest.approx(best_values(mdp, gamma, 6_000), abs=1e-9)
+    assert solution.iterations <= 3, "what it starts from leaves little to improve"
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("noise", [0.0, 0.1])
+def test_the_best_return_does_not_depend_on_the_policy_it_is_sought_from(seed: int, noise: float) -> None:
+    mdp = random_map(seed, ".....#", noise=noise)
+    alone = best_expected_return(mdp)
+    found = [solve(mdp, gamma).best_expected_return for gamma in (0.5, 0.95, 1.0)]
+    assert alone is not None
+    assert found == pytest.approx([alone] * 3, abs=1e-9)
+
+
+def test_a_greedy_policy_that_is_the_best_undiscounted_too_earns_as_much() -> None:
+    mdp = random_map(3, ".....#", noise=0.1)
+    solution = solve(mdp, 0.999)
+    assert solution.expected_return == pytest.approx(solution.best_expected_return, abs=1e-9)
+    short_sighted = solve(mdp, 0.3)
+    assert short_sighted.expected_return is None or short_sighted.expected_return < (
+        short_sighted.best_expected_return or 0.0
+    )
+
+
+def test_states_without_a_way_to_an_end_are_found_in_a_large_map() -> None:
+    mdp = random_map(3, ".....#")
+    assert not endless_states(mdp).any()
+    lines = ["S" + "." * 23, *["." * 24] * 22, "." * 24]
+    closed = GridSection.model_validate({"map": "\n".join(lines)}).build(np.random.default_rng(0)).mdp
+    assert closed is not None
+    assert endless_states(closed).all()

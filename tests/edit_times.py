@@ -1,0 +1,138 @@
+"""How soon an edit of a map shows: in the player's snapshot, with its exact answer, and on the screen."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import time
+from collections.abc import AsyncIterator, Callable
+from pathlib import Path
+from statistics import median
+from typing import Final, NamedTuple
+
+import numpy as np
+from frame_times import SIZE, painted
+from seams import show
+
+from rl_tui.lab.live.commands import DrawWorld, LookAt, OpenEditor
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.viewport import Cells, Viewport
+from rl_tui.lab.run.library import recipe_for
+from rl_tui.lab.run.recipe import Recipe
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
+from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.worlds.editing.edit import read_edits
+from rl_tui.worlds.files.scenario import scenario_of
+
+SCENARIO: Final = """title = "Rooms"
+summary = "a map with walls here and there"
+notes = "A sample."
+[defaults]
+algorithm = "q-learning"
+alpha = 0.1
+gamma = 0.99
+epsilon = 0.1
+episodes = 100
+[grid]
+noise = 0.2
+map = '''
+{map}
+'''
+"""
+
+
+class EditTimes(NamedTuple):
+    """Medians, in milliseconds, from the command on; and of a frame that draws the new world."""
+
+    drawn: float
+    """Until a snapshot has the drawing."""
+    made: float
+    """Until one has the world of the drawing."""
+    answered: float
+    """Until one has the exact answer of that world, or says that there is none."""
+    frame: float
+    """What the screen takes to show it."""
+
+
+def map_with_walls(side: int) -> Recipe:
+    """Return a run on a side × side map, a fifth of it walls, with noise, so that few actions are as good."""
+    cells = np.random.default_rng(0).choice(list("....#"), (side, side))
+    cells[0, 0], cells[-1, -1] = "S", "G"
+    cells[-1, :-1], cells[1:, 0] = ".", "."
+    lines = "\n".join("".join(row) for row in cells)
+    return recipe_for(scenario_of(SCENARIO.format(map=lines), Path("rooms.toml")), {}, seed=0)
+
+
+async def _until(snapshots: AsyncIterator[Snapshot], holds: Callable[[Snapshot], bool]) -> Snapshot:
+    async for snapshot in snapshots:
+        if holds(snapshot):
+            return snapshot
+    raise RuntimeError("the player has ended")
+
+
+async def edit_times(side: int, edits: int = 10) -> EditTimes:
+    """Return how soon an edit of a side × side map shows: a wall or a hole more in the middle each time."""
+    player = Player(map_with_walls(side))
+    snapshots = player.snapshots()
+    player.send(OpenEditor(is_open=True))
+    player.send(LookAt(Viewport(cells=Cells(20, 40))))
+    last = await _until(snapshots, lambda each: each.editor.draft is not None and _is_answered(each))
+    times: list[tuple[float, float, float]] = []
+    shown = [last]
+    for number in range(edits):
+        before, start = last.world, time.perf_counter()
+        draft = last.editor.draft
+        row, column = side // 2 + number // 5, side // 4 + number % 5
+        player.send(DrawWorld(read_edits(f"world.cell[{row},{column}]={'H' if number % 2 else '#'}")))
+        last = await _until(snapshots, lambda each, draft=draft: each.editor.draft is not draft)
+        drawn = time.perf_counter() - start
+        if last.world is before:
+            last = await _until(snapshots, lambda each, before=before: each.world is not before)
+        made = time.perf_counter() - start
+        if not _is_answered(last):
+            last = await _until(snapshots, _is_answered)
+        times.append((drawn, made, time.perf_counter() - start))
+        shown.append(last)
+    player.close()
+    drawn, made, answered = (median(each) * 1e3 for each in zip(*times, strict=True))
+    return EditTimes(drawn, made, answered, await _frame(side, shown[-4:]))
+
+
+def _is_answered(snapshot: Snapshot) -> bool:
+    return snapshot.exact_answer.solution is not None or bool(snapshot.exact_answer.refused)
+
+
+async def _frame(side: int, snapshots: list[Snapshot]) -> float:
+    """Return how long the screen takes to show each of ``snapshots``, all of other worlds, at 120×40."""
+    app = RlTuiApp(Display(fps=1000.0), map_with_walls(side), picture=True)
+    taken = []
+    async with app.run_test(size=SIZE) as pilot:
+        await pilot.pause()
+        screen = app.screen
+        assert isinstance(screen, Playground)
+        await screen.settled()
+        for snapshot in snapshots:
+            start = time.perf_counter()
+            show(screen, snapshot)
+            await painted(screen)
+            taken.append(time.perf_counter() - start)
+    return median(taken[1:]) * 1e3
+
+
+def main() -> None:
+    """Print the figures of maps of some sizes."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("sides", nargs="*", type=int, default=[10, 30, 100, 1_000])
+    for side in parser.parse_args().sides:
+        times = asyncio.run(edit_times(side, 10 if side < 1_000 else 3))
+        print(
+            f"{side:,}×{side:,}: drawn {times.drawn:.1f} ms, made {times.made:.1f}, "
+            f"answered {times.answered:.1f}, frame {times.frame:.1f}",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()
