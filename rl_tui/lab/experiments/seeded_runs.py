@@ -145,9 +145,9 @@ class SeededRuns:
 
     def _digest_of(self, run: Run) -> str | None:
         if self._world is None:
-            return world_digest(run)
+            return world_digest(run.world)
         with self._solving:
             changes = len(run.world_changes)
             if changes not in self._digests:
-                self._digests[changes] = world_digest(run)
+                self._digests[changes] = world_digest(run.world)
             return self._digests[changes]
