@@ -31,7 +31,7 @@ EDITS = (
 
 
 def test_going_back_over_an_edit_brings_back_what_it_made_forget() -> None:
-    lane = BranchingRun(RunRecord(Recipe(find("maze"))), Run(Recipe(find("maze"))).world)
+    lane = BranchingRun(RunRecord(Recipe(find("maze"))), Run(Recipe(find("maze"))).edited)
     lane.advance(8_000)
     known, step = lane.run.learner.q.copy(), lane.run.step
     assert known.any()

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
 from typing import NamedTuple
+from weakref import WeakValueDictionary
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.run.recipe import EditWorld, Recipe, RedoEdit, UndoEdit, WorldChange
@@ -22,9 +23,13 @@ class Drafts(NamedTuple):
     further: Drafts | None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class EditedWorld:
-    """A world, and what edits have made of it; it never changes, and checkpoints share it."""
+    """A world, and what edits have made of it; it never changes, and checkpoints share it.
+
+    The same change comes to the same object, as long as anything holds that: a run that goes back and comes
+    by again, or a run beside it, has the same world once more, and nothing is built or solved anew.
+    """
 
     world: World
     """The world in force."""
@@ -34,6 +39,9 @@ class EditedWorld:
     """What :class:`RedoEdit` comes back to."""
     done: Drafts | None = None
     """What :class:`UndoEdit` comes back to."""
+    _next: WeakValueDictionary[WorldChange, EditedWorld] = field(
+        default_factory=WeakValueDictionary, init=False, repr=False
+    )
 
     def draft_in(self, recipe: Recipe) -> Draft:
         """Return its draft, the first one where nothing was edited. Raises UserError where there is none."""
@@ -44,6 +52,19 @@ class EditedWorld:
 
         Raises UserError where it cannot be done, or does not come to a valid MDP.
         """
+        known = self._next.get(change)
+        if known is None:
+            known = self._next[change] = self._made_by(change, recipe)
+        return known
+
+    def after_all(self, changes: Iterable[WorldChange], recipe: Recipe) -> EditedWorld:
+        """Return what comes of all ``changes``, one after the other. Raises UserError like :meth:`after`."""
+        edited = self
+        for change in changes:
+            edited = edited.after(change, recipe)
+        return edited
+
+    def _made_by(self, change: WorldChange, recipe: Recipe) -> EditedWorld:
         draft = self.draft_in(recipe)
         match change:
             case EditWorld(edits):
