@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 from weakref import WeakValueDictionary
 
@@ -65,25 +65,49 @@ class EditedWorld:
         return edited
 
     def _made_by(self, change: WorldChange, recipe: Recipe) -> EditedWorld:
-        draft = self.draft_in(recipe)
-        match change:
-            case EditWorld(edits):
-                now = edited_draft(draft, edits)
-                return EditedWorld(now.build(), now, done=Drafts(draft, self.done))
-            case UndoEdit():
-                if self.done is None:
-                    raise UserError("there is no edit of the world to undo")
-                before, further = self.done
-                return EditedWorld(before.build(), before, Drafts(draft, self.undone), further)
-            case RedoEdit():
-                if self.undone is None:
-                    raise UserError("there is no edit of the world to redo")
-                again, further = self.undone
-                return EditedWorld(again.build(), again, further, Drafts(draft, self.done))
+        drawn = _Drawn(self.draft_in(recipe), self.undone, self.done).after(change)
+        return EditedWorld(drawn.draft.build(), *drawn)
 
     def carried_from(self, before: EditedWorld, recipe: Recipe) -> Carried:
         """Return which states and pairs there were in ``before``, of the same run of ``recipe``."""
         return carried((before.draft_in(recipe), before.world), (self.draft_in(recipe), self.world))
+
+
+class _Drawn(NamedTuple):
+    """A draft, and those that one can come back to by making edits again or undoing them."""
+
+    draft: Draft
+    undone: Drafts | None = None
+    done: Drafts | None = None
+
+    def after(self, change: WorldChange) -> _Drawn:
+        """Return what comes of ``change``. Raises UserError where it cannot be done."""
+        draft, undone, done = self
+        match change:
+            case EditWorld(edits):
+                return _Drawn(edited_draft(draft, edits), None, Drafts(draft, done))
+            case UndoEdit():
+                if done is None:
+                    raise UserError("there is no edit of the world to undo")
+                return _Drawn(done.draft, Drafts(draft, undone), done.further)
+            case RedoEdit():
+                if undone is None:
+                    raise UserError("there is no edit of the world to redo")
+                return _Drawn(undone.draft, undone.further, Drafts(draft, done))
+
+
+def drawn_recipe(recipe: Recipe, changes: Sequence[WorldChange]) -> Recipe:
+    """Return ``recipe`` with the world that ``changes`` make of its own; itself where there are none.
+
+    Raises UserError where they cannot be made.
+    """
+    if not changes:
+        return recipe
+    drawn = _Drawn(first_draft(recipe.scenario, recipe.seed))
+    for change in changes:
+        drawn = drawn.after(change)
+    section, kind = drawn.draft.section, drawn.draft.kind
+    return replace(recipe, scenario=replace(recipe.scenario, section=section, kind=kind))
 
 
 def edited_draft(draft: Draft, edits: Sequence[Edit]) -> Draft:
