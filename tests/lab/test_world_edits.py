@@ -6,12 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from edited_worlds import edit, small_map
+from playing import begin, do
 
+from rl_tui.lab.live.commands import AddLane, ChooseBranch, DrawWorld, GoTo, Step, StepBack, Train
 from rl_tui.lab.run.changes import read_world, written_world
-from rl_tui.lab.run.recipe import EditWorld, Recipe, UndoEdit
+from rl_tui.lab.run.recipe import EditWorld, Recipe, SetParameter, UndoEdit
 from rl_tui.lab.run.run import Run
 from rl_tui.lab.timeline.branches import RunRecord
 from rl_tui.lab.timeline.branching_run import BranchingRun
+from rl_tui.lab.timeline.checkpoints import Checkpoints
+from rl_tui.lab.timeline.memory_limits import USUAL
 from rl_tui.worlds.editing.edit import read_edits
 from rl_tui.worlds.files.catalogue import find
 
@@ -85,6 +90,62 @@ def test_a_checkpoint_of_another_world_is_refused() -> None:
     run, other = Run(Recipe(find("maze"))), Run(Recipe(find("frozenlake")))
     with pytest.raises(ValueError, match="another world"):
         run.learner.restore(other.learner.checkpoint())
+
+
+def test_of_two_worlds_of_one_size_a_checkpoint_of_one_is_refused_by_the_other() -> None:
+    run, other = Run(Recipe(find("maze"))), Run(Recipe(find("maze")))
+    other.apply(EditWorld(read_edits("world.reward[0,0]=-1")))
+    assert run.world.space.pairs == other.world.space.pairs
+    run.learner.restore(Run(Recipe(find("maze"))).learner.checkpoint())
+    with pytest.raises(ValueError, match="another world"):
+        run.learner.restore(other.learner.checkpoint())
+
+
+def test_no_digest_is_worked_out_for_checkpoints_of_worlds_that_are_at_hand(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refused(_: object) -> str:
+        raise AssertionError("the digest of a large world takes long")
+
+    monkeypatch.setattr("rl_tui.agents.world_change.table_digest", refused)
+    playback = begin(small_map())
+    for text in ("rows=+1@1", "cell[0,1]=#", "noise=0.4"):
+        do(playback, Train(300), DrawWorld(edit(text).edits))
+    do(playback, Train(300))
+    assert len(playback.group.current.kept.checkpoints) > 2
+    do(playback, *(GoTo(step) for step in (1_100, 700, 250, 650, 1_000, 100)), Step(), StepBack())
+    do(playback, DrawWorld(edit("cell[0,2]=#").edits), Train(9), ChooseBranch(0), ChooseBranch(1))
+
+
+def test_the_same_change_comes_to_the_same_world_again() -> None:
+    playback = begin(small_map())
+    do(playback, Train(300), DrawWorld(edit("rows=+1@1").edits), Train(300))
+    world = playback.group.current.world
+    do(playback, GoTo(100))
+    first = playback.group.current.world
+    assert first is not world
+    do(playback, GoTo(400), AddLane((SetParameter("alpha", 0.9),)))
+    assert {run.world for run in playback.group.runs} == {world}
+
+
+def test_worlds_count_in_the_bound_of_checkpoints(monkeypatch: pytest.MonkeyPatch) -> None:
+    run, kept = Run(Recipe(find("maze"))), Checkpoints()
+    one = run.world.nbytes
+    few = replace(USUAL, checkpoints=40 * one)
+    monkeypatch.setattr("rl_tui.lab.timeline.checkpoints.limits", lambda: few)
+    for number in range(60):
+        run.apply(EditWorld(read_edits(f"world.reward[0,0]=-{number}.5")))
+        run.advance(3)
+        kept.add(run.checkpoint())
+        run.advance(3)
+        kept.add(run.checkpoint())  # in the same world
+        assert kept.nbytes <= few.checkpoints
+    assert 4 <= len(kept) < 80
+    alone, same_world = Checkpoints(), Run(Recipe(find("maze")))
+    for _ in range(60):
+        same_world.advance(3)
+        alone.add(same_world.checkpoint())
+    assert len(alone) > len(kept), "a world that is shared counts once"
 
 
 def test_arms_that_were_drawn_stay_and_pulls_are_told_by_the_means_of_their_time() -> None:
