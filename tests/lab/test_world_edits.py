@@ -9,9 +9,24 @@ import pytest
 from edited_worlds import edit, small_map
 from playing import begin, do
 
-from rl_tui.lab.live.commands import AddLane, ChooseBranch, DrawWorld, GoTo, Step, StepBack, Train
+from rl_tui.common.errors import UserError
+from rl_tui.common.limits import LONGEST_EDIT
+from rl_tui.lab.live.commands import (
+    AddLane,
+    ChooseBranch,
+    DrawWorld,
+    GoTo,
+    OpenEditor,
+    Step,
+    StepBack,
+    Take,
+    Train,
+    UndoStroke,
+)
+from rl_tui.lab.many_seeds.request import study_request
+from rl_tui.lab.many_seeds.study import Study
 from rl_tui.lab.run.changes import read_world, written_world
-from rl_tui.lab.run.recipe import EditWorld, Recipe, SetParameter, UndoEdit
+from rl_tui.lab.run.recipe import EditWorld, Recipe, SetParameter, TakeAction, UndoEdit
 from rl_tui.lab.run.run import Run
 from rl_tui.lab.timeline.branches import RunRecord
 from rl_tui.lab.timeline.branching_run import BranchingRun
@@ -167,3 +182,53 @@ def test_arms_that_were_drawn_stay_and_pulls_are_told_by_the_means_of_their_time
 @pytest.mark.parametrize("text", [*EDITS, "world.undo=1", "world.redo=1"])
 def test_a_change_of_the_world_is_written_as_it_is_read(text: str) -> None:
     assert read_world(written_world(read_world(text))) == read_world(text)
+
+
+def test_a_stroke_that_no_session_could_keep_is_refused() -> None:
+    run = Run(Recipe(find("maze")))
+    stroke = EditWorld(read_edits("world.cell[0,0]=S") * (LONGEST_EDIT // 17))
+    with pytest.raises(UserError, match="too much for one stroke"):
+        run.apply(stroke)
+    assert run.journal == ()
+    run.apply(EditWorld(stroke.edits[:1_000]))
+
+
+def test_many_seeds_of_an_edited_run_are_the_runs_of_those_seeds() -> None:
+    playback = begin(small_map())
+    do(
+        playback,
+        Train(100),
+        DrawWorld(edit("rows=+1@1").edits),
+        Take(1),
+        Train(50),
+        DrawWorld(edit("noise=0.4").edits),
+    )
+    do(playback, Train(50))
+    request = study_request(playback.group, is_awaited=True)
+    assert "the world was changed on the way: each seed ends after 201 steps" in request.message
+    assert "steps taken by a person are left out" in request.message
+    study = list(Study(request).reports())[-1]
+    journal = tuple(e for e in playback.group.current.run.journal if not isinstance(e.change, TakeAction))
+    alone = Run(small_map())
+    alone.follow(journal, 201)
+    assert study.lanes[0].this_seed["return_mean"] == alone.mean_return
+    assert study.seeds == 8
+
+
+def test_strokes_that_wait_go_on_waiting_where_the_run_refuses_what_they_come_to(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refusing(*_: object) -> None:
+        raise UserError("not here")
+
+    playback = begin(small_map())
+    do(playback, OpenEditor(is_open=True), DrawWorld(edit("cell[0,0]=.;cell[2,0]=.").edits))
+    with monkeypatch.context() as patch:
+        patch.setattr("rl_tui.agents.learner_memory.check_compatible", refusing)
+        shown = do(playback, DrawWorld(edit("cell[0,1]=S").edits))
+    assert shown.playback.paused_by == "not here"
+    assert shown.editor.unfinished
+    shown = do(playback, DrawWorld(edit("cell[0,1]=S").edits))
+    assert not shown.editor.unfinished
+    assert len(shown.timeline.current.journal) == 1
+    assert not do(playback, UndoStroke()).editor.unfinished

@@ -8,11 +8,12 @@ from typing import NamedTuple
 from weakref import WeakValueDictionary
 
 from rl_tui.common.errors import UserError
+from rl_tui.common.limits import LONGEST_EDIT
 from rl_tui.lab.run.recipe import EditWorld, Recipe, RedoEdit, UndoEdit, WorldChange
 from rl_tui.worlds.editing.carried import Carried, carried
 from rl_tui.worlds.editing.draft import Draft
 from rl_tui.worlds.editing.drafts import first_draft
-from rl_tui.worlds.editing.edit import Edit
+from rl_tui.worlds.editing.edit import Edit, written_edits
 from rl_tui.worlds.world import World
 
 
@@ -85,6 +86,10 @@ class _Drawn(NamedTuple):
         draft, undone, done = self
         match change:
             case EditWorld(edits):
+                if len(written_edits(edits)) > LONGEST_EDIT:
+                    raise UserError(
+                        "this is too much for one stroke, as sessions keep them: draw it in parts"
+                    )
                 return _Drawn(edited_draft(draft, edits), None, Drafts(draft, done))
             case UndoEdit():
                 if done is None:
