@@ -15,6 +15,7 @@ from typing import Any, Final, NamedTuple
 from pseudo_terminal import RL_TUI, PseudoTerminal
 
 from rl_tui.lab.live.record import Record
+from rl_tui.lab.run.edited_world import EditedWorld
 from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.run.recipe import SetParameter, begin
 from rl_tui.lab.sessions.folder import files_in
@@ -115,9 +116,9 @@ def lane_of(session: Path | None) -> BranchingRun:
     """Return what the program should have in its memory when it has begun."""
     if session is None:
         recipe = recipe_for(find(SCENARIO))
-        return BranchingRun(RunRecord(recipe), begin(recipe).world)
+        return BranchingRun(RunRecord(recipe), EditedWorld(begin(recipe).world))
     record = read_session(session).record().lanes[0]
-    lane = BranchingRun(record, begin(record.recipe).world)
+    lane = BranchingRun(record, EditedWorld(begin(record.recipe).world))
     lane.seek_to(step=record.step)
     arrive(lane)
     return lane

@@ -7,12 +7,12 @@ from dataclasses import fields, is_dataclass, replace
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from rl_tui.lab.live.editing.world_editor import WorldEditor
 from rl_tui.lab.live.questions import Questions
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.snapshot import Phase, PlaybackView, Snapshot
 from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
 from rl_tui.lab.live.viewport import Viewport
-from rl_tui.lab.live.world_editor import WorldEditor
 from rl_tui.lab.run.exact_answers import PENDING, Answer
 from rl_tui.lab.timeline.branches import RunRecord, Timeline
 from rl_tui.lab.timeline.lane_view import LaneView, RunGroupView

@@ -47,15 +47,12 @@ def carried_watching(carried: Carried, watching: Watching | None) -> Watching | 
     """Return what is watched for, by the numbers that states and pairs have now; what is gone is left out."""
     if watching is None:
         return None
-    states = np.flatnonzero(np.isin(carried.states, list(watching.states)))
-    pairs = np.flatnonzero(np.isin(carried.pairs, list(watching.pairs)))
-    cell = NEW if watching.cell is None else watching.cell
-    cells = np.flatnonzero((carried.pairs == cell) & (carried.pairs != NEW)).tolist()
+    cell = carried.pairs_now(() if watching.cell is None else (watching.cell,))
     return replace(
         watching,
-        states=frozenset(states.tolist()),
-        pairs=frozenset(pairs.tolist()),
-        cell=cells[0] if cells else None,
+        states=carried.states_now(watching.states),
+        pairs=carried.pairs_now(watching.pairs),
+        cell=next(iter(cell), None),
     )
 
 

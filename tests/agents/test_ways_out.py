@@ -33,7 +33,8 @@ def trap(time_limit: int = 0) -> TabularMDP:
 def test_a_trap_is_endless_and_a_room_without_a_door_is_never_reached() -> None:
     assert np.flatnonzero(endless_states(trap())).tolist() == [3]
     assert never_reached(trap()).tolist() == [4]
-    assert shortest_way(trap()) == 2
+    assert shortest_way(trap(), np.ones(trap().pairs, np.bool_)) == 2
+    assert shortest_way(trap(), np.array([True, True, False, True, True, True])) is None, "not by that pair"
 
 
 def test_a_time_limit_ends_every_episode_and_keeps_far_states_out_of_reach() -> None:

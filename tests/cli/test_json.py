@@ -28,6 +28,7 @@ TRAIN = [
     "steps_per_second",
     "states",
     "actions",
+    "world",
     "q",
     "visits",
     "policy",
@@ -53,6 +54,7 @@ RUN = [
     "return_last_100",
     "length_last_100",
     "first_reward_episode",
+    "world",
 ]
 BANDIT = ["winnings", "regret", "best_arm_rate"]
 SUMMARY = ["mean", "stderr", "min", "max", "count"]
@@ -174,7 +176,7 @@ def test_train_runs(scenario: str) -> None:
     ]
     assert [list(row) for row in figures["runs"]] == [names] * 3
     assert [row["seed"] for row in figures["runs"]] == [5, 6, 7]
-    assert set(figures["summary"]) == set(names) - {"seed"}
+    assert set(figures["summary"]) == set(names) - {"seed", "world"}
     assert all(list(each) == SUMMARY for each in figures["summary"].values())
     assert figures["summary"]["steps"]["mean"] == pytest.approx(
         sum(row["steps"] for row in figures["runs"]) / 3

@@ -10,6 +10,11 @@ import pytest
 from click.testing import CliRunner, Result
 
 from rl_tui.cli.main import program
+from rl_tui.lab.live.record import Record
+from rl_tui.lab.run.changes import journal_of, read_change
+from rl_tui.lab.run.library import recipe_named
+from rl_tui.lab.sessions.session import encoded
+from rl_tui.lab.timeline.branches import Branch, RunRecord
 
 pytestmark = pytest.mark.unit
 
@@ -108,6 +113,25 @@ def test_each_seed_edits_the_world_that_it_drew(tmp_path: Path) -> None:
         ("10:world.cell[9,1]=#", "10:world.cell[9,1]=#: cell[9,1]", 1),
         ("10:world.cell[0,0]=.", "10:world.cell[0,0]=.: grid.map", 1),
         ("10:world.undo=1", "10:world.undo=1: there is no edit", 1),
+        ("10:world.redo=1", "10:world.redo=1: there is no edit", 1),
+        ("10:world.undo=2", 'world.undo is "2"; expected world.undo=1', 2),
+        ("10:world.rows=+1@9", "rows=+1@9: there are rows 0 to 2", 1),
+        ("10:world.rows=+0@1", "expected +1@3", 1),
+        (
+            "10:world.noise=$(rm -rf /)",
+            'grid.noise is "$(rm -rf /)"; expected a finite number from 0 to 1',
+            1,
+        ),
+        ("10:world.noise=nan", "expected a finite number", 1),
+        ("10:world.noise[1,2]=0.3", "noise is of the whole world: leave the brackets out", 1),
+        ("10:world.reward[1,1]=5", '"#" pays nothing', 1),
+        ("10:world.reward[0,1]=1e400", "expected a finite number", 1),
+        ("10:world.cell[0,1]=\x1b", '"\\u001b" is no character of a map', 1),
+        ("10:world.cell[0,1]=##", "between two stands ;", 2),
+        ("10:world.arm[0]=1", 'a map has nothing called "arm"', 1),
+        ("10:World.cell[1,1]=#", "or a change of the world such as world.cell[1,2]=#", 2),
+        (f"10:world.legend[x]={'[' * 3000}", "expected JSON", 2),
+        (f"10:world.noise={'9' * 5000}", "expected a finite number", 1),
         ("10:world.cell[1", "expected , or ]", 2),
         ("ten:world.cell[1,1]=#", "is not a whole number of steps", 2),
     ],
@@ -119,3 +143,44 @@ def test_faults_name_the_step_and_the_edit_in_one_line(
     assert (result.exit_code, result.stdout) == (status, "")
     assert fault in result.stderr
     assert result.stderr.count("\n") == 1
+    assert len(result.stderr) < 600
+
+
+@pytest.mark.parametrize(
+    ("scenario", "change"),
+    [
+        ("maze", "world.cell[1,1]=#"),
+        ("maze", "world.reward[1,1]=-1"),
+        ("maze", "world.noise=0.2"),
+        ("maze", "world.rows=+1@3"),
+        ("student", 'world.transition[Class,study]={"to":{"Pass":0.5,"Class":0.5},"reward":-1}'),
+        ("student", 'world.transition[Class,"check phone"]={"to":{"Phone":0.9,"Class":0.1},"reward":0}'),
+        ("bandit", "world.arm[1]=5"),
+        ("cliff", "world.cell[3,5]=."),
+        ("frozenlake", "world.cell[1,1]=."),
+    ],
+)
+def test_each_edit_of_the_contract_counts_and_a_session_of_it_replays(
+    scenario: str, change: str, tmp_path: Path
+) -> None:
+    plain = trained(scenario, "--steps", "90")
+    edited = trained(scenario, "--steps", "90", "--change", f"40:{change}")
+    assert edited["world"] != plain["world"]
+    made_from = recipe_named(scenario, {}, 0)
+    journal = journal_of([read_change(f"40:{change}")], ())
+    branch = Branch("branch 1", journal, end=90, here=90)
+    session = tmp_path / "session.json"
+    session.write_bytes(encoded(Record((RunRecord(made_from, (branch,)),))))
+    result = CliRunner().invoke(program, ["replay", str(session), "--json"])
+    assert (result.exit_code, result.stderr) == (0, "")
+    replayed = json.loads(result.stdout)
+    for name in ("world", "journal", "states", "actions", "q", "visits", "episodes", "steps"):
+        assert replayed[name] == edited[name], name
+
+
+def test_a_world_that_cannot_be_drawn_says_why() -> None:
+    for scenario, why in (("taxi", "no cells to walk about in"), ("blackjack", "stepped for real")):
+        result = train(scenario, "--steps", "50", "--change", "10:world.cell[0,0]=.")
+        assert (result.exit_code, result.stdout) == (1, "")
+        assert why in result.stderr
+        assert result.stderr.count("\n") == 1

@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from hypothesis import strategies as st
 
-from rl_tui.lab.run.library import recipe_for
+from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.run.recipe import EditWorld, Recipe
 from rl_tui.worlds.editing.edit import read_edits
 from rl_tui.worlds.files.scenario import scenario_of
@@ -116,3 +116,20 @@ def strokes(edits: st.SearchStrategy[str]) -> st.SearchStrategy[EditWorld]:
 
 MAP_STROKES: Final = strokes(_MAP_EDITS)
 GRAPH_STROKES: Final = strokes(_GRAPH_EDITS)
+
+
+def small_lake(**overrides: Any) -> Recipe:
+    return recipe_for(find("frozenlake-slippery"), overrides, seed=3)
+
+
+def small_bandit(**overrides: Any) -> Recipe:
+    return recipe_for(find("bandit"), overrides, seed=3)
+
+
+LAKE_STROKES: Final = strokes(_MAP_EDITS)
+_ARM_EDITS = st.one_of(
+    st.builds("arm[{}]={}".format, st.integers(0, 10), st.sampled_from(["-1", "0.5", "x"])),
+    st.builds("arms={}@{}".format, st.sampled_from(["+1", "-1", "+2", "-2", "-9"]), st.integers(0, 11)),
+    st.sampled_from(["std=0.5", "std=-1", "drift=0.1", "drift=0", "budget=5"]),
+)
+ARM_STROKES: Final = strokes(_ARM_EDITS)

@@ -4,13 +4,17 @@ import threading
 from dataclasses import replace
 
 import pytest
+from playing import begin as begin_playing
+from playing import do
 from recipes import recipe
 
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
 from rl_tui.agents.exact.solve import solve
+from rl_tui.lab.live.commands import AddBranch, ChooseLane, DrawWorld, GoTo, Step, Train
 from rl_tui.lab.run import exact_answers
 from rl_tui.lab.run.exact_answers import PENDING, ExactAnswers, RunAnswers
 from rl_tui.lab.run.recipe import begin
+from rl_tui.worlds.editing.edit import read_edits
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 STUDENT = begin(recipe("student")).world.space
@@ -136,3 +140,24 @@ def test_answers_are_kept_within_bounds() -> None:
         answers.answer(index / 1000)
     answers.answer(0.0)
     assert asked.count(0.0) == 2
+
+
+def test_runs_side_by_side_in_two_worlds_have_each_its_answer_worked_out_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    solved = []
+
+    def counting(mdp: TabularMDP, gamma: float) -> Solution:
+        solved.append(mdp)
+        return solve(mdp, gamma)
+
+    monkeypatch.setattr("rl_tui.agents.exact.solve.solve", counting)
+    playback = begin_playing(recipe("frozenlake"))
+    do(playback, Train(20), DrawWorld(read_edits("world.cell[1,1]=.")), Train(5), GoTo(10))
+    do(playback, DrawWorld(read_edits("world.cell[0,1]=H")), AddBranch(0))
+    before = len(solved)
+    shown = do(playback, Train(20), Step(), Step(), ChooseLane(1), Step())
+    assert shown.beside is not None
+    assert shown.world is not shown.beside.world
+    assert shown.exact_answer.solution is not shown.beside.exact_answer.solution
+    assert len(solved) - before <= 1, "in a branch that goes on into its own change"

@@ -351,7 +351,7 @@ def test_a_planner_without_a_table_of_the_environment_is_refused() -> None:
 
 def test_a_script_says_that_its_run_had_other_settings_at_first() -> None:
     text = script(recipe_of("frozenlake"), 10, changed=True)
-    assert "had other settings at first" in text
+    assert "had other settings or another world at first" in text
     assert "other settings" not in script_of("frozenlake")
 
 

@@ -8,6 +8,7 @@ import pytest
 from recipes import recipe
 
 from rl_tui.common.errors import UserError
+from rl_tui.lab.run.edited_world import EditedWorld
 from rl_tui.lab.run.recipe import SetParameter, begin
 from rl_tui.lab.timeline.branches import RunRecord
 from rl_tui.lab.timeline.branching_run import BranchingRun
@@ -67,4 +68,4 @@ def test_changes_are_so_many(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def _lane() -> BranchingRun:
     made_from = recipe("student")
-    return BranchingRun(RunRecord(made_from), begin(made_from).world)
+    return BranchingRun(RunRecord(made_from), EditedWorld(begin(made_from).world))

@@ -229,8 +229,9 @@ def test_a_run_that_does_not_come_so_far(tmp_path: Path) -> None:
 def test_a_change_that_cannot_be_made_names_the_file(tmp_path: Path) -> None:
     path = tmp_path / "a.json"
     path.write_bytes(encoded(after(fresh(recipe("student")), 5, (2, TakeAction(7)))))
-    line = f"rl-tui: {path}: action 7 is not possible in state Phone\n"
-    assert replay(path).stderr == line
+    why = "action 7 is not possible in state Phone\n"
+    assert replay(path).stderr == f"rl-tui: {path}: 2:take=action 7: {why}"
+    line = f"rl-tui: {path}: {why}"
     shown = CliRunner().invoke(program, ["screenshot", str(path), "--out", "-"])
     assert (shown.exit_code, shown.stdout, shown.stderr) == (1, "", line)
 

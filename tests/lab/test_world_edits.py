@@ -6,12 +6,32 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from edited_worlds import edit, small_map
+from playing import begin, do
 
+from rl_tui.common.errors import UserError
+from rl_tui.common.limits import LONGEST_EDIT
+from rl_tui.lab.live.commands import (
+    AddLane,
+    ChooseBranch,
+    DrawWorld,
+    GoTo,
+    OpenEditor,
+    Step,
+    StepBack,
+    Take,
+    Train,
+    UndoStroke,
+)
+from rl_tui.lab.many_seeds.request import study_request
+from rl_tui.lab.many_seeds.study import Study
 from rl_tui.lab.run.changes import read_world, written_world
-from rl_tui.lab.run.recipe import EditWorld, Recipe, UndoEdit
+from rl_tui.lab.run.recipe import EditWorld, Recipe, SetParameter, TakeAction, UndoEdit
 from rl_tui.lab.run.run import Run
 from rl_tui.lab.timeline.branches import RunRecord
 from rl_tui.lab.timeline.branching_run import BranchingRun
+from rl_tui.lab.timeline.checkpoints import Checkpoints
+from rl_tui.lab.timeline.memory_limits import USUAL
 from rl_tui.worlds.editing.edit import read_edits
 from rl_tui.worlds.files.catalogue import find
 
@@ -31,7 +51,7 @@ EDITS = (
 
 
 def test_going_back_over_an_edit_brings_back_what_it_made_forget() -> None:
-    lane = BranchingRun(RunRecord(Recipe(find("maze"))), Run(Recipe(find("maze"))).world)
+    lane = BranchingRun(RunRecord(Recipe(find("maze"))), Run(Recipe(find("maze"))).edited)
     lane.advance(8_000)
     known, step = lane.run.learner.q.copy(), lane.run.step
     assert known.any()
@@ -87,6 +107,62 @@ def test_a_checkpoint_of_another_world_is_refused() -> None:
         run.learner.restore(other.learner.checkpoint())
 
 
+def test_of_two_worlds_of_one_size_a_checkpoint_of_one_is_refused_by_the_other() -> None:
+    run, other = Run(Recipe(find("maze"))), Run(Recipe(find("maze")))
+    other.apply(EditWorld(read_edits("world.reward[0,0]=-1")))
+    assert run.world.space.pairs == other.world.space.pairs
+    run.learner.restore(Run(Recipe(find("maze"))).learner.checkpoint())
+    with pytest.raises(ValueError, match="another world"):
+        run.learner.restore(other.learner.checkpoint())
+
+
+def test_no_digest_is_worked_out_for_checkpoints_of_worlds_that_are_at_hand(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refused(_: object) -> str:
+        raise AssertionError("the digest of a large world takes long")
+
+    monkeypatch.setattr("rl_tui.agents.world_change.table_digest", refused)
+    playback = begin(small_map())
+    for text in ("rows=+1@1", "cell[0,1]=#", "noise=0.4"):
+        do(playback, Train(300), DrawWorld(edit(text).edits))
+    do(playback, Train(300))
+    assert len(playback.group.current.kept.checkpoints) > 2
+    do(playback, *(GoTo(step) for step in (1_100, 700, 250, 650, 1_000, 100)), Step(), StepBack())
+    do(playback, DrawWorld(edit("cell[0,2]=#").edits), Train(9), ChooseBranch(0), ChooseBranch(1))
+
+
+def test_the_same_change_comes_to_the_same_world_again() -> None:
+    playback = begin(small_map())
+    do(playback, Train(300), DrawWorld(edit("rows=+1@1").edits), Train(300))
+    world = playback.group.current.world
+    do(playback, GoTo(100))
+    first = playback.group.current.world
+    assert first is not world
+    do(playback, GoTo(400), AddLane((SetParameter("alpha", 0.9),)))
+    assert {run.world for run in playback.group.runs} == {world}
+
+
+def test_worlds_count_in_the_bound_of_checkpoints(monkeypatch: pytest.MonkeyPatch) -> None:
+    run, kept = Run(Recipe(find("maze"))), Checkpoints()
+    one = run.world.nbytes
+    few = replace(USUAL, checkpoints=40 * one)
+    monkeypatch.setattr("rl_tui.lab.timeline.checkpoints.limits", lambda: few)
+    for number in range(60):
+        run.apply(EditWorld(read_edits(f"world.reward[0,0]=-{number}.5")))
+        run.advance(3)
+        kept.add(run.checkpoint())
+        run.advance(3)
+        kept.add(run.checkpoint())  # in the same world
+        assert kept.nbytes <= few.checkpoints
+    assert 4 <= len(kept) < 80
+    alone, same_world = Checkpoints(), Run(Recipe(find("maze")))
+    for _ in range(60):
+        same_world.advance(3)
+        alone.add(same_world.checkpoint())
+    assert len(alone) > len(kept), "a world that is shared counts once"
+
+
 def test_arms_that_were_drawn_stay_and_pulls_are_told_by_the_means_of_their_time() -> None:
     recipe = replace(Recipe(find("bandit")), seed=4)
     run = Run(recipe)
@@ -106,3 +182,53 @@ def test_arms_that_were_drawn_stay_and_pulls_are_told_by_the_means_of_their_time
 @pytest.mark.parametrize("text", [*EDITS, "world.undo=1", "world.redo=1"])
 def test_a_change_of_the_world_is_written_as_it_is_read(text: str) -> None:
     assert read_world(written_world(read_world(text))) == read_world(text)
+
+
+def test_a_stroke_that_no_session_could_keep_is_refused() -> None:
+    run = Run(Recipe(find("maze")))
+    stroke = EditWorld(read_edits("world.cell[0,0]=S") * (LONGEST_EDIT // 17))
+    with pytest.raises(UserError, match="too much for one stroke"):
+        run.apply(stroke)
+    assert run.journal == ()
+    run.apply(EditWorld(stroke.edits[:1_000]))
+
+
+def test_many_seeds_of_an_edited_run_are_the_runs_of_those_seeds() -> None:
+    playback = begin(small_map())
+    do(
+        playback,
+        Train(100),
+        DrawWorld(edit("rows=+1@1").edits),
+        Take(1),
+        Train(50),
+        DrawWorld(edit("noise=0.4").edits),
+    )
+    do(playback, Train(50))
+    request = study_request(playback.group, is_awaited=True)
+    assert "the world was changed on the way: each seed ends after 201 steps" in request.message
+    assert "steps taken by a person are left out" in request.message
+    study = list(Study(request).reports())[-1]
+    journal = tuple(e for e in playback.group.current.run.journal if not isinstance(e.change, TakeAction))
+    alone = Run(small_map())
+    alone.follow(journal, 201)
+    assert study.lanes[0].this_seed["return_mean"] == alone.mean_return
+    assert study.seeds == 8
+
+
+def test_strokes_that_wait_go_on_waiting_where_the_run_refuses_what_they_come_to(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refusing(*_: object) -> None:
+        raise UserError("not here")
+
+    playback = begin(small_map())
+    do(playback, OpenEditor(is_open=True), DrawWorld(edit("cell[0,0]=.;cell[2,0]=.").edits))
+    with monkeypatch.context() as patch:
+        patch.setattr("rl_tui.agents.learner_memory.check_compatible", refusing)
+        shown = do(playback, DrawWorld(edit("cell[0,1]=S").edits))
+    assert shown.playback.paused_by == "not here"
+    assert shown.editor.unfinished
+    shown = do(playback, DrawWorld(edit("cell[0,1]=S").edits))
+    assert not shown.editor.unfinished
+    assert len(shown.timeline.current.journal) == 1
+    assert not do(playback, UndoStroke()).editor.unfinished

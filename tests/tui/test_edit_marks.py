@@ -10,8 +10,8 @@ from drawn_curves import drawn as drawn_curve
 from drawn_grids import picture, visited
 from samples import answered, lake, look, student
 
+from rl_tui.lab.live.editing.world_editor import EditorView
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.live.world_editor import EditorView
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.lab.run.run import WorldChanged
 from rl_tui.tui.draw.canvas import Canvas

@@ -6,10 +6,10 @@ import pytest
 from program_samples import program, watched
 from samples import bandit, lake, look, planning, student
 
+from rl_tui.lab.live.editing.world_editor import EditorView
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.live.snapshot_builder import PREPARING, REBUILDING
 from rl_tui.lab.live.speed.transport import WAITING
-from rl_tui.lab.live.world_editor import EditorView
 from rl_tui.lab.timeline.branches import Branch, Timeline
 from rl_tui.tui.panels.status_line import StatusLine
 

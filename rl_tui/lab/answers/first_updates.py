@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 MANY_EPISODES: Final = 10
 TOO_LARGE: Final = "this world is too large to be worked out on screen; rl-tui why has the answer"
-_KEPT: Final = 64
-_Settings = tuple[str, Hyperparameters, bool]
+_KEPT: Final = 16
+_Settings = tuple[TabularMDP, str, Hyperparameters, bool]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,10 +39,9 @@ class FirstUpdateView:
 
 
 class FirstUpdates:
-    """The waits of runs in one world at a time."""
+    """The waits of runs, in whichever worlds they are."""
 
     def __init__(self) -> None:
-        self._mdp: TabularMDP | None = None
         self._known: OrderedDict[_Settings, tuple[FirstUpdate | None, str]] = OrderedDict()
 
     def of(self, run: Run, *, is_asked: bool) -> FirstUpdateView | None:
@@ -66,12 +65,9 @@ class FirstUpdates:
             return None, NO_TABLE
         if visits_of(mdp) > DEAREST_LIVE:
             return None, TOO_LARGE
-        if mdp is not self._mdp:
-            self._mdp = mdp
-            self._known.clear()
         # estimates start from what the recipe says, whatever is set later
         values = replace(learner.hyperparameters, initial_q=run.recipe.hyperparameters.initial_q)
-        settings = (learner.algorithm, values, values.alpha_at(learner.episodes) == 0.0)
+        settings = (mdp, learner.algorithm, values, values.alpha_at(learner.episodes) == 0.0)
         if settings not in self._known:
             self._known[settings] = _worked_out(mdp, learner.algorithm, values, learner.episodes)
             while len(self._known) > _KEPT:

@@ -16,7 +16,7 @@ from rl_tui.lab.lessons.judging.attempts import judged_claim, judged_program
 from rl_tui.lab.lessons.judging.conditions import JudgedTask, elsewhere, judged_task, verdict
 from rl_tui.lab.lessons.judging.moment import Kept
 from rl_tui.lab.lessons.judging.panel_request import same_panel
-from rl_tui.lab.lessons.judging.replays import MOST_STEPS, replayed
+from rl_tui.lab.lessons.judging.replays import MOST_STEPS, check_world_stays, replayed
 from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
 from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict, Panels
 from rl_tui.lab.lessons.lesson import Lesson
@@ -254,6 +254,7 @@ class _Search:
         self._steps -= branch.end
         self._moments -= len(moments)
         try:
+            check_world_stays(branch.journal)
             self._judge(wanted, replace(recipe, scenario=wanted[0].setup.scenario), branch, moments)
         except UserError as fault:
             self.remarks.append(f"{branch.name} cannot be replayed: {fault}")

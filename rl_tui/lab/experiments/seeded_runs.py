@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any, Final
 
@@ -12,6 +13,7 @@ from rl_tui.agents.exact.solution import Solution
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.patience import pays, seconds_interpreted
 from rl_tui.lab.experiments.training import Goal, OnProgress, train
+from rl_tui.lab.run.edited_world import EditedWorld
 from rl_tui.lab.run.figures import (
     BANDIT_FIGURES,
     exact_world,
@@ -20,7 +22,7 @@ from rl_tui.lab.run.figures import (
     pulls,
     world_digest,
 )
-from rl_tui.lab.run.recipe import JournalEntry, Recipe, begin
+from rl_tui.lab.run.recipe import JournalEntry, Recipe, WorldChange, begin
 from rl_tui.lab.run.run import OnEpisodes, Run, each_of
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.world import World
@@ -60,13 +62,23 @@ class SeededRuns:
         self.is_bandit = isinstance(self.first.world.drawing, Arms)
         """Whether their world is a bandit."""
         self._journal = journal
-        self._world = None if recipe.scenario.section.drawn_from_seed else self.first.world
+        self._world = None if recipe.scenario.section.drawn_from_seed else self.first.edited
+        self._edited = [] if self._world is None else self._worlds_after(self._world)
         # Where the world drifts, each run comes to other means, and so to another exact answer
         self._has_one_answer = self._world is not None and self.first.learner.drifted is None
         # By γ, which may be set on the way, and by how often the world changed, in all of them alike
         self._optima = dict[tuple[float, int], Solution | None]()
         self._digests = dict[int, str | None]()
         self._solving = threading.Lock()
+
+    def _worlds_after(self, first: EditedWorld) -> list[EditedWorld]:
+        """Return what the journal makes of the world ``first``; held here, each is built once for all."""
+        worlds = [first]
+        with suppress(UserError):  # the run that comes to what cannot be done says where that is
+            for entry in self._journal:
+                if isinstance(entry.change, WorldChange):
+                    worlds.append(worlds[-1].after(entry.change, self.recipe))
+        return worlds
 
     @property
     def first_seed(self) -> int:
@@ -98,8 +110,9 @@ class SeededRuns:
     def new_run(self, seed: int, *on_episodes: OnEpisodes | None) -> Run:
         """Return the run of ``seed``, not trained; each of ``on_episodes`` hears of its episodes."""
         recipe = replace(self.recipe, seed=seed)
-        beginning = begin(recipe, self._world)
-        return Run(recipe, beginning, evaluate=False, on_episodes=each_of(*on_episodes))
+        beginning = begin(recipe, None if self._world is None else self._world.world)
+        on_each = each_of(*on_episodes)
+        return Run(recipe, beginning, edited=self._world, evaluate=False, on_episodes=on_each)
 
     def train(self, run: Run, goal: Goal, on_progress: OnProgress) -> None:
         """Advance ``run`` to ``goal``. Raises UserError, naming the seed, where it broke down."""
@@ -145,9 +158,9 @@ class SeededRuns:
 
     def _digest_of(self, run: Run) -> str | None:
         if self._world is None:
-            return world_digest(run)
+            return world_digest(run.world)
         with self._solving:
             changes = len(run.world_changes)
             if changes not in self._digests:
-                self._digests[changes] = world_digest(run)
+                self._digests[changes] = world_digest(run.world)
             return self._digests[changes]

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line
 from rl_tui.lab.experiments.patience import Patience
 from rl_tui.lab.run.changes import written_change
 from rl_tui.lab.run.recipe import UNLIMITED, JournalEntry
@@ -16,6 +17,7 @@ from rl_tui.lab.run.run import Run
 
 # So long an environment that is stepped for real goes on without a word about how far it has come
 TIME_BUDGET: Final = 0.2
+_LONGEST_ENTRY: Final = 200
 
 OnProgress = Callable[[int, int], None]
 
@@ -77,4 +79,5 @@ def _naming_the_entry(run: Run, journal: Sequence[JournalEntry]) -> Iterator[Non
         yield
     except UserError as fault:
         entry = journal[len(run.journal)]
-        raise UserError(f"{written_change(entry, run.first_actions)}: {fault}") from fault
+        what = one_line(written_change(entry, run.first_actions), _LONGEST_ENTRY)
+        raise UserError(f"{what}: {fault}") from fault

@@ -25,7 +25,10 @@ from rl_tui.worlds.files.gymnasium_ids import PREFIX
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.gym.modules import OPTION, module_of
 
+_REPLAY: Final = "rl-tui replay SESSION.json"
 MOST_CHANGES: Final = 200
+LONGEST_LINE: Final = 100_000
+"""Bytes; some systems let no word of a command be longer than 131,072."""
 
 
 def recipe_line(
@@ -35,14 +38,14 @@ def recipe_line(
 
     It names every setting that counts and is not the scenario's own. ``action_names``, [A], are those of the
     world. Of step 0 it is the command that trains as long as the scenario says. Raises UserError where a
-    saved session is the better way: the journal has more than 200 entries by then, or no file holds the
-    scenario.
+    saved session is the better way: the journal has more than 200 entries by then, or very long ones, or no
+    file holds the scenario.
     """
     entries = _without_passing(entries_until(journal, step))
     if len(entries) > MOST_CHANGES:
         raise UserError(
             f"{len(entries):,} changes are too many for one line: save the session with w, and then "
-            f"rl-tui replay SESSION.json does it again"
+            f"{_REPLAY} does it again"
         )
     words = [
         "rl-tui",
@@ -57,7 +60,13 @@ def recipe_line(
         words += ["--steps", str(step)]
     for entry in entries:
         words += ["--change", written_change(entry, action_names)]
-    return shlex.join(words)
+    line = shlex.join(words)
+    if len(line.encode()) > LONGEST_LINE:
+        raise UserError(
+            f"what was drawn is too long for one line: save the session with w, and then {_REPLAY} does it "
+            f"again"
+        )
+    return line
 
 
 def entries_until(journal: Sequence[JournalEntry], step: int) -> list[JournalEntry]:
@@ -110,7 +119,7 @@ def scenario_name(scenario: Scenario) -> str:
         return str(scenario.source)
     raise UserError(
         f"no file {scenario.source} holds this scenario any more: save the session with w, and then "
-        f"rl-tui replay SESSION.json does the run again"
+        f"{_REPLAY} does the run again"
     )
 
 

@@ -25,8 +25,8 @@ _NEEDS: Final = (
     "Reinforcement Learning, 2nd edition"
 )
 _CHANGED: Final = (
-    "The run that this was written from had other settings at first, or steps taken by hand; here the "
-    "settings of its end hold from the beginning, and the agent takes every step."
+    "The run that this was written from had other settings or another world at first, or steps taken by "
+    "hand; here what held at its end holds from the beginning, and the agent takes every step."
 )
 
 

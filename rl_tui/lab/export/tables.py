@@ -59,8 +59,9 @@ def write_returns(
 ) -> None:
     """Write every episode finished by ``step`` as a new CSV file: run, episode, return, length.
 
-    The run is done again for it, headless. An exception of ``on_progress`` breaks it off and leaves no file.
-    Raises UserError where the file cannot be written or the run breaks down.
+    The run is done again for it, headless, in its ``world`` at the start, if that is at hand. An exception of
+    ``on_progress`` breaks it off and leaves no file. Raises UserError where the file cannot be written or the
+    run breaks down.
     """
     with new_file(path) as stream:
         stream.write(HEADER)
@@ -77,7 +78,8 @@ def estimates_again(
 ) -> tuple[FloatArray, IntArray]:
     """Return Q and visits, [P] each, of the run at ``step``, which is done again, headless.
 
-    Of a large world a snapshot holds what is in view only.
+    ``world`` is its own at the start, if that is at hand. Of a large world a snapshot holds what is in view
+    only.
     """
     run = Run(recipe, begin(recipe, world), evaluate=False)
     _do_again(run, journal, step, on_progress)

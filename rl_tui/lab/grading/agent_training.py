@@ -36,6 +36,7 @@ from rl_tui.lab.run.figures import (
     optimum_of,
     policy_names,
     table,
+    world_digest,
 )
 from rl_tui.lab.run.history import History
 from rl_tui.lab.run.recipe import Recipe, begin
@@ -87,7 +88,8 @@ class AgentRuns:
         self.name, self.place, self.recipe, self.given = name, place, recipe, given
         self._world = None if recipe.scenario.section.drawn_from_seed else begin(recipe).world
         self._solving = threading.Lock()
-        self._optima: dict[int, Solution | None] = {}
+        self._optima: list[Solution | None] = []  # the one that a shared world has, once it is known
+        self._digest = None if self._world is None else world_digest(self._world)
 
     @property
     def first_seed(self) -> int:
@@ -127,11 +129,12 @@ class AgentRuns:
         q, gamma = run.q, self.recipe.hyperparameters.gamma
         if q is None or run.mdp is None:
             return GreedyFigures(None, None, None, None, None)
+        if self._world is None:
+            return figures_of_estimates(run.mdp, q, "random", gamma, optimum_of(run.mdp, gamma))
         with self._solving:
-            key = id(run.world)
-            if key not in self._optima:
-                self._optima[key] = optimum_of(run.mdp, gamma)
-        return figures_of_estimates(run.mdp, q, "random", gamma, self._optima[key])
+            if not self._optima:
+                self._optima.append(optimum_of(run.mdp, gamma))
+        return figures_of_estimates(run.mdp, q, "random", gamma, self._optima[0])
 
     def row(self, run: AgentRun) -> dict[str, Any]:
         """Return the seed and the figures of ``run``, as ``train --runs --json`` prints them."""
@@ -148,6 +151,7 @@ class AgentRuns:
             "return_last_100": mean_return,
             "length_last_100": mean_length,
             "first_reward_episode": recording.first_reward_episode or None,
+            "world": world_digest(run.world) if self._world is None else self._digest,
         }
 
     def head(self, verdict: ProgramVerdict | None) -> dict[str, Any]:

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live import commands
+from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.state import State
 from rl_tui.lab.live.until import Breakpoints, Event, Until
-from rl_tui.lab.run.recipe import Change, OrderSweep, TakeAction, WorldChange
+from rl_tui.lab.run.recipe import Change, OrderSweep, TakeAction, WorldChange, begin
 
 if TYPE_CHECKING:
     from rl_tui.lab.live.playback import Playback
@@ -22,9 +23,19 @@ def _watch_learning(playback: Playback, _: commands.WatchLearning) -> None:
 
 
 def _restart(playback: Playback, command: commands.Restart) -> None:
-    learning, scenario = playback.transport.learning, playback.group.current.recipe.scenario
-    playback.restart(command.recipe)
-    if command.recipe.scenario != scenario:
+    """Start again, in the world as it has been drawn unless another one is asked for."""
+    group, recipe, before = playback.group, command.recipe, playback.group.current.recipe
+    learning, first = playback.transport.learning, group.first.world
+    is_same_scenario = recipe.scenario == before.scenario
+    beginning = begin(recipe, first if is_same_scenario else None)
+    if beginning.world is not first:
+        playback.questions.change_world(before, recipe)
+    is_same_world = is_same_scenario and (beginning.world is first or recipe.seed == before.seed)
+    lanes = group.restarted(recipe, keeps_edits=is_same_world)
+    breakpoints = playback.breakpoints if is_same_world else Breakpoints()
+    playback.editor.forget()
+    playback.start(Record(lanes, group.shown, breakpoints, playback.transport.speed), beginning)
+    if not is_same_scenario:
         playback.questions.seed_studies.end()
     if learning is not None:
         playback.transport.go_by_learning(playback.answer)

@@ -16,23 +16,25 @@ from rl_tui.lab.live.commands import (
     is_taken_while_seeking,
     takes_steps,
 )
-from rl_tui.lab.live.compilation import LOOK_AGAIN, Compilation
-from rl_tui.lab.live.handlers import HANDLERS, make_changes_that_waited
+from rl_tui.lab.live.editing.pins import NO_PINS, NamedPins, Pins
+from rl_tui.lab.live.editing.world_editor import WorldEditor
+from rl_tui.lab.live.handlers import HANDLERS
 from rl_tui.lab.live.questions import Questions
-from rl_tui.lab.live.record import LearnedTable, Record, record_of, table_of
+from rl_tui.lab.live.record import LearnedTable, Record, table_of
 from rl_tui.lab.live.snapshot import PHASES, Phase, Snapshot
 from rl_tui.lab.live.snapshot_builder import SnapshotBuilder, as_left, view_of
-from rl_tui.lab.live.speed.pacing import AT_ONCE, CHUNK
+from rl_tui.lab.live.speed.compilation import LOOK_AGAIN, Compilation
 from rl_tui.lab.live.state import BUSY, ENDED, PASSING, SHOWN_AS_NEXT, UNFINISHED, State, shows_trail
-from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, until_in_words, watching_for
-from rl_tui.lab.live.until import Breakpoints, Event, Until
-from rl_tui.lab.live.world_editor import WorldEditor
+from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, watching_for
+from rl_tui.lab.live.until import Breakpoints, Until
+from rl_tui.lab.live.work import WORK, continue_seek
 from rl_tui.lab.run.exact_answers import Answer
 from rl_tui.lab.run.recipe import Beginning, Recipe, begin
 from rl_tui.lab.timeline.branches import RunRecord
 
 if TYPE_CHECKING:
     from rl_tui.lab.live.speed.transport import Transport
+    from rl_tui.lab.run.run import Run
     from rl_tui.lab.timeline.run_group import RunGroup
 
 
@@ -41,9 +43,10 @@ class Playback:
 
     Call :meth:`work` again and again, as soon as it says; between two calls, :meth:`handle` commands that it
     :meth:`takes` and take a :meth:`snapshot` where ``changed``. What each command does stands in
-    ``handlers.py``. ``clock`` gives seconds. With ``automatic`` off no step passes but those that commands
-    ask for. ``on_exact`` is called, from any thread, when an exact answer has come that the last snapshot
-    lacked, or more of what many seeds say. With ``record`` it begins where that was written.
+    ``handlers.py``, what is done in each state in ``work.py``. ``clock`` gives seconds. With ``automatic``
+    off no step passes but those that commands ask for. ``on_exact`` is called, from any thread, when an exact
+    answer has come that the last snapshot lacked, or more of what many seeds say. With ``record`` it begins
+    where that was written.
     """
 
     def __init__(
@@ -76,16 +79,20 @@ class Playback:
         """The runs; none while it is building."""
         self.transport: Transport
         """What moves them on."""
+        self._pins: NamedPins
         self._next = State.PAUSED  # what it does once it has loaded, sought or trained
-        self._steps_to_train = 0
+        self.steps_to_train = 0
+        """How many steps it has to take before anything else."""
         self.compilation = Compilation(automatic=automatic)
         """Whether runs are interpreted still."""
         self.waits = False
         """Whether a seek waits for machine code."""
         self._recipe = recipe
         self._record = record or Record((RunRecord(recipe),), speed=speed)
-        self._automatic = automatic
-        self._clock = clock
+        self.automatic = automatic
+        """Whether steps pass by themselves."""
+        self.clock = clock
+        """What gives seconds."""
         self.questions: Questions = Questions(self._record, on_exact, automatic=automatic)
         """What a person asks beside the runs."""
         self.editor = WorldEditor()
@@ -115,7 +122,7 @@ class Playback:
 
     def takes(self, command: Command) -> bool:
         """Return True if ``command`` need not wait."""
-        if self.state in BUSY or (not self._automatic and self.state in UNFINISHED):
+        if self.state in BUSY or (not self.automatic and self.state in UNFINISHED):
             return False
         if self.state is State.REBUILDING:
             return isinstance(command, WHILE_REBUILDING)
@@ -124,7 +131,21 @@ class Playback:
     @property
     def record(self) -> Record:
         """What is needed to come back to here."""
-        return self._record if self.state is State.BUILDING else record_of(self)
+        if self.state is State.BUILDING:
+            return self._record
+        group, pins = self.group, self._pinned
+        if group.current.seek is not None and pins != NO_PINS:  # it says where that leads
+            shown = group.current.record
+            pins = self._pins.seen_from(group.world_of(shown), pins, shown.recipe)
+        return Record(
+            group.records,
+            group.shown,
+            pins.breakpoints,
+            self.transport.speed,
+            pins.drawn,
+            self.questions.is_hidden,
+            self.questions.lesson,
+        )
 
     @property
     def table(self) -> LearnedTable | None:
@@ -155,6 +176,7 @@ class Playback:
                 self.rest()
             self.end_if_over()
             self.paused_by = str(fault)
+        self.keep_pins()
 
     def work(self) -> float | None:
         """Do what is due, for some milliseconds; return in how many seconds to call again, None for never."""
@@ -163,22 +185,9 @@ class Playback:
             self.changed = True
         if self.compilation.is_being_read and self._takes_all_it_can:
             return LOOK_AGAIN
-        match self.state:
-            case State.BUILDING:
-                self._build()
-            case State.SEEKING:
-                return self._continue_seek()
-            case State.TRAINING:
-                return self._continue_training()
-            case State.REBUILDING:
-                return self._continue_rebuild()
-            case State.UNTIL:
-                self._continue_until()
-            case State.RUNNING if self._automatic:
-                return self._continue_running()
-            case _:
-                return self._stand_still()
-        return 0.0
+        wait = WORK[self.state](self)
+        self.keep_pins()
+        return wait
 
     def snapshot(self) -> Snapshot:
         """Return the newest picture of the run; raises what made an exact answer fail."""
@@ -188,7 +197,7 @@ class Playback:
                 raise RuntimeError("there is no world yet")
             return self._builder.preparing(self._recipe, self._beginning.world, self._record, self.questions)
         has_trail = shows_trail(self.state, self.transport.speed)
-        if has_trail and not self._automatic:
+        if has_trail and not self.automatic:
             self.group.find_trails(math.inf)  # in pieces it would depend on the time
         view, asked = view_of(self), (self.questions, self.editor)
         snapshot = self._builder.build(self.group, view, *asked, has_trail=has_trail)
@@ -214,12 +223,19 @@ class Playback:
         is_running = self.state is State.RUNNING and self.transport.speed is None
         return is_running or self.state in (State.SEEKING, State.TRAINING, State.UNTIL)
 
+    def build(self) -> None:
+        """Build the world; at the next call, what learns in it."""
+        if self._beginning is None:
+            self._beginning = begin(self._recipe)
+        else:
+            self.start(self._record, self._beginning)
+
     def _return(self) -> None:
         """Leave a state that passes, for what was done before it."""
         self.state, self.phase = self._next, PHASES[self._next]
         self.changed = True
 
-    def _go_on(self) -> None:
+    def go_on(self) -> None:
         """Do again what was done before the runs were sought."""
         self._return()
         if self.phase is Phase.RUNNING:
@@ -248,7 +264,7 @@ class Playback:
     def run_until(self, until: Until) -> None:
         """Run as fast as it goes until something happens. Raises UserError where it cannot happen."""
         self.rest()
-        self.condition = StopCondition(until, self.group.current.run, self.answer())
+        self.condition = StopCondition(until, self.group.current.run, self.answer)
         self.watch()
         self.compilation.ask()
         self._enter(State.UNTIL)
@@ -258,16 +274,22 @@ class Playback:
         if self.condition is not None:
             self.rest()
         if steps > 0:
-            self._steps_to_train = steps
+            self.steps_to_train = steps
             self.group.current.watch(None)
             self._enter(State.TRAINING)
             self.changed = False  # no snapshot shows anything before the last of these steps
+
+    def end_training(self) -> None:
+        """Go on with what was done before."""
+        self._return()
+        self.watch()
+        self.stop_if_due()
 
     def seek(self) -> None:
         """Bring all runs to where they have to be: at once as far as no one would notice, then bit by bit."""
         self.transport.start_seek()
         self._enter(State.SEEKING)
-        self._continue_seek()
+        continue_seek(self)
 
     def rebuild(self) -> None:
         """Take no step until the world is there that the editor waits for."""
@@ -291,15 +313,52 @@ class Playback:
         return True
 
     def watch(self) -> None:
-        """Let the run shown stop by itself where it should."""
+        """Let the run shown stop by itself where it should, in the world that it has come to."""
+        run = self.group.current.run
+        if self._pins.edited is not run.edited:
+            self._come_to_world_of(run)
         until = None if self.condition is None else self.condition.until
         self.group.current.watch(watching_for(until, self.breakpoints))
+
+    @property
+    def _pinned(self) -> Pins:
+        """What is pinned where the run shown stands."""
+        return Pins(self.breakpoints, self.questions.drawn)
+
+    def _come_to_world_of(self, run: Run) -> None:
+        pins, questions, condition = self._pins, self.questions, self.condition
+        questions.cell = pins.pair_in(run.edited, questions.cell, run.recipe)
+        awaited = None if condition is None else pins.pair_in(run.edited, condition.pair, run.recipe)
+        self.breakpoints, questions.drawn = pins.come_to(run.edited, self._pinned, run.recipe)
+        if condition is not None and not condition.goes_on_with(awaited):
+            self.rest()
+            self.paused_by = "what it ran until is not in the world any more"
+
+    def keep_pins(self) -> None:
+        """Keep what is pinned with its state and action, where the run shown has come to another world."""
+        if self.state is State.BUILDING or self._pins.edited is self.group.current.run.edited:
+            return
+        if self.state is State.TRAINING:  # it stops nowhere on the way
+            self._come_to_world_of(self.group.current.run)
+        else:
+            self.watch()
 
     def set_breakpoints(self, breakpoints: Breakpoints) -> None:
         """Pause there from now on. Raises UserError where the world has no such state or pair."""
         breakpoints.check(self.group.current.world.space)
         self.breakpoints = breakpoints
         self.watch()
+
+    def _pins_left(self, record: Record) -> NamedPins:
+        """Return the pins of ``record``, which are those of the world in which it was left.
+
+        Raises UserError where that has no such states or pairs.
+        """
+        is_pinned = self._pinned != NO_PINS
+        left = self.group.world_of(record.lanes[record.shown]) if is_pinned else self.group.first
+        record.breakpoints.check(left.world.space)
+        self.questions.fit(left.world.space)
+        return NamedPins(left, self._pinned)
 
     def take_in_change(self) -> None:
         """Take in that an agent has other settings, or that another one is shown."""
@@ -309,103 +368,22 @@ class Playback:
             self._enter(State.PAUSED)  # what was changed may give a planner something to do again
             self.end_if_over()
 
-    # What is done in each state
+    def start(self, record: Record, beginning: Beginning) -> None:
+        """Begin with the runs of ``record`` in the world of ``beginning``, and seek where they were left.
 
-    def _build(self) -> None:
-        """Build the world; at the next call, what learns in it."""
-        if self._beginning is None:
-            self._beginning = begin(self._recipe)
-        else:
-            self._start(self._record, self._beginning)
-        self.changed = True
-
-    def _start(self, record: Record, beginning: Beginning) -> None:
+        Raises UserError where they cannot have been left so.
+        """
         from rl_tui.lab.live.speed.transport import Transport
         from rl_tui.lab.timeline.run_group import RunGroup
 
-        self.group = RunGroup(record.lanes, beginning.world, shown=record.shown, clock=self._clock)
-        self.transport = Transport(
-            self.group, speed=record.speed, automatic=self._automatic, clock=self._clock
-        )
+        self.group = RunGroup(record.lanes, beginning.world, shown=record.shown, clock=self.clock)
+        self.transport = Transport(self.group, speed=record.speed, automatic=self.automatic, clock=self.clock)
         self.condition, self.paused_by = None, ""
         self._enter(State.PAUSED)
         self.compilation.has_changed(self.group)
         self.answer()  # it may take a while, so that it had better begin at once
+        self.breakpoints = record.breakpoints
+        self._pins = self._pins_left(record)
         self.group.resume(record.lanes)
-        self.questions.fit(beginning.world.space)
-        self.set_breakpoints(record.breakpoints)
+        self.watch()
         self.seek()
-
-    def restart(self, recipe: Recipe) -> None:
-        """Start again from ``recipe``, paused. Raises UserError where its world cannot be built."""
-        group, old = self.group, self.group.current
-        self.editor.forget()
-        beginning = begin(recipe, old.world if recipe.scenario == old.recipe.scenario else None)
-        if beginning.world is not old.world:
-            self.breakpoints = Breakpoints()
-            self.questions.change_world(old.recipe, recipe)
-        self._recipe = recipe
-        lanes = group.restarted(recipe)
-        self._start(Record(lanes, group.shown, self.breakpoints, self.transport.speed), beginning)
-
-    def _continue_seek(self) -> float:
-        self.waits = self.compilation.waits(self.transport.steps_to_seek)
-        if not self.waits and self.transport.continue_seek(AT_ONCE):
-            self._go_on()
-        elif self.transport.has_news():
-            self.changed = True
-        return LOOK_AGAIN if self.waits else 0.0
-
-    def _continue_rebuild(self) -> float:
-        if make_changes_that_waited(self):
-            return LOOK_AGAIN
-        if self.group.seeking:
-            self.seek()
-        else:
-            self._go_on()
-        return 0.0
-
-    def _continue_training(self) -> float:
-        if self.compilation.waits(self._steps_to_train):
-            return LOOK_AGAIN
-        self._steps_to_train -= self.transport.take_steps(self._steps_to_train)
-        if self._steps_to_train == 0 or self.group.current.run.over:
-            self._return()
-            self.watch()
-            self.stop_if_due()
-        return 0.0
-
-    def _continue_until(self) -> None:
-        """Go on until what is waited for has happened, or some milliseconds are over."""
-        condition, until, run = self.condition, self._clock() + CHUNK, self.group.current.run
-        while condition is not None and self.condition is condition:
-            before = run.step
-            steps = min(condition.stride or condition.steps, condition.steps - before)
-            self.transport.take_steps(steps, condition.episodes - run.learner.episodes)
-            self.changed = True
-            self.stop_if_due()
-            if run.step > before and condition.is_over(run) and not run.over:
-                self.rest()
-                if condition.until.event is not Event.EPISODE_END:
-                    self.paused_by = until_in_words(condition.until, run.world)
-            if self._clock() >= until:
-                return
-
-    def _stand_still(self) -> float | None:
-        """Find out for some milliseconds how the episodes under way went, then what was asked beside."""
-        if not self._automatic:
-            return None
-        had_news = not self.group.trails_are_whole
-        if had_news:
-            self.group.find_trails(CHUNK)
-        goes_on = not self.group.trails_are_whole or self.questions.work(self.group)
-        self.changed = self.changed or had_news or goes_on
-        return 0.0 if goes_on else None
-
-    def _continue_running(self) -> float:
-        run, before = self.group.current.run, self.group.current.run.step
-        wait = self.transport.keep_pace()
-        if run.step > before or run.over:
-            self.changed = True
-            self.stop_if_due()
-        return wait

@@ -69,8 +69,9 @@ class Questions:
         self.drawn = self.drawn.with_action(state, action)
 
     def fit(self, space: FiniteSpace) -> None:
-        """Keep of the drawn policy what can be done in ``space``."""
+        """Keep what there may be in ``space`` of the drawn policy and the cell."""
         self.drawn = self.drawn.fitting(space)
+        self.cell = self.cell if self.cell is not None and self.cell < space.pairs else None
 
     def change_world(self, before: Recipe, now: Recipe) -> None:
         """Hide the answer again; forget the drawn policy, unless the same world came of the same seed."""

@@ -10,7 +10,6 @@ from rl_tui.lab.live.until import Breakpoints
 
 if TYPE_CHECKING:
     from rl_tui.lab.lessons.record import LessonRecord
-    from rl_tui.lab.live.playback import Playback
     from rl_tui.lab.run.run import Run
     from rl_tui.lab.timeline.branches import RunRecord
     from rl_tui.worlds.mdp.space import FloatArray, IntArray
@@ -51,20 +50,6 @@ class Record:
     table: LearnedTable | None = field(default=None, compare=False)
     """What the run shown had learned where it was left, None where that is not known. It is shown until the
     run is there again; nothing is learned from it, and it need not fit the world."""
-
-
-def record_of(playback: Playback) -> Record:
-    """Return what is needed to come back to where ``playback``, which has runs already, is."""
-    questions = playback.questions
-    return Record(
-        playback.group.records,
-        playback.group.shown,
-        playback.breakpoints,
-        playback.transport.speed,
-        questions.drawn,
-        questions.is_hidden,
-        questions.lesson,
-    )
 
 
 def table_of(run: Run) -> LearnedTable:

@@ -10,9 +10,9 @@ import numpy as np
 
 from rl_tui.agents.catalogue import Algorithm, algorithm_row
 from rl_tui.lab.answers.view import AnswersView
+from rl_tui.lab.live.editing.world_editor import EditorView
 from rl_tui.lab.live.state import ENDED, State
 from rl_tui.lab.live.until import Breakpoints
-from rl_tui.lab.live.world_editor import EditorView
 from rl_tui.lab.timeline.branches import Timeline
 from rl_tui.lab.timeline.lane_view import RunGroupView
 

@@ -26,9 +26,9 @@ from rl_tui.worlds.mdp.space import IntArray
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
+    from rl_tui.lab.live.editing.world_editor import WorldEditor
     from rl_tui.lab.live.playback import Playback
     from rl_tui.lab.live.questions import Questions
-    from rl_tui.lab.live.world_editor import WorldEditor
     from rl_tui.lab.run.run import Run
     from rl_tui.lab.timeline.branching_run import BranchingRun
     from rl_tui.lab.timeline.run_group import RunGroup
@@ -190,15 +190,14 @@ def as_left(snapshot: Snapshot, record: Record) -> Snapshot:
     """Return ``snapshot`` with what its run had learned where ``record`` was left.
 
     What the run has achieved is left out: it is not known before the replay is done. ``snapshot`` is returned
-    as it is where the table is not known or does not fit the world, and of a bandit, since panels tell what
-    its pulls have won.
+    as it is where the table is not known or is of another world, and of a bandit, since panels tell what its
+    pulls have won.
     """
-    table, space = record.table, snapshot.world.space
-    if table is None or snapshot.results.bandit is not None:
+    table, space, lane = record.table, snapshot.world.space, record.lanes[record.shown]
+    if table is None or snapshot.results.bandit is not None or lane.world_changes:
         return snapshot
     if len(table.q) != space.pairs or table.state >= space.states:
         return snapshot
-    lane = record.lanes[record.shown]
     journal = lane.branches[lane.branch].journal
     settings = [e.change for e in journal if e.step <= lane.step and isinstance(e.change, Setting)]
     now = changed_recipe(lane.recipe, *settings)

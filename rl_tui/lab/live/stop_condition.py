@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -10,7 +11,6 @@ import numpy as np
 from rl_tui.agents.kernels.watching import Watching
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.until import Breakpoints, Event, Until
-from rl_tui.lab.run.exact_answers import exact_now
 from rl_tui.lab.run.recipe import UNLIMITED
 from rl_tui.worlds.drawing import Arms
 
@@ -40,14 +40,15 @@ def watching_for(until: Until | None, breakpoints: Breakpoints) -> Watching | No
 class StopCondition:
     """Waits for ``until`` in ``run``, which stands where the waiting begins.
 
-    Raises UserError where it cannot happen: it lies behind, the pair or the exact answer is not there.
+    ``exact_answer`` is asked for that of the run as it is. Raises UserError where it cannot happen: it lies
+    behind, the pair or the exact answer is not there.
     """
 
-    def __init__(self, until: Until, run: Run, answer: Answer) -> None:
+    def __init__(self, until: Until, run: Run, exact_answer: Callable[[], Answer]) -> None:
         self.until = until
         self.stride: int | None = None
         """After how many steps to look, None where the learner itself stops for what is waited for."""
-        self._optimum = answer.solution
+        self._exact_answer = exact_answer
         self.steps, self.episodes = UNLIMITED, UNLIMITED
         """After how many steps or episodes, counted from the start of the run, it is over."""
         match until.event:
@@ -67,6 +68,7 @@ class StopCondition:
                 if not 0 <= until.pair < run.world.space.pairs:
                     raise UserError(f"there is no pair {until.pair} here")
             case Event.OPTIMAL:
+                answer = exact_answer()
                 if answer.refused:
                     raise UserError(f"no policy can be told to be optimal: {answer.refused}")
                 if answer.solution is None:
@@ -90,10 +92,21 @@ class StopCondition:
                 return learner.noticed.cell
         return (learner.noticed.policy or self.stride is not None) and self._is_optimal(run)
 
+    @property
+    def pair(self) -> int | None:
+        """The pair whose estimate it waits for, None where it waits for something else."""
+        return self.until.pair if self.until.event is Event.VALUE else None
+
+    def goes_on_with(self, pair: int | None) -> bool:
+        """Wait for ``pair`` in another world, where it waits for one; return False where it is gone."""
+        if self.pair is None:
+            return True
+        if pair is not None:
+            self.until = replace(self.until, pair=pair)
+        return pair is not None
+
     def _is_optimal(self, run: Run) -> bool:
-        learner, optimum = run.learner, self._optimum
-        if learner.drifted:
-            optimum = exact_now(learner.mdp, learner.hyperparameters.gamma).solution
+        learner, optimum = run.learner, self._exact_answer().solution
         if learner.mdp is None or optimum is None:
             return False
         return is_optimal(learner.mdp, learner.q, learner.hyperparameters.ties, optimum)

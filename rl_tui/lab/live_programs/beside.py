@@ -11,6 +11,7 @@ from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.common.errors import UserError
+from rl_tui.lab.run.edited_world import EditedWorld
 from rl_tui.lab.run.recipe import Recipe, SetParameter, Setting, changed_recipe
 from rl_tui.lab.timeline.branches import RunRecord
 from rl_tui.lab.timeline.branching_run import BranchingRun
@@ -46,7 +47,7 @@ class RunsBeside:
             raise UserError("only your program can make this environment: ours cannot learn in it")
         recipe = changed_recipe(recipe, *changes)
         check_compatible(self.world.space, recipe.algorithm, recipe.hyperparameters)
-        self.runs.append(BranchingRun(RunRecord(recipe), self.world, time.perf_counter))
+        self.runs.append(BranchingRun(RunRecord(recipe), EditedWorld(self.world), time.perf_counter))
         self.names.append(_name(recipe, changes))
         self.marked = len(self.runs) - 1
 

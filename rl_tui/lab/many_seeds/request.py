@@ -11,7 +11,7 @@ from rl_tui.common.kiosk import in_kiosk
 from rl_tui.common.words import counted
 from rl_tui.lab.many_seeds.figures import SeedStudy, StudyState
 from rl_tui.lab.run.library import MOST_EPISODES, episodes_of
-from rl_tui.lab.run.recipe import JournalEntry, Recipe, SwitchAlgorithm, TakeAction
+from rl_tui.lab.run.recipe import JournalEntry, Recipe, SwitchAlgorithm, TakeAction, WorldChange
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.gym.modules import ALLOWED
 
@@ -137,7 +137,7 @@ def _length(group: RunGroup, lanes: tuple[StudiedRun, ...]) -> tuple[int | None,
     is_changed = any(0 < entry.step <= step for lane in lanes for entry in _settings_only(lane).journal)
     # the pulls of a bandit are its episodes
     if step and (plans or (is_changed and not isinstance(world.drawing, Arms))):
-        why = "a planner's backups are steps, not episodes" if plans else "settings were changed on the way"
+        why = "a planner's backups are steps, not episodes" if plans else f"{_changed(lanes)} on the way"
         steps = min(step, MOST_STEPS)
         further = ", though this run is further" if step > steps else ""
         return None, steps, f"{why}: each seed ends after {counted(steps, 'step')}{further}"
@@ -149,6 +149,11 @@ def _length(group: RunGroup, lanes: tuple[StudiedRun, ...]) -> tuple[int | None,
         who = "the run" if len(runs) == 1 else "a lane"
         return usual, None, f"the usual {counted(usual, 'episode')}: {who} has none yet"
     return finished, None, ""
+
+
+def _changed(lanes: tuple[StudiedRun, ...]) -> str:
+    is_edited = any(isinstance(entry.change, WorldChange) for lane in lanes for entry in lane.journal)
+    return "the world was changed" if is_edited else "settings were changed"
 
 
 def _settings_only(lane: StudiedRun) -> StudiedRun:

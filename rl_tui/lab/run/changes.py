@@ -63,8 +63,8 @@ def read_change(text: str) -> ChangeText:
         raise ValueError(f"{shown(text)}: every estimate starts from {name}; it cannot change on the way")
     if name not in _NAMES:
         raise ValueError(
-            f"{shown(text)}: expected the name of a hyper-parameter, {ALGORITHM}, {TAKE} or {SWEEP}"
-            f"{near(name, _NAMES)}"
+            f"{shown(text)}: expected the name of a hyper-parameter, {ALGORITHM}, {TAKE}, {SWEEP}, or a "
+            f"change of the world such as world.cell[1,2]=#{near(name, _NAMES)}"
         )
     return ChangeText(step, name, value if name == TAKE else _value(text, name, value.strip()))
 
@@ -85,9 +85,12 @@ def _world_change(text: str, written: str) -> str:
 
 def read_world(text: str) -> WorldChange:
     """Return the change of a world that ``text`` says; raises ValueError where it says none."""
-    if text in (f"{UNDO}=1", f"{REDO}=1"):
-        return UndoEdit() if text.startswith(UNDO) else RedoEdit()
-    return EditWorld(read_edits(text))
+    name, _, value = text.partition("=")
+    if name not in (UNDO, REDO):
+        return EditWorld(read_edits(text))
+    if value != "1":
+        raise ValueError(f"{name} is {shown(value)}; expected {name}=1, one at a time")
+    return UndoEdit() if name == UNDO else RedoEdit()
 
 
 def written_world(change: WorldChange) -> str:

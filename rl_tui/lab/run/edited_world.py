@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
+from weakref import WeakValueDictionary
 
 from rl_tui.common.errors import UserError
+from rl_tui.common.limits import LONGEST_EDIT
 from rl_tui.lab.run.recipe import EditWorld, Recipe, RedoEdit, UndoEdit, WorldChange
 from rl_tui.worlds.editing.carried import Carried, carried
 from rl_tui.worlds.editing.draft import Draft
 from rl_tui.worlds.editing.drafts import first_draft
-from rl_tui.worlds.editing.edit import Edit
+from rl_tui.worlds.editing.edit import Edit, written_edits
 from rl_tui.worlds.world import World
 
 
@@ -33,22 +35,31 @@ class Drawn(NamedTuple):
 
     def after(self, change: WorldChange) -> Drawn:
         """Return what is drawn after ``change``. Raises UserError where it cannot be done."""
+        draft, undone, done = self
         match change:
             case EditWorld(edits):
-                return Drawn(edited_draft(self.draft, edits), done=Drafts(self.draft, self.done))
+                if len(written_edits(edits)) > LONGEST_EDIT:
+                    raise UserError(
+                        "this is too much for one stroke, as sessions keep them: draw it in parts"
+                    )
+                return Drawn(edited_draft(draft, edits), None, Drafts(draft, done))
             case UndoEdit():
-                if self.done is None:
+                if done is None:
                     raise UserError("there is no edit of the world to undo")
-                return Drawn(self.done.draft, Drafts(self.draft, self.undone), self.done.further)
+                return Drawn(done.draft, Drafts(draft, undone), done.further)
             case RedoEdit():
-                if self.undone is None:
+                if undone is None:
                     raise UserError("there is no edit of the world to redo")
-                return Drawn(self.undone.draft, self.undone.further, Drafts(self.draft, self.done))
+                return Drawn(undone.draft, undone.further, Drafts(draft, done))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class EditedWorld:
-    """A world, and what edits have made of it; it never changes, and checkpoints share it."""
+    """A world, and what edits have made of it; it never changes, and checkpoints share it.
+
+    The same change comes to the same object, as long as anything holds that: a run that goes back and comes
+    by again, or a run beside it, has the same world once more, and nothing is built or solved anew.
+    """
 
     world: World
     """The world in force."""
@@ -58,8 +69,11 @@ class EditedWorld:
     """What :class:`RedoEdit` comes back to."""
     done: Drafts | None = None
     """What :class:`UndoEdit` comes back to."""
-    _first: Draft | None = field(default=None, init=False)
+    _first: Draft | None = field(default=None, init=False, repr=False)
     """The draft of the scenario, once somebody has asked for it."""
+    _next: WeakValueDictionary[WorldChange, EditedWorld] = field(
+        default_factory=WeakValueDictionary, init=False, repr=False
+    )
 
     def draft_in(self, recipe: Recipe) -> Draft:
         """Return its draft, the first one where nothing was edited. Raises UserError where there is none."""
@@ -79,6 +93,19 @@ class EditedWorld:
 
         Raises UserError where it cannot be done, or does not come to a valid MDP.
         """
+        known = self._next.get(change)
+        if known is None:
+            known = self._next[change] = self._made_by(change, recipe)
+        return known
+
+    def after_all(self, changes: Iterable[WorldChange], recipe: Recipe) -> EditedWorld:
+        """Return what comes of all ``changes``, one after the other. Raises UserError like :meth:`after`."""
+        edited = self
+        for change in changes:
+            edited = edited.after(change, recipe)
+        return edited
+
+    def _made_by(self, change: WorldChange, recipe: Recipe) -> EditedWorld:
         drawn = self.drawn_in(recipe).after(change)
         return EditedWorld(drawn.draft.build(), *drawn)
 
@@ -103,6 +130,20 @@ def next_world(before: EditedWorld, change: WorldChange, recipe: Recipe) -> Next
     """
     edited = before.after(change, recipe)
     return NextWorld(before, change, edited, edited.carried_from(before, recipe))
+
+
+def drawn_recipe(recipe: Recipe, changes: Sequence[WorldChange]) -> Recipe:
+    """Return ``recipe`` with the world that ``changes`` make of its own; itself where there are none.
+
+    Raises UserError where they cannot be made.
+    """
+    if not changes:
+        return recipe
+    drawn = Drawn(first_draft(recipe.scenario, recipe.seed))
+    for change in changes:
+        drawn = drawn.after(change)
+    section, kind = drawn.draft.section, drawn.draft.kind
+    return replace(recipe, scenario=replace(recipe.scenario, section=section, kind=kind))
 
 
 def edited_draft(draft: Draft, edits: Sequence[Edit]) -> Draft:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections import OrderedDict
+from collections import OrderedDict, deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -18,8 +18,7 @@ AT_ONCE_STATES: Final = 200
 LONGEST_AT_ONCE: Final = 1_000
 LIVE_STATES: Final = 20_000
 KEPT: Final = 64
-# Two runs in view may be in two worlds
-MOST_WORLDS: Final = 2
+_MOST_WORLDS: Final = 4  # as many as runs side by side may be in
 # An evaluation within a time limit visits every outcome once for every step of it, some 10⁹ a second. One
 # that costs more than this is left out of snapshots, which must not wait.
 DEAREST_LIVE: Final = 2_000_000
@@ -138,11 +137,14 @@ class ExactAnswers:
 
 
 class RunAnswers:
-    """The exact answers of runs in a few worlds at a time; ``on_ready`` as for :class:`ExactAnswers`."""
+    """The exact answers of runs in the worlds asked for last; ``on_ready`` as for :class:`ExactAnswers`.
+
+    Runs side by side may each be in a world of its own.
+    """
 
     def __init__(self, on_ready: Callable[[], None]) -> None:
         self._on_ready = on_ready
-        self._of_worlds: list[ExactAnswers] = []  # the one that was asked for last comes last
+        self._of_worlds: deque[ExactAnswers] = deque(maxlen=_MOST_WORLDS)
 
     def of(self, run: Run) -> Answer:
         """Return the exact answer for the γ in force in ``run``, as far as it is known."""
@@ -157,7 +159,8 @@ class RunAnswers:
         known = next((each for each in self._of_worlds if each.mdp is mdp), None)
         if known is None:
             known = ExactAnswers(mdp, self._on_ready, at_once_states=AT_ONCE_STATES)
-        if mdp is None or mdp.states <= LIVE_STATES:  # a larger one is not to stay in memory for a refusal
-            others = [each for each in self._of_worlds if each is not known]
-            self._of_worlds = [*others[1 - MOST_WORLDS :], known]
+        else:
+            self._of_worlds.remove(known)
+        if mdp is None or mdp.states <= LIVE_STATES:  # of a larger one nothing is known, and it takes memory
+            self._of_worlds.appendleft(known)
         return known.answer(gamma)

@@ -21,6 +21,7 @@ from rl_tui.lab.run.recipe import Recipe
 from rl_tui.worlds.mdp.digest import table_digest
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.run import Run
@@ -115,7 +116,7 @@ def training_figures(run: Run, seconds: float) -> dict[str, Any]:
             "steps_per_second": run.step / seconds if seconds > 0.0 else None,
             "states": list(space.state_names),
             "actions": list(space.action_names),
-            "world": world_digest(run),
+            "world": world_digest(run.world),
             "q": table(space, learner.q),
             "visits": table(space, learner.visits),
             "policy": policy_names(space, greedy_policy(space, learner.q, "random")),
@@ -134,10 +135,9 @@ def training_figures(run: Run, seconds: float) -> dict[str, Any]:
     return document
 
 
-def world_digest(run: Run) -> str | None:
-    """Return the fingerprint of the table that ``run`` ends in; None where there is no table."""
-    mdp = run.world.mdp
-    return None if mdp is None else table_digest(mdp)
+def world_digest(world: World) -> str | None:
+    """Return the fingerprint of the table of ``world``; None where there is no table."""
+    return None if world.mdp is None else table_digest(world.mdp)
 
 
 def solution_figures(recipe: Recipe, mdp: TabularMDP, solution: Solution) -> dict[str, Any]:

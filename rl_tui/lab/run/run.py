@@ -77,10 +77,11 @@ class WorldChanged(NamedTuple):
 class Run:
     """What one recipe and its journal come to, step by step: the same bits however the steps are chunked.
 
-    ``beginning`` is what :func:`begin` made of the recipe, if it is at hand. ``evaluate`` takes marks, which
-    never influence learning. ``episode_limit`` ends the run after so many episodes of an agent.
-    ``on_episodes`` is called with the returns and lengths of finished episodes and whether each took the best
-    arm of a bandit, [n] each, in order and each once.
+    ``beginning`` is what :func:`begin` made of the recipe, if it is at hand; ``edited`` is its world, where
+    it shares with other runs what is edited in it. ``evaluate`` takes marks, which never influence learning.
+    ``episode_limit`` ends the run after so many episodes of an agent. ``on_episodes`` is called with
+    the returns and lengths of finished episodes and whether each took the best arm of a bandit, [n] each, in
+    order and each once.
     """
 
     def __init__(
@@ -88,6 +89,7 @@ class Run:
         recipe: Recipe,
         beginning: Beginning | None = None,
         *,
+        edited: EditedWorld | None = None,
         evaluate: bool = True,
         episode_limit: int | None = None,
         on_episodes: OnEpisodes | None = None,
@@ -95,7 +97,7 @@ class Run:
         self.recipe = recipe
         """What the run was made from."""
         world, drawn = beginning or begin(recipe)
-        self.edited = EditedWorld(world)
+        self.edited = edited or EditedWorld(world)
         """The world in force, and what was edited in it."""
         self.ready: NextWorld | None = None
         """What the next change of the world comes to, if that was worked out before it is made."""

@@ -128,7 +128,7 @@ def _change(entry: Entry, place: str) -> Change:
             return read_world(entry.world)
         except ValueError as fault:
             raise UserError(f"{place}.world: {fault}") from fault
-    return TakeAction(entry.take or 0)
+    return TakeAction(0 if entry.take is None else entry.take)
 
 
 def _check_algorithm(algorithm: str, place: str) -> None:

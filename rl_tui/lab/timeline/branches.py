@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from rl_tui.lab.run.recipe import JournalEntry, Recipe
+from rl_tui.lab.run.recipe import JournalEntry, Recipe, WorldChange
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +45,12 @@ class RunRecord:
     def step(self) -> int:
         """Where the run stands."""
         return self.branches[self.branch].here
+
+    @property
+    def world_changes(self) -> list[WorldChange]:
+        """What made the world what it is where the run stands."""
+        changes = (entry.change for entry in self.branches[self.branch].journal if entry.step <= self.step)
+        return [change for change in changes if isinstance(change, WorldChange)]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,6 +9,7 @@ from typing import Final
 
 from rl_tui.agents.kernels.watching import Watching
 from rl_tui.common.errors import UserError
+from rl_tui.lab.run.edited_world import EditedWorld
 from rl_tui.lab.run.recipe import (
     UNLIMITED,
     Beginning,
@@ -55,7 +56,7 @@ class KeptBranch:
 class BranchingRun:
     """One recipe's run, every branch of it, and the way back.
 
-    It begins at the seed, on the branch that ``record`` has in force.
+    It begins at the seed, in the world ``first``, on the branch that ``record`` has in force.
 
     It advances along the journal of the branch in force; a change where the run has been further begins a new
     branch. :meth:`seek_to` begins to seek another step or episode, and :meth:`continue_seek` goes on with
@@ -65,16 +66,16 @@ class BranchingRun:
     """
 
     def __init__(
-        self, record: RunRecord, world: World, clock: Callable[[], float] = time.perf_counter
+        self, record: RunRecord, first: EditedWorld, clock: Callable[[], float] = time.perf_counter
     ) -> None:
         self.recipe = record.recipe
         """What the run was made from."""
-        self._first_world = world
+        self._first = first
         self.run = self._run_from_seed()
         """The run as it stands."""
         self.seek: Seek | None = None
         """The way to another step or episode, None where the run is where it has to be."""
-        pairs = world.space.pairs
+        pairs = first.world.space.pairs
         self._branches = [KeptBranch(each, Checkpoints(), TableSamples(pairs)) for each in record.branches]
         self._number = record.branch
         self.kept = self._branches[self._number]
@@ -87,6 +88,7 @@ class BranchingRun:
         self._recorder = TrailRecorder()
         self._replay: TrailReplay | None = None
         self._watching: Watching | None = None
+        self._watched_in = first
 
     @property
     def world(self) -> World:
@@ -116,8 +118,8 @@ class BranchingRun:
         return RunRecord(self.recipe, timeline.branches, timeline.branch)
 
     def watch(self, watching: Watching | None) -> None:
-        """Let :meth:`advance` stop right after what is watched for."""
-        self._watching = watching
+        """Let :meth:`advance` stop right after what is watched for, until a seek comes to another world."""
+        self._watching, self._watched_in = watching, self.run.edited
         self.run.learner.watch(watching)
 
     def advance(self, steps: int = UNLIMITED, episodes: int = UNLIMITED) -> None:
@@ -236,6 +238,8 @@ class BranchingRun:
     def stop_seek(self) -> None:
         """Seek no further; the run stays where it stands."""
         self.seek = None
+        if self._watched_in is not self.run.edited:
+            self._watching = None  # other states and pairs have its numbers here
         self.run.learner.watch(self._watching)
 
     @property
@@ -277,16 +281,16 @@ class BranchingRun:
         return self.kept.samples.history(pair, self.run.step, self.run.learner.q, self._since)
 
     @property
-    def _since(self) -> int:
-        """After how many steps the world became what it is."""
+    def _since(self) -> int | None:
+        """After how many steps the world became what it is; None where it was never another one."""
         changes = self.run.world_changes
-        return changes[-1].step if changes else 0
+        return changes[-1].step if changes else None
 
     def _run_from_seed(self) -> Run:
         # whatever the seed shapes is drawn again, but the same world need not be known twice
-        first = self._first_world
-        beginning = Beginning(first, begin(self.recipe, first).streams)
-        run = Run(self.recipe, beginning, episode_limit=first.budget)
+        world = self._first.world
+        beginning = Beginning(world, begin(self.recipe, world).streams)
+        run = Run(self.recipe, beginning, edited=self._first, episode_limit=world.budget)
         run.advance(steps=0)  # the mark of the beginning is taken before anything is shown
         return run
 

@@ -57,11 +57,13 @@ class Checkpoints:
     def add(self, state: RunState) -> None:
         """Keep ``state``; some others may go for it."""
         insort(self._states, state, key=_step)
-        room = max(_LEAST, min(MOST, limits().checkpoints // max(1, state.nbytes)))
-        while len(self._states) > room or (
-            len(self._states) > _LEAST and self._nbytes_of_worlds > limits().checkpoints
-        ):
+        while len(self._states) > self._room(state.nbytes):
             self._drop_next()
+
+    def _room(self, nbytes: int) -> int:
+        """Return how many states there may be of so many bytes each, besides the worlds that they share."""
+        left = limits().checkpoints - self._nbytes_of_worlds
+        return max(_LEAST, min(MOST, left // max(1, nbytes)))
 
     def _drop_next(self) -> None:
         """Drop the next of every other state; where all have been passed, begin again at the first."""

@@ -13,6 +13,7 @@ import numpy as np
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.common.errors import UserError
+from rl_tui.lab.run.edited_world import EditedWorld
 from rl_tui.lab.run.large_worlds import is_large
 from rl_tui.lab.run.recipe import (
     UNLIMITED,
@@ -23,10 +24,11 @@ from rl_tui.lab.run.recipe import (
     SetParameter,
     Setting,
     SwitchAlgorithm,
+    WorldChange,
     changed_recipe,
 )
 from rl_tui.lab.run.run import Run
-from rl_tui.lab.timeline.branches import Branch, RunRecord
+from rl_tui.lab.timeline.branches import FIRST, Branch, RunRecord
 from rl_tui.lab.timeline.branching_run import BranchingRun
 from rl_tui.lab.timeline.lane_names import LanePast, lane_names
 from rl_tui.lab.timeline.lane_view import LaneView, RunGroupView
@@ -57,7 +59,8 @@ class RunGroup:
         """The step at which all are to stand."""
         self._beside: BranchingRun | None = None
         self._resumes = False
-        self._world = world
+        self.first = EditedWorld(world)
+        """The world that all of them began in."""
         self._unit = "pull" if isinstance(world.drawing, Arms) else "step"
         self._pasts: list[LanePast] = []
         self._names: list[str] = []
@@ -139,11 +142,24 @@ class RunGroup:
         self.step = max(record.step for record in records)
         self._lead_if_there()
 
-    def restarted(self, recipe: Recipe) -> tuple[RunRecord, ...]:
-        """Return runs that begin again: the one shown with ``recipe``, the others as they are now."""
+    def restarted(self, recipe: Recipe, *, keeps_edits: bool) -> tuple[RunRecord, ...]:
+        """Return runs that begin again: the one shown with ``recipe``, the others as they are now.
+
+        Where it ``keeps_edits``, each begins in its world as it is now: what was edited on the way comes at
+        the start.
+        """
         recipes = [replace(_recipe_now(each), seed=recipe.seed) for each in self._runs]
         recipes[self.shown] = recipe
-        return tuple(RunRecord(each) for each in recipes)
+        edits = [each.record.world_changes if keeps_edits else [] for each in self._runs]
+        journals = [tuple(JournalEntry(0, change) for change in changes) for changes in edits]
+        return tuple(
+            RunRecord(each, (replace(FIRST, journal=journal),))
+            for each, journal in zip(recipes, journals, strict=True)
+        )
+
+    def world_of(self, record: RunRecord) -> EditedWorld:
+        """Return the world in which the run of ``record``, one of these, was left."""
+        return self.first.after_all(record.world_changes, record.recipe)
 
     def seek_to(
         self, *, step: int | None = None, episode: int | None = None, branch: int | None = None
@@ -212,16 +228,17 @@ class RunGroup:
     def add(self, changes: Sequence[Setting]) -> None:
         """Add a run that differs from the one shown by ``changes``, from the start.
 
-        It keeps what was changed on the way, but for what differs, and but for steps taken by a person; with
-        another algorithm also but for sweeps that were ordered. Raises UserError where there is no room for
-        another, or it cannot work.
+        It keeps what was changed on the way, the world too, but for what differs, and but for steps taken by
+        a person; with another algorithm also but for sweeps that were ordered. Raises UserError where there
+        is no room for another, or it cannot work.
         """
         self._check_room()
         model, step = self.current, self.step
         recipe = changed_recipe(model.recipe, *changes)
         left_out = {"", *(_subject(change) for change in changes)}
         journal = tuple(entry for entry in model.run.journal if _subject(entry.change) not in left_out)
-        _check(self._world, recipe, journal)
+        for world in (self.first.world, model.world):
+            _check(world, recipe, journal)
         added = self._new_run(RunRecord(recipe, (Branch("branch 1", journal, end=step),)))
         self._let_catch_up(added)
 
@@ -299,18 +316,20 @@ class RunGroup:
         return lane.seek is not None or lane.step > self.step or (lane.step < self.step and not lane.run.over)
 
     def _new_run(self, record: RunRecord) -> BranchingRun:
-        return BranchingRun(record, self._world, self._clock)
+        return BranchingRun(record, self.first, self._clock)
 
 
 def _subject(change: Change) -> str:
     """Return what ``change`` is about, empty for a step taken by a person."""
     if isinstance(change, SetParameter):
         return change.name
+    if isinstance(change, WorldChange):
+        return "world"
     return "algorithm" if isinstance(change, SwitchAlgorithm | OrderSweep) else ""
 
 
 def _check(world: World, recipe: Recipe, journal: Sequence[JournalEntry]) -> None:
-    """Raise UserError where the recipe, or what its journal makes of it, cannot work in ``world``."""
+    """Raise UserError where the recipe, or what its journal sets in it, cannot work in ``world``."""
     check_compatible(world.space, recipe.algorithm, recipe.hyperparameters)
     for entry in journal:
         if isinstance(entry.change, Setting):

@@ -68,12 +68,12 @@ class TableSamples:
         shared.next_step = len(shared._tables) * shared._spacing if shared._most else None
         return shared
 
-    def history(self, pair: int, step: int, q: FloatArray, since: int = 0) -> CellHistory:
+    def history(self, pair: int, step: int, q: FloatArray, since: int | None = None) -> CellHistory:
         """Return how the estimate of ``pair`` went up to ``step``, after which the table is ``q``, [P].
 
-        Tables up to ``since`` are those of another world; at 0 none is.
+        Tables up to the step ``since`` are those of another world; None: none is.
         """
-        first = since // self._spacing + 1 if since else 0
+        first = 0 if since is None else since // self._spacing + 1
         count = min(len(self._tables), -(-step // self._spacing))
         steps = [*(each * self._spacing for each in range(first, count)), step]
         values = [*(table[pair] for table in self._tables[first:count]), q[pair]]

@@ -12,7 +12,7 @@ from rl_tui.common.limits import MOST_ARMS
 from rl_tui.common.streams import streams
 from rl_tui.worlds.editing.draft import Draft
 from rl_tui.worlds.editing.edit import Edit
-from rl_tui.worlds.editing.values import lines_added, number_in, place_in
+from rl_tui.worlds.editing.values import lines_added, number_in, place_in, rule_number
 from rl_tui.worlds.files.toml_file import tables_in
 from rl_tui.worlds.sections.bandit_section import BERNOULLI, BanditSection
 
@@ -97,7 +97,7 @@ def _add(draft: ArmsDraft, edit: Edit) -> ArmsDraft:
 
 
 def _set_rule(draft: ArmsDraft, edit: Edit) -> ArmsDraft:
-    return replace(draft, rules={**draft.rules, edit.name: number_in(edit)})
+    return replace(draft, rules={**draft.rules, edit.name: rule_number(edit)})
 
 
 _EDITS: Final[Mapping[str, Callable[[ArmsDraft, Edit], ArmsDraft]]] = {

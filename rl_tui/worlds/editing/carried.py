@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Collection, Hashable, Sequence
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
@@ -21,6 +21,14 @@ class Carried(NamedTuple):
 
     states: IntArray
     pairs: IntArray
+
+    def states_now(self, before: Collection[int]) -> frozenset[int]:
+        """Return the numbers that these states of the world ``before`` have now; some may be gone."""
+        return frozenset(np.flatnonzero(np.isin(self.states, list(before))).tolist())
+
+    def pairs_now(self, before: Collection[int]) -> frozenset[int]:
+        """Return the numbers that these pairs of the world ``before`` have now; some may be gone."""
+        return frozenset(np.flatnonzero(np.isin(self.pairs, list(before))).tolist())
 
 
 class Keyed(NamedTuple):

@@ -11,7 +11,7 @@ from rl_tui.common.findings import near, shown
 from rl_tui.common.limits import LARGEST_PLACE, MOST_ACTIONS_WRITTEN, MOST_STATES_WRITTEN, MOST_TRANSITIONS
 from rl_tui.worlds.editing.draft import Draft
 from rl_tui.worlds.editing.edit import Edit, as_json
-from rl_tui.worlds.editing.values import plain_value
+from rl_tui.worlds.editing.values import plain_value, rule_value
 from rl_tui.worlds.files.toml_file import tables_in
 from rl_tui.worlds.sections.mdp_section import MDPSection
 
@@ -48,7 +48,7 @@ class GraphDraft(Draft):
     def edited(self, edit: Edit) -> GraphDraft:
         """Return what comes of ``edit``; raises UserError where nothing can."""
         if edit.name in RULES:
-            return replace(self, rules={**self.rules, edit.name: plain_value(edit)})
+            return replace(self, rules={**self.rules, edit.name: rule_value(edit)})
         make = _EDITS.get(edit.name)
         if make is None:
             known = (*_EDITS, *RULES)

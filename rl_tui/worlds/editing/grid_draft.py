@@ -14,7 +14,7 @@ from rl_tui.common.streams import streams
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.editing.draft import Draft
 from rl_tui.worlds.editing.edit import Edit
-from rl_tui.worlds.editing.values import lines_added, number_in, place_in, places_in, plain_value
+from rl_tui.worlds.editing.values import lines_added, number_in, place_in, places_in, plain_value, rule_value
 from rl_tui.worlds.files.toml_file import tables_in
 from rl_tui.worlds.grid.legend import BUILT_IN, LegendEntry, is_character
 from rl_tui.worlds.grid.map import FLOOR, CellMap, lines_of
@@ -84,7 +84,7 @@ class GridDraft(Draft):
     def edited(self, edit: Edit) -> GridDraft:
         """Return what comes of ``edit``; raises UserError where nothing can."""
         if edit.name in RULES:
-            return replace(self, rules={**self.rules, edit.name: plain_value(edit)})
+            return replace(self, rules={**self.rules, edit.name: rule_value(edit)})
         make = _EDITS.get(edit.name)
         if make is None:
             known = (*_EDITS, *RULES)

@@ -30,6 +30,24 @@ def plain_value(edit: Edit) -> Any:
         return edit.value
 
 
+def rule_value(edit: Edit) -> Any:
+    """Return the value of ``edit``, which is of the whole world. Raises UserError where it names a place."""
+    _check_of_all(edit)
+    return plain_value(edit)
+
+
+def rule_number(edit: Edit) -> float:
+    """Return the number that ``edit`` sets for the whole world. Raises UserError where it is none."""
+    _check_of_all(edit)
+    return number_in(edit)
+
+
+def _check_of_all(edit: Edit) -> None:
+    if edit.at:
+        what = f"{edit.name}[{','.join(edit.at)}]"
+        raise UserError(f"{what}: {edit.name} is of the whole world: leave the brackets out")
+
+
 def place_in(edit: Edit, what: str, count: int) -> range:
     """Return the one range of lines that ``edit`` is about, of ``count`` that are called ``what``."""
     if len(edit.at) != 1:

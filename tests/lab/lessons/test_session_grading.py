@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from lesson_sessions import TEXT, all_done, digest_at, guess, lesson, run_of, setup, taken, write
+from lesson_sessions import TEXT, all_done, digest_at, entries, guess, lesson, run_of, setup, taken, write
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.course.grade import GradedSession, LessonGrading, grade_report
@@ -14,13 +14,15 @@ from rl_tui.lab.lessons.catalogue import shipped_lessons
 from rl_tui.lab.lessons.judging.attempts import passes
 from rl_tui.lab.lessons.lesson import Lesson, read_lesson
 from rl_tui.lab.lessons.record import Given, LessonRecord, Passed, begun
-from rl_tui.lab.run.recipe import JournalEntry, SetParameter, TakeAction
+from rl_tui.lab.run.recipe import EditWorld, JournalEntry, SetParameter, TakeAction
 from rl_tui.lab.sessions.session import SessionError
 from rl_tui.lab.timeline.branches import Branch, RunRecord
+from rl_tui.worlds.editing.edit import read_edits
 
 LESSON = lesson()
 BEGUN = begun(LESSON)
 EVENING, LAKE = setup(LESSON), setup(LESSON, "lake")
+DRAWN = EditWorld(read_edits("world.cell[1,1]=."))
 
 
 @pytest.fixture
@@ -82,6 +84,7 @@ FORGED = {
         "go", EVENING, (JournalEntry(0, TakeAction(10**9)), JournalEntry(1, TakeAction(0))), 2
     ),
     "a task that cannot be done": Passed("never", EVENING, (), 500),
+    "a world that was drawn in": Passed("lake", LAKE, entries((0, DRAWN)), 60),
     "too few steps": Passed("lake", LAKE, (), 49),
     "the evening for the lake": Passed("lake", EVENING, (), 60),
     "more steps than are replayed": Passed("lake", LAKE, (), 10**15),
@@ -92,6 +95,17 @@ FORGED = {
 def test_a_forged_pass_is_refused(name: str, grading: LessonGrading, tmp_path: Path) -> None:
     forged = replace(BEGUN, passed=(FORGED[name],), finished=True)
     assert passed(grading.grade(write(tmp_path, "a.json", forged))) == []
+
+
+def test_a_run_whose_world_was_drawn_in_does_nothing_for_a_lesson(
+    grading: LessonGrading, tmp_path: Path
+) -> None:
+    graded = grading.grade(write(tmp_path, "a.json", BEGUN, run_of(LAKE, 60, entries((5, DRAWN)))))
+    assert passed(graded) == []
+    assert graded.remarks == (
+        "branch 1 cannot be replayed: a lesson's world stays as it is, and here it was changed",
+    )
+    assert passed(grading.grade(write(tmp_path, "b.json", BEGUN, run_of(LAKE, 60)))) == ["lake"]
 
 
 def test_initial_settings_are_the_learners_to_change(grading: LessonGrading, tmp_path: Path) -> None:

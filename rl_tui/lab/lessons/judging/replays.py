@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Final
 
 from rl_tui.common.errors import UserError
@@ -9,7 +10,7 @@ from rl_tui.lab.experiments.training import Goal, train
 from rl_tui.lab.lessons.setups import scenario_for
 from rl_tui.lab.run.changes import journal_of, read_change
 from rl_tui.lab.run.library import recipe_for
-from rl_tui.lab.run.recipe import JournalEntry, OrderSweep, Recipe, TakeAction, begin
+from rl_tui.lab.run.recipe import JournalEntry, OrderSweep, Recipe, TakeAction, WorldChange, begin
 from rl_tui.lab.run.run import Run
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ def attempted_run(lesson: Lesson, page: str, attempt: Attempt, seed: int | None 
     except ValueError as fault:
         raise UserError(str(fault)) from fault
     journal = journal_of(changes, run.world.space.action_names)
+    check_world_stays(journal)
     goal = Goal(steps=attempt.steps, episodes=attempt.episodes)
     if attempt.episodes is None and attempt.steps is None:
         goal = Goal(steps=max(map(_step_after, journal), default=0))
@@ -52,9 +54,16 @@ def attempted_run(lesson: Lesson, page: str, attempt: Attempt, seed: int | None 
 
 def replayed(recipe: Recipe, journal: tuple[JournalEntry, ...], step: int) -> Run:
     """Return the run of ``recipe`` and ``journal`` at ``step``; raises UserError where that breaks it."""
+    check_world_stays(journal)
     run = _new_run(recipe)
     train(run, Goal(steps=step), journal=journal)
     return run
+
+
+def check_world_stays(journal: Iterable[JournalEntry]) -> None:
+    """Raise UserError where ``journal`` changes the world: a task is about the one that its lesson gives."""
+    if any(isinstance(entry.change, WorldChange) for entry in journal):
+        raise UserError("a lesson's world stays as it is, and here it was changed")
 
 
 def _new_run(recipe: Recipe) -> Run:

@@ -8,8 +8,8 @@ from typing import Final
 from rich.cells import cell_len
 from rich.segment import Segment
 
+from rl_tui.lab.live.editing.world_editor import EditorView
 from rl_tui.lab.live.until import Breakpoints
-from rl_tui.lab.live.world_editor import EditorView
 from rl_tui.tui.draw.number_form import SteadyForms
 from rl_tui.tui.panels.pointing import NOWHERE
 from rl_tui.tui.panels.q_table.layers import Figures, Layer

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from rich.style import Style
 
-from rl_tui.lab.live.world_editor import EditorView
+from rl_tui.lab.live.editing.world_editor import EditorView
 from rl_tui.tui.draw.canvas import Canvas
 from rl_tui.tui.panels.legend import LegendSign
 from rl_tui.tui.theme.look import Look

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from rl_tui.lab.live.world_editor import EditorView
+from rl_tui.lab.live.editing.world_editor import EditorView
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.panels.world.graph.shape import GraphAction, GraphShape, Node, graph_action, on_grid
 from rl_tui.tui.theme.glyphs import Glyphs

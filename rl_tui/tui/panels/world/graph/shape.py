@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
+from rl_tui.lab.live.editing.world_editor import EditorView
 from rl_tui.lab.live.until import Breakpoints
-from rl_tui.lab.live.world_editor import EditorView
 from rl_tui.tui.draw.names import DEPENDS
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.theme.glyphs import Glyphs

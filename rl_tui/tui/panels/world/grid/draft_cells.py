@@ -12,7 +12,7 @@ from rl_tui.worlds.grid.moves import STEPS
 if TYPE_CHECKING:
     from rich.style import Style
 
-    from rl_tui.lab.live.world_editor import EditorView
+    from rl_tui.lab.live.editing.world_editor import EditorView
     from rl_tui.tui.draw.canvas import Canvas
     from rl_tui.tui.panels.world.grid.map import MapPart, Sign
     from rl_tui.tui.theme.look import Look

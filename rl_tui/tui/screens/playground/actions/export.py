@@ -11,8 +11,9 @@ from rl_tui.lab.experiments.training import OnProgress, no_progress
 from rl_tui.lab.export.files import free_name, write_text
 from rl_tui.lab.export.recipe_line import entries_until, recipe_line
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.edited_world import drawn_recipe
 from rl_tui.lab.run.library import episodes_of
-from rl_tui.lab.run.recipe import JournalEntry, Recipe
+from rl_tui.lab.run.recipe import JournalEntry, Recipe, WorldChange, begin
 from rl_tui.tui.screens.dialogs.export import (
     COMMAND,
     PICTURE,
@@ -30,6 +31,7 @@ from rl_tui.tui.screens.playground.actions.subject import Subject
 from rl_tui.tui.screens.playground.wanted import in_force
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
+from rl_tui.worlds.world import World
 
 Write = Callable[[Path], None]
 SlowWrite = Callable[[Path, OnProgress], None]
@@ -71,7 +73,7 @@ class ExportActions(Subject):
             self._say_fault(str(fault))
 
     def _export_command(self, snapshot: Snapshot) -> None:
-        line = recipe_line(*_run_of(snapshot), snapshot.world.space.action_names)
+        line = recipe_line(*_run_of(snapshot), _first_actions(snapshot))
         self._ask_command(snapshot, line, _about_command(snapshot))
 
     def _export_script(self, snapshot: Snapshot) -> None:
@@ -104,7 +106,7 @@ class ExportActions(Subject):
         from rl_tui.lab.export.tables import write_returns
 
         def write(path: Path, on_progress: OnProgress) -> None:
-            write_returns(path, *_run_of(snapshot), snapshot.world, on_progress)
+            write_returns(path, *_run_of(snapshot), _first_world(snapshot), on_progress)
 
         self._ask_file(snapshot, "Returns as CSV", "-returns.csv", write, takes_time=True)
 
@@ -188,8 +190,9 @@ def script_of(snapshot: Snapshot) -> str:
     from rl_tui.lab.export.script import script
 
     recipe, journal, step = _run_of(snapshot)
-    changed = bool(entries_until(journal, step))
-    return script(in_force(snapshot), episodes_of(recipe.scenario), snapshot.world, changed=changed)
+    changes = [entry.change for entry in entries_until(journal, step)]
+    drawn = drawn_recipe(in_force(snapshot), [each for each in changes if isinstance(each, WorldChange)])
+    return script(drawn, episodes_of(recipe.scenario), snapshot.world, changed=bool(changes))
 
 
 def _about_command(snapshot: Snapshot) -> str:
@@ -202,13 +205,24 @@ def _run_of(snapshot: Snapshot) -> tuple[Recipe, Sequence[JournalEntry], int]:
     return snapshot.recipe, snapshot.timeline.current.journal, snapshot.counters.step
 
 
+def _first_world(snapshot: Snapshot) -> World | None:
+    """Return the world that the run began in, None where that is not at hand."""
+    return None if snapshot.world_changes else snapshot.world
+
+
+def _first_actions(snapshot: Snapshot) -> Sequence[str]:
+    """Return the names of the actions of the world that the run began in."""
+    world = _first_world(snapshot) or begin(snapshot.recipe).world
+    return world.space.action_names
+
+
 def _estimates(snapshot: Snapshot, on_progress: OnProgress) -> tuple[FloatArray, IntArray]:
     """Return Q and visits; of a large world a snapshot holds only what is in view: the run is done again."""
     from rl_tui.lab.export.tables import estimates_again
 
     if snapshot.agent.part is None:
         return snapshot.agent.q, snapshot.agent.visits
-    return estimates_again(*_run_of(snapshot), snapshot.world, on_progress)
+    return estimates_again(*_run_of(snapshot), _first_world(snapshot), on_progress)
 
 
 def _without_returns(snapshot: Snapshot) -> str:

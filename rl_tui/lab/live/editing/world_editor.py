@@ -93,8 +93,7 @@ class WorldEditor:
         if draft.findings:
             self._waiting.append(stroke)
             return None
-        self._waiting.clear()
-        return EditWorld(together)
+        return EditWorld(together)  # should the run refuse it, what waited goes on waiting
 
     def undo(self, run: Run) -> WorldChange | None:
         """Drop the last stroke that waits, and return None; else return what undoes the last one made."""
