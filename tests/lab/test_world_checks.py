@@ -21,7 +21,7 @@ from rl_tui.lab.run.recipe import EditWorld, SetParameter
 from rl_tui.lab.run.run import Run
 from rl_tui.lab.workers import answering_process
 from rl_tui.lab.world_check import world_checks
-from rl_tui.lab.world_check.report import Stage
+from rl_tui.lab.world_check.report import CheckStage
 from rl_tui.lab.world_check.world_checks import BROKEN_OFF, IN_KIOSK, NO_PROCESS, WorldChecks, WorldCheckView
 from rl_tui.worlds.editing.edit import read_edits
 
@@ -43,7 +43,7 @@ def test_a_snapshot_tells_what_the_command_prints_and_nothing_once_it_is_closed(
     view = snapshot.world_check
     assert view is not None
     assert view.report is not None
-    assert view.report.stage is Stage.DONE
+    assert view.report.stage is CheckStage.DONE
     printed = CliRunner().invoke(program, ["check", "--deep", scenario, "--json"])
     told = json.loads(json.dumps(check_document([], snapshot.world, view.report)))
     assert told == json.loads(printed.stdout)
@@ -102,7 +102,7 @@ class Beside:
 
 
 def is_whole(view: WorldCheckView) -> bool:
-    return view.report is not None and view.report.stage is Stage.DONE and not view.is_outdated
+    return view.report is not None and view.report.stage is CheckStage.DONE and not view.is_outdated
 
 
 def has_figures(view: WorldCheckView) -> bool:

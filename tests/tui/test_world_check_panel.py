@@ -21,7 +21,7 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.library import recipe_named
 from rl_tui.lab.run.recipe import begin
 from rl_tui.lab.world_check.deep_check import Question, reports
-from rl_tui.lab.world_check.report import Stage, WorldReport
+from rl_tui.lab.world_check.report import CheckStage, WorldReport
 from rl_tui.lab.world_check.world_checks import IN_KIOSK, WorldCheckView
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.world_check.world_check import FINE, OUTDATED, TITLE, WAITING, WorldCheckPanel
@@ -74,7 +74,7 @@ def test_it_says_how_far_it_has_come() -> None:
     first, *_, last = grown(walk())
     assert "working out the flips" in said(with_check(walk(), first))
     assert FINE in said(with_check(walk(), last))
-    trying = replace(last, stage=Stage.TRIALS, trying="sarsa")
+    trying = replace(last, stage=CheckStage.TRIALS, trying="sarsa")
     assert "trying SARSA, 2 of 12" in said(with_check(walk(), trying))
     assert OUTDATED in said(with_check(walk(), is_outdated=True))
     warned = replace(last, warnings=("never ends: a time_limit would end it",))

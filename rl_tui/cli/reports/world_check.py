@@ -37,15 +37,15 @@ def check_document(faults: Sequence[str], world: World | None, report: WorldRepo
 
 
 def check_report(recipe: Recipe, world: World, report: WorldReport) -> str:
-    """Return the same as text; the warnings are told apart from it."""
+    """Return the same as text; the warnings are apart from it."""
     space = world.space
     states = counted(space.states, "state")
     title = f"{recipe.scenario.title}: {states}, {counted(len(space.action_names), 'action')}"
     if report.is_empty:
         return f"{title}; there is no table to work anything out from"
-    told = rows(report, space, recipe.hyperparameters.gamma)
-    figures = [(LABELS[row.field], row.figure, row.remark) for row in told[:3]]
-    texts = [(LABELS[row.field], _in_a_line(row)) for row in told[3:]]
+    listed = rows(report, space, recipe.hyperparameters.gamma)
+    figures = [(LABELS[row.field], row.figure, row.remark) for row in listed[:3]]
+    texts = [(LABELS[row.field], _in_a_line(row)) for row in listed[3:]]
     return "\n".join((title, "", columns(figures, right=(1,)), "", columns(texts)))
 
 

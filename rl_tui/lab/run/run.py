@@ -104,14 +104,9 @@ class Run:
         self._settled = NOTHING_SETTLED
         self.world_changes: tuple[WorldChanged, ...] = ()
         """Where on the way it became another one."""
-        mdp, new_environment = world.mdp, world.new_environment
-        self.learner = Learner(
-            world.space,
-            recipe.algorithm,
-            recipe.hyperparameters,
-            drawn,
-            new_environment() if new_environment else None,
-        )
+        mdp = world.mdp
+        environment = world.new_environment() if world.new_environment else None
+        self.learner = Learner(world.space, recipe.algorithm, recipe.hyperparameters, drawn, environment)
         """The algorithm at work in the world."""
         self.history = History()
         """The returns and lengths of finished episodes."""

@@ -26,13 +26,13 @@ from rl_tui.lab.world_check.greedy_trials import (
     MOST_EPISODES,
     MOST_STEPS,
     SEEDS,
-    Trial,
+    GreedyTrial,
     is_tried,
     may_stay,
     suitable,
     trials,
 )
-from rl_tui.lab.world_check.report import Stage, TrialsMade, WorldReport
+from rl_tui.lab.world_check.report import CheckStage, TrialsMade, WorldReport
 from rl_tui.lab.world_check.words import names
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -79,7 +79,7 @@ def _figures(asked: Question) -> WorldReport:
     random_return, best_return = _returns(mdp, unknown)
     first = _first_wait(asked, unknown)
     return WorldReport(
-        Stage.FLIPS,
+        CheckStage.FLIPS,
         warnings=_wait_warnings(first, asked.episodes),
         random_return=random_return,
         best_return=best_return,
@@ -148,9 +148,9 @@ def _with_flips(report: WorldReport, mdp: TabularMDP) -> WorldReport:
     from rl_tui.agents.exact.flips.flips import flips
 
     try:
-        return replace(report, stage=Stage.TRIALS, flips=flips(mdp))
+        return replace(report, stage=CheckStage.TRIALS, flips=flips(mdp))
     except NoExactAnswer as reason:
-        return replace(report, stage=Stage.TRIALS, unknown={**report.unknown, "flips": str(reason)})
+        return replace(report, stage=CheckStage.TRIALS, unknown={**report.unknown, "flips": str(reason)})
 
 
 def _with_trials(report: WorldReport, asked: Question) -> Iterator[WorldReport]:
@@ -161,35 +161,35 @@ def _with_trials(report: WorldReport, asked: Question) -> Iterator[WorldReport]:
     report = replace(report, warnings=known)
     if not is_tried(mdp):
         unknown = {**report.unknown, "endless": "the world is too large for short trainings to tell anything"}
-        yield replace(report, stage=Stage.DONE, unknown=unknown)
+        yield replace(report, stage=CheckStage.DONE, unknown=unknown)
         return
     if not may_stay(mdp):
-        yield replace(report, stage=Stage.DONE, endless=(), tried=TrialsMade((), 0, 0))
+        yield replace(report, stage=CheckStage.DONE, endless=(), tried=TrialsMade((), 0, 0))
         return
-    made: list[Trial] = []
+    made: list[GreedyTrial] = []
     try:
         for algorithm in suitable(mdp, settings):
             yield replace(report, trying=algorithm, endless=_may_never_end(made))
             made += trials(mdp, algorithm, settings, episodes)
     except UserError as reason:
-        yield replace(report, stage=Stage.DONE, unknown={**report.unknown, "endless": str(reason)})
+        yield replace(report, stage=CheckStage.DONE, unknown={**report.unknown, "endless": str(reason)})
         return
     is_said = mdp.time_limit or report.endless_states
     in_part = dict.fromkeys(trial.algorithm for trial in made if trial.is_cut_short)
     yield replace(
         report,
-        stage=Stage.DONE,
+        stage=CheckStage.DONE,
         endless=_may_never_end(made),
         tried=TrialsMade(SEEDS, episodes, MOST_STEPS, tuple(in_part)),
         warnings=(*known, *([] if is_said else _warnings(made, mdp, episodes))),
     )
 
 
-def _may_never_end(made: Sequence[Trial]) -> tuple[str, ...]:
+def _may_never_end(made: Sequence[GreedyTrial]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(trial.algorithm for trial in made if trial.may_never_end))
 
 
-def _warnings(made: Sequence[Trial], mdp: TabularMDP, episodes: int) -> list[str]:
+def _warnings(made: Sequence[GreedyTrial], mdp: TabularMDP, episodes: int) -> list[str]:
     """Return what ``made`` gives cause to warn of, and what to do.
 
     A time limit has done it already; and from a state without a way out nothing else is to be expected.
@@ -208,7 +208,7 @@ def _warnings(made: Sequence[Trial], mdp: TabularMDP, episodes: int) -> list[str
     return said
 
 
-def _names(made: Sequence[Trial]) -> str:
+def _names(made: Sequence[GreedyTrial]) -> str:
     """Return what the algorithms of ``made`` are called; where there are many, how many."""
     found = tuple(dict.fromkeys(trial.algorithm for trial in made))
     is_short = len(found) <= _MOST_NAMED or len(found) == len(BY_ID)

@@ -32,7 +32,7 @@ _CHUNK: Final = 2_000
 """Steps between two looks at whether an episode is long: always as many, or it would depend on the time."""
 
 
-class Trial(NamedTuple):
+class GreedyTrial(NamedTuple):
     """What came of one training.
 
     ``endless_at`` is a state that the greedy policy of what was learned may come to and from which it never
@@ -75,7 +75,7 @@ def suitable(mdp: TabularMDP, hyperparameters: Hyperparameters) -> tuple[str, ..
 
 def trials(
     mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters, episodes: int
-) -> Iterator[Trial]:
+) -> Iterator[GreedyTrial]:
     """Yield a trial of ``algorithm``, which is :func:`suitable`, for each of ``SEEDS``.
 
     Each takes at most so many ``episodes`` and ``MOST_STEPS`` steps. Equal arguments give equal trials.
@@ -94,7 +94,7 @@ def trials(
 
 def _trial(
     mdp: TabularMDP, learner: Learner, seed: int, wanted: int, look: Callable[[Learner], None]
-) -> Trial:
+) -> GreedyTrial:
     """Train ``learner`` for ``wanted`` episodes, or backups of a planner; ``look`` after every chunk."""
     is_long, stop = False, Stop.DONE
     while learner.step < MOST_STEPS and learner.episodes < wanted and not is_long:
@@ -109,7 +109,7 @@ def _trial(
     greedy = (
         greedy_policy(mdp, learner.q, learner.hyperparameters.ties) if is_whole or not learner.plans else None
     )
-    return Trial(
+    return GreedyTrial(
         learner.algorithm,
         seed,
         None if greedy is None else endless_part(mdp, greedy),

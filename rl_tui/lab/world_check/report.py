@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from rl_tui.agents.exact.flips.flips import Flip
 
 
-class Stage(IntEnum):
+class CheckStage(IntEnum):
     """What is worked out now, in this order."""
 
     FIGURES = 0
@@ -44,7 +44,7 @@ class WorldReport:
     None is what is not worked out yet, or not known: then ``unknown`` says why, by the name of the field.
     """
 
-    stage: Stage = Stage.DONE
+    stage: CheckStage = CheckStage.DONE
     """What is worked out now."""
     trying: str = ""
     """The algorithm that is trained now; empty where none is."""
@@ -74,7 +74,7 @@ class WorldReport:
     @property
     def is_empty(self) -> bool:
         """Whether nothing at all is known, the world having no table."""
-        return self.stage is Stage.DONE and self.never_reached is None and not self.unknown
+        return self.stage is CheckStage.DONE and self.never_reached is None and not self.unknown
 
 
 def as_json(report: WorldReport) -> dict[str, Any]:
@@ -92,7 +92,7 @@ def of_json(document: dict[str, Any]) -> WorldReport:
         **document
         | {key: None if document[key] is None else tuple(document[key]) for key in lists}
         | {
-            "stage": Stage(document["stage"]),
+            "stage": CheckStage(document["stage"]),
             "first_update": None if wait is None else Wait(**wait),
             "flips": None if flips is None else flips_of_json(flips),
             "tried": None if tried is None else _trials_of_json(tried),

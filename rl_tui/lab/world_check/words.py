@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.common.words import counted
 from rl_tui.lab.answers.first_update_words import wait_in_words
-from rl_tui.lab.world_check.report import Stage, WorldReport
+from rl_tui.lab.world_check.report import CheckStage, WorldReport
 from rl_tui.worlds.mdp.space import FiniteSpace
 
 NOT_KNOWN: Final = "not known"
@@ -27,7 +27,7 @@ LABELS: Final[Mapping[str, str]] = {
     "endless": "may never end",
 }
 """What each field of a report is called, in the order in which they are told."""
-_STAGES: Final[Mapping[str, Stage]] = {"flips": Stage.FLIPS, "endless": Stage.TRIALS}
+_STAGES: Final[Mapping[str, CheckStage]] = {"flips": CheckStage.FLIPS, "endless": CheckStage.TRIALS}
 """When each is worked out, if not at first."""
 
 
@@ -70,7 +70,7 @@ def rows(
 def _row(report: WorldReport, field: str, known: Callable[[], Row]) -> Row:
     if field in report.unknown:
         return Row(field, NOT_KNOWN, report.unknown[field])
-    is_known = getattr(report, field) is not None and report.stage > _STAGES.get(field, Stage.FIGURES)
+    is_known = getattr(report, field) is not None and report.stage > _STAGES.get(field, CheckStage.FIGURES)
     return known()._replace(field=field) if is_known else Row(field)
 
 

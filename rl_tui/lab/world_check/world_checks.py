@@ -11,7 +11,7 @@ from rl_tui.common.kiosk import in_kiosk
 from rl_tui.lab.run.exact_answers import LIVE_STATES, NO_TABLE
 from rl_tui.lab.run.library import episodes_of
 from rl_tui.lab.workers.answering_process import AnsweringProcess
-from rl_tui.lab.world_check.report import Stage, WorldReport, of_json
+from rl_tui.lab.world_check.report import CheckStage, WorldReport, of_json
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.run import Run
@@ -149,7 +149,7 @@ class _CheckProcess(AnsweringProcess):
     def is_done(self) -> bool:
         """Whether no more will come."""
         report = self.view.report
-        return bool(self.view.refused) or (report is not None and report.stage is Stage.DONE)
+        return bool(self.view.refused) or (report is not None and report.stage is CheckStage.DONE)
 
     def _take_in(self, document: Any) -> None:
         self.view = replace(self.view, report=of_json(document))

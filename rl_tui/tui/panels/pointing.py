@@ -47,7 +47,7 @@ class PartPointed(Touched):
 
 
 @dataclass
-class Stroke(Touched):
+class PointerStroke(Touched):
     """The pointer was pressed in ``view``, drawn over these ``places``, at least one, and let go."""
 
     view: Widget

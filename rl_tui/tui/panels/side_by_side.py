@@ -56,12 +56,12 @@ class GreedyDifferences:
     """Whether only those in view were looked at: of a large world no more is copied."""
     right: frozenset[int]
     """The same states by their numbers in the right lane."""
-    is_told: bool = True
+    is_compared: bool = True
     """Whether the lanes were compared: not where their maps are of two sizes, or of two large worlds."""
 
     def words(self, lane: Snapshot) -> tuple[str, ...]:
         """Return the count as a sentence, the longest form first; empty where nothing is known yet."""
-        if not self.is_told:
+        if not self.is_compared:
             return (
                 "other worlds: greedy actions are not compared",
                 "other worlds: not compared",
@@ -172,7 +172,7 @@ def _differences_of_worlds(left: Snapshot, right: Snapshot) -> GreedyDifferences
     """Return where lanes in two worlds would act differently; nothing of large ones, which are not copied."""
     is_large = left.agent.part is not None or right.agent.part is not None
     if is_large or not are_same_size(left.world, right.world):
-        return GreedyDifferences(frozenset(), 0, is_large, frozenset(), is_told=False)
+        return GreedyDifferences(frozenset(), 0, is_large, frozenset(), is_compared=False)
     common, choices = in_common(right.world, left.world), []
     for lane in (left, right):
         space = lane.world.space

@@ -37,10 +37,9 @@ class Slider(Draggable, can_focus=True):
     """Shows and sets the value of ``parameter``, which needs a finite range (ValueError otherwise).
 
     ``value`` is a number, or one of the parameter's words (sample-average). Changed is posted for what the
-    user does, not for :meth:`set_value`; of a drag at every cell if it ``is_told_at_once``, else when the
-    thumb is let go. A text that is no value is refused: on the slider itself, and by a
-    message that says why. The messages go to the screen at once, so that they are there before the key that
-    ended the typing.
+    user does, not for :meth:`set_value`; of a drag at every cell if it ``reports_at_once``, else when the
+    thumb is let go. A text that is no value is refused: on the slider itself, and by a message that says why.
+    The messages go to the screen at once, so that they are there before the key that ended the typing.
     """
 
     ALLOW_SELECT = False
@@ -86,11 +85,11 @@ class Slider(Draggable, can_focus=True):
         parameter: Parameter,
         value: float | str,
         *,
-        is_told_at_once: bool = True,
+        reports_at_once: bool = True,
         label_columns: int = 0,
     ) -> None:
         super().__init__(id=parameter.name)
-        self._is_told_at_once = is_told_at_once
+        self._reports_at_once = reports_at_once
         self._label_columns = label_columns
         self._before_drag = value
         self.look = look
@@ -308,7 +307,7 @@ class Slider(Draggable, can_focus=True):
         self._tell_drag()
 
     def _tell_drag(self) -> None:
-        if not self._is_told_at_once and self.is_held and self._value != self._before_drag:
+        if not self._reports_at_once and self.is_held and self._value != self._before_drag:
             self._before_drag = self._value
             self.screen.post_message(self.Changed(self.parameter.name, self._value))
 
@@ -320,7 +319,7 @@ class Slider(Draggable, can_focus=True):
         if value == self._value:
             return
         self.set_value(value)
-        if self._is_told_at_once or not self.is_held:
+        if self._reports_at_once or not self.is_held:
             self.screen.post_message(self.Changed(self.parameter.name, value))
 
 

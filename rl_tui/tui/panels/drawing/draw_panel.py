@@ -13,7 +13,7 @@ from textual.content import Content
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.panels.drawing.sheet import Sheet, WorldNumber
+from rl_tui.tui.panels.drawing.sheet import ToolSheet, WorldNumber
 from rl_tui.tui.panels.drawing.tool_list import ToolList, rows_of
 from rl_tui.tui.panels.panel import BORDER_ENDS, BoardPanel
 from rl_tui.tui.theme.look import Look
@@ -32,7 +32,7 @@ class DrawPanel(Container, BoardPanel):
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)
         self.look = look
-        self._sheet = Sheet()
+        self._sheet = ToolSheet()
         self._tools = ToolList(look, id="tools")
         self._is_explained = False
 
@@ -54,7 +54,7 @@ class DrawPanel(Container, BoardPanel):
     def show(self, snapshot: Snapshot) -> None:
         """Draw nothing of ``snapshot`` itself: what there is to draw with comes by :meth:`show_sheet`."""
 
-    def show_sheet(self, sheet: Sheet) -> None:
+    def show_sheet(self, sheet: ToolSheet) -> None:
         """Show ``sheet``; a slider that is being dragged stays where it is."""
         before, self._sheet = self._sheet, sheet
         self._lay_out()
@@ -109,7 +109,7 @@ class DrawPanel(Container, BoardPanel):
                 self.look,
                 number.parameter,
                 number.value,
-                is_told_at_once=False,
+                reports_at_once=False,
                 label_columns=max(labels),
             )
             slider.set_class(number.is_short, _SHORT)

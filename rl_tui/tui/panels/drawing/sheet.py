@@ -40,7 +40,7 @@ class WorldNumber:
 
 
 @dataclass(frozen=True, slots=True)
-class Sheet:
+class ToolSheet:
     """All of it. ``about`` are sentences, each in its forms, the longest first, for where there is room."""
 
     about: tuple[tuple[str, ...], ...] = ()

@@ -11,7 +11,7 @@ from textual.widget import Widget
 
 from rl_tui.tui.draw.canvas import Canvas, shortened
 from rl_tui.tui.draw.to_ascii import separated, to_ascii
-from rl_tui.tui.panels.drawing.sheet import LinePressed, Sheet, ToolCell, ToolPressed
+from rl_tui.tui.panels.drawing.sheet import LinePressed, ToolCell, ToolPressed, ToolSheet
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 
@@ -22,10 +22,10 @@ class ToolList(Widget):
     def __init__(self, look: Look, *, id: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id)
         self.look = look
-        self._sheet = Sheet()
+        self._sheet = ToolSheet()
         self._has_about = True
 
-    def draw_sheet(self, sheet: Sheet, *, has_about: bool) -> None:
+    def draw_sheet(self, sheet: ToolSheet, *, has_about: bool) -> None:
         """Draw ``sheet``, with what it is about or without."""
         if (sheet, has_about) != (self._sheet, self._has_about):
             self._sheet, self._has_about = sheet, has_about
@@ -91,7 +91,7 @@ class ToolList(Widget):
         return "tools", y - len(self._sheet.lines)
 
 
-def rows_of(sheet: Sheet, width: int, glyphs: Glyphs, *, has_about: bool) -> int:
+def rows_of(sheet: ToolSheet, width: int, glyphs: Glyphs, *, has_about: bool) -> int:
     """Return how many rows ``sheet`` takes in ``width`` columns."""
     columns = columns_in(sheet.cells, width, glyphs)
     return (len(sheet.about) if has_about else 0) + len(sheet.lines) - (-len(sheet.cells) // columns)

@@ -6,7 +6,7 @@ from textual import events
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.counterparts import state_in
-from rl_tui.tui.panels.pointing import Stroke, Wheeled
+from rl_tui.tui.panels.pointing import PointerStroke, Wheeled
 from rl_tui.tui.panels.world.policy_picture import PolicyPicture
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.world import World
@@ -70,7 +70,7 @@ class DrawnPicture(PolicyPicture):
             self.release_mouse()
             stroke, self._stroke = tuple(self._stroke), []
             self.redraw()
-            self.post_message(Stroke(self, stroke))
+            self.post_message(PointerStroke(self, stroke))
 
     def turns(self, event: events.MouseEvent, lines: int) -> bool:
         """Tell that the wheel was turned over a place, if it is drawn on; return whether it is."""

@@ -11,7 +11,7 @@ from textual.strip import Strip
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.common.words import counted
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.world_check.report import Stage
+from rl_tui.lab.world_check.report import CheckStage
 from rl_tui.lab.world_check.words import LABELS, NOT_KNOWN, Row, rows
 from rl_tui.lab.world_check.world_checks import WorldCheckView
 from rl_tui.tui.draw.names import state_name
@@ -65,8 +65,8 @@ def check_lines(snapshot: Snapshot | None, look: Look, width: int) -> Iterator[L
         yield from wrapped(
             warning, width, palette.dim if view.is_outdated else palette.bad, look, " ! ", "   "
         )
-    told = rows(report, world.space, view.gamma, lambda state: state_name(world, state, look.glyphs))
-    for row in told:
+    listed = rows(report, world.space, view.gamma, lambda state: state_name(world, state, look.glyphs))
+    for row in listed:
         yield from _row(row, snapshot, view, look, width)
 
 
@@ -78,7 +78,7 @@ def _how_far(view: WorldCheckView, look: Look, width: int) -> Iterator[Line]:
         text, style = view.refused, palette.accent
     elif view.is_outdated:
         text, style = OUTDATED, palette.accent
-    elif report is not None and report.stage is Stage.DONE:
+    elif report is not None and report.stage is CheckStage.DONE:
         count = len(report.warnings)
         text, style = FINE, palette.good
         if count:
@@ -87,7 +87,7 @@ def _how_far(view: WorldCheckView, look: Look, width: int) -> Iterator[Line]:
         name, place = BY_ID[report.trying].name, list(BY_ID).index(report.trying) + 1
         text = f"trying {name}, {place} of {len(BY_ID)}"
     elif report is not None:
-        text = "working out the flips" if report.stage is Stage.FLIPS else WAITING
+        text = "working out the flips" if report.stage is CheckStage.FLIPS else WAITING
     yield from wrapped(text, width, style, look, " ", " ")
 
 

@@ -10,7 +10,7 @@ from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.screens.playground.actions.modes.editing.numbers import DRIFT, MEAN, SPREAD, SUCCESS
 from rl_tui.tui.screens.playground.actions.modes.editing.rules import ask_rules, fault_of, number_of
 from rl_tui.tui.screens.playground.actions.modes.editing.texts import number_in
-from rl_tui.tui.screens.playground.actions.modes.editing.tools import Hand, Tool, Toolbox
+from rl_tui.tui.screens.playground.actions.modes.editing.tools import Desk, Tool, Toolbox
 from rl_tui.worlds.editing.arms_draft import ArmsDraft
 from rl_tui.worlds.editing.edit import Edit
 from rl_tui.worlds.world import World
@@ -22,50 +22,50 @@ class ArmsTools(Toolbox):
     def __init__(self) -> None:
         self._added: tuple[int, int] | None = None  # how many there are with it, and its number
 
-    def about(self, hand: Hand) -> tuple[str, ...]:
+    def about(self, desk: Desk) -> tuple[str, ...]:
         """Return the arm under the cursor, and its mean."""
-        draft, arm = _arms_of(hand), _arm(hand)
+        draft, arm = _arms_of(desk), _arm(desk)
         return f"arm {arm} pays {draft.means[arm]:.4g} on average", f"arm {arm}: {draft.means[arm]:.4g}"
 
-    def advice(self, hand: Hand) -> tuple[str, ...]:
+    def advice(self, desk: Desk) -> tuple[str, ...]:
         """Return what the pointer does."""
         return "click: cursor · wheel: what an arm pays", "wheel: what an arm pays"
 
-    def numbers(self, hand: Hand) -> tuple[WorldNumber, ...]:
+    def numbers(self, desk: Desk) -> tuple[WorldNumber, ...]:
         """Return the mean of the arm under the cursor, and how rewards spread and drift."""
-        draft = _arms_of(hand)
-        mean = WorldNumber(SUCCESS if draft.is_bernoulli else MEAN, draft.means[_arm(hand)])
+        draft = _arms_of(desk)
+        mean = WorldNumber(SUCCESS if draft.is_bernoulli else MEAN, draft.means[_arm(desk)])
         if draft.is_bernoulli:
             return (mean,)
         return mean, *(WorldNumber(each, number_of(draft, each.name)) for each in (SPREAD, DRIFT))
 
-    def number_edits(self, hand: Hand, name: str, value: float) -> Sequence[Edit]:
+    def number_edits(self, desk: Desk, name: str, value: float) -> Sequence[Edit]:
         """Return the edits that set one of them. Raises ValueError, in words, where it cannot be that."""
         if name == MEAN.name:
-            return (self._edit(hand, _arm(hand), value),)
+            return (self._edit(desk, _arm(desk), value),)
         edits = (Edit(name, (), repr(value)),)
-        fault = fault_of(hand.draft, edits, name)
+        fault = fault_of(desk.draft, edits, name)
         if fault:
             raise ValueError(fault)
         return edits
 
-    def turn(self, hand: Hand, place: int, amount: float) -> None:
+    def turn(self, desk: Desk, place: int, amount: float) -> None:
         """Let an arm pay so many tenths more on average."""
-        hand.view.put_cursor(place)
-        self.pay(amount / 10, hand)
+        desk.view.put_cursor(place)
+        self.pay(amount / 10, desk)
 
-    def pay(self, amount: float, hand: Hand) -> None:
+    def pay(self, amount: float, desk: Desk) -> None:
         """Let the arm under the cursor pay so much more on average."""
-        draft, arm = _arms_of(hand), _arm(hand)
+        draft, arm = _arms_of(desk), _arm(desk)
         mean = round(draft.means[arm] + amount, 10)
-        hand.draw((self._edit(hand, arm, min(max(mean, 0.0), 1.0) if draft.is_bernoulli else mean),))
+        desk.draw((self._edit(desk, arm, min(max(mean, 0.0), 1.0) if draft.is_bernoulli else mean),))
 
-    def ask_mean(self, hand: Hand) -> None:
+    def ask_mean(self, desk: Desk) -> None:
         """Type the mean of the arm under the cursor."""
-        draft, arm = _arms_of(hand), _arm(hand)
+        draft, arm = _arms_of(desk), _arm(desk)
         hint = "A probability from 0 to 1." if draft.is_bernoulli else "What it pays on average."
         dialog = Prompt(f"Mean of arm {arm}", hint, repr(draft.means[arm]), partial(_mean, draft))
-        hand.ask(dialog, lambda value: hand.draw((self._edit(hand, arm, float(value)),)))
+        desk.ask(dialog, lambda value: desk.draw((self._edit(desk, arm, float(value)),)))
 
     def place_added(self, world: World) -> int | None:
         """Return the arm that was added, once it is there."""
@@ -74,19 +74,19 @@ class ArmsTools(Toolbox):
         (_, place), self._added = self._added, None
         return place
 
-    def resize(self, count: int, hand: Hand, *, at_end: bool = False) -> None:
+    def resize(self, count: int, desk: Desk, *, at_end: bool = False) -> None:
         """Add an arm before the cursor, or ``at_end``, or take away the one under it."""
-        arms = len(_arms_of(hand).means)
-        at = arms if at_end else _arm(hand)
+        arms = len(_arms_of(desk).means)
+        at = arms if at_end else _arm(desk)
         if count > 0 and not at_end:
             self._added = arms + count, at
-        hand.draw((Edit("arms", (), f"{count:+d}@{at}"),))
+        desk.draw((Edit("arms", (), f"{count:+d}@{at}"),))
 
-    def paint(self, hand: Hand, places: Sequence[int]) -> None:
+    def paint(self, desk: Desk, places: Sequence[int]) -> None:
         """Put the cursor where it was clicked: there is nothing to paint."""
-        hand.view.put_cursor(places[-1])
+        desk.view.put_cursor(places[-1])
 
-    def _edit(self, hand: Hand, arm: int, mean: float) -> Edit:
+    def _edit(self, desk: Desk, arm: int, mean: float) -> Edit:
         return Edit("arm", (str(arm),), repr(mean))
 
     tools = (
@@ -95,7 +95,7 @@ class ArmsTools(Toolbox):
             "+",
             "more",
             "Let the arm pay 0.1 more on average.",
-            lambda box, hand: box.pay(0.1, hand),
+            lambda box, desk: box.pay(0.1, desk),
             0,
         ),
         Tool(
@@ -103,32 +103,32 @@ class ArmsTools(Toolbox):
             "−",
             "less",
             "Let the arm pay 0.1 less on average.",
-            lambda box, hand: box.pay(-0.1, hand),
+            lambda box, desk: box.pay(-0.1, desk),
             1,
         ),
         Tool("equals_sign", "=", "mean", "Type the mean of the arm.", ask_mean, 2),
-        Tool("i", "i", "arm +", "Add an arm here.", lambda box, hand: box.resize(1, hand), 3),
-        Tool("u", "u", "arm −", "Take this arm away.", lambda box, hand: box.resize(-1, hand), 4),
+        Tool("i", "i", "arm +", "Add an arm here.", lambda box, desk: box.resize(1, desk), 3),
+        Tool("u", "u", "arm −", "Take this arm away.", lambda box, desk: box.resize(-1, desk), 4),
         Tool(
             "R",
             "R",
             "arm last",
             "Add an arm behind all others.",
-            lambda box, hand: box.resize(1, hand, at_end=True),
+            lambda box, desk: box.resize(1, desk, at_end=True),
             6,
         ),
         Tool("o", "o", "rules", "The rules of the bandit: spread and drift.", ask_rules, 5),
     )
 
 
-def _arms_of(hand: Hand) -> ArmsDraft:
-    draft = hand.draft
+def _arms_of(desk: Desk) -> ArmsDraft:
+    draft = desk.draft
     assert isinstance(draft, ArmsDraft)
     return draft
 
 
-def _arm(hand: Hand) -> int:
-    return min(hand.view.cursor_place or 0, len(_arms_of(hand).means) - 1)
+def _arm(desk: Desk) -> int:
+    return min(desk.view.cursor_place or 0, len(_arms_of(desk).means) - 1)
 
 
 def _mean(draft: ArmsDraft, text: str) -> float:

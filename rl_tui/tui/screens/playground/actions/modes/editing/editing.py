@@ -14,8 +14,8 @@ from rl_tui.lab.run.edited_world import edited_draft
 from rl_tui.tui.actions.action import Action, Group
 from rl_tui.tui.actions.playground_actions import DRAW_KEY
 from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.panels.drawing.sheet import LinePressed, Sheet, ToolCell, ToolPressed
-from rl_tui.tui.panels.pointing import Stroke, Touched, Wheeled
+from rl_tui.tui.panels.drawing.sheet import LinePressed, ToolCell, ToolPressed, ToolSheet
+from rl_tui.tui.panels.pointing import PointerStroke, Touched, Wheeled
 from rl_tui.tui.panels.row import DRAW, WORLD
 from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.tui.panels.world.view import WorldView
@@ -27,7 +27,7 @@ from rl_tui.tui.screens.playground.actions.modes.editing.map_tools import MapToo
 from rl_tui.tui.screens.playground.actions.modes.editing.pending import PendingStrokes
 from rl_tui.tui.screens.playground.actions.modes.editing.saving import ScenarioSaving
 from rl_tui.tui.screens.playground.actions.modes.editing.texts import hints, prompts, title
-from rl_tui.tui.screens.playground.actions.modes.editing.tools import Hand, Tool, Toolbox
+from rl_tui.tui.screens.playground.actions.modes.editing.tools import Desk, Tool, Toolbox
 from rl_tui.tui.screens.playground.actions.modes.mode import LEAVE, STEPS, WITH_SHIFT, KeyMode
 from rl_tui.worlds.drawing import Arms, Graph, Grid
 from rl_tui.worlds.editing.edit import Edit
@@ -164,9 +164,9 @@ class WorldEditing(KeyMode):
     def press(self, key: str) -> None:
         """Do what ``key`` means."""
         if key in _ALONG:
-            hand = self._hand()
-            if hand is not None and self.toolbox is not None:
-                self.toolbox.go_along(hand, _ALONG[key])
+            desk = self._hand()
+            if desk is not None and self.toolbox is not None:
+                self.toolbox.go_along(desk, _ALONG[key])
                 self._show_picked()
         elif (slider := self._slider(key) if key in DIGITS else None) is not None:
             slider.focus()
@@ -175,29 +175,29 @@ class WorldEditing(KeyMode):
 
     def use(self, name: str, *, is_clicked: bool = False) -> None:
         """Use the tool with the id ``name``, or say why it can do nothing now."""
-        hand, tool = self._hand(), self._tool(name)
-        if hand is None or tool is None or self.toolbox is None:
+        desk, tool = self._hand(), self._tool(name)
+        if desk is None or tool is None or self.toolbox is None:
             return
-        refused = self._cell(tool, hand).refused
+        refused = self._cell(tool, desk).refused
         if refused:
             self.screen.tell(refused)
             return
         use = tool.click if is_clicked and tool.click is not None else tool.use
-        use(self if tool in ALWAYS else self.toolbox, hand)
+        use(self if tool in ALWAYS else self.toolbox, desk)
         self._show_picked()
 
     def draw(self, event: Touched) -> None:
         """Paint where the pointer was drawn, change what is paid under it, or use what was clicked."""
-        hand = self._hand()
-        if hand is None or self.toolbox is None:
+        desk = self._hand()
+        if desk is None or self.toolbox is None:
             return
         match event:
-            case Stroke(places=places):
-                self.toolbox.paint(hand, places)
+            case PointerStroke(places=places):
+                self.toolbox.paint(desk, places)
             case Wheeled(place=place, amount=amount):
-                self.toolbox.turn(hand, place, amount)
+                self.toolbox.turn(desk, place, amount)
             case LinePressed(line):
-                self.toolbox.choose_line(hand, line)
+                self.toolbox.choose_line(desk, line)
             case ToolPressed(name):
                 self.screen.set_focus(self.board.world)
                 self.use(name, is_clicked=True)
@@ -208,14 +208,14 @@ class WorldEditing(KeyMode):
 
         What cannot be is refused in words, and the slider goes back.
         """
-        hand = self._hand()
-        if hand is None or self.toolbox is None or isinstance(value, str):
+        desk = self._hand()
+        if desk is None or self.toolbox is None or isinstance(value, str):
             return False
-        number = next((each for each in self.toolbox.numbers(hand) if each.parameter.name == name), None)
+        number = next((each for each in self.toolbox.numbers(desk) if each.parameter.name == name), None)
         if number is None:
             return False
         try:
-            self._draw(self.toolbox.number_edits(hand, name, value))
+            self._draw(self.toolbox.number_edits(desk, name, value))
         except ValueError as fault:
             self.screen.tell(f"{number.parameter.symbol} stays {number.value:g}: {fault}", severity="warning")
         self._show_picked()
@@ -297,28 +297,28 @@ class WorldEditing(KeyMode):
         if snapshot.world is not view.world:  # it is drawn next, and then all of this is shown
             self.screen.call_later(self._land, box.place_added(snapshot.world))
             return
-        hand = self._hand()
-        about = () if hand is None else box.about(hand)
+        desk = self._hand()
+        about = () if desk is None else box.about(desk)
         with_brush = tuple(f"{each} · {box.in_hand}" for each in about[:2] if box.in_hand)
         self._write(title(snapshot), prompts(snapshot, (*with_brush, *about)), hints(box.hints()))
-        if hand is not None:
-            self.board.tools.show_sheet(self._sheet(box, hand, about))
+        if desk is not None:
+            self.board.tools.show_sheet(self._sheet(box, desk, about))
 
-    def _sheet(self, box: Toolbox, hand: Hand, about: tuple[str, ...]) -> Sheet:
+    def _sheet(self, box: Toolbox, desk: Desk, about: tuple[str, ...]) -> ToolSheet:
         tools = (each for each in (*box.tools, *ALWAYS) if each.in_panel)
-        return Sheet(
-            about=tuple(filter(None, (about, box.advice(hand)))),
-            lines=box.lines(hand),
-            cells=tuple(self._cell(each, hand) for each in tools),
-            numbers=box.numbers(hand),
+        return ToolSheet(
+            about=tuple(filter(None, (about, box.advice(desk)))),
+            lines=box.lines(desk),
+            cells=tuple(self._cell(each, desk) for each in tools),
+            numbers=box.numbers(desk),
         )
 
-    def _cell(self, tool: Tool, hand: Hand) -> ToolCell:
+    def _cell(self, tool: Tool, desk: Desk) -> ToolCell:
         """Return how the panel shows ``tool`` now."""
         if tool not in ALWAYS:
             assert self.toolbox is not None
-            return self.toolbox.cell(tool, hand)
-        editor, is_waiting = hand.snapshot.editor, bool(self._pending)
+            return self.toolbox.cell(tool, desk)
+        editor, is_waiting = desk.snapshot.editor, bool(self._pending)
         refused = {
             UNDO: "" if editor.can_undo or is_waiting else "nothing was drawn yet: there is nothing to undo",
             REDO: "" if editor.can_redo or is_waiting else "nothing was undone: there is nothing to redo",
@@ -326,13 +326,13 @@ class WorldEditing(KeyMode):
         }.get(tool.id, "")
         return ToolCell(tool.id, tool.shown, tool.word, refused=refused)
 
-    def _hand(self) -> Hand | None:
+    def _hand(self) -> Desk | None:
         """Return what tools work with; None while there is no draft yet."""
         view, snapshot = self.board.world, self.snapshot
         draft = None if snapshot is None else self._pending.draft(snapshot)
         if view is None or snapshot is None or draft is None:
             return None
-        return Hand(view, snapshot, draft, self.glyphs, self._draw, self.screen.tell, self.ask)
+        return Desk(view, snapshot, draft, self.glyphs, self._draw, self.screen.tell, self.ask)
 
     def _draw(self, edits: Sequence[Edit]) -> None:
         """Make ``edits`` as one stroke, or say why they cannot be made."""
@@ -357,10 +357,10 @@ class WorldEditing(KeyMode):
         self._show_picked()
 
     def _show_picked(self) -> None:
-        hand = self._hand()
-        if self.toolbox is not None and hand is not None:
-            hand.view.picked = self.toolbox.picked(hand)
-            self.show(hand.snapshot)
+        desk = self._hand()
+        if self.toolbox is not None and desk is not None:
+            desk.view.picked = self.toolbox.picked(desk)
+            self.show(desk.snapshot)
 
 
 def action_of(tool: Tool) -> Action:

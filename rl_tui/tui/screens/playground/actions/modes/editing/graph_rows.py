@@ -16,7 +16,7 @@ GRAPH_TOOLS: Final = (
         "enter",
         "actions",
         "What can be done in the state, and what comes of it; a new action too.",
-        lambda box, hand: box.choose_action(hand),
+        lambda box, desk: box.choose_action(desk),
         0,
     ),
     Tool(
@@ -24,7 +24,7 @@ GRAPH_TOOLS: Final = (
         "+",
         "likelier",
         "Let the outcome chosen be likelier by .05; the others share the rest.",
-        lambda box, hand: box.shift(hand, 0.05),
+        lambda box, desk: box.shift(desk, 0.05),
         2,
     ),
     Tool(
@@ -32,7 +32,7 @@ GRAPH_TOOLS: Final = (
         "−",
         "less likely",
         "Let the outcome chosen be less likely by .05; the others share the rest.",
-        lambda box, hand: box.shift(hand, -0.05),
+        lambda box, desk: box.shift(desk, -0.05),
         3,
     ),
     Tool(
@@ -40,7 +40,7 @@ GRAPH_TOOLS: Final = (
         "=",
         "reward",
         "Type what the action chosen pays.",
-        lambda box, hand: box.ask_reward(hand),
+        lambda box, desk: box.ask_reward(desk),
         9,
     ),
     Tool(
@@ -48,16 +48,16 @@ GRAPH_TOOLS: Final = (
         "del",
         "action −",
         "Take the action chosen away.",
-        lambda box, hand: box.take_action_away(hand),
+        lambda box, desk: box.take_action_away(desk),
         10,
     ),
-    Tool("S", "S", "start", "Let every episode start here.", lambda box, hand: box.begin_here(hand), 1),
+    Tool("S", "S", "start", "Let every episode start here.", lambda box, desk: box.begin_here(desk), 1),
     Tool(
         "i",
         "i",
         "state +",
         "Add a state, and an action that leads there from this one.",
-        lambda box, hand: box.add_state(hand),
+        lambda box, desk: box.add_state(desk),
         5,
     ),
     Tool(
@@ -65,7 +65,7 @@ GRAPH_TOOLS: Final = (
         "u",
         "state −",
         "Take this state away, and what leads there.",
-        lambda box, hand: box.remove_state(hand),
+        lambda box, desk: box.remove_state(desk),
         6,
     ),
     Tool(
@@ -73,7 +73,7 @@ GRAPH_TOOLS: Final = (
         ",",
         "next state",
         "Go to the next state: to one that no arrow key leads to as well.",
-        lambda box, hand: box.go_on(hand),
+        lambda box, desk: box.go_on(desk),
         15,
     ),
     Tool(
@@ -81,7 +81,7 @@ GRAPH_TOOLS: Final = (
         "<",
         "move left",
         "Draw the state one place to the left.",
-        lambda box, hand: box.move(hand, -1, 0),
+        lambda box, desk: box.move(desk, -1, 0),
         11,
     ),
     Tool(
@@ -89,7 +89,7 @@ GRAPH_TOOLS: Final = (
         ">",
         "move right",
         "Draw the state one place to the right.",
-        lambda box, hand: box.move(hand, 1, 0),
+        lambda box, desk: box.move(desk, 1, 0),
         12,
     ),
     Tool(
@@ -97,7 +97,7 @@ GRAPH_TOOLS: Final = (
         "^",
         "move up",
         "Draw the state one place higher.",
-        lambda box, hand: box.move(hand, 0, -1),
+        lambda box, desk: box.move(desk, 0, -1),
         13,
     ),
     Tool(
@@ -105,7 +105,7 @@ GRAPH_TOOLS: Final = (
         "V",
         "move down",
         "Draw the state one place lower.",
-        lambda box, hand: box.move(hand, 0, 1),
+        lambda box, desk: box.move(desk, 0, 1),
         14,
     ),
     Tool("o", "o", "rules", "The rules of the graph: start and time limit.", ask_rules, 4),

@@ -13,7 +13,7 @@ from rl_tui.tui.screens.playground.actions.modes.editing.graph_rows import GRAPH
 from rl_tui.tui.screens.playground.actions.modes.editing.numbers import CHANCE, LIMIT, PAYS
 from rl_tui.tui.screens.playground.actions.modes.editing.outcomes import (
     FORM,
-    Outcome,
+    ActionOutcome,
     actions_in,
     outcomes_in,
     paying,
@@ -23,7 +23,7 @@ from rl_tui.tui.screens.playground.actions.modes.editing.outcomes import (
 )
 from rl_tui.tui.screens.playground.actions.modes.editing.rules import fault_of, number_of
 from rl_tui.tui.screens.playground.actions.modes.editing.texts import number_in
-from rl_tui.tui.screens.playground.actions.modes.editing.tools import Hand, Tool, Toolbox
+from rl_tui.tui.screens.playground.actions.modes.editing.tools import Desk, Tool, Toolbox
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.editing.edit import Edit, as_json
 from rl_tui.worlds.editing.graph_draft import GraphDraft, transition_edit, with_chance
@@ -44,23 +44,23 @@ class GraphTools(Toolbox):
 
     # What is shown
 
-    def about(self, hand: Hand) -> tuple[str, ...]:
+    def about(self, desk: Desk) -> tuple[str, ...]:
         """Return the state under the cursor, and what can be done there."""
-        state = _state(hand)
-        actions = actions_in(_graph_of(hand), state)
+        state = _state(desk)
+        actions = actions_in(_graph_of(desk), state)
         return (
             f"{state}: {', '.join(actions) or 'terminal'} · enter: what they do",
             f"{state} · enter: actions",
         )
 
-    def advice(self, hand: Hand) -> tuple[str, ...]:
+    def advice(self, desk: Desk) -> tuple[str, ...]:
         """Return how an outcome is chosen."""
         return "shift+↑ ↓ or a click chooses an outcome", "shift+↑ ↓: another outcome"
 
-    def lines(self, hand: Hand) -> tuple[SheetLine, ...]:
+    def lines(self, desk: Desk) -> tuple[SheetLine, ...]:
         """Return a line for each outcome in the state under the cursor."""
-        outcomes = outcomes_in(_graph_of(hand), _state(hand))
-        chosen = self._number(hand, outcomes)
+        outcomes = outcomes_in(_graph_of(desk), _state(desk))
+        chosen = self._number(desk, outcomes)
         return tuple(
             SheetLine(
                 f"{each.action} → {each.to} {each.chance:.4g} pays {each.pays:g}", is_on=number == chosen
@@ -68,43 +68,43 @@ class GraphTools(Toolbox):
             for number, each in enumerate(outcomes)
         )
 
-    def choose_line(self, hand: Hand, line: int) -> None:
+    def choose_line(self, desk: Desk, line: int) -> None:
         """Choose the outcome of that line."""
-        self._chosen = _state(hand), line
+        self._chosen = _state(desk), line
 
-    def go_along(self, hand: Hand, step: tuple[int, int]) -> None:
+    def go_along(self, desk: Desk, step: tuple[int, int]) -> None:
         """Choose the next outcome, or the one before."""
-        outcomes = outcomes_in(_graph_of(hand), _state(hand))
+        outcomes = outcomes_in(_graph_of(desk), _state(desk))
         if outcomes:
-            self.choose_line(hand, (self._number(hand, outcomes) + sum(step)) % len(outcomes))
+            self.choose_line(desk, (self._number(desk, outcomes) + sum(step)) % len(outcomes))
 
-    def cell(self, tool: Tool, hand: Hand) -> ToolCell:
+    def cell(self, tool: Tool, desk: Desk) -> ToolCell:
         """Return how the panel shows ``tool``: where nothing can be done, nothing is to be changed."""
-        is_idle = tool.id in NEEDS_OUTCOME and self._outcome(hand) is None
+        is_idle = tool.id in NEEDS_OUTCOME and self._outcome(desk) is None
         return ToolCell(tool.id, tool.shown, tool.word, refused=_NOTHING if is_idle else "")
 
-    def numbers(self, hand: Hand) -> tuple[WorldNumber, ...]:
+    def numbers(self, desk: Desk) -> tuple[WorldNumber, ...]:
         """Return chance and reward of the outcome chosen, and the time limit."""
-        outcome = self._outcome(hand)
+        outcome = self._outcome(desk)
         return (
             WorldNumber(CHANCE, 0.0 if outcome is None else outcome.chance),
             WorldNumber(PAYS, 0.0 if outcome is None else outcome.pays),
-            WorldNumber(LIMIT, number_of(hand.draft, LIMIT.name)),
+            WorldNumber(LIMIT, number_of(desk.draft, LIMIT.name)),
         )
 
-    def number_edits(self, hand: Hand, name: str, value: float) -> Sequence[Edit]:
+    def number_edits(self, desk: Desk, name: str, value: float) -> Sequence[Edit]:
         """Return the edits that set one of them. Raises ValueError, in words, where it cannot be that."""
         if name == LIMIT.name:
             edits = (Edit(name, (), str(int(value))),)
-            fault = fault_of(hand.draft, edits, name)
+            fault = fault_of(desk.draft, edits, name)
             if fault:
                 raise ValueError(fault)
             return edits
-        outcome = self._outcome(hand)
+        outcome = self._outcome(desk)
         if outcome is None:
             raise ValueError(_NOTHING)
         entry = paying(outcome, value) if name == PAYS.name else _as_likely(outcome, value)
-        return (transition_edit(_state(hand), outcome.action, entry),)
+        return (transition_edit(_state(desk), outcome.action, entry),)
 
     def place_added(self, world: World) -> int | None:
         """Return the state that was added, once it is there."""
@@ -116,29 +116,29 @@ class GraphTools(Toolbox):
 
     # What actions do
 
-    def choose_action(self, hand: Hand) -> None:
+    def choose_action(self, desk: Desk) -> None:
         """Choose an action of the state under the cursor, or a new one, and type what it does."""
-        draft, state = _graph_of(hand), _state(hand)
+        draft, state = _graph_of(desk), _state(desk)
         candidates = [
             *(Candidate(each, each, (written(draft, state, each),)) for each in actions_in(draft, state)),
             Candidate(_NEW, _NEW, ("type its name, then what it does",)),
         ]
-        outcome = self._outcome(hand)
+        outcome = self._outcome(desk)
         current = "" if outcome is None else outcome.action
-        hand.ask(
-            Choice(f"What can be done in {state}", candidates, current, hand.glyphs),
-            partial(self._chosen_action, hand, state),
+        desk.ask(
+            Choice(f"What can be done in {state}", candidates, current, desk.glyphs),
+            partial(self._chosen_action, desk, state),
         )
 
-    def _chosen_action(self, hand: Hand, state: str, action: str) -> None:
+    def _chosen_action(self, desk: Desk, state: str, action: str) -> None:
         if action != _NEW:
-            self._ask_outcomes(hand, state, action)
+            self._ask_outcomes(desk, state, action)
             return
         prompt = Prompt("A new action", f"Its name, in {state}.", "", read_name)
-        hand.ask(prompt, lambda name: self._ask_outcomes(hand, state, str(name)))
+        desk.ask(prompt, lambda name: self._ask_outcomes(desk, state, str(name)))
 
-    def _ask_outcomes(self, hand: Hand, state: str, action: str) -> None:
-        draft = _graph_of(hand)
+    def _ask_outcomes(self, desk: Desk, state: str, action: str) -> None:
+        draft = _graph_of(desk)
         hint = (
             f"States and chances: {FORM}. A new name makes a new state; an empty line takes the action away."
         )
@@ -147,51 +147,51 @@ class GraphTools(Toolbox):
 
         def answered(text: object) -> None:
             if prompt.typed != was:
-                hand.draw((Edit("transition", (state, action), str(text)),))
+                desk.draw((Edit("transition", (state, action), str(text)),))
 
-        hand.ask(prompt, answered)
+        desk.ask(prompt, answered)
 
-    def take_action_away(self, hand: Hand) -> None:
+    def take_action_away(self, desk: Desk) -> None:
         """Take the action chosen away."""
-        outcome = self._outcome(hand)
+        outcome = self._outcome(desk)
         if outcome is None:
-            hand.tell(_NOTHING)
+            desk.tell(_NOTHING)
         else:
-            hand.draw((transition_edit(_state(hand), outcome.action, None),))
+            desk.draw((transition_edit(_state(desk), outcome.action, None),))
 
-    def shift(self, hand: Hand, chance: float) -> None:
+    def shift(self, desk: Desk, chance: float) -> None:
         """Let the outcome chosen be so much likelier."""
-        outcome = self._outcome(hand)
+        outcome = self._outcome(desk)
         try:
             if outcome is None:
                 raise ValueError(_NOTHING)
             entry = _as_likely(outcome, round(outcome.chance + chance, 10))
         except ValueError as fault:
-            hand.tell(str(fault))
+            desk.tell(str(fault))
         else:
-            hand.draw((transition_edit(_state(hand), outcome.action, entry),))
+            desk.draw((transition_edit(_state(desk), outcome.action, entry),))
 
-    def ask_reward(self, hand: Hand) -> None:
+    def ask_reward(self, desk: Desk) -> None:
         """Type what the action chosen pays."""
-        outcome, state = self._outcome(hand), _state(hand)
+        outcome, state = self._outcome(desk), _state(desk)
         if outcome is None:
-            hand.tell(_NOTHING)
+            desk.tell(_NOTHING)
             return
         title = f"Reward of {outcome.action} in {state}"
-        hand.ask(
+        desk.ask(
             Prompt(title, "A number.", f"{outcome.pays:g}", number_in),
-            lambda value: hand.draw((transition_edit(state, outcome.action, paying(outcome, float(value))),)),
+            lambda value: desk.draw((transition_edit(state, outcome.action, paying(outcome, float(value))),)),
         )
 
     # States
 
-    def begin_here(self, hand: Hand) -> None:
+    def begin_here(self, desk: Desk) -> None:
         """Let every episode start in the state under the cursor."""
-        hand.draw((Edit("start", (), as_json(_state(hand))),))
+        desk.draw((Edit("start", (), as_json(_state(desk))),))
 
-    def add_state(self, hand: Hand) -> None:
+    def add_state(self, desk: Desk) -> None:
         """Type the name of a new state; an action from the one under the cursor leads there."""
-        draft, state = _graph_of(hand), _state(hand)
+        draft, state = _graph_of(desk), _state(desk)
 
         def read(text: str) -> str:
             name = read_name(text)
@@ -201,26 +201,26 @@ class GraphTools(Toolbox):
 
         def answered(name: object) -> None:
             self._added = str(name)
-            hand.draw((transition_edit(state, f"to {name}", {"reward": 0.0, "to": str(name)}),))
+            desk.draw((transition_edit(state, f"to {name}", {"reward": 0.0, "to": str(name)}),))
 
         hint = f"Its name. An action leads there from {state}; enter says what it is."
-        hand.ask(Prompt("A new state", hint, "", read, "add"), answered)
+        desk.ask(Prompt("A new state", hint, "", read, "add"), answered)
 
-    def remove_state(self, hand: Hand) -> None:
+    def remove_state(self, desk: Desk) -> None:
         """Take the state under the cursor away, and what leads there."""
-        hand.draw((Edit("state", (_state(hand),), "null"),))
+        desk.draw((Edit("state", (_state(desk),), "null"),))
 
-    def go_on(self, hand: Hand) -> None:
+    def go_on(self, desk: Desk) -> None:
         """Put the cursor on the next state, after the last on the first."""
-        hand.view.put_cursor(((hand.view.cursor_place or 0) + 1) % hand.snapshot.world.space.states)
+        desk.view.put_cursor(((desk.view.cursor_place or 0) + 1) % desk.snapshot.world.space.states)
 
-    def move(self, hand: Hand, columns: int, rows: int) -> None:
+    def move(self, desk: Desk, columns: int, rows: int) -> None:
         """Draw the state under the cursor a place further; what stands there changes places with it.
 
         Where the file has no place for a state, those of the picture are put into it.
         """
-        draft, state = _graph_of(hand), _state(hand)
-        place = _places(hand, draft)
+        draft, state = _graph_of(desk), _state(desk)
+        place = _places(desk, draft)
         missing = [
             Edit("place", (name,), as_json(list(at)))
             for name, at in place.items()
@@ -229,37 +229,37 @@ class GraphTools(Toolbox):
         column, row = place[state]
         new = [column + columns, row + rows]
         if min(new) < 0:
-            hand.tell("there is nothing further in that direction: move the others away from it")
+            desk.tell("there is nothing further in that direction: move the others away from it")
             return
-        hand.draw((*missing, Edit("place", (state,), as_json(new))))
+        desk.draw((*missing, Edit("place", (state,), as_json(new))))
 
     # The pointer
 
-    def paint(self, hand: Hand, places: Sequence[int]) -> None:
+    def paint(self, desk: Desk, places: Sequence[int]) -> None:
         """Put the cursor where it was clicked; there again, ask what is done there."""
-        was_there = hand.view.cursor == places[-1]
-        hand.view.put_cursor(places[-1])
+        was_there = desk.view.cursor == places[-1]
+        desk.view.put_cursor(places[-1])
         if was_there:
-            self.choose_action(hand)
+            self.choose_action(desk)
 
-    def turn(self, hand: Hand, place: int, amount: float) -> None:
+    def turn(self, desk: Desk, place: int, amount: float) -> None:
         """Let the outcome chosen in a state be likelier, or less."""
-        hand.view.put_cursor(place)
-        self.shift(hand, amount / 20)
+        desk.view.put_cursor(place)
+        self.shift(desk, amount / 20)
 
-    def _outcome(self, hand: Hand) -> Outcome | None:
+    def _outcome(self, desk: Desk) -> ActionOutcome | None:
         """Return the outcome chosen in the state under the cursor, None where there is none."""
-        outcomes = outcomes_in(_graph_of(hand), _state(hand))
-        return outcomes[self._number(hand, outcomes)] if outcomes else None
+        outcomes = outcomes_in(_graph_of(desk), _state(desk))
+        return outcomes[self._number(desk, outcomes)] if outcomes else None
 
-    def _number(self, hand: Hand, outcomes: Sequence[Outcome]) -> int:
+    def _number(self, desk: Desk, outcomes: Sequence[ActionOutcome]) -> int:
         """Return which of ``outcomes`` is chosen; at first it is one whose chance can be changed."""
-        if self._chosen is not None and self._chosen[0] == _state(hand):
+        if self._chosen is not None and self._chosen[0] == _state(desk):
             return min(self._chosen[1], max(0, len(outcomes) - 1))
         return next((number for number, each in enumerate(outcomes) if not each.is_alone), 0)
 
 
-def _as_likely(outcome: Outcome, chance: float) -> Mapping[str, Any]:
+def _as_likely(outcome: ActionOutcome, chance: float) -> Mapping[str, Any]:
     """Return the entry in which ``outcome`` has that chance. Raises ValueError, in words.
 
     It never becomes certain or impossible: the others would forget how they shared the rest.
@@ -271,20 +271,20 @@ def _as_likely(outcome: Outcome, chance: float) -> Mapping[str, Any]:
     return with_chance(outcome.entry, outcome.to, chance)
 
 
-def _graph_of(hand: Hand) -> GraphDraft:
-    draft = hand.draft
+def _graph_of(desk: Desk) -> GraphDraft:
+    draft = desk.draft
     assert isinstance(draft, GraphDraft)
     return draft
 
 
-def _state(hand: Hand) -> str:
-    names = hand.snapshot.world.space.state_names
-    return names[min(hand.view.cursor_place or 0, len(names) - 1)]
+def _state(desk: Desk) -> str:
+    names = desk.snapshot.world.space.state_names
+    return names[min(desk.view.cursor_place or 0, len(names) - 1)]
 
 
-def _places(hand: Hand, draft: GraphDraft) -> dict[str, Sequence[int]]:
+def _places(desk: Desk, draft: GraphDraft) -> dict[str, Sequence[int]]:
     """Return where each state stands: as it is drawn, as the draft says where that is known."""
-    world = hand.snapshot.world
+    world = desk.snapshot.world
     assert isinstance(world.drawing, Graph)
     seen = dict(zip(world.space.state_names, world.drawing.places, strict=True))
     return {**seen, **(draft.rules.get("place") or {})}

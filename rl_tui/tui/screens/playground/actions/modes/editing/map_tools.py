@@ -42,7 +42,7 @@ from rl_tui.tui.screens.playground.actions.modes.editing.numbers import (
 )
 from rl_tui.tui.screens.playground.actions.modes.editing.rules import fault_of, number_of, rule_of
 from rl_tui.tui.screens.playground.actions.modes.editing.texts import number_in
-from rl_tui.tui.screens.playground.actions.modes.editing.tools import Hand, Tool, Toolbox
+from rl_tui.tui.screens.playground.actions.modes.editing.tools import Desk, Tool, Toolbox
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.editing.edit import Edit
 from rl_tui.worlds.editing.grid_draft import GridDraft
@@ -68,16 +68,16 @@ class MapTools(Toolbox):
 
     # What is shown
 
-    def about(self, hand: Hand) -> tuple[str, ...]:
+    def about(self, desk: Desk) -> tuple[str, ...]:
         """Return what stands under the cursor, and what it pays."""
         if self._jump_from is not None:
             return "enter: the jump leads to here · esc: no jump", "enter: jump to here"
-        row, column = _here(hand)
-        character = _map_of(hand).lines[row][column]
-        entry = _map_of(hand).legend.get(character)
+        row, column = _here(desk)
+        character = _map_of(desk).lines[row][column]
+        entry = _map_of(desk).legend.get(character)
         pays = "" if entry is None or entry.is_wall else f" pays {entry.pays:g}"
         where, what = f"row {row}, column {column}", f"{character} {called(entry)}{pays}"
-        rows, columns = self._rectangle(hand)
+        rows, columns = self._rectangle(desk)
         size = f"{len(rows)} × {len(columns)} cells · " if self._corner is not None else ""
         return f"{size}{where}: {what}", f"{size}{what}", what
 
@@ -86,7 +86,7 @@ class MapTools(Toolbox):
         """The brush in force."""
         return "" if self._jump_from is not None else f"brush {self._brush_shown}"
 
-    def advice(self, hand: Hand) -> tuple[str, ...]:
+    def advice(self, desk: Desk) -> tuple[str, ...]:
         """Return what a click or a drag does with the brush."""
         if self._jump_from is not None:
             return ("click where the jump leads",)
@@ -99,23 +99,23 @@ class MapTools(Toolbox):
     def _brush_shown(self) -> str:
         return f"{self._brush.character} {self._brush.word}".strip()
 
-    def cell(self, tool: Tool, hand: Hand) -> ToolCell:
+    def cell(self, tool: Tool, desk: Desk) -> ToolCell:
         """Return how the panel shows ``tool``: the brush in force stands out, and what is switched on."""
-        word, moves = tool.word, str(rule_of(hand.draft, "moves"))
+        word, moves = tool.word, str(rule_of(desk.draft, "moves"))
         if tool.id == MOVES:
             word = f"{moves} moves" if moves == "four" else moves
         is_on = {
             MARK: self._corner is not None,
             JUMP: self._jump_from is not None,
-            SLIPPERY: rule_of(hand.draft, "slippery") is True,
-            LEAVING: rule_of(hand.draft, "rewards") == "leaving",
+            SLIPPERY: rule_of(desk.draft, "slippery") is True,
+            LEAVING: rule_of(desk.draft, "rewards") == "leaving",
         }.get(tool.id, bool(tool.key) and tool.key == self._brush.key)
         refused = _NOTHING_COPIED if tool.id == PASTE and not self._copied else ""
         return ToolCell(tool.id, tool.shown, word, is_on=is_on, refused=refused)
 
-    def numbers(self, hand: Hand) -> tuple[WorldNumber, ...]:
+    def numbers(self, desk: Desk) -> tuple[WorldNumber, ...]:
         """Return the numbers of the map, what the cell pays, and the wind where it is."""
-        draft, (row, column) = _map_of(hand), _here(hand)
+        draft, (row, column) = _map_of(desk), _here(desk)
         entry = draft.legend.get(draft.lines[row][column])
         return (
             WorldNumber(PAYS, 0.0 if entry is None else entry.pays),
@@ -126,13 +126,13 @@ class MapTools(Toolbox):
             WorldNumber(WIND_ROWS, _wind(draft, WIND_ROWS.name, row), is_short=True),
         )
 
-    def number_edits(self, hand: Hand, name: str, value: float) -> Sequence[Edit]:
+    def number_edits(self, desk: Desk, name: str, value: float) -> Sequence[Edit]:
         """Return the edits that set one of them. Raises ValueError, in words, where it cannot be that."""
-        draft, (row, column) = _map_of(hand), _here(hand)
+        draft, (row, column) = _map_of(desk), _here(desk)
         if name == PAYS.name:
-            if not paying_more(draft, self._cells(hand), 0.0):
+            if not paying_more(draft, self._cells(desk), 0.0):
                 raise ValueError(_WALL_PAYS)
-            return (self._reward_edit(hand, value),)
+            return (self._reward_edit(desk, value),)
         where = {WIND.name: (str(column),), WIND_ROWS.name: (str(row),)}.get(name, ())
         is_whole = name in (LIMIT.name, WIND.name, WIND_ROWS.name)
         edits = (Edit(name, where, repr(int(value) if is_whole else value)),)
@@ -141,43 +141,43 @@ class MapTools(Toolbox):
             raise ValueError(fault)
         return edits
 
-    def picked(self, hand: Hand) -> frozenset[int]:
+    def picked(self, desk: Desk) -> frozenset[int]:
         """Return the cells of the rectangle."""
         if self._corner is None:
             return frozenset()
-        width = _drawing(hand).columns
-        return frozenset(row * width + column for row, column in self._cells(hand))
+        width = _drawing(desk).columns
+        return frozenset(row * width + column for row, column in self._cells(desk))
 
     # The pointer, and keys that move
 
-    def paint(self, hand: Hand, places: Sequence[int]) -> None:
+    def paint(self, desk: Desk, places: Sequence[int]) -> None:
         """Paint the brush at ``places``; the arrow marks them, and a jump that was begun ends there."""
-        before = hand.view.cursor_place
-        hand.view.put_cursor(places[-1])
+        before = desk.view.cursor_place
+        desk.view.put_cursor(places[-1])
         if self._jump_from is not None:
-            self.enter(hand)
+            self.enter(desk)
         elif self._brush is not ARROW:
-            hand.draw(painted(_map_of(hand), self._brush, [_cell(hand, place) for place in places]))
+            desk.draw(painted(_map_of(desk), self._brush, [_cell(desk, place) for place in places]))
         elif len(places) > 1:
             self._corner = places[0]
         elif before == places[0]:
             self._corner = None
 
-    def turn(self, hand: Hand, place: int, amount: float) -> None:
+    def turn(self, desk: Desk, place: int, amount: float) -> None:
         """Let a cell pay so much more."""
-        self._pay_more(hand, [_cell(hand, place)], amount)
+        self._pay_more(desk, [_cell(desk, place)], amount)
 
-    def go_along(self, hand: Hand, step: tuple[int, int]) -> None:
+    def go_along(self, desk: Desk, step: tuple[int, int]) -> None:
         """Paint under the cursor and where it moves; the arrow marks a rectangle on the way."""
-        before = hand.view.cursor_place
+        before = desk.view.cursor_place
         if before is None:
             return
-        there = hand.view.moved(before, *step)
+        there = desk.view.moved(before, *step)
         if self._brush is not ARROW:
-            self.paint(hand, (before, there))
+            self.paint(desk, (before, there))
             return
         self._corner = before if self._corner is None else self._corner
-        hand.view.put_cursor(there)
+        desk.view.put_cursor(there)
 
     def place_added(self, world: World) -> int | None:
         """Return the cell of the row or column that was added before the cursor, once it is there."""
@@ -192,63 +192,63 @@ class MapTools(Toolbox):
 
     # Brushes
 
-    def take(self, brush: Brush, hand: Hand) -> None:
+    def take(self, brush: Brush, desk: Desk) -> None:
         """Take a brush, and paint with it what is picked."""
         self._brush = brush
-        self._fill_rectangle(hand)
+        self._fill_rectangle(desk)
 
-    def choose(self, brush: Brush, hand: Hand) -> None:
+    def choose(self, brush: Brush, desk: Desk) -> None:
         """Take a brush that was clicked; only a rectangle is painted at once."""
         self._brush = brush
         if self._corner is not None:
-            self._fill_rectangle(hand)
+            self._fill_rectangle(desk)
 
-    def point(self, hand: Hand) -> None:
+    def point(self, desk: Desk) -> None:
         """Let a click move the cursor only."""
         self._brush = ARROW
 
-    def pick_up(self, hand: Hand) -> None:
+    def pick_up(self, desk: Desk) -> None:
         """Take what is under the cursor for the brush."""
-        row, column = _here(hand)
-        character = _map_of(hand).lines[row][column]
-        self._brush = Brush(PICK, character, called(_map_of(hand).legend.get(character)))
+        row, column = _here(desk)
+        character = _map_of(desk).lines[row][column]
+        self._brush = Brush(PICK, character, called(_map_of(desk).legend.get(character)))
 
-    def enter(self, hand: Hand) -> None:
+    def enter(self, desk: Desk) -> None:
         """Paint with the brush, or end a jump."""
-        source, place = self._jump_from, hand.view.cursor_place
+        source, place = self._jump_from, desk.view.cursor_place
         if source is None or place is None:
-            self._fill_rectangle(hand)
+            self._fill_rectangle(desk)
             return
         self._jump_from = None
         try:
-            hand.draw(jump(_map_of(hand), _cell(hand, source), _cell(hand, place)))
+            desk.draw(jump(_map_of(desk), _cell(desk, source), _cell(desk, place)))
         except ValueError as fault:
-            hand.tell(str(fault))
+            desk.tell(str(fault))
 
-    def fill(self, hand: Hand) -> None:
+    def fill(self, desk: Desk) -> None:
         """Paint the rectangle, or else the whole region of cells like the one under the cursor."""
         if self._corner is not None:
-            self._fill_rectangle(hand)
+            self._fill_rectangle(desk)
         elif self._brush is not ARROW:
-            draft = _map_of(hand)
-            hand.draw(painted(draft, self._brush, region(draft, _here(hand))))
+            draft = _map_of(desk)
+            desk.draw(painted(draft, self._brush, region(draft, _here(desk))))
 
-    def _fill_rectangle(self, hand: Hand) -> None:
+    def _fill_rectangle(self, desk: Desk) -> None:
         if self._brush is ARROW:
-            hand.tell("the arrow paints nothing: take a brush")
+            desk.tell("the arrow paints nothing: take a brush")
             return
-        draft, cells = _map_of(hand), self._cells(hand)
-        rows, columns = self._rectangle(hand)
+        draft, cells = _map_of(desk), self._cells(desk)
+        rows, columns = self._rectangle(desk)
         self._corner = None
         filled = Edit("cell", (span(rows), span(columns)), character_of(draft, self._brush))
-        hand.draw((*before_painting(draft, self._brush, cells), filled))
+        desk.draw((*before_painting(draft, self._brush, cells), filled))
 
     # Jumps, rewards, rectangles, lines
 
-    def begin_jump(self, hand: Hand) -> None:
+    def begin_jump(self, desk: Desk) -> None:
         """Let a jump begin under the cursor."""
-        self._jump_from = hand.view.cursor_place
-        hand.tell("move to where the jump leads, then enter; or click there")
+        self._jump_from = desk.view.cursor_place
+        desk.tell("move to where the jump leads, then enter; or click there")
 
     def cancel(self) -> bool:
         """Forget a jump or a rectangle that was begun; return whether there was one."""
@@ -256,107 +256,107 @@ class MapTools(Toolbox):
         self._jump_from = self._corner = None
         return had
 
-    def ask_reward(self, hand: Hand) -> None:
+    def ask_reward(self, desk: Desk) -> None:
         """Type what the cells that are picked pay."""
-        draft, (row, column) = _map_of(hand), self._cells(hand)[0]
-        if not paying_more(draft, self._cells(hand), 0.0):
-            hand.tell(_WALL_PAYS)
+        draft, (row, column) = _map_of(desk), self._cells(desk)[0]
+        if not paying_more(draft, self._cells(desk), 0.0):
+            desk.tell(_WALL_PAYS)
             return
         entry = draft.legend.get(draft.lines[row][column])
         pays = 0.0 if entry is None else entry.pays
         hint = "What is paid on entering, or on leaving, as the map's rules say."
-        hand.ask(
+        desk.ask(
             Prompt("Reward of the cell", hint, f"{pays:g}", number_in),
-            lambda value: hand.draw((self._reward_edit(hand, float(value)),)),
+            lambda value: desk.draw((self._reward_edit(desk, float(value)),)),
         )
 
-    def _reward_edit(self, hand: Hand, value: float) -> Edit:
-        rows, columns = self._rectangle(hand)
+    def _reward_edit(self, desk: Desk, value: float) -> Edit:
+        rows, columns = self._rectangle(desk)
         return Edit("reward", (span(rows), span(columns)), repr(value))
 
-    def pay(self, amount: float, hand: Hand) -> None:
+    def pay(self, amount: float, desk: Desk) -> None:
         """Let what is picked pay so much more."""
-        self._pay_more(hand, self._cells(hand), amount)
+        self._pay_more(desk, self._cells(desk), amount)
 
-    def _pay_more(self, hand: Hand, cells: Sequence[Cell], amount: float) -> None:
-        edits = paying_more(_map_of(hand), cells, amount)
+    def _pay_more(self, desk: Desk, cells: Sequence[Cell], amount: float) -> None:
+        edits = paying_more(_map_of(desk), cells, amount)
         if edits:
-            hand.draw(edits)
+            desk.draw(edits)
         else:
-            hand.tell(_WALL_PAYS)
+            desk.tell(_WALL_PAYS)
 
-    def mark(self, hand: Hand) -> None:
+    def mark(self, desk: Desk) -> None:
         """Begin a rectangle under the cursor, or drop the one there is."""
-        self._corner = hand.view.cursor_place if self._corner is None else None
+        self._corner = desk.view.cursor_place if self._corner is None else None
 
-    def copy(self, hand: Hand) -> None:
+    def copy(self, desk: Desk) -> None:
         """Copy what is picked."""
-        rows, columns = self._rectangle(hand)
-        lines = _map_of(hand).lines
+        rows, columns = self._rectangle(desk)
+        lines = _map_of(desk).lines
         self._copied = tuple(lines[row][columns.start : columns.stop] for row in rows)
         self._corner = None
-        hand.tell(f"copied {len(rows)} × {len(columns)} cells: p puts them down")
+        desk.tell(f"copied {len(rows)} × {len(columns)} cells: p puts them down")
 
-    def paste(self, hand: Hand) -> None:
+    def paste(self, desk: Desk) -> None:
         """Put down what was copied, its upper left corner under the cursor, as far as the map goes."""
         if not self._copied:
-            hand.tell(_NOTHING_COPIED)
+            desk.tell(_NOTHING_COPIED)
             return
-        draft, (top, left) = _map_of(hand), _here(hand)
+        draft, (top, left) = _map_of(desk), _here(desk)
         cells = {
             (top + row, left + column): character
             for row, line in enumerate(self._copied)
             for column, character in enumerate(line)
             if top + row < draft.rows and left + column < draft.columns
         }
-        hand.draw(tuple(runs(list(cells), cells.__getitem__)))
+        desk.draw(tuple(runs(list(cells), cells.__getitem__)))
 
-    def resize(self, name: str, count: int, hand: Hand, *, at_end: bool = False) -> None:
+    def resize(self, name: str, count: int, desk: Desk, *, at_end: bool = False) -> None:
         """Add a row or a column before the cursor, or ``at_end``, or take away the one it is in."""
-        if hand.snapshot.editor.unfinished:
-            hand.tell("finish the map first: lines are added and taken where it is whole")
+        if desk.snapshot.editor.unfinished:
+            desk.tell("finish the map first: lines are added and taken where it is whole")
             return
-        draft, (row, column) = _map_of(hand), _here(hand)
+        draft, (row, column) = _map_of(desk), _here(desk)
         self._corner = self._jump_from = None
         last, here = (draft.rows, row) if name == "rows" else (draft.columns, column)
         if count > 0 and not at_end:
             rows, columns = draft.rows + count * (name == "rows"), draft.columns + count * (name == "columns")
             self._added = (rows, columns), row * columns + column
-        hand.draw((Edit(name, (), f"{count:+d}@{last if at_end else here}"),))
+        desk.draw((Edit(name, (), f"{count:+d}@{last if at_end else here}"),))
 
-    def _rectangle(self, hand: Hand) -> tuple[range, range]:
+    def _rectangle(self, desk: Desk) -> tuple[range, range]:
         """Return the rows and columns from the corner to the cursor; without a corner those of one cell."""
-        place = hand.view.cursor_place or 0
+        place = desk.view.cursor_place or 0
         corner = place if self._corner is None else self._corner
-        (top, left), (bottom, right) = _cell(hand, corner), _cell(hand, place)
+        (top, left), (bottom, right) = _cell(desk, corner), _cell(desk, place)
         rows, columns = sorted((top, bottom)), sorted((left, right))
         return range(rows[0], rows[1] + 1), range(columns[0], columns[1] + 1)
 
-    def _cells(self, hand: Hand) -> list[Cell]:
-        rows, columns = self._rectangle(hand)
+    def _cells(self, desk: Desk) -> list[Cell]:
+        rows, columns = self._rectangle(desk)
         return [(row, column) for row in rows for column in columns]
 
 
-def _map_of(hand: Hand) -> GridDraft:
-    draft = hand.draft
+def _map_of(desk: Desk) -> GridDraft:
+    draft = desk.draft
     assert isinstance(draft, GridDraft)
     return draft
 
 
-def _drawing(hand: Hand) -> Grid:
-    drawing = hand.snapshot.world.drawing
+def _drawing(desk: Desk) -> Grid:
+    drawing = desk.snapshot.world.drawing
     assert isinstance(drawing, Grid)
     return drawing
 
 
-def _cell(hand: Hand, place: int) -> Cell:
+def _cell(desk: Desk, place: int) -> Cell:
     """Return row and column of a place of the picture; a line that is being taken away has the next ones."""
-    row, column = divmod(place, _drawing(hand).columns)
-    return min(row, _map_of(hand).rows - 1), min(column, _map_of(hand).columns - 1)
+    row, column = divmod(place, _drawing(desk).columns)
+    return min(row, _map_of(desk).rows - 1), min(column, _map_of(desk).columns - 1)
 
 
-def _here(hand: Hand) -> Cell:
-    return _cell(hand, hand.view.cursor_place or 0)
+def _here(desk: Desk) -> Cell:
+    return _cell(desk, desk.view.cursor_place or 0)
 
 
 def _wind(draft: GridDraft, name: str, line: int) -> float:

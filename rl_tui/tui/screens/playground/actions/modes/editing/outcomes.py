@@ -14,7 +14,7 @@ FORM: Final = "Pass 0.8, Class 0.2 pays -2"
 _PAYS: Final = " pays "
 
 
-class Outcome(NamedTuple):
+class ActionOutcome(NamedTuple):
     """One thing that may come of ``action``, of which ``entry`` is all that is drawn."""
 
     action: str
@@ -29,10 +29,10 @@ class Outcome(NamedTuple):
         return len(chances_of(self.entry)) == 1
 
 
-def outcomes_in(draft: GraphDraft, state: str) -> list[Outcome]:
+def outcomes_in(draft: GraphDraft, state: str) -> list[ActionOutcome]:
     """Return every outcome of every action in ``state``, in the order of the file."""
     return [
-        Outcome(str(entry["action"]), to, chance, _pays(entry, to), entry)
+        ActionOutcome(str(entry["action"]), to, chance, _pays(entry, to), entry)
         for entry in draft.transitions
         if entry.get("state") == state
         for to, chance in chances_of(entry).items()
@@ -52,7 +52,7 @@ def _own(entry: Mapping[str, Any], to: str) -> Mapping[str, Any]:
     return own if isinstance(own, Mapping) else {}
 
 
-def paying(outcome: Outcome, reward: float) -> dict[str, Any]:
+def paying(outcome: ActionOutcome, reward: float) -> dict[str, Any]:
     """Return the entry of ``outcome`` with another reward: that of the outcome if it has one of its own."""
     entry = outcome.entry
     if "reward" not in _own(entry, outcome.to):

@@ -15,7 +15,7 @@ from rl_tui.worlds.grid.moves import MOVES
 from rl_tui.worlds.grid.section import REWARDS
 
 if TYPE_CHECKING:
-    from rl_tui.tui.screens.playground.actions.modes.editing.tools import Hand
+    from rl_tui.tui.screens.playground.actions.modes.editing.tools import Desk
     from rl_tui.worlds.editing.draft import Draft
 
 RULES: Final[dict[str, dict[str, str]]] = {
@@ -50,29 +50,29 @@ WORDS: Final[dict[str, tuple[str, ...]]] = {
 """What a rule may be that is no number."""
 
 
-def ask_rules(_: object, hand: Hand) -> None:
+def ask_rules(_: object, desk: Desk) -> None:
     """Choose one of the rules, and type or choose what it is to be."""
-    draft = hand.draft
+    draft = desk.draft
     if isinstance(draft, ArmsDraft) and draft.is_bernoulli:
-        hand.tell("arms that pay 1 or 0 have no spread and do not drift")
+        desk.tell("arms that pay 1 or 0 have no spread and do not drift")
         return
     candidates = [
         Candidate(name, f"{name}  {rule_value(draft, name)}", (text,))
         for name, text in RULES[draft.kind].items()
     ]
-    hand.ask(Choice("Rules of the world", candidates, "", hand.glyphs), lambda name: _ask_rule(hand, name))
+    desk.ask(Choice("Rules of the world", candidates, "", desk.glyphs), lambda name: _ask_rule(desk, name))
 
 
-def _ask_rule(hand: Hand, name: str) -> None:
-    draft, now = hand.draft, rule_value(hand.draft, name)
+def _ask_rule(desk: Desk, name: str) -> None:
+    draft, now = desk.draft, rule_value(desk.draft, name)
     if name in WORDS:
         candidates = [
             Candidate(word, word, refused=fault_of(draft, (rule_edit(name, word),), name))
             for word in WORDS[name]
         ]
         title = f"{name}: {RULES[draft.kind][name]}"
-        hand.ask(
-            Choice(title, candidates, now, hand.glyphs), lambda word: hand.draw((rule_edit(name, word),))
+        desk.ask(
+            Choice(title, candidates, now, desk.glyphs), lambda word: desk.draw((rule_edit(name, word),))
         )
         return
 
@@ -82,21 +82,21 @@ def _ask_rule(hand: Hand, name: str) -> None:
             raise ValueError(fault)
         return text
 
-    hand.ask(
+    desk.ask(
         Prompt(name, RULES[draft.kind][name], now, read),
-        lambda text: hand.draw((rule_edit(name, str(text)),)),
+        lambda text: desk.draw((rule_edit(name, str(text)),)),
     )
 
 
-def next_word(hand: Hand, name: str) -> None:
+def next_word(desk: Desk, name: str) -> None:
     """Let a rule be the next of its words, where it can be that."""
-    words, now = WORDS[name], rule_value(hand.draft, name)
+    words, now = WORDS[name], rule_value(desk.draft, name)
     edit = rule_edit(name, words[(words.index(now) + 1) % len(words)] if now in words else words[0])
-    fault = fault_of(hand.draft, (edit,), name)
+    fault = fault_of(desk.draft, (edit,), name)
     if fault:
-        hand.tell(f"{name} stays {now}: {fault}")
+        desk.tell(f"{name} stays {now}: {fault}")
     else:
-        hand.draw((edit,))
+        desk.draw((edit,))
 
 
 def fault_of(draft: Draft, edits: Sequence[Edit], name: str) -> str:

@@ -19,7 +19,7 @@ from rl_tui.worlds.world import World
 
 
 @dataclass(frozen=True, slots=True)
-class Hand:
+class Desk:
     """What a tool works with: the picture, the newest snapshot, what is drawn, and the ways to speak."""
 
     view: WorldView
@@ -37,7 +37,7 @@ class Tool:
 
     ``key`` is Textual's name of its key, empty where it has none, ``shown`` how people see it, ``word`` a
     word for key line and panel, ``help`` a sentence for the palette. ``use`` gets the toolbox, or whatever
-    the tool belongs to, and the hand; ``click`` is what a click on it does instead. ``rank`` orders the key
+    the tool belongs to, and the desk; ``click`` is what a click on it does instead. ``rank`` orders the key
     line; None: it is not there. Where it is not ``in_panel``, the panel says otherwise what it does. ``name``
     is what palette and docs call it, where the word alone says too little.
     """
@@ -46,9 +46,9 @@ class Tool:
     shown: str
     word: str
     help: str
-    use: Callable[[Any, Hand], None]
+    use: Callable[[Any, Desk], None]
     rank: int | None = None
-    click: Callable[[Any, Hand], None] | None = None
+    click: Callable[[Any, Desk], None] | None = None
     in_panel: bool = True
     name: str = ""
 
@@ -76,7 +76,7 @@ class Toolbox(ABC):
         return tuple((each.shown, each.word) for each in ranked)
 
     @abstractmethod
-    def about(self, hand: Hand) -> tuple[str, ...]:
+    def about(self, desk: Desk) -> tuple[str, ...]:
         """Return what stands under the cursor, the longest form first."""
 
     @property
@@ -84,47 +84,47 @@ class Toolbox(ABC):
         """What there is to paint with, empty where nothing is."""
         return ""
 
-    def advice(self, hand: Hand) -> tuple[str, ...]:
+    def advice(self, desk: Desk) -> tuple[str, ...]:
         """Return what a click does now, the longest form first."""
         return ()
 
-    def lines(self, hand: Hand) -> tuple[SheetLine, ...]:
+    def lines(self, desk: Desk) -> tuple[SheetLine, ...]:
         """Return lines to choose from, what tools are about besides the place under the cursor."""
         return ()
 
-    def choose_line(self, hand: Hand, line: int) -> None:
+    def choose_line(self, desk: Desk, line: int) -> None:
         """Choose one of them."""
         raise NotImplementedError
 
-    def cell(self, tool: Tool, hand: Hand) -> ToolCell:
+    def cell(self, tool: Tool, desk: Desk) -> ToolCell:
         """Return how the panel shows ``tool`` now."""
         return ToolCell(tool.id, tool.shown, tool.word)
 
-    def numbers(self, hand: Hand) -> tuple[WorldNumber, ...]:
+    def numbers(self, desk: Desk) -> tuple[WorldNumber, ...]:
         """Return the numbers that have a slider."""
         return ()
 
-    def number_edits(self, hand: Hand, name: str, value: float) -> Sequence[Edit]:
+    def number_edits(self, desk: Desk, name: str, value: float) -> Sequence[Edit]:
         """Return the edits that set one of them. Raises ValueError, in words, where it cannot be that."""
         raise NotImplementedError
 
-    def picked(self, hand: Hand) -> frozenset[int]:
+    def picked(self, desk: Desk) -> frozenset[int]:
         """Return the places that the next tool is about, besides the one under the cursor."""
         return frozenset()
 
     @abstractmethod
-    def paint(self, hand: Hand, places: Sequence[int]) -> None:
+    def paint(self, desk: Desk, places: Sequence[int]) -> None:
         """Draw at the ``places`` over which the pointer was drawn, or that was clicked."""
 
     @abstractmethod
-    def turn(self, hand: Hand, place: int, amount: float) -> None:
+    def turn(self, desk: Desk, place: int, amount: float) -> None:
         """Change what a place pays, by the wheel."""
 
-    def go_along(self, hand: Hand, step: tuple[int, int]) -> None:
+    def go_along(self, desk: Desk, step: tuple[int, int]) -> None:
         """Do what shift and an arrow mean, a step (rows down, columns right): move, if nothing more."""
-        place = hand.view.cursor_place
+        place = desk.view.cursor_place
         if place is not None:
-            hand.view.put_cursor(hand.view.moved(place, *step))
+            desk.view.put_cursor(desk.view.moved(place, *step))
 
     def cancel(self) -> bool:
         """Forget what was begun and not ended; return whether there was something."""
