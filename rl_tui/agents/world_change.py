@@ -29,12 +29,6 @@ def carry_drift(now: Drift, before: Drift, pairs: IntArray) -> None:
     carry_over(now.offset, before.offset, pairs)
     now.mean[:] += now.offset
     now.optimal[:] = now.mean == now.mean.max()
-    for sums, sums_before in (
-        (now.regret, before.regret),
-        (now.best_total, before.best_total),
-        (now.optimal_pulls, before.optimal_pulls),
-    ):
-        sums[:] = sums_before
 
 
 def carried_state(carried: Carried, state: int) -> int:

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from rl_tui.agents.exact.policies import policy_of_choices, uniform_policy
-from rl_tui.agents.exact.ways_out import endless_part, endless_states, never_reached, shortest_way
+from rl_tui.agents.exact.ways_out import (
+    endless_part,
+    endless_states,
+    never_reached,
+    shortest_way,
+    states_without_end,
+)
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 pytestmark = pytest.mark.unit
@@ -37,8 +43,15 @@ def test_a_trap_is_endless_and_a_room_without_a_door_is_never_reached() -> None:
     assert shortest_way(trap(), np.array([True, True, False, True, True, True])) is None, "not by that pair"
 
 
+def test_where_only_a_time_limit_ends_episodes_that_is_the_end() -> None:
+    rounds = [Transition(0, 0, [Outcome(1.0, 0, 1.0, False)])]
+    assert states_without_end(tabular_mdp(["here"], ["on"], rounds, {0: 1.0}, 0)).all()
+    assert not states_without_end(tabular_mdp(["here"], ["on"], rounds, {0: 1.0}, 5)).any()
+
+
 def test_a_time_limit_ends_every_episode_and_keeps_far_states_out_of_reach() -> None:
     assert not endless_states(trap(time_limit=1)).any()
+    assert np.flatnonzero(states_without_end(trap(time_limit=1))).tolist() == [3]
     assert never_reached(trap(time_limit=1)).tolist() == [2, 4]
     assert never_reached(trap(time_limit=2)).tolist() == [4]
 

@@ -48,6 +48,15 @@ def test_a_trap_is_named_by_its_state_and_warned_of(tmp_path: Path) -> None:
     assert "q-learning" in found["endless"]
 
 
+def test_a_trap_that_a_time_limit_ends_is_named_without_a_warning(tmp_path: Path) -> None:
+    path = tmp_path / "trap.toml"
+    path.write_text(TRAP.replace("[grid]\n", "[grid]\ntime_limit = 20\n", 1), encoding="utf-8")
+    found = document(str(path))
+    assert (found["endless_states"], found["warnings"]) == (["8"], [])
+    said = CliRunner().invoke(program, ["check", "--deep", str(path)]).stdout
+    assert "1 state: 8; the 20 steps of an episode end what comes there" in said
+
+
 LEDGE = """title = "ledge"
 [defaults]
 algorithm = "sarsa"

@@ -179,6 +179,24 @@ def test_arms_that_were_drawn_stay_and_pulls_are_told_by_the_means_of_their_time
     assert run.bandit.pulls == 201
 
 
+def test_pulls_are_told_by_the_means_of_their_time_where_means_begin_to_drift_and_cease() -> None:
+    run = Run(replace(Recipe(find("bandit")), seed=4))
+    wanted = 0.0
+    for stroke in ("", "drift=0.5", "arms=-1@0", "drift=0"):
+        if stroke:
+            run.apply(edit(stroke))
+        for _ in range(100):
+            mdp = run.learner.mdp
+            assert mdp is not None
+            wanted += mdp.expected_reward.max()
+            run.advance(1)
+    assert run.bandit is not None
+    assert run.bandit.pulls == 400
+    assert run.bandit.best_possible == pytest.approx(wanted, rel=1e-12)
+    assert run.bandit.best_arm_rate is not None
+    assert 0.0 < run.bandit.best_arm_rate <= 1.0
+
+
 @pytest.mark.parametrize("text", [*EDITS, "world.undo=1", "world.redo=1"])
 def test_a_change_of_the_world_is_written_as_it_is_read(text: str) -> None:
     assert read_world(written_world(read_world(text))) == read_world(text)

@@ -19,8 +19,13 @@ def endless_states(mdp: TabularMDP) -> BoolArray:
 
 
 def states_without_end(mdp: TabularMDP) -> BoolArray:
-    """Return the states, [S], as :func:`endless_states` does, but with the time limit left aside."""
-    return _is_live(mdp) & ~_comes_to_an_end(mdp, np.ones(len(mdp.next_state), dtype=np.bool_))
+    """Return the states, [S], as :func:`endless_states` does, but with the time limit left aside.
+
+    None of them where no episode ends but by the time limit: there that is the end.
+    """
+    live = _is_live(mdp)
+    endless = live & ~_comes_to_an_end(mdp, np.ones(len(mdp.next_state), dtype=np.bool_))
+    return np.zeros_like(endless) if mdp.time_limit and (endless == live).all() else endless
 
 
 def endless_part(mdp: TabularMDP, policy: FloatArray) -> int | None:

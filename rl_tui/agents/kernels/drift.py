@@ -18,9 +18,9 @@ class Drift(NamedTuple):
     """``optimal``, [P], marks the best arms of a bandit; nothing in any other world.
 
     Where rewards drift, ``mean`` and ``offset``, [P], are the expected rewards now and how far they have
-    moved; else both are empty. Only there the loop itself adds up, [1] each: the ``regret`` of all pulls,
-    each against the means of its moment; ``best_total``, what the best arm of each moment would have brought;
-    and how many pulls were ``optimal_pulls``.
+    moved; else both are empty. Only there the loop itself adds up, [1] each, since the world last changed:
+    the ``regret`` of all pulls, each against the means of its moment; ``best_total``, what the best arm of
+    each moment would have brought; and how many pulls were ``optimal_pulls``.
     """
 
     optimal: BoolArray
@@ -32,7 +32,7 @@ class Drift(NamedTuple):
 
 
 class Drifted(NamedTuple):
-    """Sums over all pulls so far, each against the means of its own moment: see :class:`Drift`."""
+    """Sums over the pulls since the world last changed, each by the means then: see :class:`Drift`."""
 
     regret: float
     best_total: float
@@ -40,7 +40,7 @@ class Drifted(NamedTuple):
 
 
 def drifted_by(drift: Drift) -> Drifted | None:
-    """Return the sums so far; None where no means drift."""
+    """Return the sums; None where no means drift."""
     if not len(drift.offset):
         return None
     return Drifted(float(drift.regret[0]), float(drift.best_total[0]), int(drift.optimal_pulls[0]))

@@ -14,7 +14,7 @@ from rl_tui.agents.exact.policies import uniform_policy
 from rl_tui.agents.exact.policy_figures import expected_return
 from rl_tui.agents.exact.solution import NoExactAnswer
 from rl_tui.agents.exact.solve import best_expected_return, solve
-from rl_tui.agents.exact.ways_out import endless_states, never_reached, shortest_way
+from rl_tui.agents.exact.ways_out import never_reached, shortest_way, states_without_end
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.common.errors import UserError
 from rl_tui.common.words import counted
@@ -86,7 +86,7 @@ def _figures(asked: Question) -> WorldReport:
         shortest_way=_shortest_way(mdp, asked.hyperparameters.gamma, unknown),
         first_update=first,
         never_reached=tuple(never_reached(mdp).tolist()),
-        endless_states=tuple(np.flatnonzero(endless_states(mdp)).tolist()),
+        endless_states=tuple(np.flatnonzero(states_without_end(mdp)).tolist()),
         unknown=unknown,
     )
 

@@ -61,7 +61,7 @@ def rows(
         "first_update": lambda: Row("", _first_update(report)),
         "flips": lambda: Row("", _flips(report)),
         "never_reached": lambda: Row("", _some(report.never_reached, name)),
-        "endless_states": lambda: Row("", _some(report.endless_states, name)),
+        "endless_states": lambda: Row("", _no_way_out(report, space, name)),
         "endless": lambda: Row("", *_endless(report, space)),
     }
     return [_row(report, field, said[field]) for field in LABELS]
@@ -107,6 +107,11 @@ def _some(states: Sequence[int] | None, name: Callable[[int], str]) -> str:
     return f"{counted(len(states), 'state')}: {', '.join(map(name, states[:_MOST_NAMED]))}{more}"
 
 
+def _no_way_out(report: WorldReport, space: FiniteSpace, name: Callable[[int], str]) -> str:
+    ended = _ended_by(space, "what comes there") if report.endless_states else ""
+    return _some(report.endless_states, name) + ended
+
+
 def _endless(report: WorldReport, space: FiniteSpace) -> tuple[str, str]:
     tried, found = report.tried, report.endless
     assert found is not None
@@ -119,8 +124,11 @@ def _endless(report: WorldReport, space: FiniteSpace) -> tuple[str, str]:
         how += f"; of {names(tried.in_part)} the steps came first"
     if not found:
         return "no greedy policy of any algorithm, as far as tried", how
-    ended = f"; the {counted(space.time_limit, 'step')} of an episode end it" if space.time_limit else ""
-    return f"a greedy policy of {names(found)}{ended}", how
+    return f"a greedy policy of {names(found)}{_ended_by(space, 'it')}", how
+
+
+def _ended_by(space: FiniteSpace, what: str) -> str:
+    return f"; the {counted(space.time_limit, 'step')} of an episode end {what}" if space.time_limit else ""
 
 
 def names(algorithms: Sequence[str]) -> str:

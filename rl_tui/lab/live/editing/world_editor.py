@@ -191,10 +191,7 @@ class WorldEditor:
         if mdp is None or mdp.states > LIVE_STATES:
             return frozenset()
         if self._endless[0] is not mdp:
-            endless = states_without_end(mdp)
-            if mdp.time_limit and endless[np.diff(mdp.first_pair) > 0].all():
-                endless[:] = False
-            self._endless = mdp, frozenset(np.flatnonzero(endless).tolist())
+            self._endless = mdp, frozenset(np.flatnonzero(states_without_end(mdp)).tolist())
         return self._endless[1]
 
     def _drawn(self, run: Run) -> Drawn:

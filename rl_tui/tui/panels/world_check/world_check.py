@@ -138,9 +138,10 @@ def _is_warned_of(row: Row, view: WorldCheckView) -> bool:
     report = view.report
     assert report is not None
     assert view.world is not None
-    if row.field == "endless":
-        return bool(report.endless) and not view.world.space.time_limit
-    return row.field == "endless_states" and bool(report.endless_states)
+    if view.world.space.time_limit:
+        return False
+    is_endless = {"endless": report.endless, "endless_states": report.endless_states}
+    return bool(is_endless.get(row.field))
 
 
 def _is_hidden(row: Row, snapshot: Snapshot) -> bool:
