@@ -25,7 +25,8 @@ class Grid:
     column) where state s is drawn. ``directions[a]`` is the step (rows down, columns right) that action a
     means, or None where the action is not a direction. ``legend`` says in a line what rows and columns mean
     where the grid is no place to walk about in; empty where it is. ``wind`` says of each column how many
-    cells it blows up, below 0 down; empty where there is none.
+    cells it blows up, below 0 down; empty where there is none. ``one_way`` has the cells that are left in
+    one direction only, each with its step.
     """
 
     rows: int
@@ -35,6 +36,7 @@ class Grid:
     directions: tuple[tuple[int, int] | None, ...]
     legend: str = ""
     wind: tuple[int, ...] = ()
+    one_way: tuple[tuple[int, tuple[int, int]], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

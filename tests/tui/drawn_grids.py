@@ -85,3 +85,12 @@ def paying() -> Snapshot:
     return changed(
         lake(step=0), world=world, state=0, q=np.zeros(space.pairs), visits=np.zeros(space.pairs, np.int64)
     )
+
+
+def one_way() -> Snapshot:
+    """A corridor whose second cell is left to the right only."""
+    world = GridSection.model_validate({"map": "S>..G\n.....\n"}).build(np.random.default_rng(0))
+    space = world.space
+    return changed(
+        lake(step=0), world=world, state=0, q=np.zeros(space.pairs), visits=np.zeros(space.pairs, np.int64)
+    )

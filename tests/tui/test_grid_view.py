@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from drawn_grids import large_lake, paying, picture, q_of, small, style_at, visited
+from drawn_grids import large_lake, one_way, paying, picture, q_of, small, style_at, visited
 from rich.style import Style
 from sample_worlds import LEFT, RIGHT, UP, lake_world
 from samples import big_lake, lake, look
@@ -294,3 +294,16 @@ def test_the_form_of_numbers_does_not_depend_on_what_is_in_view() -> None:
     snapshot = visited(changed(snapshot, q=q), 0, 1, 2)
     whole, top = picture(snapshot, 24, 4), picture(snapshot, 24, 2)
     assert whole[0] == top[0]
+
+
+@pytest.mark.parametrize("size", [(100, 20), (50, 6), (30, 2), (10, 2)])
+@pytest.mark.parametrize("with_actions", [False, True])
+def test_a_cell_with_one_way_out_says_which_unless_the_agent_is_there(
+    size: tuple[int, int], with_actions: bool
+) -> None:
+    start = one_way()
+    view = GridView(start.world, look())
+    view.shows_actions = with_actions
+    assert "".join(strip.text for strip in view.picture(start, *size)).count(">") == 1
+    assert any((sign.sign, sign.meaning) == (">", "one-way") for sign in view.signs())
+    assert ">" not in "".join(strip.text for strip in view.picture(changed(start, state=1), *size))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -119,4 +119,17 @@ def grid_drawing(states: GridStates, actions: Sequence[str], wind: Sequence[int]
         cell_of_state=tuple(states.numbers.tolist()),
         directions=tuple(step if any(step) else None for step in steps),
         wind=tuple(wind) if any(wind) else (),
+        one_way=tuple(_one_way(states.map)),
     )
+
+
+def _one_way(cells: CellMap) -> Iterator[tuple[int, tuple[int, int]]]:
+    """Yield the cells, row by row, that are left in one direction only, each with its step."""
+    ways = {
+        code: STEPS[entry.only[0]]
+        for code, entry in enumerate(cells.entries)
+        if entry.only is not None and len(entry.only) == 1
+    }
+    codes = cells.codes.ravel()
+    for cell in np.flatnonzero(np.isin(codes, list(ways))).tolist():
+        yield cell, ways[int(codes[cell])]

@@ -56,6 +56,7 @@ class ActionFace(NamedTuple):
     trace: Trace | None
     name: str
     edit_marks: EditMarks
+    way: str
 
 
 class ActionArtist:
@@ -90,7 +91,7 @@ class ActionArtist:
         entries = tuple(self._entry(action, low, high, number_form) for action in cell.actions)
         extra = cell.extra or PLAIN
         marks = cell.reward, cell.stops, cell.cursor, cell.differs, extra.trace, extra.name, extra.marks
-        return ActionFace(cell.kind, cell.agent, entries, *marks)
+        return ActionFace(cell.kind, cell.agent, entries, *marks, extra.way)
 
     def _entry(self, action: ActionValue, low: float, high: float, number_form: NumberForm) -> ActionEntry:
         palette = self.look.palette
@@ -376,7 +377,7 @@ def _put_mark(
     canvas: Canvas, x: int, y: int, face: ActionFace, look: Look, beside: int | None = None
 ) -> None:
     """Put agent or start, and a breakpoint in the column ``beside`` it, or in its place."""
-    palette, text = look.palette, mark_of(face.kind, face.agent, look)
+    palette, text = look.palette, mark_of(face.kind, face.agent, face.way, look)
     if face.stops and (beside is None or not text):
         canvas.put(x, y, look.glyphs.agent if face.agent else look.glyphs.breakpoint, palette.breakpoint)
         return
@@ -388,7 +389,7 @@ def _put_mark(
 
 
 def _has_mark(face: ActionFace) -> bool:
-    return face.agent or face.stops or face.kind is CellKind.START
+    return face.agent or face.stops or face.kind is CellKind.START or bool(face.way)
 
 
 def sign_text(sign: Sign, look: Look) -> str:

@@ -283,15 +283,18 @@ def differing_style(style: Style) -> Style:
     return style + Style(reverse=not style.reverse)
 
 
-def mark_of(kind: CellKind, agent: bool, look: Look) -> str:
-    """Return what marks a cell of ``kind``, in which the ``agent`` is or not; empty where nothing does."""
+def mark_of(kind: CellKind, agent: bool, way: str, look: Look) -> str:
+    """Return what marks a cell of ``kind``, in which the ``agent`` is or not, or the only ``way`` out of it.
+
+    Empty where nothing does.
+    """
     if agent:
         return look.glyphs.agent
-    return START if kind is CellKind.START else ""
+    return START if kind is CellKind.START else way
 
 
 def _mark(face: Face, look: Look) -> str:
-    return mark_of(face.kind, face.agent, look)
+    return mark_of(face.kind, face.agent, (face.extra or PLAIN).way, look)
 
 
 def _put_mark(canvas: Canvas, x: int, y: int, face: Face, look: Look) -> None:

@@ -37,13 +37,14 @@ from rl_tui.tui.panels.world.grid.map import GridMap, MapPart, with_extra
 from rl_tui.tui.panels.world.grid.signs import (
     action_signs,
     differing_sign,
+    ground_signs,
     place_signs,
     reward_signs,
     tie_sign,
     trace_signs,
 )
 from rl_tui.tui.panels.world.grid.strips import draw_grid, origin
-from rl_tui.tui.panels.world.grid.wind import wind_line, wind_sign, wind_strip
+from rl_tui.tui.panels.world.grid.wind import wind_line, wind_strip
 from rl_tui.tui.panels.world.policy_picture import TITLE
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.worlds.drawing import CellKind, Grid
@@ -321,8 +322,7 @@ class GridView(WorldView):
             yield from action_signs(actions, self.look)
         elif form and len(signs) > form.most_signs and has_arrows and not self.shows_drawing:
             yield tie_sign(self.look, is_kept=self.shows_kept_policy)
-        if self._map.grid.wind:
-            yield wind_sign(self._map.grid, self.look)
+        yield from ground_signs(self._map, self.look)
         if self._map.unreached:
             yield LegendSign(glyphs.unreached, "unreached", palette.dim, "never reached")
         if form is not None and self._longest_name > self._room_for_names(form):

@@ -52,7 +52,7 @@ class CellExtra(NamedTuple):
     ``trace`` is what the trail of the episode left. ``is_reached`` is False where no way leads to. ``name``
     is that of the state where names were asked for: all are as long as the longest. ``is_off_way`` says that
     the drawn policy acts at random there and never comes there. ``marks`` are those of the last edit,
-    ``draft`` is what is drawn there and not in force.
+    ``draft`` is what is drawn there and not in force. ``way`` is the only direction in which it is left.
     """
 
     trace: Trace | None = None
@@ -61,9 +61,11 @@ class CellExtra(NamedTuple):
     is_off_way: bool = False
     marks: EditMarks = UNMARKED
     draft: DraftCell | None = None
+    way: str = ""
 
 
 PLAIN: Final = CellExtra()
+_WAYS: Final = {(0, -1): "<", (0, 1): ">", (-1, 0): "^", (1, 0): "v"}  # as in the map of a file
 _FAR: Final = 3  # cells, more than a step or a strong wind takes
 _UNREACHED: Final = CellExtra(is_reached=False)
 
@@ -105,7 +107,8 @@ class GridMap:
 
     ``signs`` are those of the actions, in their order: a direction, else the first letter of the name.
     ``ends`` are the kinds of cells in which nothing can be done, each with what it is called, ``rewards`` the
-    different ones of cells, ``unreached`` the cells that no way leads to.
+    different ones of cells, ``unreached`` the cells that no way leads to, ``ways`` signs of the cells that
+    are left in one direction only.
     """
 
     def __init__(self, space: FiniteSpace, grid: Grid) -> None:
@@ -123,6 +126,7 @@ class GridMap:
         acting = np.append(np.diff(space.first_pair) > 0, False)  # NO_STATE is the last one
         idle = np.flatnonzero(~acting[self._states.ravel()])
         self.unreached = unreached_cells(space, grid)
+        self.ways = {cell: _WAYS[step] for cell, step in grid.one_way if step in _WAYS}
         self.ends: dict[CellKind, str] = {}
         for cell in idle.tolist():
             kind = grid.kinds[cell]
@@ -213,6 +217,8 @@ class GridMap:
                     content = self._drawn(content, drawn.get(int(states[place])), signs[first:last])
                     if content.greedy == (AT_RANDOM,) and is_off_way(snapshot, int(states[place])):
                         content = with_extra(content, is_off_way=True)
+                if cell in self.ways:
+                    content = with_extra(content, way=self.ways[cell])
                 reward = self._rewards.get(cell)
                 contents.append(content if reward is None else content._replace(reward=reward))
             first = last

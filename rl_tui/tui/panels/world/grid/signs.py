@@ -12,6 +12,7 @@ from rl_tui.tui.panels.world.grid.form import LEAST_ARROWS, CellForm
 from rl_tui.tui.panels.world.grid.map import GridMap
 from rl_tui.tui.panels.world.grid.rewards import CellReward
 from rl_tui.tui.panels.world.grid.trail import traces, trail_signs
+from rl_tui.tui.panels.world.grid.wind import wind_sign
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
 
@@ -47,6 +48,15 @@ def action_signs(form: ActionForm, look: Look) -> Iterator[LegendSign]:
         yield LegendSign(frame, "greedy", palette.greedy, GREEDY_IN_FULL)
     if palette.tints:
         yield LegendSign(" tint ", "Q", palette.value(1.0), "value Q(s,a)")
+
+
+def ground_signs(of: GridMap, look: Look) -> Iterator[LegendSign]:
+    """Yield the signs of what takes the agent elsewhere than it would: wind, and cells with one way out."""
+    if of.grid.wind:
+        yield wind_sign(of.grid, look)
+    if of.ways:
+        sign = "".join(sorted(set(of.ways.values())))
+        yield LegendSign(sign, "one-way", look.palette.start, "left in that direction only")
 
 
 def place_signs(of: GridMap, kinds: frozenset[CellKind], look: Look) -> Iterator[LegendSign]:
