@@ -128,6 +128,15 @@ def test_states_come_and_go_with_what_leads_to_them() -> None:
     assert "Friend" not in without.table["place"]
 
 
+def test_a_state_that_goes_is_no_start_any_more() -> None:
+    draft = first_draft(find("student"), 0)
+    both = edited(draft, 'world.start={"Class":0.25,"Phone":0.75}')
+    assert edited(both, "world.state[Class]=null").table["start"] == {"Phone": 1.0}
+    alone = edited(draft, "world.state[Class]=null")
+    assert "start" not in alone.table
+    assert [(each.location, each.found) for each in alone.findings] == [(("start",), "nothing")]
+
+
 @given(st.floats(0, 1), st.lists(st.floats(0.01, 1), min_size=1, max_size=4))
 def test_the_others_share_what_is_left_as_they_shared_it(chance: float, shares: list[float]) -> None:
     total = sum(shares)

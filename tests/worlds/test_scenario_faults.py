@@ -152,13 +152,13 @@ ONE_FAULT = {
         ),
         (
             "mdp.transition[2].state",
-            'state "Phone", which cannot be reached',
+            'unreachable state "Phone"',
             "states that can be reached from the start",
         ),
     ),
     "a state reached with probability 0 only": (
         '[mdp]\nstart = "A"\ntransition = [{ state = "A", action = "x", reward = 1, to = { B = 1, C = 0}}]\n',
-        ("mdp.transition[0].to", 'state "C", which cannot be reached', "states that .*"),
+        ("mdp.transition[0].to", 'unreachable state "C"', "states that .*"),
     ),
     "a pair given twice": (
         student('action = "quit"', 'action = "scroll"'),

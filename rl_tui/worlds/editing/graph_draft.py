@@ -143,7 +143,18 @@ def _remove_state(draft: GraphDraft, edit: Edit) -> GraphDraft:
         if entry.get("state") == state or list(chances_of(entry)) == [state]:
             continue
         transitions.append(without_outcome(entry, state) if state in chances_of(entry) else entry)
-    return _with_places(replace(draft, transitions=tuple(transitions)), near_to=state)
+    changed = replace(draft, transitions=tuple(transitions), rules=_without_start(draft.rules, state))
+    return _with_places(changed, near_to=state)
+
+
+def _without_start(rules: Mapping[str, Any], state: str) -> Mapping[str, Any]:
+    """Return ``rules`` without ``state`` among the starts: the others share its chance, or there is none."""
+    starts = chances_of({"to": rules.get("start")})
+    if state not in starts:
+        return rules
+    if len(starts) > 1:
+        return {**rules, "start": without_outcome({"to": rules["start"]}, state)["to"]}
+    return {name: value for name, value in rules.items() if name != "start"}
 
 
 def _pair(edit: Edit) -> tuple[str, str]:

@@ -205,7 +205,7 @@ def _unreachable(start: object, arrows: Sequence[Arrows]) -> Iterator[Finding]:
                 reported.add(name)
                 yield Finding(
                     ("transition", each.index, key),
-                    f"state {shown(name)}, which cannot be reached",
+                    f"unreachable state {shown(name)}",
                     "states that can be reached from the start",
                 )
 

@@ -11,6 +11,7 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.screens.key_line import Hints
 
 END: Final = "esc: end"
+_MISSING: Final = "nothing"  # is found where the world needs what is not there
 
 
 def title(snapshot: Snapshot) -> tuple[str, ...]:
@@ -18,11 +19,12 @@ def title(snapshot: Snapshot) -> tuple[str, ...]:
     editor = snapshot.editor
     if editor.unfinished:
         first = editor.unfinished[0]
-        why = f"{first.found}, but {first.expected} is needed"
+        found = f"no {first.location[-1]}" if first.found == _MISSING else first.found
+        why = f"{found}, but {first.expected} is needed"
         return (
             f"Not a world yet: {why} · learning goes on in the one before",
             f"Not a world yet: {why}",
-            f"Not yet: {first.found}",
+            f"Not yet: {found}",
             f"unfinished: {place(first.location)}",
         )
     notes = []
@@ -33,7 +35,7 @@ def title(snapshot: Snapshot) -> tuple[str, ...]:
     together = " · ".join(notes)
     if not together:
         return "You draw the world", "You draw"
-    return f"You draw the world · {together}", f"You draw · {together}", *notes, "You draw"
+    return f"You draw the world · {together}", f"You draw · {together}", together, *notes, "You draw"
 
 
 def prompts(snapshot: Snapshot, about: Sequence[str]) -> tuple[str, ...]:
