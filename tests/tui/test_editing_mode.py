@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from conftest import MakeApp
-from seams import notes, playground, press, snapshot
+from seams import notes, playground, press, screen_text, snapshot
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -21,6 +21,7 @@ from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.last_step.last_step import OF_ANOTHER_WORLD, nothing_yet
 from rl_tui.tui.panels.world.grid.grid import GridView
 from rl_tui.tui.screens.dialogs.choice import Choice
+from rl_tui.tui.screens.playground.actions.modes.editing.texts import title
 from rl_tui.worlds.editing.grid_draft import GridDraft
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.digest import table_digest
@@ -98,6 +99,31 @@ async def test_without_a_start_it_is_a_draft_and_learning_goes_on(make_app: Make
         assert not shown.editor.unfinished
         assert shown.world.space.state_names[int(shown.world.mdp.start_state[0])] == "4"  # type: ignore[union-attr]
         assert len(shown.timeline.current.journal) == 1
+
+
+async def test_without_its_start_a_graph_says_what_is_missing_until_another_state_is_one(
+    make_app: MakeApp,
+) -> None:
+    async with make_app("student").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        shown = await press(pilot, "C", "u")
+        assert "Not yet: no start" in screen_text(pilot.app)
+        assert title(shown)[0].startswith("Not a world yet: no start")
+        shown = await press(pilot, "right", "S")
+        assert "unreachable state" in screen_text(pilot.app), "nothing leads from Pass to the phone"
+
+
+async def test_keys_that_draw_are_not_said_to_set_something(make_app: MakeApp) -> None:
+    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
+        await settle(pilot)
+        assert "i Q₀ 0" in screen_text(pilot.app)
+        await press(pilot, "C")
+        drawing = screen_text(pilot.app)
+        assert "i Q₀" not in drawing
+        assert "p ε-greedy" not in drawing
+        assert "t ties random" in drawing, "that key is what it was"
+        await press(pilot, "escape")
+        assert "i Q₀ 0" in screen_text(pilot.app)
 
 
 async def test_the_last_step_of_another_world_is_not_told(make_app: MakeApp) -> None:

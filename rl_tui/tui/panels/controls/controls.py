@@ -102,6 +102,10 @@ class Controls(Container, BoardPanel):
         self._is_explained = is_explained
         self._write_border()
 
+    def give_away(self, keys: frozenset[str]) -> None:
+        """Say nothing of ``keys``, as people see them, as long as they are about something else."""
+        self.query_one(AgentSettings).give_away(keys)
+
     def on_resize(self) -> None:
         """Fit the legend to the new width."""
         self._write_border()

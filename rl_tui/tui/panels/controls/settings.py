@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from rich.cells import cell_len
@@ -204,6 +204,7 @@ class AgentSettings(Widget):
         super().__init__(id=id, classes=classes)
         self.look = look
         self._settings: tuple[Setting, ...] = ()
+        self._taken: frozenset[str] = frozenset()
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw the settings in force."""
@@ -211,6 +212,11 @@ class AgentSettings(Widget):
         if settings != self._settings:
             self._settings = settings
             self.refresh()
+
+    def give_away(self, keys: frozenset[str]) -> None:
+        """Leave out ``keys``, which are about something else for a while; a click changes settings still."""
+        self._taken = keys
+        self.refresh()
 
     def render_line(self, y: int) -> Strip:
         """Draw one line."""
@@ -236,5 +242,9 @@ class AgentSettings(Widget):
                 return
 
     def _line(self, y: int) -> list[Cell]:
-        lines = laid_out(self._settings, self.size.width, self.size.height, self.look.glyphs)
+        settings = [
+            replace(each, key="") if self._taken.intersection(each.key.split()) else each
+            for each in self._settings
+        ]
+        lines = laid_out(settings, self.size.width, self.size.height, self.look.glyphs)
         return lines[y] if y < len(lines) else []

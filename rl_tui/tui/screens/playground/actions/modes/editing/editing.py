@@ -258,6 +258,7 @@ class WorldEditing(KeyMode):
         self.board.bring_into_view(WORLD)
         self.link.send(OpenEditor(is_open=True))
         self.board.reshape(is_drawn=True)
+        self.board.controls.give_away(frozenset(each.shown for each in self.toolbox.tools))
         self.enter()
         view = self.board.world
         if view is not None:
@@ -276,6 +277,7 @@ class WorldEditing(KeyMode):
         self.toolbox = None
         self._pending.forget()
         self.board.reshape(is_drawn=False)
+        self.board.controls.give_away(frozenset())
         self.link.send(OpenEditor(is_open=False))
         view = self.board.world
         if view is not None:
@@ -320,7 +322,7 @@ class WorldEditing(KeyMode):
             return self.toolbox.cell(tool, desk)
         editor, is_waiting = desk.snapshot.editor, bool(self._pending)
         refused = {
-            UNDO: "" if editor.can_undo or is_waiting else "nothing was drawn yet: there is nothing to undo",
+            UNDO: "" if editor.can_undo or is_waiting else "nothing that was drawn is left to undo",
             REDO: "" if editor.can_redo or is_waiting else "nothing was undone: there is nothing to redo",
             SAVE: _SAVING_OFF if self.screen.in_kiosk else "",
         }.get(tool.id, "")

@@ -58,8 +58,8 @@ MAP_TOOLS: Final = (
         in_panel=False,
     ),
     Tool("equals_sign", "=", "reward", "Type what the cell pays.", lambda box, desk: box.ask_reward(desk), 6),
-    Tool("plus", "+", "1 more", "Let the cell pay 1 more.", lambda box, desk: box.pay(1.0, desk), 16),
-    Tool("minus", "−", "1 less", "Let the cell pay 1 less.", lambda box, desk: box.pay(-1.0, desk), 17),
+    Tool("plus", "+", "pays +1", "Let the cell pay 1 more.", lambda box, desk: box.pay(1.0, desk), 16),
+    Tool("minus", "−", "pays −1", "Let the cell pay 1 less.", lambda box, desk: box.pay(-1.0, desk), 17),
     Tool(
         MARK,
         "m",

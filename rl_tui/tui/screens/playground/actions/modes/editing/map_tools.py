@@ -93,7 +93,8 @@ class MapTools(Toolbox):
         if self._brush is ARROW:
             return "click: cursor · drag: rectangle · wheel: reward", "click: cursor · drag: rectangle"
         brush = self._brush_shown
-        return f"click, drag or enter: {brush} · wheel: reward", f"click or drag: {brush}"
+        with_keys = f"enter, shift+arrow, click, drag: {brush}"
+        return f"{with_keys} · wheel: reward", with_keys, f"click or drag: {brush}"
 
     @property
     def _brush_shown(self) -> str:
