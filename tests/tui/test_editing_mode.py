@@ -113,6 +113,18 @@ async def test_without_its_start_a_graph_says_what_is_missing_until_another_stat
         assert "unreachable state" in screen_text(pilot.app), "nothing leads from Pass to the phone"
 
 
+async def test_while_arms_are_drawn_the_legend_has_their_true_means_and_drift_is_no_mean_of_now(
+    make_app: MakeApp,
+) -> None:
+    async with make_app("bandit-drifting").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C")
+        drawing = screen_text(pilot.app)
+        assert "true mean" in drawing
+        assert "best arm" in drawing
+        assert "pays 0 on average, at first: means drift" in drawing
+
+
 async def test_keys_that_draw_are_not_said_to_set_something(make_app: MakeApp) -> None:
     async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
         await settle(pilot)

@@ -100,7 +100,14 @@ class ArmsView(WorldView):
     def signs(self) -> Legend:
         """Return the signs of an arm and its bar."""
         palette, glyphs = self.look.palette, self.look.glyphs
+        truth = (
+            LegendSign(true_mean_glyph(self.look), "true mean", palette.optimum),
+            LegendSign(glyphs.best_arm, "best arm", palette.optimum),
+        )
+        # elsewhere the border says so; while the world is drawn, it says what the keys do
+        is_told = self.is_drawn_on and self.snapshot is not None and not is_secret(self.snapshot)
         return (
+            *(truth if is_told else ()),
             LegendSign(glyphs.agent, "last pull", palette.agent),
             LegendSign(glyphs.cursor, "greedy", palette.greedy, GREEDY_IN_FULL),
             LegendSign(glyphs.estimate, "estimate", palette.text),

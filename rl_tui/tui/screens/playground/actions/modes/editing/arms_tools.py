@@ -25,7 +25,11 @@ class ArmsTools(Toolbox):
     def about(self, desk: Desk) -> tuple[str, ...]:
         """Return the arm under the cursor, and its mean."""
         draft, arm = _arms_of(desk), _arm(desk)
-        return f"arm {arm} pays {draft.means[arm]:.4g} on average", f"arm {arm}: {draft.means[arm]:.4g}"
+        since = ", at first: means drift" if number_of(draft, DRIFT.name) else ""
+        return (
+            f"arm {arm} pays {draft.means[arm]:.4g} on average{since}",
+            f"arm {arm}: {draft.means[arm]:.4g}",
+        )
 
     def advice(self, desk: Desk) -> tuple[str, ...]:
         """Return what the pointer does."""
