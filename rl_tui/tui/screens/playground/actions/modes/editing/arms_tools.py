@@ -9,7 +9,7 @@ from rl_tui.tui.panels.drawing.sheet import WorldNumber
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.screens.playground.actions.modes.editing.numbers import DRIFT, MEAN, SPREAD, SUCCESS
 from rl_tui.tui.screens.playground.actions.modes.editing.rules import ask_rules, fault_of, number_of
-from rl_tui.tui.screens.playground.actions.modes.editing.texts import number_in
+from rl_tui.tui.screens.playground.actions.modes.editing.texts import number_in, number_text
 from rl_tui.tui.screens.playground.actions.modes.editing.tools import Desk, Tool, Toolbox
 from rl_tui.worlds.editing.arms_draft import ArmsDraft
 from rl_tui.worlds.editing.edit import Edit
@@ -25,10 +25,11 @@ class ArmsTools(Toolbox):
     def about(self, desk: Desk) -> tuple[str, ...]:
         """Return the arm under the cursor, and its mean."""
         draft, arm = _arms_of(desk), _arm(desk)
+        mean = number_text(draft.means[arm], 4)
         since = ", at first: means drift" if number_of(draft, DRIFT.name) else ""
         return (
-            f"arm {arm} pays {draft.means[arm]:.4g} on average{since}",
-            f"arm {arm}: {draft.means[arm]:.4g}",
+            f"arm {arm} pays {mean} on average{since}",
+            f"arm {arm}: {mean}",
         )
 
     def advice(self, desk: Desk) -> tuple[str, ...]:

@@ -22,7 +22,7 @@ from rl_tui.tui.screens.playground.actions.modes.editing.outcomes import (
     written,
 )
 from rl_tui.tui.screens.playground.actions.modes.editing.rules import fault_of, number_of
-from rl_tui.tui.screens.playground.actions.modes.editing.texts import number_in
+from rl_tui.tui.screens.playground.actions.modes.editing.texts import number_in, number_text
 from rl_tui.tui.screens.playground.actions.modes.editing.tools import Desk, Tool, Toolbox
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.editing.edit import Edit, as_json
@@ -63,7 +63,8 @@ class GraphTools(Toolbox):
         chosen = self._number(desk, outcomes)
         return tuple(
             SheetLine(
-                f"{each.action} → {each.to} {each.chance:.4g} pays {each.pays:g}", is_on=number == chosen
+                f"{each.action} → {each.to} {each.chance:.4g} pays {number_text(each.pays)}",
+                is_on=number == chosen,
             )
             for number, each in enumerate(outcomes)
         )

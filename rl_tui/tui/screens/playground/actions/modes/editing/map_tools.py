@@ -41,7 +41,7 @@ from rl_tui.tui.screens.playground.actions.modes.editing.numbers import (
     WIND_ROWS,
 )
 from rl_tui.tui.screens.playground.actions.modes.editing.rules import fault_of, number_of, rule_of
-from rl_tui.tui.screens.playground.actions.modes.editing.texts import number_in
+from rl_tui.tui.screens.playground.actions.modes.editing.texts import number_in, number_text
 from rl_tui.tui.screens.playground.actions.modes.editing.tools import Desk, Tool, Toolbox
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.editing.edit import Edit
@@ -75,7 +75,7 @@ class MapTools(Toolbox):
         row, column = _here(desk)
         character = _map_of(desk).lines[row][column]
         entry = _map_of(desk).legend.get(character)
-        pays = "" if entry is None or entry.is_wall else f" pays {entry.pays:g}"
+        pays = "" if entry is None or entry.is_wall else f" pays {number_text(entry.pays)}"
         where, what = f"row {row}, column {column}", f"{character} {called(entry)}{pays}"
         rows, columns = self._rectangle(desk)
         size = f"{len(rows)} × {len(columns)} cells · " if self._corner is not None else ""

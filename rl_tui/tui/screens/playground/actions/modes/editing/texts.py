@@ -50,6 +50,11 @@ def hints(own: Hints) -> Hints:
     return (*own[:8], *after, *own[8:], ("esc", "end"))
 
 
+def number_text(value: float, digits: int = 6) -> str:
+    """Return a number as the screen says it, with its minus sign."""
+    return f"{value:.{digits}g}".replace("-", "−")
+
+
 def number_in(text: str) -> float:
     """Return the number that was typed. Raises ValueError."""
     try:
