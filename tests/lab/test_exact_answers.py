@@ -9,10 +9,10 @@ from playing import do
 from recipes import recipe
 
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
-from rl_tui.agents.exact.solve import solve
+from rl_tui.agents.exact.solve import greedy_return, solve
 from rl_tui.lab.live.commands import AddBranch, ChooseLane, DrawWorld, GoTo, Step, Train
 from rl_tui.lab.run import exact_answers
-from rl_tui.lab.run.exact_answers import PENDING, ExactAnswers, RunAnswers
+from rl_tui.lab.run.exact_answers import PENDING, Answer, ExactAnswers, RunAnswers
 from rl_tui.lab.run.recipe import begin
 from rl_tui.worlds.editing.edit import read_edits
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
@@ -44,7 +44,7 @@ def test_a_refusal_is_kept_as_text() -> None:
     def refusing(mdp: TabularMDP, gamma: float) -> Solution:
         raise NoExactAnswer("a loop gains for ever")
 
-    assert ExactAnswers(STUDENT, nobody, refusing).answer(1.0) == (None, "a loop gains for ever")
+    assert ExactAnswers(STUDENT, nobody, refusing).answer(1.0) == Answer(None, "a loop gains for ever")
 
 
 def test_larger_worlds_are_answered_later_and_overtaken_questions_skipped() -> None:
@@ -63,11 +63,32 @@ def test_larger_worlds_are_answered_later_and_overtaken_questions_skipped() -> N
     for gamma in (0.2, 0.3, 0.4):
         assert answers.answer(gamma) == PENDING
     go_on.set()
-    ready.acquire()
-    ready.acquire()
+    for _ in range(4):  # the answer of each, and what it earns
+        ready.acquire()
     assert asked == [0.1, 0.4]
     assert answers.answer(0.4).solution is not None
     assert answers.answer(0.1).solution is not None
+
+
+def test_an_answer_does_not_wait_for_what_it_earns(monkeypatch: pytest.MonkeyPatch) -> None:
+    ready, go_on = threading.Semaphore(0), threading.Event()
+
+    def slowly(mdp: TabularMDP, solution: Solution) -> float | None:
+        go_on.wait()
+        return greedy_return(mdp, solution)
+
+    monkeypatch.setattr("rl_tui.agents.exact.solve.greedy_return", slowly)
+    answers = ExactAnswers(STUDENT, lambda: ready.release(), at_once_states=0)
+    assert answers.answer(0.9) == PENDING
+    ready.acquire()
+    first = answers.answer(0.9)
+    assert first.solution is not None
+    assert (first.expected_return, first.is_whole) == (None, False)
+    go_on.set()
+    ready.acquire()
+    whole = answers.answer(0.9)
+    assert (whole.solution, whole.is_whole) == (first.solution, True)
+    assert whole.expected_return == pytest.approx(7.5, abs=1e-12)
 
 
 def test_a_small_world_with_a_long_time_limit_does_not_keep_the_run_waiting() -> None:
@@ -106,7 +127,8 @@ def test_the_answers_of_two_worlds_in_turn_are_worked_out_once() -> None:
     first = [answers.at(world, 0.9).solution for world in worlds]
     assert None not in first
     assert [answers.at(world, 0.9).solution for world in worlds] == first
-    answers.at(replace(STUDENT, time_limit=70), 0.9)
+    for limit in (70, 80, 90, 100):
+        answers.at(replace(STUDENT, time_limit=limit), 0.9)
     assert answers.at(worlds[0], 0.9).solution is not first[0], "a world left long ago is forgotten"
 
 

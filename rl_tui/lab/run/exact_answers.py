@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict, deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
@@ -41,10 +41,14 @@ class Answer(NamedTuple):
 
     solution: Solution | None
     refused: str
+    expected_return: float | None = None
+    """What the greedy policy of the solution earns; None where that has no answer, or none yet."""
+    is_whole: bool = True
+    """Whether nothing of it is still being worked out. What it earns comes after the solution."""
 
 
 NO_TABLE: Final = "this environment has no transition table to work it out from"
-PENDING: Final = Answer(None, "")
+PENDING: Final = Answer(None, "", is_whole=False)
 
 
 def _solve(mdp: TabularMDP, gamma: float) -> Solution:
@@ -53,16 +57,22 @@ def _solve(mdp: TabularMDP, gamma: float) -> Solution:
     return solve(mdp, gamma)
 
 
+def _with_return(mdp: TabularMDP, solution: Solution) -> Answer:
+    from rl_tui.agents.exact.solve import greedy_return
+
+    return Answer(solution, "", greedy_return(mdp, solution))
+
+
 def exact_now(mdp: TabularMDP | None, gamma: float) -> Answer:
     """Return the exact answer of a small world that is another one after every step."""
-    return Answer(None, NO_TABLE) if mdp is None else Answer(_solve(mdp, gamma), "")
+    return Answer(None, NO_TABLE) if mdp is None else _with_return(mdp, _solve(mdp, gamma))
 
 
 class ExactAnswers:
     """Exact answers by γ: small worlds at once, others in a thread, none above 20,000 states.
 
     A world is small if it has few states and its time limit does not make an evaluation dear. ``on_ready`` is
-    called, in that thread, when an answer that was asked for has come.
+    called, in that thread, when an answer that was asked for has come, and again when what it earns has.
     """
 
     def __init__(
@@ -94,7 +104,8 @@ class ExactAnswers:
                 self._answers.move_to_end(gamma)
                 return known
             if self._at_once:
-                return self._keep(gamma, self._work_out(gamma))
+                *_, whole = self._parts(gamma)
+                return self._keep(gamma, whole)
             self._wanted = gamma
             if not self._working:
                 self._working = True
@@ -111,23 +122,28 @@ class ExactAnswers:
                     self._working = False
                     return
             try:
-                answer = self._work_out(gamma)
+                for answer in self._parts(gamma):
+                    with self._lock:
+                        self._keep(gamma, answer)
+                    self._on_ready()
             except BaseException as error:
                 with self._lock:
                     self._failure, self._working = error, False
                 self._on_ready()
                 return
-            with self._lock:
-                self._keep(gamma, answer)
-            self._on_ready()
 
-    def _work_out(self, gamma: float) -> Answer:
+    def _parts(self, gamma: float) -> Iterator[Answer]:
+        """Yield the answer as soon as it is there, and then again with what it earns."""
         if self.mdp is None:
-            return Answer(None, NO_TABLE)
+            yield Answer(None, NO_TABLE)
+            return
         try:
-            return Answer(self._solve(self.mdp, gamma), "")
+            solution = self._solve(self.mdp, gamma)
         except NoExactAnswer as refusal:
-            return Answer(None, str(refusal))
+            yield Answer(None, str(refusal))
+            return
+        yield Answer(solution, "", is_whole=False)
+        yield _with_return(self.mdp, solution)
 
     def _keep(self, gamma: float, answer: Answer) -> Answer:
         self._answers[gamma] = answer
