@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from rl_tui.agents.exact.backward_induction import best_values
 from rl_tui.agents.exact.policy_evaluation import MOST_DENSE
@@ -38,6 +40,28 @@ def test_values_are_those_of_a_very_long_horizon(characters: str, noise: float, 
     solution = solve(mdp, gamma)
     assert solution.v == pytest.approx(best_values(mdp, gamma, 6_000), abs=1e-9)
     assert solution.iterations <= 3, "what it starts from leaves little to improve"
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    st.integers(0, 7),
+    st.sampled_from(["....#", ".....#H", "......#X"]),
+    st.sampled_from([0.0, 0.2]),
+    st.sampled_from([0.5, 0.9, 0.99]),
+    st.sampled_from([-1_000.0, -0.01, 0.0, 1.0, 1_000.0]),
+)
+def test_the_values_it_begins_near_decide_nothing(
+    seed: int, characters: str, noise: float, gamma: float, off: float
+) -> None:
+    mdp = random_map(seed, characters, noise=noise)
+    alone = solve(mdp, gamma)
+    near = alone.v + off * np.random.default_rng(seed).random(mdp.states)
+    for start in (near, alone.v, np.full(mdp.states, off)):
+        found = solve(mdp, gamma, start)
+        assert np.abs(found.v - alone.v).max() <= 1e-9
+        assert np.abs(found.q - alone.q).max() <= 1e-9
+        assert np.array_equal(found.greedy, alone.greedy)
+        assert np.array_equal(found.best, alone.best)
 
 
 @pytest.mark.parametrize("seed", range(4))

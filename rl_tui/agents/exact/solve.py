@@ -13,14 +13,17 @@ from rl_tui.agents.exact.policy_figures import expected_return
 from rl_tui.agents.exact.policy_iteration import Optimum, policy_iteration
 from rl_tui.agents.exact.solution import NoExactAnswer, Returns, Solution
 from rl_tui.agents.exact.ways_out import staying_states
-from rl_tui.worlds.mdp.space import BoolArray, IntArray
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 TIE: Final = 1e-9
 
 
-def solve(mdp: TabularMDP, gamma: float) -> Solution:
+def solve(mdp: TabularMDP, gamma: float, near: FloatArray | None = None) -> Solution:
     """Return the optimal values and policy of ``mdp`` for ``gamma`` in [0, 1], exact to 1e-9.
+
+    Values ``near`` the best, [S], such as those of a world that is almost the same, save time; all that
+    depends on them is rounding in the last place.
 
     Raises NoExactAnswer, in one line, where γ = 1 leaves no best value or γ < 1 is too near to 1 to compute
     it.
@@ -28,7 +31,7 @@ def solve(mdp: TabularMDP, gamma: float) -> Solution:
     if not 0.0 <= gamma <= 1.0:
         raise ValueError(f"gamma is {gamma}; expected a number in [0, 1]")
     model = exact_model(mdp)
-    optimum = policy_iteration(model, gamma)
+    optimum = policy_iteration(model, gamma, near=near)
     advantage = optimum.advantage
     best = advantage >= np.repeat(model.best(advantage), model.pairs_each) - TIE
     best[optimum.policy] = True  # where values are so large that rounding is more than that

@@ -7,10 +7,15 @@ from collections import OrderedDict, deque
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+import numpy as np
+
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
+from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 if TYPE_CHECKING:
+    from rl_tui.lab.run.edited_world import EditedWorld
+    from rl_tui.lab.run.recipe import Recipe
     from rl_tui.lab.run.run import Run
 
 AT_ONCE_STATES: Final = 200
@@ -51,10 +56,13 @@ NO_TABLE: Final = "this environment has no transition table to work it out from"
 PENDING: Final = Answer(None, "", is_whole=False)
 
 
-def _solve(mdp: TabularMDP, gamma: float) -> Solution:
+Solve = Callable[[TabularMDP, float], Solution]
+
+
+def _solve(mdp: TabularMDP, gamma: float, near: FloatArray | None = None) -> Solution:
     from rl_tui.agents.exact.solve import solve
 
-    return solve(mdp, gamma)
+    return solve(mdp, gamma, near)
 
 
 def _with_return(mdp: TabularMDP, solution: Solution) -> Answer:
@@ -79,7 +87,7 @@ class ExactAnswers:
         self,
         mdp: TabularMDP | None,
         on_ready: Callable[[], None],
-        solve: Callable[[TabularMDP, float], Solution] = _solve,
+        solve: Solve = _solve,
         at_once_states: int = AT_ONCE_STATES,
     ) -> None:
         self.mdp = mdp
@@ -152,6 +160,14 @@ class ExactAnswers:
         return answer
 
 
+class _Solved(NamedTuple):
+    """The last answer there was, and of which world."""
+
+    edited: EditedWorld
+    recipe: Recipe
+    solution: Solution
+
+
 class RunAnswers:
     """The exact answers of runs in the worlds asked for last; ``on_ready`` as for :class:`ExactAnswers`.
 
@@ -161,6 +177,7 @@ class RunAnswers:
     def __init__(self, on_ready: Callable[[], None]) -> None:
         self._on_ready = on_ready
         self._of_worlds: deque[ExactAnswers] = deque(maxlen=_MOST_WORLDS)
+        self._last: _Solved | None = None
 
     def of(self, run: Run) -> Answer:
         """Return the exact answer for the γ in force in ``run``, as far as it is known."""
@@ -168,15 +185,37 @@ class RunAnswers:
         gamma = learner.hyperparameters.gamma
         if learner.drifted:
             return exact_now(learner.mdp, gamma)
-        return self.at(run.world.mdp, gamma)
+        answer = self.at(run.world.mdp, gamma, self._solve_for(run))
+        if answer.solution is not None:
+            self._last = _Solved(run.edited, run.recipe, answer.solution)
+        return answer
 
-    def at(self, mdp: TabularMDP | None, gamma: float) -> Answer:
-        """Return the exact answer for ``gamma`` in the world of ``mdp``, as far as it is known."""
+    def at(self, mdp: TabularMDP | None, gamma: float, solve: Solve = _solve) -> Answer:
+        """Return the exact answer for ``gamma`` in the world of ``mdp``, as far as it is known.
+
+        ``solve`` works it out if this is the first question about that world.
+        """
         known = next((each for each in self._of_worlds if each.mdp is mdp), None)
         if known is None:
-            known = ExactAnswers(mdp, self._on_ready, at_once_states=AT_ONCE_STATES)
+            known = ExactAnswers(mdp, self._on_ready, solve, AT_ONCE_STATES)
         else:
             self._of_worlds.remove(known)
         if mdp is None or mdp.states <= LIVE_STATES:  # of a larger one nothing is known, and it takes memory
             self._of_worlds.appendleft(known)
         return known.answer(gamma)
+
+    def _solve_for(self, run: Run) -> Solve:
+        """Return what solves the world of ``run``: from the last answer, if an edit lies between them."""
+        last, edited, recipe = self._last, run.edited, run.recipe
+        if last is None or edited.draft is None or not _begin_alike(last.recipe, recipe):
+            return _solve
+
+        def solve(mdp: TabularMDP, gamma: float) -> Solution:
+            before = edited.carried_from(last.edited, recipe).states
+            return _solve(mdp, gamma, np.append(last.solution.v, 0.0)[before])  # 0 where it is NEW
+
+        return solve
+
+
+def _begin_alike(one: Recipe, other: Recipe) -> bool:
+    return one.scenario is other.scenario and one.seed == other.seed
