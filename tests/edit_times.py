@@ -54,6 +54,8 @@ class EditTimes(NamedTuple):
     """Until one has the exact answer of that world, or says that there is none."""
     frame: float
     """What the screen takes to show it."""
+    seen: float
+    """Until a frame of the app, which draws 15 a second, has the exact answer."""
 
 
 def map_with_walls(side: int) -> Recipe:
@@ -84,8 +86,7 @@ async def edit_times(side: int, edits: int = 10) -> EditTimes:
     for number in range(edits):
         before, start = last.world, time.perf_counter()
         draft = last.editor.draft
-        row, column = side // 2 + number // 5, side // 4 + number % 5
-        player.send(DrawWorld(read_edits(f"world.cell[{row},{column}]={'H' if number % 2 else '#'}")))
+        player.send(_edit(side, number))
         last = await _until(snapshots, lambda each, draft=draft: each.editor.draft is not draft)
         drawn = time.perf_counter() - start
         if last.world is before:
@@ -97,7 +98,7 @@ async def edit_times(side: int, edits: int = 10) -> EditTimes:
         shown.append(last)
     player.close()
     drawn, made, answered = (median(each) * 1e3 for each in zip(*times, strict=True))
-    return EditTimes(drawn, made, answered, await _frame(side, shown[-4:]))
+    return EditTimes(drawn, made, answered, await _frame(side, shown[-4:]), await _seen(side, edits))
 
 
 def _is_answered(snapshot: Snapshot) -> bool:
@@ -121,6 +122,33 @@ async def _frame(side: int, snapshots: list[Snapshot]) -> float:
     return median(taken[1:]) * 1e3
 
 
+def _edit(side: int, number: int) -> DrawWorld:
+    row, column = side // 2 + number // 5, side // 4 + number % 5
+    return DrawWorld(read_edits(f"world.cell[{row},{column}]={'H' if number % 2 else '#'}"))
+
+
+async def _seen(side: int, edits: int) -> float:
+    """Return how long after an edit the app shows its exact answer, at 120×40, all threads at work."""
+    app = RlTuiApp(Display(), map_with_walls(side), picture=True)
+    taken = []
+    async with app.run_test(size=SIZE) as pilot:
+        await pilot.pause()
+        screen = app.screen
+        assert isinstance(screen, Playground)
+        screen.send(OpenEditor(is_open=True))
+        await screen.settled()
+        for number in range(edits):
+            assert screen.snapshot is not None
+            before, start = screen.snapshot.world, time.perf_counter()
+            screen.send(_edit(side, number))
+            while screen.snapshot.world is before or not _is_answered(screen.snapshot):
+                await asyncio.sleep(0.001)
+            await painted(screen)
+            taken.append(time.perf_counter() - start)
+            await screen.settled()
+    return median(taken) * 1e3
+
+
 def main() -> None:
     """Print the figures of maps of some sizes."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -129,7 +157,7 @@ def main() -> None:
         times = asyncio.run(edit_times(side, 10 if side < 1_000 else 3))
         print(
             f"{side:,}×{side:,}: drawn {times.drawn:.1f} ms, made {times.made:.1f}, "
-            f"answered {times.answered:.1f}, frame {times.frame:.1f}",
+            f"answered {times.answered:.1f}, frame {times.frame:.1f}, seen {times.seen:.1f}",
             flush=True,
         )
 

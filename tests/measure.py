@@ -209,6 +209,7 @@ def edits(rounds: int) -> Rows:
         yield f"{what}, its world", f"{times.made:.1f} ms", ""
         yield f"{what}, its exact answer", f"{times.answered:.1f} ms", "at most 66 ms"
         yield f"{what}, a frame of it", f"{times.frame:.1f} ms", ""
+        yield f"{what}, the answer on the screen", f"{times.seen:.1f} ms", ""
     times = asyncio.run(edit_times(1_000, rounds))
     yield "edit of a 1,000×1,000 map, drawn", f"{times.drawn:.0f} ms", "at most 200 ms with a frame"
     yield "edit of a 1,000×1,000 map, its table", f"{times.made / 1e3:.2f} s", ""

@@ -56,6 +56,7 @@ def solve(scenario: str | Path, *, gamma: float | None = None, seed: int = 0) ->
     recipe, _ = recipe_of(scenario, None, {} if gamma is None else {"gamma": gamma}, seed)
     mdp = table_of(recipe, begin(recipe))
     solution = solve_exactly(mdp, recipe.hyperparameters.gamma)
+    figures = solution_figures(recipe, mdp, solution)
     return SolveResult(
         scenario=recipe.scenario.id,
         gamma=solution.gamma,
@@ -65,9 +66,9 @@ def solve(scenario: str | Path, *, gamma: float | None = None, seed: int = 0) ->
         q=by_state(mdp, solution.q),
         policy=by_state(mdp, uniform_over(mdp, solution.greedy), 0.0),
         value_at_start=solution.value_at_start,
-        expected_return=solution.expected_return,
-        best_expected_return=solution.best_expected_return,
-        figures=solution_figures(recipe, mdp, solution),
+        expected_return=figures["expected_return"],
+        best_expected_return=figures["best_expected_return"],
+        figures=figures,
     )
 
 

@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from rl_tui.agents.exact.backward_induction import best_values
 from rl_tui.agents.exact.policy_evaluation import MOST_DENSE
-from rl_tui.agents.exact.solve import best_expected_return, solve
+from rl_tui.agents.exact.solve import best_expected_return, returns, solve
 from rl_tui.agents.exact.ways_out import endless_states
 from rl_tui.worlds.grid.section import GridSection
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
@@ -40,21 +42,43 @@ def test_values_are_those_of_a_very_long_horizon(characters: str, noise: float, 
     assert solution.iterations <= 3, "what it starts from leaves little to improve"
 
 
+@settings(max_examples=25, deadline=None)
+@given(
+    st.integers(0, 7),
+    st.sampled_from(["....#", ".....#H", "......#X"]),
+    st.sampled_from([0.0, 0.2]),
+    st.sampled_from([0.5, 0.9, 0.99]),
+    st.sampled_from([-1_000.0, -0.01, 0.0, 1.0, 1_000.0]),
+)
+def test_the_values_it_begins_near_decide_nothing(
+    seed: int, characters: str, noise: float, gamma: float, off: float
+) -> None:
+    mdp = random_map(seed, characters, noise=noise)
+    alone = solve(mdp, gamma)
+    near = alone.v + off * np.random.default_rng(seed).random(mdp.states)
+    for start in (near, alone.v, np.full(mdp.states, off)):
+        found = solve(mdp, gamma, start)
+        assert np.abs(found.v - alone.v).max() <= 1e-9
+        assert np.abs(found.q - alone.q).max() <= 1e-9
+        assert np.array_equal(found.greedy, alone.greedy)
+        assert np.array_equal(found.best, alone.best)
+
+
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("noise", [0.0, 0.1])
 def test_the_best_return_does_not_depend_on_the_policy_it_is_sought_from(seed: int, noise: float) -> None:
     mdp = random_map(seed, ".....#", noise=noise)
     alone = best_expected_return(mdp)
-    found = [solve(mdp, gamma).best_expected_return for gamma in (0.5, 0.95, 1.0)]
+    found = [returns(mdp, solve(mdp, gamma)).best_expected_return for gamma in (0.5, 0.95, 1.0)]
     assert alone is not None
     assert found == pytest.approx([alone] * 3, abs=1e-9)
 
 
 def test_a_greedy_policy_that_is_the_best_undiscounted_too_earns_as_much() -> None:
     mdp = random_map(3, ".....#", noise=0.1)
-    solution = solve(mdp, 0.999)
-    assert solution.expected_return == pytest.approx(solution.best_expected_return, abs=1e-9)
-    short_sighted = solve(mdp, 0.3)
+    far_sighted = returns(mdp, solve(mdp, 0.999))
+    assert far_sighted.expected_return == pytest.approx(far_sighted.best_expected_return, abs=1e-9)
+    short_sighted = returns(mdp, solve(mdp, 0.3))
     assert short_sighted.expected_return is None or short_sighted.expected_return < (
         short_sighted.best_expected_return or 0.0
     )

@@ -26,7 +26,7 @@ from rl_tui.agents.exact.backward_induction import best_values, policy_values
 from rl_tui.agents.exact.policies import uniform_over
 from rl_tui.agents.exact.policy_figures import figures
 from rl_tui.agents.exact.solution import NoExactAnswer
-from rl_tui.agents.exact.solve import best_expected_return, solve
+from rl_tui.agents.exact.solve import best_expected_return, returns, solve
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 quick = settings(max_examples=60, deadline=None)
@@ -67,7 +67,7 @@ def test_undiscounted_the_best_policy_that_ends_or_a_refusal(mdp: TabularMDP) ->
         assert {state: pytest.approx(float(v), abs=1e-9) for state, v in best.items()} == {
             state: solution.v[state] for state in live(mdp)
         }
-        assert solution.best_expected_return == solution.value_at_start
+        assert returns(mdp, solution).best_expected_return == solution.value_at_start
 
 
 @quick

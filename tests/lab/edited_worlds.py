@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
 from hypothesis import strategies as st
 
 from rl_tui.lab.run.library import find, recipe_for
@@ -67,6 +68,16 @@ transition = [
 
 def small_map(**overrides: Any) -> Recipe:
     return recipe_for(scenario_of(MAP, Path("small.toml")), overrides, seed=3)
+
+
+def large_map(**overrides: Any) -> Recipe:
+    """A map of so many states that it is solved as large worlds are."""
+    cells = np.random.default_rng(0).choice(list("......#"), (25, 25))
+    cells[0, :], cells[:, -1], cells[0, 0], cells[-1, -1] = ".", ".", "S", "G"
+    text = "\n".join("".join(row) for row in cells)
+    defaults = MAP[: MAP.index("[grid]")]
+    section = f"[grid]\nnoise = 0.2\nmap = '''\n{text}\n'''\n"
+    return recipe_for(scenario_of(defaults + section, Path("large.toml")), overrides, seed=3)
 
 
 def small_graph(**overrides: Any) -> Recipe:

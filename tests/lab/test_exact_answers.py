@@ -4,17 +4,21 @@ import threading
 from dataclasses import replace
 
 import pytest
+from edited_worlds import edit, large_map, small_map
 from playing import begin as begin_playing
 from playing import do
 from recipes import recipe
 
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
-from rl_tui.agents.exact.solve import solve
+from rl_tui.agents.exact.solve import greedy_return, solve
 from rl_tui.lab.live.commands import AddBranch, ChooseLane, DrawWorld, GoTo, Step, Train
 from rl_tui.lab.run import exact_answers
-from rl_tui.lab.run.exact_answers import PENDING, ExactAnswers, RunAnswers
+from rl_tui.lab.run.exact_answers import PENDING, Answer, ExactAnswers, RunAnswers
 from rl_tui.lab.run.recipe import begin
+from rl_tui.lab.run.run import Run
+from rl_tui.worlds.editing.carried import NEW
 from rl_tui.worlds.editing.edit import read_edits
+from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 STUDENT = begin(recipe("student")).world.space
@@ -44,7 +48,7 @@ def test_a_refusal_is_kept_as_text() -> None:
     def refusing(mdp: TabularMDP, gamma: float) -> Solution:
         raise NoExactAnswer("a loop gains for ever")
 
-    assert ExactAnswers(STUDENT, nobody, refusing).answer(1.0) == (None, "a loop gains for ever")
+    assert ExactAnswers(STUDENT, nobody, refusing).answer(1.0) == Answer(None, "a loop gains for ever")
 
 
 def test_larger_worlds_are_answered_later_and_overtaken_questions_skipped() -> None:
@@ -63,11 +67,32 @@ def test_larger_worlds_are_answered_later_and_overtaken_questions_skipped() -> N
     for gamma in (0.2, 0.3, 0.4):
         assert answers.answer(gamma) == PENDING
     go_on.set()
-    ready.acquire()
-    ready.acquire()
+    for _ in range(4):  # the answer of each, and what it earns
+        ready.acquire()
     assert asked == [0.1, 0.4]
     assert answers.answer(0.4).solution is not None
     assert answers.answer(0.1).solution is not None
+
+
+def test_an_answer_does_not_wait_for_what_it_earns(monkeypatch: pytest.MonkeyPatch) -> None:
+    ready, go_on = threading.Semaphore(0), threading.Event()
+
+    def slowly(mdp: TabularMDP, solution: Solution) -> float | None:
+        go_on.wait()
+        return greedy_return(mdp, solution)
+
+    monkeypatch.setattr("rl_tui.agents.exact.solve.greedy_return", slowly)
+    answers = ExactAnswers(STUDENT, lambda: ready.release(), at_once_states=0)
+    assert answers.answer(0.9) == PENDING
+    ready.acquire()
+    first = answers.answer(0.9)
+    assert first.solution is not None
+    assert (first.expected_return, first.is_whole) == (None, False)
+    go_on.set()
+    ready.acquire()
+    whole = answers.answer(0.9)
+    assert (whole.solution, whole.is_whole) == (first.solution, True)
+    assert whole.expected_return == pytest.approx(7.5, abs=1e-12)
 
 
 def test_a_small_world_with_a_long_time_limit_does_not_keep_the_run_waiting() -> None:
@@ -106,7 +131,8 @@ def test_the_answers_of_two_worlds_in_turn_are_worked_out_once() -> None:
     first = [answers.at(world, 0.9).solution for world in worlds]
     assert None not in first
     assert [answers.at(world, 0.9).solution for world in worlds] == first
-    answers.at(replace(STUDENT, time_limit=70), 0.9)
+    for limit in (70, 80, 90, 100):
+        answers.at(replace(STUDENT, time_limit=limit), 0.9)
     assert answers.at(worlds[0], 0.9).solution is not first[0], "a world left long ago is forgotten"
 
 
@@ -147,9 +173,9 @@ def test_runs_side_by_side_in_two_worlds_have_each_its_answer_worked_out_once(
 ) -> None:
     solved = []
 
-    def counting(mdp: TabularMDP, gamma: float) -> Solution:
+    def counting(mdp: TabularMDP, gamma: float, near: FloatArray | None) -> Solution:
         solved.append(mdp)
-        return solve(mdp, gamma)
+        return solve(mdp, gamma, near)
 
     monkeypatch.setattr("rl_tui.agents.exact.solve.solve", counting)
     playback = begin_playing(recipe("frozenlake"))
@@ -161,3 +187,49 @@ def test_runs_side_by_side_in_two_worlds_have_each_its_answer_worked_out_once(
     assert shown.world is not shown.beside.world
     assert shown.exact_answer.solution is not shown.beside.exact_answer.solution
     assert len(solved) - before <= 1, "in a branch that goes on into its own change"
+
+
+@pytest.fixture
+def nears(monkeypatch: pytest.MonkeyPatch) -> list[FloatArray | None]:
+    """What each solved world was solved from: values near its own."""
+    nears: list[FloatArray | None] = []
+
+    def noting(mdp: TabularMDP, gamma: float, near: FloatArray | None) -> Solution:
+        nears.append(near)
+        return solve(mdp, gamma, near)
+
+    monkeypatch.setattr("rl_tui.agents.exact.solve.solve", noting)
+    return nears
+
+
+def test_the_answer_of_an_edited_world_is_sought_near_the_one_before(
+    nears: list[FloatArray | None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(exact_answers, "AT_ONCE_STATES", 1_000)
+    answers, run = RunAnswers(nobody), Run(large_map())
+    before = answers.of(run).solution
+    assert nears == [None]
+    for change in (edit("rows=+1@3"), edit("cell[12,6]=#;cell[5,5]=H"), edit("noise=0.1;columns=-1@4")):
+        assert before is not None
+        edited = run.edited
+        run.apply(change)
+        mdp = run.world.mdp
+        assert mdp is not None
+        found = answers.of(run).solution
+        assert found is not None
+        near, carried = nears[-1], run.edited.carried_from(edited, run.recipe).states
+        assert near is not None
+        assert near.tolist() == [0.0 if old == NEW else before.v[old] for old in carried]
+        alone = solve(mdp, found.gamma)
+        assert found.v == pytest.approx(alone.v, abs=1e-9)
+        assert found.greedy.tolist() == alone.greedy.tolist()
+        before = found
+
+
+def test_of_another_seed_nothing_is_taken_over(nears: list[FloatArray | None]) -> None:
+    answers, first = RunAnswers(nobody), small_map()
+    answers.of(Run(first))
+    other = Run(replace(first, seed=first.seed + 1))
+    other.apply(edit("cell[1,1]=#"))
+    assert answers.of(other).solution is not None
+    assert nears == [None, None]

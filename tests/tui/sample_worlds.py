@@ -121,7 +121,9 @@ def exact_solution(mdp: TabularMDP, gamma: float) -> Solution:
     greedy = q >= v[mdp.pair_state] - 1e-9
     for shared in (v, q, greedy):
         shared.flags.writeable = False
-    return Solution(gamma, v, q, greedy, greedy, at_start, at_start, at_start, sweeps)
+    best = np.flatnonzero(greedy)
+    policy = best[np.diff(mdp.pair_state[best], prepend=-1) > 0]
+    return Solution(gamma, v, q, greedy, greedy, at_start, policy, sweeps)
 
 
 def best_values(mdp: TabularMDP, q: FloatArray) -> FloatArray:

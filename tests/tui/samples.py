@@ -156,6 +156,7 @@ def _lake(world: World, id: str, title: str, step: int, changes: dict[str, Any])
         "length_last_100": 37.5,
         "greedy_return": 0.73,
         "solution": exact,
+        "expected_return": exact.value_at_start,
     }
     return changed(start, **(shown | changes))
 
@@ -230,6 +231,7 @@ def student(step: int = 2_433, **changes: Any) -> Snapshot:
         "length_last_100": 2.6,
         "greedy_return": 7.5,
         "solution": exact,
+        "expected_return": exact.value_at_start,
     }
     return changed(start, **(shown | changes))
 
@@ -298,6 +300,7 @@ def bandit(pulls: int = 1_000, **changes: Any) -> Snapshot:
         "length_last_100": 1.0,
         "greedy_return": 1.5,
         "solution": exact_solution(world.space, 0.0),
+        "expected_return": max(TRUE_MEANS),
         "bandit": figures,
     }
     return changed(start, **(shown | changes))
@@ -321,6 +324,7 @@ def stepped_lake() -> Snapshot:
         marks=Marks(),
         greedy_return=None,
         solution=None,
+        expected_return=None,
         refused="this environment has no transition table to work it out from",
     )
 

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -71,7 +70,7 @@ def test_a_gap_of_which_that_is_not_known_is_not_laid_to_exploring() -> None:
         {"episodes": 99},
         {"greedy_return": 0.4101},
         {"greedy_return": 0.35, "return_last_100": 0.1},  # too far below .54: not learned yet
-        {"solution": None},
+        {"expected_return": None},
         {"q": np.zeros(44)},
     ],
 )
@@ -114,18 +113,15 @@ def test_a_greedy_policy_of_mere_ties_has_no_figure() -> None:
 
 
 def test_before_the_first_episode_there_is_no_line() -> None:
-    start = student(0, greedy_return=6.2, solution=student().exact_answer.solution)
+    start = student(0, greedy_return=6.2, expected_return=student().exact_answer.expected_return)
     text, widget = drawn(start, NARROW)
     assert not any(0x2800 < ord(character) <= 0x28FF for character in text)
     assert widget.heading == "Return per episode"
 
 
 def test_a_small_return_far_from_a_negative_optimum_is_not_learned() -> None:
-    exact = student().exact_answer.solution
-    assert exact is not None
-    cliff = replace(exact, expected_return=-12.0)
-    far = student(solution=cliff, greedy_return=-17.0, return_last_100=-40.0)
-    near = student(solution=cliff, greedy_return=-15.0, return_last_100=-40.0)
+    far = student(expected_return=-12.0, greedy_return=-17.0, return_last_100=-40.0)
+    near = student(expected_return=-12.0, greedy_return=-15.0, return_last_100=-40.0)
     assert "gap" not in drawn(far)[0]
     assert "gap 25" in drawn(near)[0]
 
@@ -154,7 +150,7 @@ def test_returns_of_zero_where_rewards_may_cancel_out_are_not_called_no_reward()
 
 
 def test_a_constant_return_is_a_line_on_the_axis() -> None:
-    barren = lake(curve=flat(0.0), marks=NO_MARKS, episodes=1_234, greedy_return=None, solution=None)
+    barren = lake(curve=flat(0.0), marks=NO_MARKS, episodes=1_234, greedy_return=None, expected_return=None)
     bottom = drawn(barren)[0].splitlines()[-2]
     assert bottom.startswith("  0┤⣀⣀⣀⣀")
 

@@ -70,7 +70,7 @@ def test_with_few_colours_the_band_is_its_two_edges(depth: str) -> None:
         marks=NO_MARKS,
         greedy_return=None,
         return_last_100=0.5,
-        solution=None,
+        expected_return=None,
     )
     shown = look(depth=depth)
     rows = [
@@ -110,7 +110,7 @@ def far_below() -> Snapshot:
         marks=early,
         greedy_return=-15.0,
         return_last_100=-70.0,
-        solution=None,
+        expected_return=None,
     )
 
 

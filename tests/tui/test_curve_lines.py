@@ -141,7 +141,7 @@ def test_names_never_share_a_row() -> None:
 
 
 def test_of_equal_lines_the_optimum_is_named_above() -> None:
-    lines = drawn(lake(greedy_return=lake().exact_answer.solution.expected_return))[0].splitlines()  # type: ignore[union-attr]
+    lines = drawn(lake(greedy_return=lake().exact_answer.expected_return))[0].splitlines()
     optimum = next(y for y, line in enumerate(lines) if "best for this γ" in line)
     greedy = next(y for y, line in enumerate(lines) if "greedy" in line)
     assert optimum < greedy
@@ -196,7 +196,11 @@ def test_smoothing_keeps_a_constant_and_few_values() -> None:
 
 def test_the_greedy_line_wins_a_shared_cell() -> None:
     same = lake(
-        curve=flat(0.5), marks=marks(30, 0.5, 0.5, 1_234), episodes=1_234, greedy_return=0.5, solution=None
+        curve=flat(0.5),
+        marks=marks(30, 0.5, 0.5, 1_234),
+        episodes=1_234,
+        greedy_return=0.5,
+        expected_return=None,
     )
     _, widget = drawn(same)
     palette = widget.look.palette
@@ -212,7 +216,11 @@ def test_the_greedy_line_wins_a_shared_cell() -> None:
 
 def test_a_mean_somewhat_below_the_greedy_line_has_its_own_row() -> None:
     snapshot = lake(
-        curve=flat(0.89), marks=marks(30, 1.0, 1.0, 1_234), episodes=1_234, greedy_return=1.0, solution=None
+        curve=flat(0.89),
+        marks=marks(30, 1.0, 1.0, 1_234),
+        episodes=1_234,
+        greedy_return=1.0,
+        expected_return=None,
     )
     top, below = drawn(snapshot, NARROW)[0].splitlines()[:2]
     assert "⣀⣀⣀⣀" in top
@@ -278,5 +286,5 @@ def test_a_greedy_policy_that_walks_into_walls_does_not_blow_up_the_axis() -> No
     early.expected_return[3:6] = -100_000.0
     assert curve_data(answered(lake(marks=early))).range[0] >= -1.0
     assert curve_data(answered(planning(marks=early))).range[0] >= -1.0
-    alone = planning(marks=early, solution=None, greedy_return=None)
+    alone = planning(marks=early, expected_return=None, greedy_return=None)
     assert curve_data(answered(alone)).range[0] == -100_000.0

@@ -72,14 +72,12 @@ def otherwise(snapshot: Snapshot) -> Snapshot:
         best=~solution.best,
         greedy=~solution.greedy,
         value_at_start=solution.value_at_start + OTHER,
-        expected_return=moved(solution.expected_return),
-        best_expected_return=moved(solution.best_expected_return),
     )
     group = snapshot.run_group
     lanes = tuple(replace(lane, results=_other_results(lane.results)) for lane in group.lanes)
     return replace(
         snapshot,
-        exact_answer=Answer(answer, ""),
+        exact_answer=Answer(answer, "", moved(snapshot.exact_answer.expected_return)),
         results=_other_results(snapshot.results),
         run_group=replace(group, lanes=lanes),
         answers=replace(

@@ -7,7 +7,7 @@ import pytest
 from shipped import SHIPPED
 
 from rl_tui.agents.exact.solution import Solution
-from rl_tui.agents.exact.solve import solve
+from rl_tui.agents.exact.solve import greedy_return, solve
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.lab.run.run import Run
 from rl_tui.worlds.files.catalogue import find
@@ -39,8 +39,10 @@ def values_of(world: World, gamma: float) -> dict[str, float]:
 
 def best_of(name: str) -> tuple[float, float | None]:
     """Return V* at the start and the undiscounted return of that policy, at the scenario's own γ."""
-    solution = solved(built(name), gamma_of(name))
-    return solution.value_at_start, solution.expected_return
+    world = built(name)
+    solution = solved(world, gamma_of(name))
+    assert world.mdp is not None
+    return solution.value_at_start, greedy_return(world.mdp, solution)
 
 
 @pytest.mark.parametrize("name", SHIPPED)
@@ -142,9 +144,11 @@ def test_discount_and_noise_choose_the_exit(
     gamma: float, noise: float, step_reward: float, expected: tuple[float, int | None]
 ) -> None:
     section = find("discount").section.model_copy(update={"noise": noise, "step_reward": step_reward})
-    solution = solved(section.build(np.random.default_rng(0)), gamma)
+    world = section.build(np.random.default_rng(0))
+    solution = solved(world, gamma)
     reward, steps = expected
-    assert solution.expected_return == pytest.approx(reward, rel=0.1)
+    assert world.mdp is not None
+    assert greedy_return(world.mdp, solution) == pytest.approx(reward, rel=0.1)
     if steps is not None:
         assert solution.value_at_start == pytest.approx(reward * gamma ** (steps - 1))
 

@@ -16,6 +16,7 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 SMALLEST_GAIN: Final = 1e-12
 NOISE: Final = 32 * float(np.finfo(np.longdouble).eps)
 LONGEST_WARM_UP: Final = 1_000
+LONGEST_FROM_NEAR: Final = 250
 # A sweep that moves values by no more, of the largest, leaves next to nothing to improve
 AT_REST: Final = 1e-13
 BETWEEN_LOOKS: Final = 5
@@ -35,15 +36,18 @@ class Optimum:
     iterations: int
 
 
-def policy_iteration(model: ExactModel, gamma: float, start: IntArray | None = None) -> Optimum:
+def policy_iteration(
+    model: ExactModel, gamma: float, start: IntArray | None = None, near: FloatArray | None = None
+) -> Optimum:
     """Return the best values over an unlimited horizon.
 
     At γ = 1 they are the best over the policies that end with probability 1: it starts from such a policy.
     That is ``start``, [N] pairs, where it is given and ends: a good one saves time and changes nothing else.
+    Below γ = 1 so do values ``near`` the best, [S], but that rounding may be another in the last place.
     Raises NoExactAnswer, at γ = 1, naming a state that cannot reach an end or a loop that gains for ever.
     """
     if gamma < 1.0:
-        policy = _far_sighted(model, gamma)
+        policy = _far_sighted(model, gamma, near)
     elif start is not None and not len(model.endless(_probabilities(model, start) > 0.0)):
         policy = start
     else:
@@ -77,22 +81,25 @@ def _improved(model: ExactModel, policy: IntArray, advantage: ExtendedArray, lea
     return np.where(highest - advantage[policy] > least_gain, best[first], policy)
 
 
-def _far_sighted(model: ExactModel, gamma: float) -> IntArray:
+def _far_sighted(model: ExactModel, gamma: float, near: FloatArray | None) -> IntArray:
     """Return the greedy policy, [N], for a long finite horizon: a start that leaves little to improve."""
     mdp = model.mdp
     if mdp.states <= MOST_DENSE:
         v = best_values(mdp, gamma, min(mdp.states, LONGEST_WARM_UP))
     else:
-        v = _swept(model, gamma)
+        v = _swept(model, gamma, near)
     first = mdp.first_pair[model.live]
     return _improved(model, first, model.advantage(np.append(v, 0.0).astype(np.longdouble), gamma), 0.0)
 
 
-def _swept(model: ExactModel, gamma: float) -> FloatArray:
-    """Return values, [S], after sweeps of value iteration, until one moves them by next to nothing."""
+def _swept(model: ExactModel, gamma: float, near: FloatArray | None) -> FloatArray:
+    """Return values, [S], after sweeps of value iteration, until one moves them by next to nothing.
+
+    They begin at ``near``; where that is too far off to come to rest soon, and without it, at 0.
+    """
     from scipy.sparse import csr_array
 
-    mdp, v = model.mdp, np.zeros(model.mdp.states)
+    mdp = model.mdp
     sweep = model_of(mdp, mdp.reward, gamma)
     shape = mdp.pairs, mdp.states
     following = csr_array((sweep.weight, sweep.next_state, sweep.first_outcome), shape=shape)
@@ -101,13 +108,22 @@ def _swept(model: ExactModel, gamma: float) -> FloatArray:
     if is_even:  # action by action the best of each state is found in a quarter of the time
         order = np.arange(mdp.pairs).reshape(-1, each).T.ravel()
         following, reward = following[order], reward[order]
-    for _ in range(LONGEST_WARM_UP // BETWEEN_LOOKS):
-        for _ in range(BETWEEN_LOOKS):
-            of_pairs, before = reward + following @ v, v[model.live]
-            best = of_pairs.reshape(each, -1).max(axis=0) if is_even else np.maximum.reduceat(of_pairs, first)
-            v[model.live] = best
-        if np.abs(best - before).max() <= AT_REST * np.abs(best).max():
-            break
+
+    def best_after(v: FloatArray) -> FloatArray:
+        of_pairs = reward + following @ v
+        best: FloatArray = (
+            of_pairs.reshape(each, -1).max(axis=0) if is_even else np.maximum.reduceat(of_pairs, first)
+        )
+        return best
+
+    starts = [] if near is None else [(near, LONGEST_FROM_NEAR)]
+    for start, longest in (*starts, (np.zeros(mdp.states), LONGEST_WARM_UP)):
+        v = np.where(model.is_live[:-1], start, 0.0)
+        for number in range(1, longest + 1):
+            before = v[model.live]
+            v[model.live] = best = best_after(v)
+            if number % BETWEEN_LOOKS == 0 and np.abs(best - before).max() <= AT_REST * np.abs(best).max():
+                return v
     return v
 
 

@@ -1,8 +1,8 @@
-"""The exact answer of a world: its optimal values, an optimal policy, and what that earns."""
+"""The exact answer of a world: its optimal values and policy, and, asked for apart, what that earns."""
 
 from __future__ import annotations
 
-from typing import Final, TypedDict
+from typing import Final
 
 import numpy as np
 
@@ -11,23 +11,19 @@ from rl_tui.agents.exact.exact_model import ExactModel, exact_model
 from rl_tui.agents.exact.policies import uniform_over
 from rl_tui.agents.exact.policy_figures import expected_return
 from rl_tui.agents.exact.policy_iteration import Optimum, policy_iteration
-from rl_tui.agents.exact.solution import NoExactAnswer, Solution
+from rl_tui.agents.exact.solution import NoExactAnswer, Returns, Solution
 from rl_tui.agents.exact.ways_out import staying_states
-from rl_tui.worlds.mdp.space import BoolArray, IntArray
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 TIE: Final = 1e-9
 
 
-class _Returns(TypedDict):
-    """Two fields of a solution."""
-
-    expected_return: float | None
-    best_expected_return: float | None
-
-
-def solve(mdp: TabularMDP, gamma: float) -> Solution:
+def solve(mdp: TabularMDP, gamma: float, near: FloatArray | None = None) -> Solution:
     """Return the optimal values and policy of ``mdp`` for ``gamma`` in [0, 1], exact to 1e-9.
+
+    Values ``near`` the best, [S], such as those of a world that is almost the same, save time; all that
+    depends on them is rounding in the last place.
 
     Raises NoExactAnswer, in one line, where γ = 1 leaves no best value or γ < 1 is too near to 1 to compute
     it.
@@ -35,7 +31,7 @@ def solve(mdp: TabularMDP, gamma: float) -> Solution:
     if not 0.0 <= gamma <= 1.0:
         raise ValueError(f"gamma is {gamma}; expected a number in [0, 1]")
     model = exact_model(mdp)
-    optimum = policy_iteration(model, gamma)
+    optimum = policy_iteration(model, gamma, near=near)
     advantage = optimum.advantage
     best = advantage >= np.repeat(model.best(advantage), model.pairs_each) - TIE
     best[optimum.policy] = True  # where values are so large that rounding is more than that
@@ -47,27 +43,29 @@ def solve(mdp: TabularMDP, gamma: float) -> Solution:
         best=best,
         greedy=greedy,
         value_at_start=mdp.average_at_start(optimum.v),
-        **_returns(model, gamma, optimum, greedy),
+        policy=optimum.policy,
         iterations=optimum.iterations,
     )
 
 
-def _returns(model: ExactModel, gamma: float, optimum: Optimum, greedy: BoolArray) -> _Returns:
-    """Return what ``greedy``, the tied pairs [P] of ``optimum``, and the best policy earn undiscounted."""
-    mdp = model.mdp
+def greedy_return(mdp: TabularMDP, solution: Solution) -> float | None:
+    """Return what the greedy policy of ``solution``, that of ``mdp``, earns: see :class:`Returns`."""
+    return expected_return(mdp, uniform_over(mdp, solution.greedy))
+
+
+def returns(mdp: TabularMDP, solution: Solution) -> Returns:
+    """Return what the greedy policy of ``solution``, that of ``mdp``, and the best policy earn."""
     if mdp.time_limit:
-        best = mdp.average_at_start(best_values(mdp, 1.0, mdp.time_limit))
-        return _Returns(
-            expected_return=expected_return(mdp, uniform_over(mdp, greedy)), best_expected_return=best
-        )
-    discounts_nothing = gamma == 1.0 or bool(mdp.terminated.all())
-    undiscounted = optimum if discounts_nothing else _undiscounted(model, optimum.policy)
-    best_return = None if undiscounted is None else mdp.average_at_start(undiscounted.v)
-    has_ties = int(greedy.sum()) > len(optimum.policy)
-    if undiscounted is not None and not has_ties and np.array_equal(undiscounted.policy, optimum.policy):
-        return _Returns(expected_return=best_return, best_expected_return=best_return)
-    earned = expected_return(mdp, uniform_over(mdp, greedy))
-    return _Returns(expected_return=earned, best_expected_return=best_return)
+        return Returns(greedy_return(mdp, solution), best_expected_return(mdp))
+    if solution.gamma == 1.0 or bool(mdp.terminated.all()):  # nothing is discounted
+        best: float | None = solution.value_at_start
+        is_best = True
+    else:
+        optimum = _undiscounted(exact_model(mdp), solution.policy)
+        best = None if optimum is None else mdp.average_at_start(optimum.v)
+        is_best = optimum is not None and np.array_equal(optimum.policy, solution.policy)
+    has_ties = int(solution.greedy.sum()) > len(solution.policy)
+    return Returns(best if is_best and not has_ties else greedy_return(mdp, solution), best)
 
 
 def best_expected_return(mdp: TabularMDP) -> float | None:

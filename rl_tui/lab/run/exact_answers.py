@@ -4,16 +4,24 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict, deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Final, NamedTuple
 
+import numpy as np
+
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
+from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 if TYPE_CHECKING:
+    from rl_tui.lab.run.edited_world import EditedWorld
+    from rl_tui.lab.run.recipe import Recipe
     from rl_tui.lab.run.run import Run
 
 AT_ONCE_STATES: Final = 200
+# From the values before an edit, so many take less than the frame that a thread would cost: 8 ms, and 50 at
+# γ = 1
+EDITED_AT_ONCE: Final = 1_000
 # Up to so many steps an episode of a small world is worked out in some milliseconds
 LONGEST_AT_ONCE: Final = 1_000
 LIVE_STATES: Final = 20_000
@@ -41,35 +49,48 @@ class Answer(NamedTuple):
 
     solution: Solution | None
     refused: str
+    expected_return: float | None = None
+    """What the greedy policy of the solution earns; None where that has no answer, or none yet."""
+    is_whole: bool = True
+    """Whether nothing of it is still being worked out. What it earns comes after the solution."""
 
 
 NO_TABLE: Final = "this environment has no transition table to work it out from"
-PENDING: Final = Answer(None, "")
+PENDING: Final = Answer(None, "", is_whole=False)
 
 
-def _solve(mdp: TabularMDP, gamma: float) -> Solution:
+Solve = Callable[[TabularMDP, float], Solution]
+
+
+def _solve(mdp: TabularMDP, gamma: float, near: FloatArray | None = None) -> Solution:
     from rl_tui.agents.exact.solve import solve
 
-    return solve(mdp, gamma)
+    return solve(mdp, gamma, near)
+
+
+def _with_return(mdp: TabularMDP, solution: Solution) -> Answer:
+    from rl_tui.agents.exact.solve import greedy_return
+
+    return Answer(solution, "", greedy_return(mdp, solution))
 
 
 def exact_now(mdp: TabularMDP | None, gamma: float) -> Answer:
     """Return the exact answer of a small world that is another one after every step."""
-    return Answer(None, NO_TABLE) if mdp is None else Answer(_solve(mdp, gamma), "")
+    return Answer(None, NO_TABLE) if mdp is None else _with_return(mdp, _solve(mdp, gamma))
 
 
 class ExactAnswers:
     """Exact answers by γ: small worlds at once, others in a thread, none above 20,000 states.
 
     A world is small if it has few states and its time limit does not make an evaluation dear. ``on_ready`` is
-    called, in that thread, when an answer that was asked for has come.
+    called, in that thread, when an answer that was asked for has come, and again when what it earns has.
     """
 
     def __init__(
         self,
         mdp: TabularMDP | None,
         on_ready: Callable[[], None],
-        solve: Callable[[TabularMDP, float], Solution] = _solve,
+        solve: Solve = _solve,
         at_once_states: int = AT_ONCE_STATES,
     ) -> None:
         self.mdp = mdp
@@ -94,7 +115,8 @@ class ExactAnswers:
                 self._answers.move_to_end(gamma)
                 return known
             if self._at_once:
-                return self._keep(gamma, self._work_out(gamma))
+                *_, whole = self._parts(gamma)
+                return self._keep(gamma, whole)
             self._wanted = gamma
             if not self._working:
                 self._working = True
@@ -111,29 +133,42 @@ class ExactAnswers:
                     self._working = False
                     return
             try:
-                answer = self._work_out(gamma)
+                for answer in self._parts(gamma):
+                    with self._lock:
+                        self._keep(gamma, answer)
+                    self._on_ready()
             except BaseException as error:
                 with self._lock:
                     self._failure, self._working = error, False
                 self._on_ready()
                 return
-            with self._lock:
-                self._keep(gamma, answer)
-            self._on_ready()
 
-    def _work_out(self, gamma: float) -> Answer:
+    def _parts(self, gamma: float) -> Iterator[Answer]:
+        """Yield the answer as soon as it is there, and then again with what it earns."""
         if self.mdp is None:
-            return Answer(None, NO_TABLE)
+            yield Answer(None, NO_TABLE)
+            return
         try:
-            return Answer(self._solve(self.mdp, gamma), "")
+            solution = self._solve(self.mdp, gamma)
         except NoExactAnswer as refusal:
-            return Answer(None, str(refusal))
+            yield Answer(None, str(refusal))
+            return
+        yield Answer(solution, "", is_whole=False)
+        yield _with_return(self.mdp, solution)
 
     def _keep(self, gamma: float, answer: Answer) -> Answer:
         self._answers[gamma] = answer
         while len(self._answers) > KEPT:
             self._answers.popitem(last=False)
         return answer
+
+
+class _Solved(NamedTuple):
+    """The last answer there was, and of which world."""
+
+    edited: EditedWorld
+    recipe: Recipe
+    solution: Solution
 
 
 class RunAnswers:
@@ -145,6 +180,7 @@ class RunAnswers:
     def __init__(self, on_ready: Callable[[], None]) -> None:
         self._on_ready = on_ready
         self._of_worlds: deque[ExactAnswers] = deque(maxlen=_MOST_WORLDS)
+        self._last: _Solved | None = None
 
     def of(self, run: Run) -> Answer:
         """Return the exact answer for the γ in force in ``run``, as far as it is known."""
@@ -152,15 +188,38 @@ class RunAnswers:
         gamma = learner.hyperparameters.gamma
         if learner.drifted:
             return exact_now(learner.mdp, gamma)
-        return self.at(run.world.mdp, gamma)
+        answer = self.at(run.world.mdp, gamma, self._from_before(run))
+        if answer.solution is not None:
+            self._last = _Solved(run.edited, run.recipe, answer.solution)
+        return answer
 
-    def at(self, mdp: TabularMDP | None, gamma: float) -> Answer:
-        """Return the exact answer for ``gamma`` in the world of ``mdp``, as far as it is known."""
+    def at(self, mdp: TabularMDP | None, gamma: float, from_before: Solve | None = None) -> Answer:
+        """Return the exact answer for ``gamma`` in the world of ``mdp``, as far as it is known.
+
+        Of a world that comes of an edit, ``from_before`` works it out from the answer before.
+        """
         known = next((each for each in self._of_worlds if each.mdp is mdp), None)
         if known is None:
-            known = ExactAnswers(mdp, self._on_ready, at_once_states=AT_ONCE_STATES)
+            at_once = AT_ONCE_STATES if from_before is None else EDITED_AT_ONCE
+            known = ExactAnswers(mdp, self._on_ready, from_before or _solve, at_once)
         else:
             self._of_worlds.remove(known)
         if mdp is None or mdp.states <= LIVE_STATES:  # of a larger one nothing is known, and it takes memory
             self._of_worlds.appendleft(known)
         return known.answer(gamma)
+
+    def _from_before(self, run: Run) -> Solve | None:
+        """Return what solves the edited world of ``run`` from the last answer; None where there is none."""
+        last, edited, recipe = self._last, run.edited, run.recipe
+        if last is None or edited.draft is None or not _begin_alike(last.recipe, recipe):
+            return None
+
+        def solve(mdp: TabularMDP, gamma: float) -> Solution:
+            before = edited.carried_from(last.edited, recipe).states
+            return _solve(mdp, gamma, np.append(last.solution.v, 0.0)[before])  # 0 where it is NEW
+
+        return solve
+
+
+def _begin_alike(one: Recipe, other: Recipe) -> bool:
+    return one.scenario is other.scenario and one.seed == other.seed

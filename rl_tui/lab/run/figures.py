@@ -14,7 +14,7 @@ import numpy.typing as npt
 from rl_tui.agents.exact.policies import greedy_policy
 from rl_tui.agents.exact.policy_figures import figures
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
-from rl_tui.agents.exact.solve import solve
+from rl_tui.agents.exact.solve import returns, solve
 from rl_tui.agents.hyperparameters import Ties
 from rl_tui.lab.run.exact_answers import NO_TABLE
 from rl_tui.lab.run.recipe import Recipe
@@ -142,6 +142,7 @@ def world_digest(world: World) -> str | None:
 
 def solution_figures(recipe: Recipe, mdp: TabularMDP, solution: Solution) -> dict[str, Any]:
     """Return the exact answer in the world of ``recipe``: the document of ``solve --json``."""
+    earned = returns(mdp, solution)
     return {
         "scenario": recipe.scenario.id,
         "gamma": solution.gamma,
@@ -152,8 +153,8 @@ def solution_figures(recipe: Recipe, mdp: TabularMDP, solution: Solution) -> dic
         "policy": policy_names(mdp, solution.greedy.astype(float)),
         "left_out": policy_names(mdp, (solution.best & ~solution.greedy).astype(float)),
         "value_at_start": solution.value_at_start,
-        "expected_return": solution.expected_return,
-        "best_expected_return": solution.best_expected_return,
+        "expected_return": earned.expected_return,
+        "best_expected_return": earned.best_expected_return,
         "iterations": solution.iterations,
     }
 

@@ -117,8 +117,8 @@ def recent_name(*episodes: int) -> str:
 
 
 def lacks_exact(snapshot: Snapshot) -> bool:
-    """Return whether the exact answer is still being worked out."""
-    return snapshot.exact_answer.solution is None and not snapshot.exact_answer.refused
+    """Return whether the exact answer, or what it earns, is still being worked out."""
+    return not snapshot.exact_answer.is_whole
 
 
 def passes_too_fast(snapshot: Snapshot) -> bool:

@@ -47,12 +47,12 @@ def optimal_q(subject: FigureSubject, state: object, action: object) -> float:
 
 def optimal_return(subject: FigureSubject) -> float:
     """Return what the policy that is best for γ earns: undiscounted, within the time limit."""
-    return _there(subject.solution.expected_return, "optimal_return")
+    return _there(subject.returns.expected_return, "optimal_return")
 
 
 def best_return(subject: FigureSubject) -> float:
     """Return what the best policy that may look at the clock earns: undiscounted, within the time limit."""
-    return _there(subject.solution.best_expected_return, "best_return")
+    return _there(subject.returns.best_expected_return, "best_return")
 
 
 def unlimited_return(subject: FigureSubject) -> float:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
-from rl_tui.agents.exact.solve import solve
+from rl_tui.agents.exact.solve import returns, solve
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.common.findings import near, shown
 from rl_tui.lab.lessons.figures.expression import FigureError
@@ -17,7 +17,7 @@ from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.run.recipe import Recipe, begin
 
 if TYPE_CHECKING:
-    from rl_tui.agents.exact.solution import Solution
+    from rl_tui.agents.exact.solution import Returns, Solution
     from rl_tui.lab.lessons.lesson import Lesson
     from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
     from rl_tui.worlds.world import World
@@ -75,6 +75,11 @@ class FigureSubject:
     def solution(self) -> Solution:
         """The exact answer for its γ. Raises UserError where there is none."""
         return solve(self.mdp, self.values.gamma)
+
+    @cached_property
+    def returns(self) -> Returns:
+        """What optimal policies earn in an episode. Raises UserError where there is no exact answer."""
+        return returns(self.mdp, self.solution)
 
     @cached_property
     def unlimited(self) -> TabularMDP:

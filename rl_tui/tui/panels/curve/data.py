@@ -177,7 +177,7 @@ def curve_data(snapshot: Snapshot) -> CurveData:
     """Return what there is to draw; what would give the answer away only where it is not hidden."""
     is_bandit = isinstance(snapshot.world.drawing, Arms)
     hidden = hides_greedy(snapshot)
-    plans, solution = snapshot.agent.row.planner, snapshot.exact_answer.solution
+    plans = snapshot.agent.row.planner
     hides_optimum = is_secret(snapshot) and not snapshot.exact_answer.refused
     episodes, curve = _episodes(snapshot.results), snapshot.results.curve
     return CurveData(
@@ -188,7 +188,7 @@ def curve_data(snapshot: Snapshot) -> CurveData:
         greedy=NO_STEPS if hidden else _greedy(snapshot.results, snapshot.counters.episodes),
         greedy_now=None if hidden else snapshot.results.greedy_return,
         mean_now=snapshot.results.return_last_100,
-        optimum=None if hides_optimum or solution is None else solution.expected_return,
+        optimum=None if hides_optimum else snapshot.exact_answer.expected_return,
         is_bandit=is_bandit,
         unit="sweep" if plans else "pull" if is_bandit else "episode",
         hides_optimum=hides_optimum,
