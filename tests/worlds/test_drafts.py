@@ -84,12 +84,29 @@ def test_what_is_no_valid_mdp_says_why() -> None:
         "world.rows=-2@0",
         "world.reward[0,0]=much",
         "world.depth=1",
+        "world.wind=5",
+        "world.wind=[1]",
     ],
 )
 def test_an_edit_that_cannot_be_done_is_told_in_a_line(text: str) -> None:
     with pytest.raises(UserError) as told:
         edited(lines("S.G\n...\n"), text)
     assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize("place", ["5", "null", '"x"', "[1]", "[true,0]", "[0.5,0]"])
+def test_a_state_stands_at_a_column_and_a_row(place: str) -> None:
+    with pytest.raises(UserError, match="expected \\[column,row\\]"):
+        edited(first_draft(find("student"), 0), f"world.place[Pass]={place}")
+
+
+def test_what_an_action_does_says_nothing_of_another_pair() -> None:
+    draft = edited(
+        first_draft(find("student"), 0),
+        'world.transition[Pass,leave]={"state":["x"],"action":[1],"to":"Sleep"}',
+    )
+    assert isinstance(draft, GraphDraft)
+    assert draft.entry("Pass", "leave") == {"state": "Pass", "action": "leave", "to": "Sleep"}
 
 
 @pytest.mark.parametrize("text", ["cell[1,2]=#", "world.cell[1,2]", "world.cell[1,2]=#x", "world.cell[,]=#"])
