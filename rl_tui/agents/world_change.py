@@ -23,18 +23,15 @@ def carry_over(now: npt.NDArray[Any], before: npt.NDArray[Any], pairs: IntArray)
 
 
 def carry_drift(now: Drift, before: Drift, pairs: IntArray) -> None:
-    """Let the means of arms that stay be as far away from where they began as they had drifted."""
+    """Let the means of arms that stay be as far away from where they began as they had drifted.
+
+    The sums over pulls are those of one world: they begin anew.
+    """
     if not len(now.offset) or not len(before.offset):
         return
     carry_over(now.offset, before.offset, pairs)
     now.mean[:] += now.offset
     now.optimal[:] = now.mean == now.mean.max()
-    for sums, sums_before in (
-        (now.regret, before.regret),
-        (now.best_total, before.best_total),
-        (now.optimal_pulls, before.optimal_pulls),
-    ):
-        sums[:] = sums_before
 
 
 def carried_state(carried: Carried, state: int) -> int:

@@ -179,6 +179,26 @@ def test_arms_that_were_drawn_stay_and_pulls_are_told_by_the_means_of_their_time
     assert run.bandit.pulls == 201
 
 
+def test_each_pull_is_told_by_the_means_of_its_moment_where_these_begin_to_drift_and_stop() -> None:
+    run = Run(replace(Recipe(find("bandit")), seed=4))
+    regret, best = 0.0, 0
+    for drift in ("0.1", "0.2", "0", "0.3", "0"):
+        for _ in range(40):
+            mdp = run.learner.mdp
+            assert mdp is not None
+            means = mdp.expected_reward
+            run.advance(1)
+            last = run.learner.last_step
+            assert last is not None
+            regret += means.max() - means[last.pair]
+            best += means[last.pair] == means.max()
+        run.apply(EditWorld(read_edits(f"world.drift={drift}")))
+        figures = run.bandit
+        assert figures is not None
+        assert figures.regret == pytest.approx(regret)
+        assert figures.best_arm_rate == best / figures.pulls
+
+
 @pytest.mark.parametrize("text", [*EDITS, "world.undo=1", "world.redo=1"])
 def test_a_change_of_the_world_is_written_as_it_is_read(text: str) -> None:
     assert read_world(written_world(read_world(text))) == read_world(text)

@@ -18,9 +18,9 @@ class Drift(NamedTuple):
     """``optimal``, [P], marks the best arms of a bandit; nothing in any other world.
 
     Where rewards drift, ``mean`` and ``offset``, [P], are the expected rewards now and how far they have
-    moved; else both are empty. Only there the loop itself adds up, [1] each: the ``regret`` of all pulls,
-    each against the means of its moment; ``best_total``, what the best arm of each moment would have brought;
-    and how many pulls were ``optimal_pulls``.
+    moved; else both are empty. Only there the loop itself adds up, [1] each: the ``regret`` of all pulls in
+    this world, each against the means of its moment; ``best_total``, what the best arm of each moment would
+    have brought; and how many pulls were ``optimal_pulls``.
     """
 
     optimal: BoolArray
@@ -32,7 +32,7 @@ class Drift(NamedTuple):
 
 
 class Drifted(NamedTuple):
-    """Sums over all pulls so far, each against the means of its own moment: see :class:`Drift`."""
+    """Sums over all pulls in one world, each against the means of its own moment: see :class:`Drift`."""
 
     regret: float
     best_total: float

@@ -68,13 +68,11 @@ def bandit_figures(
 ) -> BanditFigures | None:
     """Return what pulling each arm ``visits``, [P], times came to; None where ``world`` is no bandit.
 
-    ``drifted`` has the sums over all pulls where the means drift; ``settled`` are the pulls of other means.
+    ``settled`` are the pulls of other means, ``drifted`` has the sums over those since, where means drift.
     """
     if not isinstance(world.drawing, Arms) or world.mdp is None or world.budget is None:
         return None
-    pulls, regret, best_possible, best_pulls, _ = settle(world.mdp, visits, settled)
-    if drifted is not None:
-        regret, best_possible, best_pulls = drifted
+    pulls, regret, best_possible, best_pulls, _ = settle(world.mdp, visits, settled, drifted)
     return BanditFigures(
         pulls=pulls,
         budget=world.budget,
@@ -85,14 +83,23 @@ def bandit_figures(
     )
 
 
-def settle(mdp: TabularMDP, visits: IntArray, before: SettledPulls) -> SettledPulls:
-    """Return what pulling each arm of ``mdp`` ``visits``, [P], times came to, some of them ``before``."""
-    means, since = true_means(mdp), visits - before.visits
-    pulls = int(since.sum())
-    best = float(means.max())
+def settle(mdp: TabularMDP, visits: IntArray, before: SettledPulls, drifted: Drifted | None) -> SettledPulls:
+    """Return what pulling each arm of ``mdp`` ``visits``, [P], times came to, some of them ``before``.
+
+    Where means drift, ``drifted`` has what the others came to.
+    """
+    since = visits - before.visits
+    regret, best_possible, best_pulls = _by_their_means(mdp, since) if drifted is None else drifted
     return SettledPulls(
-        before.pulls + pulls,
-        before.regret + float(np.dot(since, best - means)),
-        before.best_possible + best * pulls,
-        before.best_pulls + int(since[means == best].sum()),
+        before.pulls + int(since.sum()),
+        before.regret + regret,
+        before.best_possible + best_possible,
+        before.best_pulls + best_pulls,
     )
+
+
+def _by_their_means(mdp: TabularMDP, pulls: IntArray) -> tuple[float, float, int]:
+    """Return regret, best total and best pulls of ``pulls`` of each arm, [P], whose means stand still."""
+    means = true_means(mdp)
+    best = float(means.max())
+    return float(np.dot(pulls, best - means)), best * int(pulls.sum()), int(pulls[means == best].sum())

@@ -282,10 +282,11 @@ class Run:
         before, _, now, carried = ready
         mdp = now.world.mdp
         assert mdp is not None  # what can be edited has a table
-        pulled = self._pulled
+        pulled, drifted = self._pulled, self.learner.drifted
         given_up = self.learner.change_world(mdp, carried)
         if now.world.budget is not None and before.world.mdp is not None:
-            self._settled = settle(before.world.mdp, pulled, self._settled)._replace(visits=self._pulled)
+            settled = settle(before.world.mdp, pulled, self._settled, drifted)
+            self._settled = settled._replace(visits=self._pulled)
         self.edited = now
         self.world_changes += (WorldChanged(self.step, self.learner.episodes, given_up),)
         self._evaluation.change_world(mdp)
