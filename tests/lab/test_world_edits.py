@@ -101,6 +101,28 @@ def test_an_episode_whose_cell_is_gone_is_given_up_and_counts_nowhere() -> None:
     assert run.world.space.state_names[run.learner.state] == "18", "the next one begins at the start"
 
 
+def test_a_planner_has_no_episode_to_give_up() -> None:
+    run = Run(Recipe(find("maze"), algorithm="value-iteration"))
+    run.advance(11)
+    row, column = divmod(int(run.world.space.state_names[run.learner.state]), 9)
+    run.apply(EditWorld(read_edits(f"world.cell[{row},{column}]=#")))
+    assert not run.world_changes[-1].given_up
+    assert run.learner.episode_step == 0, "another sweep begins"
+
+
+def test_rewards_of_any_size_tell_nothing_of_arms_that_come_to_pay_0_or_1() -> None:
+    recipe = replace(Recipe(find("bandit")), seed=4)
+    run = Run(replace(recipe, hyperparameters=replace(recipe.hyperparameters, policy="thompson")))
+    run.advance(50)
+    assert run.learner.rule.rewards.sum() == 50
+    run.apply(EditWorld(read_edits("world.std=0;world.arm[0:9]=0;world.arm[9]=1")))
+    run.advance(50)
+    assert run.learner.rule.rewards.sum() == 50
+    assert run.learner.rule.total.max() > 30, "it has found the arm that pays 1"
+    run.apply(EditWorld(read_edits("world.std=1")))
+    assert run.learner.rule.rewards.sum() == 50, "counts of 0 and 1 are rewards like others"
+
+
 def test_a_checkpoint_of_another_world_is_refused() -> None:
     run, other = Run(Recipe(find("maze"))), Run(Recipe(find("frozenlake")))
     with pytest.raises(ValueError, match="another world"):
