@@ -257,6 +257,16 @@ def test_many_seeds_of_an_edited_run_are_the_runs_of_those_seeds() -> None:
     assert study.seeds == 8
 
 
+def test_what_is_unfinished_is_drawn_once_and_not_for_every_picture() -> None:
+    playback = begin(small_map())
+    first = do(playback, OpenEditor(is_open=True), DrawWorld(edit("cell[0,0]=.;cell[2,0]=.").edits))
+    again = do(playback, Step())
+    assert first.editor.unfinished
+    assert again.editor.draft is first.editor.draft
+    other = do(playback, DrawWorld(edit("cell[1,0]=#").edits))
+    assert other.editor.draft is not first.editor.draft
+
+
 def test_strokes_that_wait_go_on_waiting_where_the_run_refuses_what_they_come_to(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

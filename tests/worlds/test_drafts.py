@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
+from rl_tui.tui.screens.playground.actions.modes.editing.brushes import paying_more
 from rl_tui.worlds.editing.draft import Draft
 from rl_tui.worlds.editing.drafts import first_draft, refusal
 from rl_tui.worlds.editing.edit import Edit, read_edits, written_edits
@@ -61,6 +62,13 @@ def test_a_reward_of_its_own_has_a_character_until_no_cell_has_it() -> None:
     assert map_of(draft).lines == ("S.G", "aa.")
     assert map_of(draft).legend["a"].pays == -2.0
     assert "a" not in map_of(edited(draft, "world.cell[1,0:2]=.")).legend
+
+
+def test_a_rectangle_that_pays_more_is_an_edit_for_each_stretch_of_a_row() -> None:
+    draft = map_of(lines("S..\n.#.\n..G\n"))
+    cells = [(row, column) for row in range(3) for column in range(3)]
+    written = written_edits(paying_more(draft, cells, 1.0)).replace("world.reward", "").split(";")
+    assert written == ["[0,0:3]=1.0", "[1,0]=1.0", "[1,2]=1.0", "[2,0:2]=1.0", "[2,2]=2.0"]
 
 
 def test_lines_take_their_wind_with_them() -> None:
