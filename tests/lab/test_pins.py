@@ -33,9 +33,11 @@ from rl_tui.lab.live.commands import (
 from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.until import Breakpoints, Event, Until
+from rl_tui.lab.run.library import recipe_for
 from rl_tui.lab.run.recipe import EditWorld, SetParameter
 from rl_tui.lab.sessions.session import encoded, read_session
 from rl_tui.worlds.drawing import Grid
+from rl_tui.worlds.files.scenario import scenario_of
 
 pytestmark = pytest.mark.unit
 DOWN = 1
@@ -199,6 +201,14 @@ def test_what_is_optimal_is_asked_of_the_world_in_force() -> None:
     for state in (0, 1, 2):
         own = shown.agent.q[mdp.pairs_of(state)[0] : mdp.pairs_of(state)[-1] + 1]
         assert solution.best[mdp.pairs_of(state)[0] + own.argmax()]
+
+
+def test_a_policy_that_an_edit_makes_optimal_as_it_is_is_noticed() -> None:
+    path = Path("arms.toml")
+    scenario = scenario_of("[bandit]\nmeans = [0.5, 1.0]\nstd = 0.0\nbudget = 400\n", path)
+    playback = begin(recipe_for(scenario, {"epsilon": 0.0, "ties": "first"}, 0))
+    do(playback, Train(20), draw("arm[0]=3"), Train(100), GoTo(10))
+    assert do(playback, RunUntil(Until(Event.OPTIMAL))).counters.step == 20, "it pulls arm 0 all the time"
 
 
 def test_a_run_begins_again_in_the_world_as_it_was_drawn() -> None:
