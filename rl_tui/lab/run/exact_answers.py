@@ -174,8 +174,8 @@ class ExactAnswers:
 class RunAnswers:
     """The exact answers of runs in the worlds asked for last; ``on_ready`` as for :class:`ExactAnswers`.
 
-    Runs side by side may each be in a world of its own. One is worked out at a time, the newest first, so that
-    strokes that follow one another quickly do not keep each other waiting.
+    Runs side by side may each be in a world of its own. One is worked out at a time, the newest first, so
+    that strokes that follow one another quickly do not keep each other waiting.
     """
 
     def __init__(self, on_ready: Callable[[], None]) -> None:
