@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.run import Run
+
+
+IN_LESSON: Final = "a lesson's world stays as it is: draw in a scenario of the catalogue"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
