@@ -12,6 +12,7 @@ from recipes import recipe
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
+from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.commands import (
     AddBranch,
     AddLane,
@@ -26,6 +27,7 @@ from rl_tui.lab.live.commands import (
     RunUntil,
     Step,
     StepBack,
+    StudyPolicy,
     ToggleBreakpoint,
     Train,
     UndoStroke,
@@ -188,6 +190,26 @@ def test_a_run_does_not_wait_for_what_is_gone() -> None:
     shown = do(playback, RunUntil(Until(Event.VALUE, pair=pair, threshold=-99.0)))
     assert shown.counters.step == 3
     assert shown.playback.paused_by == "what it ran until is not in the world any more"
+
+
+def test_a_lane_beside_in_another_world_has_them_by_its_own_numbers() -> None:
+    playback = begin(small_map())
+    do(playback, Train(20), AddLane((SetParameter("alpha", 0.9),)), draw("rows=+1@1"))
+    pinned(playback, 3, 0)
+    shown = do(playback, StudyPolicy(PolicyKind.DRAWN))
+    assert shown.beside is not None
+    assert_pinned(shown, 3, 0)
+    assert_pinned(shown.beside, 2, 0)
+    assert state_at(shown, 3, 0) >= shown.beside.world.space.states, "there is no such number there"
+    drawn = shown.beside.answers.policies[PolicyKind.DRAWN].policy
+    assert drawn is not None
+    assert drawn[pair_at(shown.beside, 2, 0)] == 1.0
+    shown = do(playback, Step())
+    assert shown.beside is not None
+    assert_pinned(shown.beside, 2, 0)
+    pinned(playback, 1, 0)
+    assert do(playback, Step()).playback.breakpoints.states != shown.playback.breakpoints.states
+    assert_pinned(do(playback, ChooseLane(1)), 2, 0)
 
 
 def test_what_is_optimal_is_asked_of_the_world_in_force() -> None:
