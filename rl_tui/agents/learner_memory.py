@@ -124,7 +124,8 @@ class LearnerMemory(LearnerCounters):
         A pair that is new begins at ``initial_q``, without visits. The rest of the memory is new, as where
         the algorithm is switched. An episode is given up, unfinished, where the state of the agent is gone or
         has become an end, or the time limit is over; another then begins, and so it does where none had begun
-        and the agent stood at what is no start any more. Returns whether one was given up.
+        and the agent stood at what is no start any more. A planner begins a sweep. Returns whether an episode
+        was given up.
 
         Raises UserError where the agent cannot work in ``space``; nothing then has changed.
         """
@@ -143,7 +144,8 @@ class LearnerMemory(LearnerCounters):
         self.world_since = self.step
         self.watch(watching)
         self._go_on_planning()
-        given_up = self.episode_step > 0 and not goes_on(space, state, self.episode_step)
+        is_under_way = self.episode_step > 0 and not self.plans
+        given_up = is_under_way and not goes_on(space, state, self.episode_step)
         if self.plans or given_up or (self.episode_step == 0 and not starts_in(space, state)):
             self._begin_anew()
         else:

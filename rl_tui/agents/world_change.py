@@ -23,7 +23,10 @@ def carry_over(now: npt.NDArray[Any], before: npt.NDArray[Any], pairs: IntArray)
 
 
 def carry_drift(now: Drift, before: Drift, pairs: IntArray) -> None:
-    """Let the means of arms that stay be as far away from where they began as they had drifted."""
+    """Let the means of arms that stay be as far away from where they began as they had drifted.
+
+    The sums over pulls are those of one world: they begin anew.
+    """
     if not len(now.offset) or not len(before.offset):
         return
     carry_over(now.offset, before.offset, pairs)

@@ -26,7 +26,7 @@ class Prospect(NamedTuple):
     rewards: tuple[float, ...]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
 class World:
     """What one seed made of a scenario.
 

@@ -12,11 +12,12 @@ from recipes import one_run, recipe
 
 from rl_tui.common.streams import streams
 from rl_tui.lab.experiments.many_runs import many_runs
-from rl_tui.lab.experiments.training import Goal
+from rl_tui.lab.experiments.training import Goal, train
 from rl_tui.lab.live.commands import Step, Train
 from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.run.recipe import EditWorld, JournalEntry, Recipe
 from rl_tui.lab.run.run import Run
+from rl_tui.worlds.editing.edit import read_edits
 
 DRIFT = 0.2
 FILE = f"[bandit]\nmeans = [0.5, 0.5, -1]\nstd = 2\ndrift = {DRIFT}\nbudget = 500\n"
@@ -146,6 +147,19 @@ def test_each_of_many_runs_is_held_against_its_own_means(drifting: Recipe) -> No
     for row in many_runs(drifting, 3, Goal(episodes=150))["runs"]:
         alone = one_run(replace(drifting, seed=row["seed"]), Goal(episodes=150))
         assert row == {name: alone[name] for name in row}
+
+
+def test_each_of_many_runs_whose_means_begin_to_drift_is_held_against_its_own(tmp_path: Path) -> None:
+    path = tmp_path / "still.toml"
+    path.write_text(FILE.replace(f"drift = {DRIFT}", ""))
+    journal = (JournalEntry(50, EditWorld(read_edits(f"world.drift={DRIFT}"))),)
+    rows = many_runs(recipe(str(path), seed=4), 3, Goal(episodes=150), journal=journal)["runs"]
+    for row in rows:
+        run = Run(recipe(str(path), seed=row["seed"]), evaluate=False)
+        train(run, Goal(episodes=150), journal=journal)
+        mdp = run.learner.mdp
+        assert mdp is not None
+        assert row["max_error"] == np.abs(run.learner.q - mdp.expected_reward).max()
 
 
 def test_the_screen_is_told_the_means_of_the_moment(drifting: Recipe) -> None:

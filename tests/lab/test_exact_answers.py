@@ -136,6 +136,32 @@ def test_the_answers_of_two_worlds_in_turn_are_worked_out_once() -> None:
     assert answers.at(worlds[0], 0.9).solution is not first[0], "a world left long ago is forgotten"
 
 
+def test_of_many_worlds_that_follow_one_another_the_newest_is_worked_out_next(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    begun, go_on, ready = threading.Event(), threading.Event(), threading.Semaphore(0)
+    solved: list[int] = []
+
+    def slowly(mdp: TabularMDP, gamma: float) -> Solution:
+        solved.append(worlds.index(mdp))
+        begun.set()
+        go_on.wait()
+        return solve(STUDENT, gamma)
+
+    monkeypatch.setattr("rl_tui.agents.exact.solve.solve", slowly)
+    answers = RunAnswers(lambda: ready.release())
+    worlds = [replace(STUDENT, time_limit=1_000_000 - each) for each in range(7)]
+    assert answers.at(worlds[0], 0.9) == PENDING
+    begun.wait()
+    for world in worlds[1:]:
+        assert answers.at(world, 0.9) == PENDING
+    go_on.set()
+    for _ in range(5):
+        ready.acquire()
+    assert solved == [0, 6, 5, 4, 3], "one at a time, and what was left long ago never"
+    assert answers.at(worlds[6], 0.9).solution is not None
+
+
 def test_an_unexpected_failure_is_raised_when_asked_again() -> None:
     ready = threading.Event()
 

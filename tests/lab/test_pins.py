@@ -12,6 +12,7 @@ from recipes import recipe
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.answers.drawn_policy import DrawnPolicy
+from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.live.commands import (
     AddBranch,
     AddLane,
@@ -26,6 +27,7 @@ from rl_tui.lab.live.commands import (
     RunUntil,
     Step,
     StepBack,
+    StudyPolicy,
     ToggleBreakpoint,
     Train,
     UndoStroke,
@@ -33,9 +35,11 @@ from rl_tui.lab.live.commands import (
 from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.until import Breakpoints, Event, Until
+from rl_tui.lab.run.library import recipe_for
 from rl_tui.lab.run.recipe import EditWorld, SetParameter
 from rl_tui.lab.sessions.session import encoded, read_session
 from rl_tui.worlds.drawing import Grid
+from rl_tui.worlds.files.scenario import scenario_of
 
 pytestmark = pytest.mark.unit
 DOWN = 1
@@ -188,6 +192,26 @@ def test_a_run_does_not_wait_for_what_is_gone() -> None:
     assert shown.playback.paused_by == "what it ran until is not in the world any more"
 
 
+def test_a_lane_beside_in_another_world_has_them_by_its_own_numbers() -> None:
+    playback = begin(small_map())
+    do(playback, Train(20), AddLane((SetParameter("alpha", 0.9),)), draw("rows=+1@1"))
+    pinned(playback, 3, 0)
+    shown = do(playback, StudyPolicy(PolicyKind.DRAWN))
+    assert shown.beside is not None
+    assert_pinned(shown, 3, 0)
+    assert_pinned(shown.beside, 2, 0)
+    assert state_at(shown, 3, 0) >= shown.beside.world.space.states, "there is no such number there"
+    drawn = shown.beside.answers.policies[PolicyKind.DRAWN].policy
+    assert drawn is not None
+    assert drawn[pair_at(shown.beside, 2, 0)] == 1.0
+    shown = do(playback, Step())
+    assert shown.beside is not None
+    assert_pinned(shown.beside, 2, 0)
+    pinned(playback, 1, 0)
+    assert do(playback, Step()).playback.breakpoints.states != shown.playback.breakpoints.states
+    assert_pinned(do(playback, ChooseLane(1)), 2, 0)
+
+
 def test_what_is_optimal_is_asked_of_the_world_in_force() -> None:
     playback = begin(small_graph(epsilon=0.5))
     do(playback, Train(3), draw('transition["Phone","wander"]={"to":"Pass","reward":1}'), GoTo(0))
@@ -199,6 +223,14 @@ def test_what_is_optimal_is_asked_of_the_world_in_force() -> None:
     for state in (0, 1, 2):
         own = shown.agent.q[mdp.pairs_of(state)[0] : mdp.pairs_of(state)[-1] + 1]
         assert solution.best[mdp.pairs_of(state)[0] + own.argmax()]
+
+
+def test_a_policy_that_an_edit_makes_optimal_as_it_is_is_noticed() -> None:
+    path = Path("arms.toml")
+    scenario = scenario_of("[bandit]\nmeans = [0.5, 1.0]\nstd = 0.0\nbudget = 400\n", path)
+    playback = begin(recipe_for(scenario, {"epsilon": 0.0, "ties": "first"}, 0))
+    do(playback, Train(20), draw("arm[0]=3"), Train(100), GoTo(10))
+    assert do(playback, RunUntil(Until(Event.OPTIMAL))).counters.step == 20, "it pulls arm 0 all the time"
 
 
 def test_a_run_begins_again_in_the_world_as_it_was_drawn() -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
+
 import pytest
 from conftest import MakeApp
 from seams import playground, press, screen_text, snapshot, train
@@ -10,6 +13,8 @@ from textual.pilot import Pilot
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import AddBranch, DrawWorld
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.library import recipe_named
+from rl_tui.lab.run.recipe import begin
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.counterparts import are_alike, in_common, pair_in, pairs_in, state_in
 from rl_tui.tui.panels.q_table.q_table import QTable
@@ -255,3 +260,13 @@ async def test_what_differs_from_the_other_table_is_shown_of_the_same_pairs_alon
         await two_lanes(pilot, "home", "shift+right")
         table = playground(pilot).board.table
         assert "other" not in table.footing
+
+
+def test_worlds_that_were_compared_are_not_kept_in_memory() -> None:
+    one, other = (begin(recipe_named("frozenlake")).world for _ in range(2))
+    assert are_alike(one, other)
+    assert in_common(one, other).states.tolist() == list(range(16))
+    gone = weakref.ref(one)
+    del one
+    gc.collect()
+    assert gone() is None

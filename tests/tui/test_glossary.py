@@ -19,6 +19,7 @@ from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
 def test_a_term_has_all_that_is_told_of_it(term: GlossaryTerm) -> None:
     assert all((term.word, term.text, term.equation, term.book))
     assert term.text.endswith((".", ":"))
+    assert term.is_elsewhere or term.book.startswith(("section", "example")), "a place in the book"
     spelled = [to_ascii(text, ASCII) for text in (*term.names, term.text, term.equation, term.book)]
     assert not [text for text in spelled if "?" in text], "ASCII has no spelling for a character"
 

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
+from rl_tui.tui.screens.playground.actions.modes.editing.brushes import paying_more
 from rl_tui.worlds.editing.draft import Draft
 from rl_tui.worlds.editing.drafts import first_draft, refusal
 from rl_tui.worlds.editing.edit import Edit, read_edits, written_edits
@@ -63,6 +64,13 @@ def test_a_reward_of_its_own_has_a_character_until_no_cell_has_it() -> None:
     assert "a" not in map_of(edited(draft, "world.cell[1,0:2]=.")).legend
 
 
+def test_a_rectangle_that_pays_more_is_an_edit_for_each_stretch_of_a_row() -> None:
+    draft = map_of(lines("S..\n.#.\n..G\n"))
+    cells = [(row, column) for row in range(3) for column in range(3)]
+    written = written_edits(paying_more(draft, cells, 1.0)).replace("world.reward", "").split(";")
+    assert written == ["[0,0:3]=1.0", "[1,0]=1.0", "[1,2]=1.0", "[2,0:2]=1.0", "[2,2]=2.0"]
+
+
 def test_lines_take_their_wind_with_them() -> None:
     draft = edited(first_draft(find("windy"), 0), "world.columns=+1@3;world.columns=-1@0")
     assert draft.table["wind"] == [0, 0, 0, 1, 1, 1, 2, 2, 1, 0]
@@ -84,12 +92,29 @@ def test_what_is_no_valid_mdp_says_why() -> None:
         "world.rows=-2@0",
         "world.reward[0,0]=much",
         "world.depth=1",
+        "world.wind=5",
+        "world.wind=[1]",
     ],
 )
 def test_an_edit_that_cannot_be_done_is_told_in_a_line(text: str) -> None:
     with pytest.raises(UserError) as told:
         edited(lines("S.G\n...\n"), text)
     assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize("place", ["5", "null", '"x"', "[1]", "[true,0]", "[0.5,0]"])
+def test_a_state_stands_at_a_column_and_a_row(place: str) -> None:
+    with pytest.raises(UserError, match="expected \\[column,row\\]"):
+        edited(first_draft(find("student"), 0), f"world.place[Pass]={place}")
+
+
+def test_what_an_action_does_says_nothing_of_another_pair() -> None:
+    draft = edited(
+        first_draft(find("student"), 0),
+        'world.transition[Pass,leave]={"state":["x"],"action":[1],"to":"Sleep"}',
+    )
+    assert isinstance(draft, GraphDraft)
+    assert draft.entry("Pass", "leave") == {"state": "Pass", "action": "leave", "to": "Sleep"}
 
 
 @pytest.mark.parametrize("text", ["cell[1,2]=#", "world.cell[1,2]", "world.cell[1,2]=#x", "world.cell[,]=#"])

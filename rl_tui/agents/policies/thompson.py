@@ -46,8 +46,11 @@ def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
 def carry_rule(now: Rule, before: Rule, pairs: IntArray) -> None:
     """Let ``now`` know what ``before`` knew of the arms that stay: for each of ``pairs`` its number before.
 
-    How they pay is what the table says now. Arms that come to pay otherwise than 0 or 1 keep their counts.
+    How they pay is what the table says now. Arms that come to pay otherwise than 0 or 1 keep their counts;
+    rewards of arms that did tell of no probability of 0 and 1, and are forgotten.
     """
+    if now.bernoulli and not before.bernoulli:
+        return
     known = pairs >= 0
     now.rewards[known] = before.rewards[pairs[known]]
     now.total[known] = before.total[pairs[known]]

@@ -23,13 +23,16 @@ def left_to_chance(mdp: TabularMDP, drawn: DrawnPolicy) -> BoolArray:
 
 
 class LeftToChance:
-    """The same, worked out again only where drawing or world are others."""
+    """The same of two lanes, maybe in two worlds, worked out again only where drawing or world are others."""
 
     def __init__(self) -> None:
-        self._known: tuple[TabularMDP, DrawnPolicy, BoolArray] | None = None
+        self._known: list[tuple[TabularMDP, DrawnPolicy, BoolArray]] = []
 
     def of(self, mdp: TabularMDP, drawn: DrawnPolicy) -> BoolArray:
         """Return the states in which ``drawn`` may come to act at random for want of a choice, [S]."""
-        if self._known is None or self._known[0] is not mdp or self._known[1] is not drawn:
-            self._known = mdp, drawn, left_to_chance(mdp, drawn)
-        return self._known[2]
+        for its_mdp, its_drawn, left in self._known:
+            if its_mdp is mdp and its_drawn is drawn:
+                return left
+        left = left_to_chance(mdp, drawn)
+        self._known = [(mdp, drawn, left), *self._known[:1]]
+        return left

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, NamedTuple
 from weakref import WeakKeyDictionary
@@ -123,14 +123,13 @@ class PolicyAnswers:
             )
         return answers
 
-    def work(self, runs: Iterable[tuple[Run, Answer]], drawn: DrawnPolicy) -> bool:
-        """Work out one of the answers that :meth:`of` lacks of ``runs``; return whether there was one."""
-        for run, exact in runs:
-            for kind in PolicyKind:
-                asked = _question(kind, run, exact, drawn)
-                if not isinstance(asked, PolicyAnswer) and self._kept(run, kind, asked) is None:
-                    self._work_out(run, kind, asked)
-                    return True
+    def work(self, run: Run, exact: Answer, drawn: DrawnPolicy) -> bool:
+        """Work out one of the answers that :meth:`of` lacks of ``run``; return whether there was one."""
+        for kind in PolicyKind:
+            asked = _question(kind, run, exact, drawn)
+            if not isinstance(asked, PolicyAnswer) and self._kept(run, kind, asked) is None:
+                self._work_out(run, kind, asked)
+                return True
         return False
 
     def _answer(self, run: Run, kind: PolicyKind, asked: _Question, is_still: bool) -> PolicyAnswer:

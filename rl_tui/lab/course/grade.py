@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from rl_tui.lab.timeline.branches import Branch
 
 PROVES: Final = "A session proves the run, not who made it."
-"""Steps of evidence or of a branch: what is longer is not replayed."""
 _MOST_STEPS_IN_ALL: Final = 100_000_000
+"""Steps of evidence and of branches together: what goes further is not replayed."""
 _MOST_MOMENTS: Final = 1_000
 """Steps taken by hand of a branch after which its run is looked at, and twice as many in all."""
 _MOST_PANELS: Final = 30

@@ -64,8 +64,6 @@ class SeededRuns:
         self._journal = journal
         self._world = None if recipe.scenario.section.drawn_from_seed else self.first.edited
         self._edited = [] if self._world is None else self._worlds_after(self._world)
-        # Where the world drifts, each run comes to other means, and so to another exact answer
-        self._has_one_answer = self._world is not None and self.first.learner.drifted is None
         # By γ, which may be set on the way, and by how often the world changed, in all of them alike
         self._optima = dict[tuple[float, int], Solution | None]()
         self._digests = dict[int, str | None]()
@@ -148,7 +146,8 @@ class SeededRuns:
 
     def _optimum_of(self, run: Run) -> Solution | None:
         gamma = run.learner.hyperparameters.gamma
-        if not self._has_one_answer:
+        # Where the world drifts, each run comes to other means, and so to another exact answer
+        if self._world is None or run.learner.drifted is not None:
             return optimum_of(exact_world(run), gamma)
         with self._solving:
             key = gamma, len(run.world_changes)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live import commands
+from rl_tui.lab.live.editing.world_editor import IN_LESSON
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.state import State
 from rl_tui.lab.live.until import Breakpoints, Event, Until
@@ -109,7 +110,7 @@ def _redo_stroke(playback: Playback, _: commands.RedoStroke) -> None:
 
 def _change_world(playback: Playback, change: WorldChange | None) -> None:
     if playback.questions.lesson is not None:
-        raise UserError("a lesson's world stays as it is: draw in a scenario of the catalogue")
+        raise UserError(IN_LESSON)
     if change is None:
         return
     if playback.editor.puts_off(playback.group.current.run, change):

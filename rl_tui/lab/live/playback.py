@@ -199,7 +199,7 @@ class Playback:
         has_trail = shows_trail(self.state, self.transport.speed)
         if has_trail and not self.automatic:
             self.group.find_trails(math.inf)  # in pieces it would depend on the time
-        view, asked = view_of(self), (self.questions, self.editor)
+        view, asked = view_of(self), (self.questions, self.editor, self.pins_beside)
         snapshot = self._builder.build(self.group, view, *asked, has_trail=has_trail)
         returns = self.state is State.SEEKING and self.group.current.seek is not None and not self.touched
         return as_left(snapshot, self._record) if returns else snapshot
@@ -324,6 +324,12 @@ class Playback:
     def _pinned(self) -> Pins:
         """What is pinned where the run shown stands."""
         return Pins(self.breakpoints, self.questions.drawn)
+
+    @property
+    def pins_beside(self) -> Pins:
+        """The same by the numbers of the world in which the lane beside stands, which may be another one."""
+        beside, pins = self.group.beside, self._pinned
+        return pins if beside is None else self._pins.seen_from(beside.run.edited, pins, beside.recipe)
 
     def _come_to_world_of(self, run: Run) -> None:
         pins, questions, condition = self._pins, self.questions, self.condition

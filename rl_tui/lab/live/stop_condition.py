@@ -11,6 +11,7 @@ import numpy as np
 from rl_tui.agents.kernels.watching import Watching
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.until import Breakpoints, Event, Until
+from rl_tui.lab.run.exact_answers import PENDING
 from rl_tui.lab.run.recipe import UNLIMITED
 from rl_tui.worlds.drawing import Arms
 
@@ -49,6 +50,7 @@ class StopCondition:
         self.stride: int | None = None
         """After how many steps to look, None where the learner itself stops for what is waited for."""
         self._exact_answer = exact_answer
+        self._optimum: Solution | None = None  # the answer by which it was looked at last
         self.steps, self.episodes = UNLIMITED, UNLIMITED
         """After how many steps or episodes, counted from the start of the run, it is over."""
         match until.event:
@@ -73,6 +75,7 @@ class StopCondition:
                     raise UserError(f"no policy can be told to be optimal: {answer.refused}")
                 if answer.solution is None:
                     raise UserError("the exact answer is still being worked out: try again in a moment")
+                self._optimum = answer.solution
                 if run.learner.drifted:
                     self.stride = 1  # what is best changes with every step, whatever the policy does
                 if self._is_optimal(run):
@@ -90,7 +93,11 @@ class StopCondition:
                 return learner.noticed.policy
             case Event.VALUE:
                 return learner.noticed.cell
-        return (learner.noticed.policy or self.stride is not None) and self._is_optimal(run)
+        before, answer = self._optimum, self._exact_answer()
+        self._optimum = answer.solution
+        if learner.drifted is None and answer != PENDING:
+            self.stride = None  # until the answer is another one, only another policy can be optimal
+        return (learner.noticed.policy or self._optimum is not before) and self._is_optimal(run)
 
     @property
     def pair(self) -> int | None:
@@ -98,7 +105,9 @@ class StopCondition:
         return self.until.pair if self.until.event is Event.VALUE else None
 
     def goes_on_with(self, pair: int | None) -> bool:
-        """Wait for ``pair`` in another world, where it waits for one; return False where it is gone."""
+        """Go on in another world, where ``pair`` is the one that it waits for; False where that is gone."""
+        if self.until.event is Event.OPTIMAL:
+            self.stride = 1  # the policy may be optimal there as it is
         if self.pair is None:
             return True
         if pair is not None:
@@ -106,7 +115,7 @@ class StopCondition:
         return pair is not None
 
     def _is_optimal(self, run: Run) -> bool:
-        learner, optimum = run.learner, self._exact_answer().solution
+        learner, optimum = run.learner, self._optimum
         if learner.mdp is None or optimum is None:
             return False
         return is_optimal(learner.mdp, learner.q, learner.hyperparameters.ties, optimum)

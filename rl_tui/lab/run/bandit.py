@@ -68,7 +68,7 @@ def bandit_figures(
 ) -> BanditFigures | None:
     """Return what pulling each arm ``visits``, [P], times came to; None where ``world`` is no bandit.
 
-    ``drifted`` has the sums over the pulls since where the means drift; ``settled`` are those of other means.
+    ``settled`` are the pulls of other means, ``drifted`` has the sums over those since, where means drift.
     """
     if not isinstance(world.drawing, Arms) or world.mdp is None or world.budget is None:
         return None
@@ -83,25 +83,23 @@ def bandit_figures(
     )
 
 
-def settle(
-    mdp: TabularMDP, visits: IntArray, before: SettledPulls, drifted: Drifted | None = None
-) -> SettledPulls:
+def settle(mdp: TabularMDP, visits: IntArray, before: SettledPulls, drifted: Drifted | None) -> SettledPulls:
     """Return what pulling each arm of ``mdp`` ``visits``, [P], times came to, some of them ``before``.
 
-    Where its means drift, ``drifted`` has what the pulls since came to.
+    Where means drift, ``drifted`` has what the others came to.
     """
     since = visits - before.visits
-    regret, best, best_pulls = _spent(mdp, since) if drifted is None else drifted
+    regret, best_possible, best_pulls = _by_their_means(mdp, since) if drifted is None else drifted
     return SettledPulls(
         before.pulls + int(since.sum()),
         before.regret + regret,
-        before.best_possible + best,
+        before.best_possible + best_possible,
         before.best_pulls + best_pulls,
     )
 
 
-def _spent(mdp: TabularMDP, pulled: IntArray) -> tuple[float, float, int]:
-    """Return the regret of pulling arms ``pulled``, [P], times, what the best brings, and its pulls."""
+def _by_their_means(mdp: TabularMDP, pulls: IntArray) -> tuple[float, float, int]:
+    """Return regret, best total and best pulls of ``pulls`` of each arm, [P], whose means stand still."""
     means = true_means(mdp)
     best = float(means.max())
-    return float(np.dot(pulled, best - means)), best * int(pulled.sum()), int(pulled[means == best].sum())
+    return float(np.dot(pulls, best - means)), best * int(pulls.sum()), int(pulls[means == best].sum())

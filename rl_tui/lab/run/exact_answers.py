@@ -79,11 +79,44 @@ def exact_now(mdp: TabularMDP | None, gamma: float) -> Answer:
     return Answer(None, NO_TABLE) if mdp is None else _with_return(mdp, _solve(mdp, gamma))
 
 
+class _Worker:
+    """A thread for answers of one world after another, that of the world asked for last first."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._waiting: list[ExactAnswers] = []
+        self._is_working = False
+
+    def add(self, answers: ExactAnswers) -> None:
+        """Let it work ``answers`` out next."""
+        with self._lock:
+            self._waiting.append(answers)
+            if not self._is_working:
+                self._is_working = True
+                threading.Thread(target=self._work, name="exact answers", daemon=True).start()
+
+    def drop(self, answers: ExactAnswers) -> None:
+        """Leave ``answers`` out, unless they are worked out already: nobody asks for them any more."""
+        with self._lock:
+            if answers in self._waiting:
+                self._waiting.remove(answers)
+
+    def _work(self) -> None:
+        while True:
+            with self._lock:
+                if not self._waiting:
+                    self._is_working = False
+                    return
+                newest = self._waiting.pop()
+            newest.work_out()
+
+
 class ExactAnswers:
     """Exact answers by γ: small worlds at once, others in a thread, none above 20,000 states.
 
     A world is small if it has few states and its time limit does not make an evaluation dear. ``on_ready`` is
     called, in that thread, when an answer that was asked for has come, and again when what it earns has.
+    ``worker`` is the thread, where others share it.
     """
 
     def __init__(
@@ -92,10 +125,12 @@ class ExactAnswers:
         on_ready: Callable[[], None],
         solve: Solve = _solve,
         at_once_states: int = AT_ONCE_STATES,
+        worker: _Worker | None = None,
     ) -> None:
         self.mdp = mdp
         self._on_ready = on_ready
         self._solve = solve
+        self._worker = worker or _Worker()
         self._at_once = mdp is None or (mdp.states <= at_once_states and visits_of(mdp) <= DEAREST_LIVE)
         self._lock = threading.Lock()
         self._answers: OrderedDict[float, Answer] = OrderedDict()
@@ -120,10 +155,10 @@ class ExactAnswers:
             self._wanted = gamma
             if not self._working:
                 self._working = True
-                threading.Thread(target=self._work, name="exact answers", daemon=True).start()
+                self._worker.add(self)
         return PENDING
 
-    def _work(self) -> None:
+    def work_out(self) -> None:
         """Work out the newest γ that was asked for until none is left; those overtaken are skipped."""
         while True:
             with self._lock:
@@ -174,12 +209,14 @@ class _Solved(NamedTuple):
 class RunAnswers:
     """The exact answers of runs in the worlds asked for last; ``on_ready`` as for :class:`ExactAnswers`.
 
-    Runs side by side may each be in a world of its own.
+    Runs side by side may each be in a world of its own. One is worked out at a time, the newest first, so
+    that strokes that follow one another quickly do not keep each other waiting.
     """
 
     def __init__(self, on_ready: Callable[[], None]) -> None:
         self._on_ready = on_ready
-        self._of_worlds: deque[ExactAnswers] = deque(maxlen=_MOST_WORLDS)
+        self._worker = _Worker()
+        self._of_worlds: deque[ExactAnswers] = deque()
         self._last: _Solved | None = None
 
     def of(self, run: Run) -> Answer:
@@ -201,10 +238,12 @@ class RunAnswers:
         known = next((each for each in self._of_worlds if each.mdp is mdp), None)
         if known is None:
             at_once = AT_ONCE_STATES if from_before is None else EDITED_AT_ONCE
-            known = ExactAnswers(mdp, self._on_ready, from_before or _solve, at_once)
+            known = ExactAnswers(mdp, self._on_ready, from_before or _solve, at_once, self._worker)
         else:
             self._of_worlds.remove(known)
         if mdp is None or mdp.states <= LIVE_STATES:  # of a larger one nothing is known, and it takes memory
+            if len(self._of_worlds) == _MOST_WORLDS:
+                self._worker.drop(self._of_worlds.pop())
             self._of_worlds.appendleft(known)
         return known.answer(gamma)
 

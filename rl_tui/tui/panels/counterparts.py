@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
-from functools import lru_cache
-from typing import Final
+from collections.abc import Callable, Hashable, Sequence
+from functools import wraps
+from typing import TypeVar
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -14,7 +15,21 @@ from rl_tui.worlds.editing.carried import NEW, Carried, Keyed, carried_by_keys
 from rl_tui.worlds.mdp.space import IntArray
 from rl_tui.worlds.world import World
 
-_KEPT: Final = 4
+Found = TypeVar("Found")
+
+
+def _kept(find: Callable[[World, World], Found]) -> Callable[[World, World], Found]:
+    """Let what was found of two worlds be known as long as both are there; it keeps neither in memory."""
+    known = WeakKeyDictionary[World, WeakKeyDictionary[World, Found]]()
+
+    @wraps(find)
+    def found(world: World, other: World) -> Found:
+        of_world = known.setdefault(world, WeakKeyDictionary())
+        if other not in of_world:
+            of_world[other] = find(world, other)
+        return of_world[other]
+
+    return found
 
 
 def are_alike(world: World, other: World) -> bool:
@@ -22,7 +37,7 @@ def are_alike(world: World, other: World) -> bool:
     return world.space is other.space or _have_same_numbers(world, other)
 
 
-@lru_cache(_KEPT)
+@_kept
 def _have_same_numbers(world: World, other: World) -> bool:
     one, two = world.space, other.space
     if (one.states, one.pairs, one.action_names) != (two.states, two.pairs, two.action_names):
@@ -34,7 +49,7 @@ def _have_same_numbers(world: World, other: World) -> bool:
     return same_pairs and list(_state_keys(world)) == list(_state_keys(other))
 
 
-@lru_cache(_KEPT)
+@_kept
 def in_common(world: World, other: World) -> Carried:
     """Return for each state, [S], and each pair, [P], of ``world`` what it is in ``other``, NEW for nothing.
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 RULES: Final = ("start", "time_limit")
 """What can be set for the whole graph, by the names of the file's keys."""
+_PAIR: Final = ("state", "action")
 _DECIMALS: Final = 15  # of a chance that is worked out: 1 − 0.8 is 0.2
 # Where a new state is put: the free place nearest to the state that leads to it
 _AROUND: Final = ((1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1))
@@ -107,7 +108,8 @@ def _set_transition(draft: GraphDraft, edit: Edit) -> GraphDraft:
             f'{edit.name}[{state},{action}] is {shown(edit.value)}; expected {{"to":…,"reward":…}}'
         )
     else:
-        entry = {"state": state, "action": action, **entry}
+        said = {key: value for key, value in entry.items() if key not in _PAIR}
+        entry = {"state": state, "action": action, **said}
         # beside the other actions of its state, so that a file reads well
         own = [place for place, each in enumerate(transitions) if each.get("state") == state]
         if index is not None:
@@ -193,6 +195,8 @@ def _put(draft: GraphDraft, edit: Edit) -> GraphDraft:
     (state,) = edit.at if len(edit.at) == 1 else ("",)
     if state not in draft.states:
         raise UserError(f"there is no state {shown(state)}{near(state, draft.states)}")
+    if not isinstance(at, list) or [type(each) for each in at] != [int, int]:
+        raise UserError(f"{edit.name}[{state}] is {shown(edit.value)}; expected [column,row]")
     place = dict(draft.rules.get("place") or {})
     other = next((name for name, taken in place.items() if list(taken) == at and name != state), None)
     if other is not None and state in place:
@@ -255,5 +259,5 @@ def without_outcome(entry: Mapping[str, Any], state: str) -> dict[str, Any]:
 
 def transition_edit(state: str, action: str, entry: Mapping[str, Any] | None) -> Edit:
     """Return the edit that lets ``action`` do in ``state`` what ``entry`` says, or nothing."""
-    value = None if entry is None else {k: v for k, v in entry.items() if k not in ("state", "action")}
+    value = None if entry is None else {k: v for k, v in entry.items() if k not in _PAIR}
     return Edit("transition", (state, action), as_json(value))

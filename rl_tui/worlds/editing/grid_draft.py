@@ -209,12 +209,16 @@ def _define(draft: GridDraft, edit: Edit) -> GridDraft:
 
 def _blow(draft: GridDraft, edit: Edit) -> GridDraft:
     """Let it blow in some lines, or, without a place, as the list says in each of them."""
-    if not edit.at:
-        return replace(draft, rules={**draft.rules, edit.name: plain_value(edit)})
-    count = draft.columns if edit.name == "wind" else draft.rows
-    line = place_in(edit, "column" if edit.name == "wind" else "row", count)
-    wind = list(draft.rules.get(edit.name) or [0] * count)
+    what, count = ("column", draft.columns) if edit.name == "wind" else ("row", draft.rows)
     value = plain_value(edit)
+    if not edit.at:
+        if not isinstance(value, list) or len(value) not in (0, count):
+            raise UserError(
+                f"{edit.name} is {shown(edit.value)}; expected a number for each of {count} {what}s"
+            )
+        return replace(draft, rules={**draft.rules, edit.name: value})
+    line = place_in(edit, what, count)
+    wind = list(draft.rules.get(edit.name) or [0] * count)
     for each in line:
         wind[each] = value
     rules = {**draft.rules, edit.name: wind}

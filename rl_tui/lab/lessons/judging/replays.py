@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.lessons.schema import Attempt
 
 MOST_STEPS: Final = 20_000_000
-"""Of an attempt: what goes further is not replayed."""
+"""Of an attempt, of evidence or of a branch: what goes further is not replayed."""
 
 
 def attempted_run(lesson: Lesson, page: str, attempt: Attempt, seed: int | None = None) -> Run:

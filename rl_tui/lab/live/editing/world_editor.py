@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.run import Run
+
+
+IN_LESSON: Final = "a lesson's world stays as it is: draw in a scenario of the catalogue"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,6 +65,14 @@ class _Ahead(NamedTuple):
     drawn: Drawn
 
 
+class _Unfinished(NamedTuple):
+    """What ``strokes`` that wait make of the draft ``base``."""
+
+    base: Draft
+    strokes: tuple[tuple[Edit, ...], ...]
+    draft: Draft
+
+
 class WorldEditor:
     """Strokes in the world of one run at a time.
 
@@ -76,6 +87,7 @@ class WorldEditor:
         self._ahead: list[_Ahead] = []
         self._rebuild = Rebuild()
         self._waiting: list[tuple[Edit, ...]] = []
+        self._unfinished: _Unfinished | None = None
         self._dropped: list[tuple[Edit, ...]] = []
         self._endless: tuple[TabularMDP | None, frozenset[int]] = (None, frozenset())
         self._turned = TurnedStates()
@@ -88,7 +100,7 @@ class WorldEditor:
         self._come_to(run)
         stroke = tuple(edits)
         together = (*(edit for each in self._waiting for edit in each), *stroke)
-        draft = edited_draft(self._drawn(run).draft, together)
+        draft = edited_draft(self._with_waiting(self._drawn(run).draft), stroke)
         self._dropped.clear()
         if draft.findings:
             self._waiting.append(stroke)
@@ -173,15 +185,14 @@ class WorldEditor:
             drawn = self._drawn(run)
         except UserError as reason:
             return EditorView(refused=str(reason))
-        waiting = [edit for each in self._waiting for edit in each]
-        draft = edited_draft(drawn.draft, waiting)
+        waits, draft = bool(self._waiting), self._with_waiting(drawn.draft)
         return EditorView(
             draft=draft,
             base=base,
             rebuilding=self.is_ahead,
-            unfinished=draft.findings if waiting else (),
-            can_undo=bool(waiting) or drawn.done is not None,
-            can_redo=bool(self._dropped) or (not waiting and drawn.undone is not None),
+            unfinished=draft.findings if waits else (),
+            can_undo=waits or drawn.done is not None,
+            can_redo=bool(self._dropped) or (not waits and drawn.undone is not None),
             turned=frozenset() if is_hidden else turned,
             endless=self._endless_in(run.edited.world.mdp),
         )
@@ -197,6 +208,17 @@ class WorldEditor:
     def _drawn(self, run: Run) -> Drawn:
         """Return what is drawn of the world of ``run``, but for strokes that come to no valid MDP yet."""
         return self._ahead[-1].drawn if self._ahead else run.edited.drawn_in(run.recipe)
+
+    def _with_waiting(self, draft: Draft) -> Draft:
+        """Return ``draft`` with the strokes that wait, which is worked out once and not in every frame."""
+        strokes = tuple(self._waiting)
+        if not strokes:
+            return draft
+        known = self._unfinished
+        if known is None or known.base is not draft or known.strokes != strokes:
+            drawn = edited_draft(draft, [edit for each in strokes for edit in each])
+            known = self._unfinished = _Unfinished(draft, strokes, drawn)
+        return known.draft
 
     def _come_to(self, run: Run) -> None:
         if self._base is not run.edited:

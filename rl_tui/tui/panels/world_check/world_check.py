@@ -61,7 +61,10 @@ def check_lines(snapshot: Snapshot | None, look: Look, width: int) -> Iterator[L
     report, world = view.report, view.world
     if report is None or world is None:
         return
-    for warning in report.warnings:
+    warnings = report.warnings
+    if warnings and is_secret(snapshot):  # they may tell what the best policy does, or what arms pay
+        warnings = (f"warnings: {shown_by(snapshot, 'them')}",)
+    for warning in warnings:
         yield from wrapped(
             warning, width, palette.dim if view.is_outdated else palette.bad, look, " ! ", "   "
         )

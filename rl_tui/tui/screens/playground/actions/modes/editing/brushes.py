@@ -94,9 +94,10 @@ def before_painting(draft: GridDraft, brush: Brush, cells: Sequence[Cell]) -> It
         yield Edit("legend", (character,), as_json(raw))
     starts = {each for each, entry in legend.items() if entry.kind is CellKind.START}
     if character in starts:
+        inside = frozenset(cells)
         for row, line in enumerate(draft.lines):
             for column, there in enumerate(line):
-                if there in starts and (row, column) not in cells:
+                if there in starts and (row, column) not in inside:
                     yield Edit("cell", at(row, column), FLOOR)
 
 
@@ -158,22 +159,28 @@ def region(draft: GridDraft, start: Cell) -> list[Cell]:
 
 def paying_more(draft: GridDraft, cells: Sequence[Cell], amount: float) -> list[Edit]:
     """Return the edits by which ``cells`` pay so much more than now; walls pay nothing."""
-    edits, legend = [], draft.legend
+    legend, pay = draft.legend, dict[Cell, str]()
     for row, column in cells:
         entry = legend.get(draft.lines[row][column])
         if entry is not None and not entry.is_wall:
-            edits.append(Edit("reward", at(row, column), repr(round(entry.pays + amount, 10))))
-    return edits
+            pay[row, column] = repr(round(entry.pays + amount, 10))
+    return list(runs(list(pay), pay.__getitem__, "reward"))
 
 
-def runs(cells: Sequence[Cell], character: Callable[[Cell], str]) -> Iterator[Edit]:
-    """Yield the edits that paint ``cells``, one for each stretch of the same character in a row."""
+def pays(draft: GridDraft, rows: range, columns: range) -> bool:
+    """Return whether there is a cell in those rows and columns that pays something: a wall is none."""
+    there = {character for row in rows for character in draft.lines[row][columns.start : columns.stop]}
+    return any(entry is not None and not entry.is_wall for entry in map(draft.legend.get, there))
+
+
+def runs(cells: Sequence[Cell], value: Callable[[Cell], str], name: str = "cell") -> Iterator[Edit]:
+    """Yield the edits called ``name`` of ``cells``, one for each stretch of the same value in a row."""
     ordered = sorted(set(cells))
     for (row, _, what), group in groupby(
-        enumerate(ordered), key=lambda each: (each[1][0], each[1][1] - each[0], character(each[1]))
+        enumerate(ordered), key=lambda each: (each[1][0], each[1][1] - each[0], value(each[1]))
     ):
         columns = [column for _, (_, column) in group]
-        yield Edit("cell", (str(row), span(range(columns[0], columns[-1] + 1))), what)
+        yield Edit(name, (str(row), span(range(columns[0], columns[-1] + 1))), what)
 
 
 def at(row: int, column: int) -> tuple[str, str]:

@@ -9,6 +9,7 @@ from typing import Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import DrawWorld, HideAnswer, OpenEditor, RedoStroke, UndoStroke
+from rl_tui.lab.live.editing.world_editor import IN_LESSON
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.run.edited_world import edited_draft
 from rl_tui.tui.actions.action import Action, Group
@@ -77,7 +78,6 @@ ALWAYS: Final = (
 """Tools of every kind of world; they belong to the mode."""
 _ALONG: Final = {f"{WITH_SHIFT}{key}": step for key, step in STEPS.items()}
 _TOGGLE: Final = "editing.toggle"
-_IN_LESSON: Final = "a lesson's world stays as it is: draw in a scenario of the catalogue"
 _SAVING_OFF: Final = "saving is off here: this is a kiosk"
 
 
@@ -109,7 +109,7 @@ class WorldEditing(KeyMode):
         if snapshot is None or snapshot.playback.phase is Phase.PREPARING or snapshot.program is not None:
             return ""
         if snapshot.lesson is not None:
-            return _IN_LESSON
+            return IN_LESSON
         scenario = snapshot.recipe.scenario
         if self._looked_at is None or self._looked_at[0] is not scenario:
             from rl_tui.worlds.editing.drafts import seen_refusal

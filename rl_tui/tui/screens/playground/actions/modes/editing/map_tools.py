@@ -17,6 +17,7 @@ from rl_tui.tui.screens.playground.actions.modes.editing.brushes import (
     jump,
     painted,
     paying_more,
+    pays,
     region,
     runs,
     span,
@@ -75,8 +76,8 @@ class MapTools(Toolbox):
         row, column = _here(desk)
         character = _map_of(desk).lines[row][column]
         entry = _map_of(desk).legend.get(character)
-        pays = "" if entry is None or entry.is_wall else f" pays {number_text(entry.pays)}"
-        where, what = f"row {row}, column {column}", f"{character} {called(entry)}{pays}"
+        reward = "" if entry is None or entry.is_wall else f" pays {number_text(entry.pays)}"
+        where, what = f"row {row}, column {column}", f"{character} {called(entry)}{reward}"
         rows, columns = self._rectangle(desk)
         size = f"{len(rows)} × {len(columns)} cells · " if self._corner is not None else ""
         return f"{size}{where}: {what}", f"{size}{what}", what
@@ -131,7 +132,7 @@ class MapTools(Toolbox):
         """Return the edits that set one of them. Raises ValueError, in words, where it cannot be that."""
         draft, (row, column) = _map_of(desk), _here(desk)
         if name == PAYS.name:
-            if not paying_more(draft, self._cells(desk), 0.0):
+            if not pays(draft, *self._rectangle(desk)):
                 raise ValueError(_WALL_PAYS)
             return (self._reward_edit(desk, value),)
         where = {WIND.name: (str(column),), WIND_ROWS.name: (str(row),)}.get(name, ())
@@ -259,15 +260,15 @@ class MapTools(Toolbox):
 
     def ask_reward(self, desk: Desk) -> None:
         """Type what the cells that are picked pay."""
-        draft, (row, column) = _map_of(desk), self._cells(desk)[0]
-        if not paying_more(draft, self._cells(desk), 0.0):
+        draft, (rows, columns) = _map_of(desk), self._rectangle(desk)
+        if not pays(draft, rows, columns):
             desk.tell(_WALL_PAYS)
             return
-        entry = draft.legend.get(draft.lines[row][column])
-        pays = 0.0 if entry is None else entry.pays
+        entry = draft.legend.get(draft.lines[rows.start][columns.start])
+        now = 0.0 if entry is None else entry.pays
         hint = "What is paid on entering, or on leaving, as the map's rules say."
         desk.ask(
-            Prompt("Reward of the cell", hint, f"{pays:g}", number_in),
+            Prompt("Reward of the cell", hint, f"{now:g}", number_in),
             lambda value: desk.draw((self._reward_edit(desk, float(value)),)),
         )
 
