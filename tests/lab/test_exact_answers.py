@@ -142,13 +142,14 @@ def test_of_many_worlds_that_follow_one_another_the_newest_is_worked_out_next(
     begun, go_on, ready = threading.Event(), threading.Event(), threading.Semaphore(0)
     solved: list[int] = []
 
-    def slowly(mdp: TabularMDP, gamma: float) -> Solution:
+    def slowly(mdp: TabularMDP, gamma: float, near: FloatArray | None) -> Solution:
         solved.append(worlds.index(mdp))
         begun.set()
         go_on.wait()
         return solve(STUDENT, gamma)
 
     monkeypatch.setattr("rl_tui.agents.exact.solve.solve", slowly)
+    monkeypatch.setattr("rl_tui.agents.exact.solve.greedy_return", lambda mdp, solution: 0.0)
     answers = RunAnswers(lambda: ready.release())
     worlds = [replace(STUDENT, time_limit=1_000_000 - each) for each in range(7)]
     assert answers.at(worlds[0], 0.9) == PENDING
@@ -156,7 +157,7 @@ def test_of_many_worlds_that_follow_one_another_the_newest_is_worked_out_next(
     for world in worlds[1:]:
         assert answers.at(world, 0.9) == PENDING
     go_on.set()
-    for _ in range(5):
+    for _ in range(2 * 5):  # each solution, and then what it earns
         ready.acquire()
     assert solved == [0, 6, 5, 4, 3], "one at a time, and what was left long ago never"
     assert answers.at(worlds[6], 0.9).solution is not None

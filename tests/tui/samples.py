@@ -31,6 +31,7 @@ from rl_tui.tui.theme.glyphs import ASCII, UNICODE
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.theme.palette import palette_for
 from rl_tui.worlds.files.scenario import Scenario
+from rl_tui.worlds.gym.section import GymnasiumSection
 from rl_tui.worlds.mdp.space import FiniteSpace
 from rl_tui.worlds.world import World
 
@@ -49,6 +50,7 @@ def learned_from(last: LastStep, **terms: Any) -> LastStep:
 
 def scenario(id: str, title: str, kind: str) -> Scenario:  # noqa: A002
     """A scenario that is never built: the samples have their worlds already."""
+    section: Any = SimpleNamespace(drawn_from_seed=kind == "bandit")
     return Scenario(
         id=id,
         title=title,
@@ -58,7 +60,7 @@ def scenario(id: str, title: str, kind: str) -> Scenario:  # noqa: A002
         kind=kind,
         defaults={},
         source=Path(f"{id}.toml"),
-        section=cast("Any", SimpleNamespace(drawn_from_seed=kind == "bandit")),
+        section=GymnasiumSection(id="FrozenLake-v1") if kind == "gymnasium" else section,
         hides_answer=kind == "bandit",
     )
 

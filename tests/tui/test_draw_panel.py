@@ -327,6 +327,19 @@ async def test_a_graph_without_places_gets_those_of_the_picture(tmp_path: object
         assert set(graph_drawn(pilot).rules["place"]) == set(graph_drawn(pilot).states)
 
 
+async def test_a_fast_drag_leaves_no_gaps(make_app: MakeApp) -> None:
+    async with make_app("maze").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        hands = Mouse(pilot)
+        await hands.begin()
+        view = playground(pilot).board.world
+        assert view is not None
+        await hands.drag(view, hands.offset((0, 0)), hands.offset((0, 6)))
+        await settle(pilot)
+        assert map_drawn(pilot).lines[0][:7] == "#######"
+        assert strokes(pilot) == 1
+
+
 async def test_arms_are_drawn_by_the_mouse(make_app: MakeApp) -> None:
     async with make_app("bandit").run_test(size=(120, 40)) as pilot:
         await settle(pilot)

@@ -80,9 +80,9 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "While you draw the world (C): every tool with its key, or to be clicked. The brush in force stands "
         "out; a click or a drag on the world paints with it, the wheel changes what is paid there. With the "
         "arrow (A) a click moves the cursor only, and a drag marks a rectangle. Sliders set the rules of the "
-        "world, and what is under the cursor: 1, 2, 3 … go to them, tab too; enter types a value. Of a graph "
-        "each outcome of the state under the cursor has a line: shift with up and down, or a click, chooses "
-        "one. What cannot be done now is dim.",
+        "world, and what is under the cursor: digits or tab go to them, enter types a value. Of a graph each "
+        "outcome of the state under the cursor has a line: shift with up and down, or a click, chooses one. "
+        "What cannot be done now is dim.",
         caption="what there is to draw with",
         terms=("slip", "wind", "reward", "truncated", "mdp", "arm"),
         of_drawing=True,

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from textual import events
+from textual.geometry import Offset
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.counterparts import state_in
@@ -25,6 +28,7 @@ class DrawnPicture(PolicyPicture):
         """Whether a person draws the world: then the pointer paints, and the wheel changes what is paid."""
         self._picked: frozenset[int] = frozenset()
         self._stroke: list[int] = []
+        self._pointer = Offset()  # where it was last, during a stroke
 
     @property
     def picked(self) -> frozenset[int]:
@@ -51,18 +55,23 @@ class DrawnPicture(PolicyPicture):
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
         """Begin a stroke."""
-        place = self._place_under(event)
-        if self.is_drawn_on and place is not None:
+        place, offset = self._place_under(event), event.get_content_offset(self)
+        if self.is_drawn_on and place is not None and offset is not None:
             self.capture_mouse()
-            self._stroke = [place]
+            self._stroke, self._pointer = [place], offset
             self.redraw()
 
     def on_mouse_move(self, event: events.MouseMove) -> None:
-        """Go on with the stroke."""
-        place = self._place_under(event) if self._stroke else None
-        if place is not None and place != self._stroke[-1]:
-            self._stroke.append(place)
-            self.redraw()
+        """Go on with the stroke, along a straight line: a fast pointer is seen here and there only."""
+        offset = event.get_content_offset(self) if self._stroke else None
+        if offset is None:
+            return
+        before, self._pointer = self._pointer, offset
+        for x, y in _straight(before, offset):
+            place = self.place_at(x, y)
+            if place is not None and place != self._stroke[-1]:
+                self._stroke.append(place)
+                self.redraw()
 
     def on_mouse_up(self) -> None:
         """End the stroke, and tell of it."""
@@ -83,3 +92,11 @@ class DrawnPicture(PolicyPicture):
     def _place_under(self, event: events.MouseEvent) -> int | None:
         offset = event.get_content_offset(self)
         return None if offset is None else self.place_at(offset.x, offset.y)
+
+
+def _straight(start: Offset, end: Offset) -> Iterator[tuple[int, int]]:
+    """Yield the cells of the screen on the straight line from ``start``, which is left out, to ``end``."""
+    across = end - start
+    steps = max(abs(across.x), abs(across.y))
+    for step in range(1, steps + 1):
+        yield start.x + round(across.x * step / steps), start.y + round(across.y * step / steps)
