@@ -37,9 +37,9 @@ LARGEST_NUMBER: Final = 1e12
 LARGEST_STD: Final = 1e6
 """The standard deviation of any noise."""
 LONGEST_NAME: Final = 60
-# Characters of one stroke in a world, as a session keeps it: a fill of a large map is one range
-LONGEST_EDIT: Final = 1_000_000
 """Characters in the name of a state or an action."""
+LONGEST_EDIT: Final = 1_000_000
+"""Characters of one stroke in a world, as a session keeps it: a fill of a large map is one range."""
 LONGEST_TIME_LIMIT: Final = 1_000_000
 """Steps after which an episode is cut off at the latest, where there is a time limit."""
 
