@@ -199,6 +199,15 @@ def test_a_stroke_that_comes_to_no_world_waits_on_top_of_those_that_do(site: Sit
     assert_true_to_the_record(playback)
 
 
+def test_what_is_no_world_is_looked_through_once_not_for_every_picture() -> None:
+    playback = live()
+    first = send(playback, draw("cell[0,0]=.;cell[2,0]=.")).editor
+    assert first.unfinished
+    assert send(playback, Play()).editor.draft is first.draft
+    assert send(playback, draw("cell[0,1]=H")).editor.draft is not first.draft
+    assert send(playback, draw("cell[0,0]=S")).editor.unfinished == ()
+
+
 def test_pausing_counts_at_once_and_going_back_waits(site: Site) -> None:
     playback = live()
     send(playback, Play(), draw("cell[1,2]=H"))

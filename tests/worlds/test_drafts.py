@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -129,6 +131,21 @@ def test_what_no_world_can_have_is_refused_in_a_short_line_that_is_safe_to_print
 def test_json_of_any_depth_is_refused_in_words(depth: int) -> None:
     with pytest.raises((UserError, ValueError), match="expected"):
         edited(first_draft(find("student"), 0), f"world.start={'[' * depth}{']' * depth}").build()
+
+
+def test_a_stroke_on_a_large_map_that_can_be_undone_is_small() -> None:
+    side, strokes = 300, 30
+    draft = lines(f"S{'.' * (side - 2)}G\n" + f"{'.' * side}\n" * (side - 1))
+    done = [edited(draft, "world.cell[1,1]=#")]
+    tracemalloc.start()
+    try:
+        for number in range(strokes):
+            done.append(edited(done[-1], f"world.cell[{2 + number},1]=#"))
+            assert done[-1].section is not None
+        kept, _ = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert kept < strokes * side * side / 4, "a section holds the whole map"
 
 
 def test_new_states_are_drawn_next_to_the_one_that_leads_there_each_at_a_place_of_its_own() -> None:

@@ -78,6 +78,7 @@ class WorldEditor:
         self._waiting: list[tuple[Edit, ...]] = []
         self._dropped: list[tuple[Edit, ...]] = []
         self._endless: tuple[TabularMDP | None, frozenset[int]] = (None, frozenset())
+        self._unfinished: tuple[Draft, tuple[tuple[Edit, ...], ...], Draft] | None = None
         self._turned = TurnedStates()
 
     def draw(self, run: Run, edits: Sequence[Edit]) -> EditWorld | None:
@@ -173,15 +174,14 @@ class WorldEditor:
             drawn = self._drawn(run)
         except UserError as reason:
             return EditorView(refused=str(reason))
-        waiting = [edit for each in self._waiting for edit in each]
-        draft = edited_draft(drawn.draft, waiting)
+        draft = self._with_waiting(drawn.draft)
         return EditorView(
             draft=draft,
             base=base,
             rebuilding=self.is_ahead,
-            unfinished=draft.findings if waiting else (),
-            can_undo=bool(waiting) or drawn.done is not None,
-            can_redo=bool(self._dropped) or (not waiting and drawn.undone is not None),
+            unfinished=draft.findings if self._waiting else (),
+            can_undo=bool(self._waiting) or drawn.done is not None,
+            can_redo=bool(self._dropped) or (not self._waiting and drawn.undone is not None),
             turned=frozenset() if is_hidden else turned,
             endless=self._endless_in(run.edited.world.mdp),
         )
@@ -196,6 +196,14 @@ class WorldEditor:
                 endless[:] = False
             self._endless = mdp, frozenset(np.flatnonzero(endless).tolist())
         return self._endless[1]
+
+    def _with_waiting(self, draft: Draft) -> Draft:
+        """Return ``draft`` with the strokes that wait; the same one, as long as nothing is drawn."""
+        strokes = tuple(self._waiting)
+        if self._unfinished is None or self._unfinished[:2] != (draft, strokes):
+            whole = edited_draft(draft, [edit for each in strokes for edit in each])
+            self._unfinished = draft, strokes, whole
+        return self._unfinished[2]
 
     def _drawn(self, run: Run) -> Drawn:
         """Return what is drawn of the world of ``run``, but for strokes that come to no valid MDP yet."""
