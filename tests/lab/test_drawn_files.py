@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import codecs
+import errno
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +18,7 @@ from rl_tui.worlds.editing.drafts import first_draft
 from rl_tui.worlds.editing.edit import read_edits
 from rl_tui.worlds.files.catalogue import find, group_of, user_folder
 from rl_tui.worlds.files.scenario import Scenario, read_scenario
+from rl_tui.worlds.files.shipped import shipped_folder
 
 pytestmark = pytest.mark.unit
 
@@ -85,7 +88,7 @@ def test_a_file_that_is_gone_is_written_anew_and_one_that_came_in_its_place_is_n
     path.unlink()
     path.mkdir()
     assert file.has_changed
-    with pytest.raises(UserError, match="cannot be written"):
+    with pytest.raises(UserError, match="under another name"):
         file.written(path, text)
     path.rmdir()
     path.symlink_to(path.with_name("nowhere"))
@@ -144,3 +147,41 @@ def test_an_environment_without_a_file_gets_one(tmp_path: Path) -> None:
     again = read_scenario(tmp_path / "new.toml")
     assert (again.title, again.kind) == ("new", "grid")
     assert not saved.has_changed
+
+
+@pytest.mark.parametrize("name", ["", ".", "..", "/", "./", "../", ".toml", "./.toml", "a\x1b[31mb", "a\nb"])
+def test_what_names_no_file_is_refused(path: Path, name: str) -> None:
+    with pytest.raises(UserError, match="type a name") as told:
+        path_named(name, file_of(read_scenario(path)))
+    assert str(told.value).isprintable()
+
+
+@pytest.mark.parametrize("what", ["folder", "pipe", "link to a shipped one"])
+def test_what_has_come_in_place_of_the_file_and_is_none_of_ones_own_stays(path: Path, what: str) -> None:
+    scenario = read_scenario(path)
+    file, text = file_of(scenario), drawn_text(scenario)
+    shipped = shipped_folder() / "maze.toml"
+    before = shipped.read_bytes()
+    path.unlink()
+    if what == "folder":
+        path.mkdir()
+    elif what == "pipe":
+        os.mkfifo(path)
+    else:
+        path.symlink_to(shipped)
+    assert file.has_changed
+    with pytest.raises(UserError, match="under another name"):
+        file.written(path, text)
+    assert shipped.read_bytes() == before
+
+
+def test_on_a_full_disk_the_file_stays_as_it_was(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    scenario = read_scenario(path)
+    file, text = file_of(scenario), drawn_text(scenario)
+    monkeypatch.setattr("os.fsync", full)
+    with pytest.raises(UserError, match="No space left"):
+        file.written(path, text)
+    assert [(each.name, each.read_text()) for each in path.parent.iterdir()] == [(path.name, TEXT)]

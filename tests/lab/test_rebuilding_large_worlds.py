@@ -7,10 +7,11 @@ from collections.abc import Iterator
 
 import pytest
 from edited_worlds import edit, small_map
-from playing import assert_true_to_the_record, begin
+from playing import assert_true_to_the_record, begin, stand
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import (
+    Apply,
     Command,
     DrawWorld,
     GoTo,
@@ -21,6 +22,7 @@ from rl_tui.lab.live.commands import (
     Restart,
     Step,
     StepBack,
+    ToggleBreakpoint,
     Train,
     UndoStroke,
 )
@@ -30,6 +32,7 @@ from rl_tui.lab.live.snapshot_builder import REBUILDING
 from rl_tui.lab.live.state import State
 from rl_tui.lab.run import edited_world, rebuild
 from rl_tui.lab.run.edited_world import NextWorld
+from rl_tui.lab.run.recipe import SetParameter
 from rl_tui.worlds.editing.grid_draft import GridDraft
 
 pytestmark = pytest.mark.unit
@@ -199,6 +202,15 @@ def test_a_stroke_that_comes_to_no_world_waits_on_top_of_those_that_do(site: Sit
     assert_true_to_the_record(playback)
 
 
+def test_what_is_no_world_is_looked_through_once_not_for_every_picture() -> None:
+    playback = live()
+    first = send(playback, draw("cell[0,0]=.;cell[2,0]=.")).editor
+    assert first.unfinished
+    assert send(playback, Play()).editor.draft is first.draft
+    assert send(playback, draw("cell[0,1]=H")).editor.draft is not first.draft
+    assert send(playback, draw("cell[0,0]=S")).editor.unfinished == ()
+
+
 def test_pausing_counts_at_once_and_going_back_waits(site: Site) -> None:
     playback = live()
     send(playback, Play(), draw("cell[1,2]=H"))
@@ -220,6 +232,38 @@ def test_starting_again_forgets_what_waits(site: Site) -> None:
     assert (drawn(snapshot)[1], snapshot.editor.rebuilding) == (".#.G", False)
     site.let_through(playback)
     assert (playback.state, journal(playback)) == (State.PAUSED, [])
+
+
+def left_and_opened(playback: Playback) -> Playback:
+    """The playback of the session that this one leaves, if it ends now."""
+    record = playback.record
+    return begin(record.lanes[record.shown].recipe, record)
+
+
+@pytest.mark.parametrize("goes_back", [False, True])
+def test_a_session_that_ends_meanwhile_has_what_waits(site: Site, goes_back: bool) -> None:
+    playback = live()
+    if goes_back:
+        send(playback, Apply(SetParameter("alpha", 0.9)), GoTo(step=20))
+        while playback.on_the_way:
+            playback.work()
+    send(playback, draw("cell[1,2]=H"), draw("cell[0,1]=H"))
+    assert playback.table is None, "that is of another world than the session's"
+    again = left_and_opened(playback)
+    for _ in range(2):
+        playback.work()
+        site.let_through(playback)
+    assert journal(playback)[-2:] == [edit("cell[1,2]=H"), edit("cell[0,1]=H")]
+    assert stand(again.group.current.run) == stand(playback.group.current.run)
+    assert again.record.lanes == playback.record.lanes
+    assert left_and_opened(playback).record.lanes == playback.record.lanes
+
+
+def test_with_pins_it_has_what_is_in_force_since_they_are_of_that_world(site: Site) -> None:
+    playback = live()
+    send(playback, ToggleBreakpoint(state=3), draw("rows=+1@0"))
+    again = left_and_opened(playback)
+    assert (journal(again), again.breakpoints) == ([], playback.breakpoints)
 
 
 def test_what_cannot_be_made_is_said_and_no_more_waits(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:

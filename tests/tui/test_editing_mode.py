@@ -9,10 +9,13 @@ import pytest
 from conftest import MakeApp
 from seams import notes, playground, press, screen_text, snapshot
 from textual.pilot import Pilot
+from textual.widgets import Input
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
+from rl_tui.lab.live.commands import DrawWorld
 from rl_tui.lab.live.player import Player
+from rl_tui.lab.run.changes import read_world, written_world
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
@@ -21,7 +24,9 @@ from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.last_step.last_step import OF_ANOTHER_WORLD, nothing_yet
 from rl_tui.tui.panels.world.grid.grid import GridView
 from rl_tui.tui.screens.dialogs.choice import Choice
+from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.screens.playground.actions.modes.editing.texts import title
+from rl_tui.worlds.editing.edit import as_json, read_edits
 from rl_tui.worlds.editing.grid_draft import GridDraft
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.digest import table_digest
@@ -241,6 +246,50 @@ async def test_graphs_and_bandits_are_drawn_as_well(
         before = digest(pilot)
         await press(pilot, "C", *keys)
         assert digest(pilot) != before
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("Pass pays nan", "Pass pays inf", "Pass pays 1e300", "Pass nan, Class 1", "x" * 61 + " pays 1"),
+        *('{"to":"Pass","reward":NaN}', '{"to":{"Pass":1' + "0" * 400 + "}}", '{"to":' + "[" * 990),
+        *(
+            '{"to":"Pass\\u001b[31m","reward":1}',
+            '{"to":"Pass","reward":1,"state":"Pass"}',
+            '{"to":"Pass"} x',
+        ),
+    ],
+)
+async def test_what_no_action_can_do_is_refused_while_it_is_typed(make_app: MakeApp, text: str) -> None:
+    async with make_app("student").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C", "enter", "enter")
+        pilot.app.screen.query_one(Input).value = text
+        shown = await press(pilot, "enter")
+        assert isinstance(pilot.app.screen, Prompt)
+        assert str(pilot.app.screen.query_one(".error").render()).isprintable()
+        assert not shown.timeline.current.journal
+        await press(pilot, "escape", "plus")
+
+
+@pytest.mark.parametrize("name", ["A;B", "{x", "[x", "A, B 0.5"])
+async def test_a_rule_that_is_a_strange_name_comes_through_a_session(make_app: MakeApp, name: str) -> None:
+    async with make_app("student").run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "C", "enter", "enter")
+        pilot.app.screen.query_one(Input).value = as_json({"reward": 0, "to": {name: 0.5, "Pass": 0.5}})
+        await press(pilot, "enter")
+        leave = read_edits(f'world.transition[{as_json(name)},leave]={{"to":"Class","reward":0}}')
+        playground(pilot).send(DrawWorld(leave))
+        await settle(pilot)
+        await press(pilot, "o", "down", "enter")
+        pilot.app.screen.query_one(Input).value = name
+        shown = await press(pilot, "enter")
+        strokes = [each.change for each in shown.timeline.current.journal]
+        assert len(strokes) == 3
+        assert shown.world.mdp is not None
+        assert shown.world.space.state_names[int(shown.world.mdp.start_state[0])] == name
+        assert [read_world(written_world(each)) for each in strokes] == strokes  # type: ignore[arg-type]
 
 
 async def test_a_world_can_be_drawn_from_the_start() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import os
 import stat
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -123,9 +124,9 @@ def path_named(text: str, file: ScenarioFile) -> Path:
     """
     name = text.strip()
     is_path = "/" in name or "\\" in name
-    if not name or not is_plain(name) or name == SUFFIX:
-        raise UserError("type a name such as my-maze, or a path such as ./my-maze.toml")
     stem = name.removesuffix(SUFFIX)
+    if not is_plain(name) or not os.path.basename(stem).strip("."):
+        raise UserError("type a name such as my-maze, or a path such as ./my-maze.toml")
     if not is_path and stem in shipped_names():
         raise UserError(f"{stem} is a shipped scenario: type another name")
     path = Path(f"{stem}{SUFFIX}") if is_path else _own_path(stem)
@@ -145,6 +146,8 @@ def _own_path(stem: str) -> Path:
 def _write_over(path: Path, text: str) -> None:
     """Write ``text`` in place of what is in ``path``; the rights of the file stay, and a link to it."""
     path = path.resolve()
+    if not path.is_file() or path.parent == shipped_folder().resolve():
+        raise UserError(f"{path} is no file of yours any more: save it under another name")
     content = text.encode()
     with path.open("rb") as stream:
         mark = codecs.BOM_UTF8 if stream.read(len(codecs.BOM_UTF8)) == codecs.BOM_UTF8 else b""

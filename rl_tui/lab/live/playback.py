@@ -29,7 +29,7 @@ from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, w
 from rl_tui.lab.live.until import Breakpoints, Until
 from rl_tui.lab.live.work import WORK, continue_seek
 from rl_tui.lab.run.exact_answers import Answer
-from rl_tui.lab.run.recipe import Beginning, Recipe, begin
+from rl_tui.lab.run.recipe import Beginning, Recipe, WorldChange, begin
 from rl_tui.lab.timeline.branches import RunRecord
 
 if TYPE_CHECKING:
@@ -138,7 +138,7 @@ class Playback:
             shown = group.current.record
             pins = self._pins.seen_from(group.world_of(shown), pins, shown.recipe)
         return Record(
-            group.records,
+            group.records(self._changes_to_come),
             group.shown,
             pins.breakpoints,
             self.transport.speed,
@@ -150,8 +150,14 @@ class Playback:
     @property
     def table(self) -> LearnedTable | None:
         """The live table of the run shown, None while it is not where the record says."""
-        is_elsewhere = self.state is State.BUILDING or self.group.seeking
+        is_elsewhere = self.state is State.BUILDING or self.group.seeking or self._changes_to_come
         return None if is_elsewhere else table_of(self.group.current.run)
+
+    @property
+    def _changes_to_come(self) -> tuple[WorldChange, ...]:
+        """The changes that wait for their worlds; none with pins, which are by the numbers of this world."""
+        can_be = self._pinned == NO_PINS and not self.group.current.run.stop_reason
+        return self.editor.to_come if can_be else ()
 
     def handle(self, command: Command) -> None:
         """Carry out ``command``, or begin to. Raises UserError where the world of a restart cannot be built.

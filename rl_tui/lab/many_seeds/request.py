@@ -89,7 +89,7 @@ class StudyRequest:
 def studied_runs(group: RunGroup) -> tuple[StudiedRun, ...]:
     """Return the runs of ``group`` with all that was changed on the branch in force, be it ahead of them."""
     return tuple(
-        StudiedRun(record.recipe, record.branches[record.branch].journal) for record in group.records
+        StudiedRun(record.recipe, record.branches[record.branch].journal) for record in group.records()
     )
 
 

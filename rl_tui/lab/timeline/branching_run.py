@@ -117,6 +117,25 @@ class BranchingRun:
         timeline = self.timeline
         return RunRecord(self.recipe, timeline.branches, timeline.branch)
 
+    def record_with(self, changes: Sequence[Change], taken: Sequence[str]) -> RunRecord:
+        """Return the record as it is to be once ``changes`` are made here, as :meth:`apply` makes them."""
+        record, step = self.record, self.run.step
+        if not changes:
+            return record
+        journal = (*self.run.journal, *(JournalEntry(step, change) for change in changes))
+        branches, number = record.branches, record.branch
+        if self._forks:
+            forked = Branch(self._new_name(taken), journal, number, step, step, step)
+            return RunRecord(self.recipe, (*branches, forked), len(branches))
+        going_on = replace(branches[number], journal=journal)
+        return RunRecord(self.recipe, (*branches[:number], going_on, *branches[number + 1 :]), number)
+
+    @property
+    def _forks(self) -> bool:
+        """Whether a change made here begins another branch: the run has been further."""
+        run, branch = self.run, self.kept.branch
+        return run.step < branch.end or len(run.journal) < len(branch.journal)
+
     def watch(self, watching: Watching | None) -> None:
         """Let :meth:`advance` stop right after what is watched for, until a seek comes to another world."""
         self._watching, self._watched_in = watching, self.run.edited
@@ -152,11 +171,11 @@ class BranchingRun:
         kept, run, applied = self.kept, self.run, len(self.run.journal)
         if kept.samples.next_step == run.step:
             kept.samples.add(run.learner.q)
-        step, in_past = run.step, run.step < kept.branch.end
+        step, forks = run.step, self._forks
         left = replace(kept.branch, here=step)
         run.apply(change)
         journal = run.journal
-        if in_past or applied < len(kept.branch.journal):
+        if forks:
             branch = Branch(self._new_name(taken), journal, self._number, step, step)
             kept.branch = left
             kept = KeptBranch(branch, kept.checkpoints.up_to(step, applied), kept.samples.up_to(step))

@@ -93,10 +93,10 @@ class RunGroup:
         """Every run as it stands."""
         return tuple(each.run for each in self._runs)
 
-    @property
-    def records(self) -> tuple[RunRecord, ...]:
-        """What is needed to come back to here."""
-        return tuple(each.record for each in self._runs)
+    def records(self, to_come: Sequence[Change] = ()) -> tuple[RunRecord, ...]:
+        """Return what is needed to come back to here, once the run shown has made the changes ``to_come``."""
+        shown = self.current.record_with(to_come, self._names_taken if to_come else ())
+        return tuple(shown if each is self.current else each.record for each in self._runs)
 
     @property
     def interpreted_loops(self) -> list[Loop]:
@@ -296,8 +296,12 @@ class RunGroup:
 
         The name of a branch that begins is new among all lanes that began alike, be they branches of one run.
         """
+        self.current.apply(change, self._names_taken)
+
+    @property
+    def _names_taken(self) -> list[str]:
         kin = [each for each in self._others if each.recipe == self.current.recipe]
-        self.current.apply(change, [each.name for run in kin for each in run.timeline.branches])
+        return [each.name for run in kin for each in run.timeline.branches]
 
     @property
     def view(self) -> RunGroupView:

@@ -74,9 +74,9 @@ def arms_draft(scenario: Scenario, seed: int) -> ArmsDraft:
 
 
 def _set_mean(draft: ArmsDraft, edit: Edit) -> ArmsDraft:
-    means = list(draft.means)
+    means, mean = list(draft.means), number_in(edit)
     for arm in place_in(edit, "arm", len(means)):
-        means[arm] = number_in(edit)
+        means[arm] = mean
     return replace(draft, means=tuple(means))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Hashable, Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from rl_tui.common.errors import UserError
@@ -67,24 +67,26 @@ class Draft(ABC):
     @cached_property
     def findings(self) -> tuple[Finding, ...]:
         """Why it is no valid MDP, located inside the table; none where it is one."""
-        return self._read[1]
+        return _read(self)[1]
 
     @property
     def section(self) -> WorldSection:
         """The section of a scenario that it comes to. Raises UnfinishedError where it is no valid MDP."""
-        section, findings = self._read
+        section, findings = _read(self)
         if section is None or findings:
             raise UnfinishedError(self.kind, findings)
         return section
-
-    @cached_property
-    def _read(self) -> tuple[WorldSection | None, tuple[Finding, ...]]:
-        raw = self.table
-        section, findings = parsed(self.section_class, raw)
-        return section, tuple(findings) or tuple(self.section_class.connection_findings(raw))
 
     def build(self) -> World:
         """Return the world; no draws are made. Raises UnfinishedError where it is no valid MDP."""
         import numpy as np
 
         return self.section.build(np.random.default_rng(0))
+
+
+@lru_cache(maxsize=2)  # that of a large map is a megabyte, and all drafts there were can be undone
+def _read(draft: Draft) -> tuple[WorldSection | None, tuple[Finding, ...]]:
+    """Return the section that ``draft`` comes to, if it does, and why it is no valid MDP."""
+    raw = draft.table
+    section, findings = parsed(draft.section_class, raw)
+    return section, tuple(findings) or tuple(draft.section_class.connection_findings(raw))

@@ -15,7 +15,8 @@ BETWEEN: Final = ";"
 _NAME: Final = re.compile(r"world\.([a-z_]+)")
 _BARE: Final = re.compile(r"[^\s,;\[\]\"][^,\[\]\"]*")
 _VALUE: Final = re.compile(r"[^;]*")
-_JSON: Final = tuple('{["')
+JSON_BEGINS: Final = tuple('{["')
+"""With one of these a value begins that is read as JSON, to its end and no further."""
 # Its value is one character, whichever
 _CELL: Final = "cell"
 
@@ -86,7 +87,7 @@ def _read_value(name: str, text: str, at: int) -> tuple[str, int]:
         if at == len(text):
             raise ValueError(f"{shown(text)}: expected a character of the map")
         return text[at], at + 1
-    if text.startswith(_JSON, at):
+    if text.startswith(JSON_BEGINS, at):
         return _read_json(text, at)
     value = _VALUE.match(text, at)
     assert value is not None
@@ -96,9 +97,17 @@ def _read_value(name: str, text: str, at: int) -> tuple[str, int]:
 def _read_json(text: str, at: int) -> tuple[str, int]:
     try:
         value, end = json.JSONDecoder().raw_decode(text, at)
+        return as_json(value), end
     except (ValueError, RecursionError) as fault:
         raise ValueError(f'{shown(text[at:])}: expected JSON, such as {{"Pass": 0.8}}') from fault
-    return as_json(value), end
+
+
+def json_in(text: str) -> str:
+    """Return the JSON that all of ``text`` is, as :func:`as_json` writes it. Raises ValueError."""
+    value, end = _read_json(text, 0)
+    if text[end:].strip():
+        raise ValueError(f"{shown(text[end:])} follows the JSON")
+    return value
 
 
 def as_json(value: object) -> str:
@@ -112,5 +121,6 @@ def written_edits(edits: Iterable[Edit]) -> str:
 
 
 def _written(edit: Edit) -> str:
-    places = ",".join(each if _BARE.fullmatch(each) else as_json(each) for each in edit.at)
+    bare = (each == each.strip() and _BARE.fullmatch(each) for each in edit.at)
+    places = ",".join(each if is_bare else as_json(each) for each, is_bare in zip(edit.at, bare, strict=True))
     return f"{PREFIX}{edit.name}{f'[{places}]' if edit.at else ''}={edit.value}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.errors import UserError
@@ -11,9 +12,9 @@ from rl_tui.common.findings import near, shown
 from rl_tui.common.limits import LARGEST_PLACE, MOST_ACTIONS_WRITTEN, MOST_STATES_WRITTEN, MOST_TRANSITIONS
 from rl_tui.worlds.editing.draft import Draft
 from rl_tui.worlds.editing.edit import Edit, as_json
-from rl_tui.worlds.editing.values import plain_value, rule_value
+from rl_tui.worlds.editing.values import named, plain_value, rule_value
 from rl_tui.worlds.files.toml_file import tables_in
-from rl_tui.worlds.sections.mdp_section import MDPSection
+from rl_tui.worlds.sections.mdp_section import PLACE_FORM, MDPSection, is_place
 
 if TYPE_CHECKING:
     from rl_tui.worlds.files.scenario import Scenario
@@ -41,7 +42,7 @@ class GraphDraft(Draft):
         """The table as a file would have it."""
         return {**self.rules, "transition": [dict(each) for each in self.transitions]}
 
-    @property
+    @cached_property
     def states(self) -> tuple[str, ...]:
         """Every state that is mentioned, in the order of its first mention."""
         return tuple(dict.fromkeys(_mentioned(self.transitions)))
@@ -101,15 +102,14 @@ def _set_transition(draft: GraphDraft, edit: Edit) -> GraphDraft:
     transitions = list(draft.transitions)
     if entry is None:
         if index is None:
-            raise UserError(f"{action} does nothing in {state}: there is nothing to take away")
+            raise UserError(f"{shown(action)} does nothing in {shown(state)}: there is nothing to take away")
         del transitions[index]
     elif not isinstance(entry, Mapping):
-        raise UserError(
-            f'{edit.name}[{state},{action}] is {shown(edit.value)}; expected {{"to":…,"reward":…}}'
-        )
+        raise UserError(f'{named(edit)} is {shown(edit.value)}; expected {{"to":…,"reward":…}}')
+    elif (entry.get("state", state), entry.get("action", action)) != (state, action):
+        raise UserError(f"{named(edit)} names another state or action: leave them out of its table")
     else:
-        said = {key: value for key, value in entry.items() if key not in _PAIR}
-        entry = {"state": state, "action": action, **said}
+        entry = {"state": state, "action": action, **entry}
         # beside the other actions of its state, so that a file reads well
         own = [place for place, each in enumerate(transitions) if each.get("state") == state]
         if index is not None:
@@ -137,7 +137,7 @@ def _remove_state(draft: GraphDraft, edit: Edit) -> GraphDraft:
     """Take a state away: what can be done there, and what leads there; other outcomes share its chance."""
     (state,) = edit.at if len(edit.at) == 1 else ("",)
     if plain_value(edit) is not None:
-        raise UserError(f"{edit.name}[{state}] is {shown(edit.value)}; expected null, which takes it away")
+        raise UserError(f"{named(edit)} is {shown(edit.value)}; expected null, which takes it away")
     if state not in draft.states:
         raise UserError(f"there is no state {shown(state)}{near(state, draft.states)}")
     transitions = []
@@ -161,7 +161,7 @@ def _without_start(rules: Mapping[str, Any], state: str) -> Mapping[str, Any]:
 
 def _pair(edit: Edit) -> tuple[str, str]:
     if len(edit.at) != 2:
-        raise UserError(f"{edit.name}[{','.join(edit.at)}]: expected a state and an action")
+        raise UserError(f"{named(edit)}: expected a state and an action")
     return edit.at[0], edit.at[1]
 
 
@@ -170,22 +170,23 @@ def _with_places(draft: GraphDraft, near_to: str) -> GraphDraft:
     before = draft.rules.get("place")
     if not isinstance(before, Mapping):
         return draft
-    states = draft.states
+    states = frozenset(draft.states)
     place = {name: at for name, at in before.items() if name in states}
-    origin = tuple(place.get(near_to, (0, 0)))
-    for name in states:
+    free = _free_places(place, place.get(near_to, (0, 0)))
+    for name in draft.states:
         if name not in place:
-            place[name] = list(_free_place(place, origin))
+            place[name] = list(next(free))
     return draft if place == before else replace(draft, rules={**draft.rules, "place": place})
 
 
-def _free_place(place: Mapping[str, Sequence[int]], origin: Sequence[int]) -> tuple[int, int]:
+def _free_places(place: Mapping[str, Sequence[int]], origin: Sequence[int]) -> Iterator[tuple[int, int]]:
+    """Yield where states can be put, the nearest to ``origin`` first: not where those of ``place`` are."""
     taken = {tuple(at) for at in place.values()}
     for distance in range(1, LARGEST_PLACE):
         for columns, rows in _AROUND:
             at = origin[0] + columns * distance, origin[1] + rows * distance
             if at not in taken and min(at) >= 0:
-                return at
+                yield at
     raise UserError("there is no free place left in the drawing")
 
 
@@ -195,8 +196,8 @@ def _put(draft: GraphDraft, edit: Edit) -> GraphDraft:
     (state,) = edit.at if len(edit.at) == 1 else ("",)
     if state not in draft.states:
         raise UserError(f"there is no state {shown(state)}{near(state, draft.states)}")
-    if not isinstance(at, list) or [type(each) for each in at] != [int, int]:
-        raise UserError(f"{edit.name}[{state}] is {shown(edit.value)}; expected [column,row]")
+    if not is_place(at):
+        raise UserError(f"{named(edit)} is {shown(edit.value)}; expected {PLACE_FORM}")
     place = dict(draft.rules.get("place") or {})
     other = next((name for name, taken in place.items() if list(taken) == at and name != state), None)
     if other is not None and state in place:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
@@ -14,7 +13,15 @@ from rl_tui.common.streams import streams
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.editing.draft import Draft
 from rl_tui.worlds.editing.edit import Edit
-from rl_tui.worlds.editing.values import lines_added, number_in, place_in, places_in, plain_value, rule_value
+from rl_tui.worlds.editing.values import (
+    lines_added,
+    named,
+    number_in,
+    place_in,
+    places_in,
+    plain_value,
+    rule_value,
+)
 from rl_tui.worlds.files.toml_file import tables_in
 from rl_tui.worlds.grid.legend import BUILT_IN, LegendEntry, is_character
 from rl_tui.worlds.grid.map import FLOOR, CellMap, lines_of
@@ -134,15 +141,16 @@ def _set_cells(draft: GridDraft, edit: Edit) -> GridDraft:
     if not is_character(edit.value):
         raise UserError(f"{shown(edit.value)} is no character of a map")
     rows, columns = draft.cells_in(edit)
-    return _with_cells(draft, rows, columns, lambda _: edit.value)
+    painted = edit.value * len(columns)
+    return _with_cells(draft, rows, columns, lambda _: painted)
 
 
-def _with_cells(draft: GridDraft, rows: range, columns: range, character: Callable[[str], str]) -> GridDraft:
-    """Return ``draft`` with another character in place of each in those rows and columns."""
+def _with_cells(draft: GridDraft, rows: range, columns: range, other: Callable[[str], str]) -> GridDraft:
+    """Return ``draft`` with ``other`` characters in those columns of each of those rows."""
     lines = list(draft.lines)
     for row in rows:
         line = lines[row]
-        new = "".join(map(character, line[columns.start : columns.stop]))
+        new = other(line[columns.start : columns.stop])
         lines[row] = line[: columns.start] + new + line[columns.stop :]
     return _tidied(replace(draft, lines=tuple(lines)))
 
@@ -160,14 +168,14 @@ def _set_reward(draft: GridDraft, edit: Edit) -> GridDraft:
     rows, columns = draft.cells_in(edit)
     reward = number_in(edit)
     known = draft.legend
-    present = {each for row in rows for each in draft.lines[row][columns.start : columns.stop]}
-    place_of = dict[str, str]()
+    present = set[str]().union(*(set(draft.lines[row][columns.start : columns.stop]) for row in rows))
+    paying = dict[int, str]()
     for character in sorted(present):
         entry = known.get(character)
         if entry is None or entry.is_wall:
             raise UserError(f"{shown(character)} pays nothing: nobody enters it")
-        draft, place_of[character] = _character_paying(draft, character, entry, reward)
-    return _with_cells(draft, rows, columns, place_of.__getitem__)
+        draft, paying[ord(character)] = _character_paying(draft, character, entry, reward)
+    return _with_cells(draft, rows, columns, lambda cells: cells.translate(paying))
 
 
 def _character_paying(
@@ -195,15 +203,15 @@ def _define(draft: GridDraft, edit: Edit) -> GridDraft:
     """Let a character stand for what the value says; nothing takes its meaning away."""
     (character,) = edit.at if len(edit.at) == 1 else ("",)
     if not is_character(character):
-        raise UserError(f"legend[{','.join(edit.at)}]: expected one character")
+        raise UserError(f"{named(edit)}: expected one character")
     legend = dict(draft._raw_legend)
     if edit.value in ("", "null"):
         legend.pop(character, None)
     else:
-        try:
-            legend[character] = json.loads(edit.value)
-        except ValueError as fault:
-            raise UserError(f'{shown(edit.value)}: expected a table such as {{"kind":"goal"}}') from fault
+        entry = plain_value(edit)
+        if not isinstance(entry, Mapping):
+            raise UserError(f'{shown(edit.value)}: expected a table such as {{"kind":"goal"}}')
+        legend[character] = entry
     return replace(draft, rules={**draft.rules, "legend": legend}, minted=draft.minted - {character})
 
 
@@ -213,13 +221,11 @@ def _blow(draft: GridDraft, edit: Edit) -> GridDraft:
     value = plain_value(edit)
     if not edit.at:
         if not isinstance(value, list) or len(value) not in (0, count):
-            raise UserError(
-                f"{edit.name} is {shown(edit.value)}; expected a number for each of {count} {what}s"
-            )
+            expected = f"a list of numbers, one for each {what} ({count:,})"
+            raise UserError(f"{edit.name} is {shown(edit.value)}; expected {expected}")
         return replace(draft, rules={**draft.rules, edit.name: value})
-    line = place_in(edit, what, count)
     wind = list(draft.rules.get(edit.name) or [0] * count)
-    for each in line:
+    for each in place_in(edit, what, count):
         wind[each] = value
     rules = {**draft.rules, edit.name: wind}
     if not any(wind):

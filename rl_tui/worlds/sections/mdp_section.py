@@ -41,6 +41,8 @@ if TYPE_CHECKING:
     from rl_tui.worlds.mdp.tabular_mdp import Outcome
 
 _AT_MOST: Final = f", at most {MOST_STATES_WRITTEN:,}"
+PLACE_FORM: Final = f"[column, row], whole numbers from 0 to {LARGEST_PLACE}"
+"""Where a state can stand in the drawing."""
 _COLUMN_OR_ROW: Final = whole_number(0, LARGEST_PLACE)
 _STATES: Final = sized(dict, MOST_STATES_WRITTEN)
 
@@ -79,7 +81,8 @@ def _sums_to_one(distribution: dict[str, Share]) -> dict[str, Share]:
     return distribution
 
 
-def _is_place(value: object) -> bool:
+def is_place(value: object) -> bool:
+    """Return whether a state can stand at ``value``, as a file has it."""
     return isinstance(value, list) and len(value) == 2 and all(map(_COLUMN_OR_ROW.test, value))
 
 
@@ -136,7 +139,7 @@ class MDPSection(WorldSection):
             Name,
             Annotated[
                 tuple[int, int],
-                Expect(f"[column, row], whole numbers from 0 to {LARGEST_PLACE}", _is_place),
+                Expect(PLACE_FORM, is_place),
             ],
         ],
         Expect(f"a table of states and their [column, row]{_AT_MOST}", _STATES),

@@ -153,6 +153,11 @@ class WorldEditor:
         """Whether changes wait for their worlds."""
         return bool(self._ahead)
 
+    @property
+    def to_come(self) -> tuple[WorldChange, ...]:
+        """The changes that wait for their worlds, the next one first."""
+        return tuple(each.change for each in self._ahead)
+
     def next_change(self, run: Run) -> WorldChange | None:
         """Return the next change that waits for its world, once ``run`` has that ready; None before.
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from typing import Any, Final, NamedTuple
 
 from rl_tui.common.errors import UserError
-from rl_tui.worlds.editing.edit import Edit, as_json
+from rl_tui.common.findings import place
+from rl_tui.worlds.editing.edit import Edit, as_json, json_in
 from rl_tui.worlds.editing.graph_draft import GraphDraft, chances_of
+from rl_tui.worlds.sections.mdp_section import TransitionEntry
+from rl_tui.worlds.sections.schema import parsed
 
 FORM: Final = "Pass 0.8, Class 0.2 pays -2"
 _PAYS: Final = " pays "
@@ -83,23 +85,20 @@ def written(draft: GraphDraft, state: str, action: str) -> str:
 
 
 def read_outcomes(draft: GraphDraft, state: str, action: str, text: str) -> str:
-    """Return the value of the edit that lets ``action`` do what was typed. Raises ValueError."""
-    value = text.strip()
-    if value.startswith("{"):
-        read: object = json.loads(value)
-    elif not value:
-        read = None
-    else:
-        read = _entry(value)
-    edit = Edit("transition", (state, action), as_json(read))
+    """Return the value of the edit that lets ``action`` do what was typed.
+
+    What does not fit the rest of the graph yet may be drawn. Raises ValueError where it is no action at all.
+    """
+    typed = text.strip()
+    value = json_in(typed) if typed.startswith("{") else as_json(_entry(typed) if typed else None)
     try:
-        findings = draft.edited(edit).findings
+        entry = draft.edited(Edit("transition", (state, action), value)).entry(state, action)
     except UserError as fault:
         raise ValueError(str(fault)) from fault
-    here = next((each for each in findings if "probabilities" in each.expected), None)
-    if here is not None:
-        raise ValueError(f"found {here.found}; expected {here.expected}")
-    return edit.value
+    found = [] if entry is None else parsed(TransitionEntry, dict(entry))[1]
+    if found:
+        raise ValueError(f"{place(found[0].location)}: found {found[0].found}; expected {found[0].expected}")
+    return value
 
 
 def _entry(text: str) -> dict[str, object]:

@@ -16,6 +16,8 @@ class PendingStrokes:
 
     def __init__(self) -> None:
         self._sent: list[tuple[int, tuple[Edit, ...]]] = []
+        # A draft, the first stroke beyond it, how many are drawn, and what comes of them
+        self._drawn: tuple[Draft, int | None, int, Draft] | None = None
 
     def __bool__(self) -> bool:
         """Whether there are any."""
@@ -30,12 +32,22 @@ class PendingStrokes:
         self._sent.clear()
 
     def draft(self, snapshot: Snapshot) -> Draft | None:
-        """Return the draft of ``snapshot`` with all that it does not have yet; None where there is none."""
+        """Return the draft of ``snapshot`` with all that it does not have yet; None where there is none.
+
+        Each stroke is drawn once for a snapshot, however often this is asked for: a wheel sends hundreds.
+        """
         self._sent = [each for each in self._sent if each[0] > snapshot.playback.handled]
-        draft = snapshot.editor.draft
-        for _, edits in self._sent if draft is not None else ():
-            try:
-                draft = edited_draft(draft, edits)  # type: ignore[arg-type]
-            except UserError:
-                return snapshot.editor.draft
+        base = snapshot.editor.draft
+        if base is None:
+            return None
+        first = self._sent[0][0] if self._sent else None
+        if self._drawn is None or self._drawn[:2] != (base, first):
+            self._drawn = base, first, 0, base
+        _, _, count, draft = self._drawn
+        try:
+            for _, edits in self._sent[count:]:
+                draft = edited_draft(draft, edits)
+        except UserError:
+            return base
+        self._drawn = base, first, len(self._sent), draft
         return draft

@@ -10,7 +10,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.tui.screens.dialogs.choice import Candidate, Choice
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.worlds.editing.arms_draft import ArmsDraft
-from rl_tui.worlds.editing.edit import Edit
+from rl_tui.worlds.editing.edit import BETWEEN, JSON_BEGINS, Edit, as_json, json_in
 from rl_tui.worlds.grid.moves import MOVES
 from rl_tui.worlds.grid.section import REWARDS
 
@@ -117,8 +117,14 @@ def fault_of(draft: Draft, edits: Sequence[Edit], name: str) -> str:
 
 
 def rule_edit(name: str, text: str) -> Edit:
-    """Return the edit that sets the rule ``name`` to what was typed."""
-    return Edit(name, (), text.strip())
+    """Return the edit that sets the rule ``name`` to what was typed, as a session reads it again."""
+    value = text.strip()
+    if BETWEEN in value or value.startswith(JSON_BEGINS):
+        try:
+            value = json_in(value)
+        except ValueError:
+            value = as_json(value)  # a name that looks like more than that
+    return Edit(name, (), value)
 
 
 def rule_value(draft: Draft, name: str) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from rl_tui.common.findings import place
+from rl_tui.common.limits import LARGEST_NUMBER
 from rl_tui.common.words import counted
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.screens.key_line import Hints
@@ -58,6 +59,9 @@ def number_text(value: float, digits: int = 6) -> str:
 def number_in(text: str) -> float:
     """Return the number that was typed. Raises ValueError."""
     try:
-        return float(text.replace("−", "-"))
+        number = float(text.replace("−", "-"))
     except ValueError:
         raise ValueError("expected a number, such as -1 or 0.5") from None
+    if not abs(number) <= LARGEST_NUMBER:
+        raise ValueError(f"expected a number from {-LARGEST_NUMBER:g} to {LARGEST_NUMBER:g}")
+    return number
