@@ -46,6 +46,7 @@ PICTURES = {
     "playground.svg": (_LAKE, "--keys", "wait:20000"),
     "microscope.svg": (_LAKE, "--keys", "wait:60000,d"),
     "lesson.svg": ("--lesson", "q-by-hand", "--keys", ".,.,.,.,y,1,.,A,-,2,enter,1"),
+    "drawing.svg": ("maze", "--keys", "wait:3000,C,right,right,H,s,down,number_sign"),
     "own-code.svg": ("--watch", str(FOLDER / "lake.py"), "--keys", "wait:12000,F"),
 }
 

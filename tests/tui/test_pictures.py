@@ -32,6 +32,8 @@ SCENES: Final = {  # a scenario, then keys; a number lets so many steps pass
     "microscope": ("frozenlake-slippery", 60_000, "d"),
     "lanes": ("cliff", 3_000, "c", "enter", "down", "enter", 12_000),
     "hand": ("student", 40, "y", "1"),
+    "drawing": ("maze", 3_000, "C", "right", "right", "H", "s", "down", "number_sign"),
+    "drawing-unfinished": ("student", 200, "C", "delete", "delete"),
 }
 
 
