@@ -123,9 +123,9 @@ class PolicyAnswers:
             )
         return answers
 
-    def work(self, runs: Iterable[tuple[Run, Answer]], drawn: DrawnPolicy) -> bool:
+    def work(self, runs: Iterable[tuple[Run, Answer, DrawnPolicy]]) -> bool:
         """Work out one of the answers that :meth:`of` lacks of ``runs``; return whether there was one."""
-        for run, exact in runs:
+        for run, exact, drawn in runs:
             for kind in PolicyKind:
                 asked = _question(kind, run, exact, drawn)
                 if not isinstance(asked, PolicyAnswer) and self._kept(run, kind, asked) is None:

@@ -113,19 +113,22 @@ class Questions:
         self._checks.close()
         self._judge.close()
 
-    def answers(self, run: Run, *, is_still: bool) -> AnswersView:
-        """Return what is known by now for ``run``, which takes steps unless it ``is_still``."""
+    def answers(self, run: Run, drawn: DrawnPolicy, *, is_still: bool) -> AnswersView:
+        """Return what is known by now for ``run``, which takes steps unless it ``is_still``.
+
+        ``drawn`` is the drawn policy by the numbers of its world.
+        """
         studied, mdp, left = self.studied, run.world.mdp, None
         policies: Mapping[PolicyKind, PolicyAnswer] = {}
         if mdp is not None and studied is PolicyKind.DRAWN:
-            left = self._left_to_chance.of(mdp, self.drawn)
+            left = self._left_to_chance.of(mdp, drawn)
         if studied is not None:
-            policies = self._policies.of(run, self.exact.of(run), self.drawn, is_still=is_still)
+            policies = self._policies.of(run, self.exact.of(run), drawn, is_still=is_still)
         return AnswersView(
             is_hidden=mdp is not None and self.hides_answer(run.recipe.scenario),
             kept_back=frozenset() if self.lesson is None else self.lesson.hidden,
             studied=studied,
-            drawn=self.drawn,
+            drawn=drawn,
             left_to_chance=left,
             policies=policies,
             first_update=self._first_updates.of(run, is_asked=self.asks_why),
@@ -155,9 +158,10 @@ class Questions:
         if self.lesson is not None:
             self._judge.view(self.lesson, run)
 
-    def work(self, group: RunGroup) -> bool:
+    def work(self, group: RunGroup, drawn_beside: DrawnPolicy) -> bool:
         """Work out one answer that runs in view lack, all standing still; return whether there was one."""
         if self.studied is None:
             return False
-        in_view = (group.current,) if group.beside is None else (group.current, group.beside)
-        return self._policies.work(((lane.run, self.exact.of(lane.run)) for lane in in_view), self.drawn)
+        in_view = [(group.current, self.drawn)]
+        in_view += [] if group.beside is None else [(group.beside, drawn_beside)]
+        return self._policies.work((lane.run, self.exact.of(lane.run), drawn) for lane, drawn in in_view)

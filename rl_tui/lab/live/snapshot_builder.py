@@ -10,6 +10,7 @@ import numpy as np
 
 from rl_tui.agents.counters import Counters
 from rl_tui.lab.answers.view import AnswersView
+from rl_tui.lab.live.editing.pins import Pins
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.snapshot import AgentView, Phase, PlaybackView, Snapshot
 from rl_tui.lab.live.state import State
@@ -80,16 +81,19 @@ class SnapshotBuilder:
         playback: PlaybackView,
         questions: Questions,
         editor: WorldEditor,
+        pins_beside: Pins,
         *,
         has_trail: bool,
     ) -> Snapshot:
         """Return the snapshot of the run that ``group`` shows, with the answers to ``questions``.
 
-        With ``has_trail`` it has the trail of the episode, as far as that is known.
+        ``pins_beside`` are what is pinned, by the numbers of the world of the run beside it. With
+        ``has_trail`` it has the trail of the episode, as far as that is known.
         """
         current, beside, view = group.current, group.beside, group.view
         cell = questions.cell
-        snapshot = self.of_lane(current, view, view.shown, playback, questions, has_trail=has_trail)
+        pins = Pins(playback.breakpoints, questions.drawn)
+        snapshot = self.of_lane(current, view, view.shown, playback, questions, pins, has_trail=has_trail)
         return replace(
             snapshot,
             cell=None if cell is None else current.cell_history(cell),
@@ -100,7 +104,14 @@ class SnapshotBuilder:
             beside=None
             if beside is None or view.beside is None
             else self.of_lane(
-                beside, view, view.beside, playback, questions, has_trail=has_trail, led=snapshot.counters
+                beside,
+                view,
+                view.beside,
+                playback,
+                questions,
+                pins_beside,
+                has_trail=has_trail,
+                led=snapshot.counters,
             ),
         )
 
@@ -111,11 +122,12 @@ class SnapshotBuilder:
         number: int,
         playback: PlaybackView,
         questions: Questions,
+        pins: Pins,
         *,
         has_trail: bool,
         led: Counters | None = None,
     ) -> Snapshot:
-        """Return the snapshot of ``lane``, which ``view`` has at the place ``number``.
+        """Return the snapshot of ``lane``, which ``view`` has at the place ``number``, with ``pins`` there.
 
         Beside another lane, that which is ``led``, it has also what is in view around the agent there.
         """
@@ -128,8 +140,8 @@ class SnapshotBuilder:
             counters=counters,
             results=view.lanes[number].results if view.lanes else run.results,
             exact_answer=questions.exact.of(run),
-            playback=playback,
-            answers=questions.answers(run, is_still=playback.phase not in _MOVING),
+            playback=replace(playback, breakpoints=pins.breakpoints),
+            answers=questions.answers(run, pins.drawn, is_still=playback.phase not in _MOVING),
             timeline=lane.timeline,
             run_group=view,
             trail=lane.trail if has_trail else (),

@@ -91,7 +91,7 @@ def _stand_still(playback: Playback) -> float | None:
     had_news = not group.trails_are_whole
     if had_news:
         group.find_trails(CHUNK)
-    goes_on = not group.trails_are_whole or playback.questions.work(group)
+    goes_on = not group.trails_are_whole or playback.questions.work(group, playback.pins_beside.drawn)
     playback.changed = playback.changed or had_news or goes_on
     return 0.0 if goes_on else None
 

@@ -14,6 +14,7 @@ from rl_tui.agents.last_step import Author
 from rl_tui.common.errors import UserError
 from rl_tui.lab.detective.source.code_names import declared_discount
 from rl_tui.lab.detective.verdict import MovedCell, Rule, UpdateFound
+from rl_tui.lab.live.editing.pins import Pins
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import AgentView, Phase, PlaybackView, Snapshot
 from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
@@ -105,8 +106,9 @@ class ProgramSnapshots:
         cell = asked.beside.cell
         other = None
         if beside is not None and group.beside is not None:
+            pins = Pins(playing.breakpoints, asked.beside.drawn)  # it is in the same world
             other = self._builder.of_lane(
-                beside, group, group.beside, playing, asked.beside, has_trail=True, led=counters
+                beside, group, group.beside, playing, asked.beside, pins, has_trail=True, led=counters
             )
         gamma = found.hyperparameters.gamma
         return Snapshot(

@@ -47,6 +47,7 @@ class NamedPins:
         """The world whose numbers count since it was come to."""
         self._set_in = edited
         self._set = self._shown = pins
+        self._seen = edited, pins, pins  # what is pinned is seen so from there: it is asked for every frame
 
     def come_to(self, edited: EditedWorld, pins: Pins, recipe: Recipe) -> Pins:
         """Return ``pins``, those of the world until now, by the numbers of ``edited``, and go on in that."""
@@ -59,8 +60,11 @@ class NamedPins:
         self._note(pins)
         if self._set == NO_PINS or edited is self._set_in:
             return self._set
-        carried = edited.carried_from(self._set_in, recipe)
-        return self._set.carried(carried, self._set_in.world.space, edited.world.space)
+        if self._seen[0] is not edited or self._seen[1] is not self._set:
+            carried = edited.carried_from(self._set_in, recipe)
+            pins = self._set.carried(carried, self._set_in.world.space, edited.world.space)
+            self._seen = edited, self._set, pins
+        return self._seen[2]
 
     def pair_in(self, edited: EditedWorld, pair: int | None, recipe: Recipe) -> int | None:
         """Return what ``pair`` of the world until now is in ``edited``; None where it is gone, or is none."""
