@@ -7,6 +7,7 @@ from dataclasses import fields, is_dataclass, replace
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from rl_tui.lab.live.editing.pins import NO_PINS
 from rl_tui.lab.live.editing.world_editor import WorldEditor
 from rl_tui.lab.live.questions import Questions
 from rl_tui.lab.live.record import Record
@@ -38,7 +39,7 @@ def snapshot_of(
     questions.viewport = viewport
     questions.exact = SimpleNamespace(of=lambda _: exact_answer)  # type: ignore[assignment]
     playback = PlaybackView(phase, message)
-    return SnapshotBuilder().build(alone, playback, questions, WorldEditor(), has_trail=False)
+    return SnapshotBuilder().build(alone, playback, questions, WorldEditor(), NO_PINS, has_trail=False)
 
 
 def changed(picture: Picture, **changes: Any) -> Picture:

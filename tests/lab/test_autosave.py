@@ -18,13 +18,14 @@ from session_samples import after, fresh
 
 from rl_tui.common.file_lock import FileLock
 from rl_tui.lab.live.record import LearnedTable, Record
-from rl_tui.lab.run.recipe import SetParameter
+from rl_tui.lab.run.recipe import EditWorld, SetParameter
 from rl_tui.lab.sessions import held_file
 from rl_tui.lab.sessions.atomic_file import draft_of, write_atomically
 from rl_tui.lab.sessions.autosave import Autosave
 from rl_tui.lab.sessions.folder import sessions_in
 from rl_tui.lab.sessions.place import session_folder
 from rl_tui.lab.sessions.session import digest_of, encoded, read_session
+from rl_tui.worlds.editing.edit import read_edits
 
 
 def resumed(path: Path, folder: Path) -> tuple[Autosave, Record]:
@@ -58,6 +59,18 @@ def test_what_was_set_before_the_first_step_is_kept_with_it(tmp_path: Path) -> N
     change = (0, SetParameter("alpha", 0.5))
     kept(tmp_path, after(OPENED, 0, change), after(OPENED, 1, change))
     assert (only(tmp_path).step, only(tmp_path).changes) == (1, 1)
+
+
+def test_a_world_that_was_drawn_is_kept_without_a_step_once_however_often_it_starts_again(
+    tmp_path: Path,
+) -> None:
+    drawn = after(OPENED, 0, (0, EditWorld(read_edits("world.time_limit=50"))))
+    autosave = Autosave(OPENED, tmp_path)
+    autosave.offer(drawn)
+    for _ in range(3):
+        autosave.begin_anew(drawn)
+    autosave.close()
+    assert (only(tmp_path).step, only(tmp_path).changes, only(tmp_path).is_blank) == (0, 1, False)
 
 
 def test_one_saved_by_name_goes_on_without_a_step(tmp_path: Path) -> None:

@@ -246,6 +246,25 @@ def test_a_run_begins_again_in_the_world_as_it_was_drawn() -> None:
     assert_pinned(shown, 1, 2)
 
 
+def test_the_run_beside_has_pins_by_the_numbers_of_its_own_world() -> None:
+    playback = begin(small_map(), automatic=False)
+    do(playback, OpenEditor(is_open=True), Train(20), AddLane((SetParameter("alpha", 0.9),)))
+    shown = do(playback, StudyPolicy(PolicyKind.DRAWN), draw("rows=+3@0"))
+    added, moved = state_at(shown, 2, 3), state_at(shown, 5, 0)
+    do(playback, DrawAction(added, DOWN), DrawAction(moved, DOWN))
+    shown = do(playback, ToggleBreakpoint(added), ToggleBreakpoint(moved))
+    assert shown.beside is not None
+    assert shown.beside.world.space.states < moved
+    there = state_at(shown.beside, 2, 0)
+    assert shown.beside.answers.drawn.choices == ((there, DOWN),)
+    assert shown.beside.answers.left_to_chance is not None
+    assert not shown.beside.answers.left_to_chance[there]
+    assert shown.beside.playback.breakpoints.states == {there}
+    assert shown.answers.drawn.choices == ((added, DOWN), (moved, DOWN))
+    assert shown.playback.breakpoints.states == {added, moved}
+    assert shown.beside.answers.policies[PolicyKind.DRAWN].is_known
+
+
 def test_another_map_from_the_seed_is_not_drawn_in() -> None:
     playback = begin(recipe("frozenlake-random", seed=1))
     do(playback, Train(20), draw("rows=+1@0"), ToggleBreakpoint(state=0))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from playing import begin, do
 from recipes import bandit, one_run, recipe, replay
@@ -9,10 +11,11 @@ from snapshots import snapshot_of
 
 from rl_tui.lab.experiments.many_runs import many_runs
 from rl_tui.lab.experiments.training import Goal
-from rl_tui.lab.live.commands import ChooseBranch, Pause, Train
+from rl_tui.lab.live.commands import AddLane, Apply, ChooseBranch, Pause, Train
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm
 from rl_tui.lab.run.run import Run
+from rl_tui.lab.sessions.session import encoded, read_session
 
 PLAN = SwitchAlgorithm("value-iteration")
 LEARN = SwitchAlgorithm("q-learning")
@@ -100,3 +103,21 @@ def test_a_checkpoint_knows_what_was_planned() -> None:
     other.restore(run.checkpoint())
     assert other.bandit == run.bandit == replay(made_from, run.journal, run.step).bandit
     assert other.learner.planned == run.learner.planned == (2, 2)
+
+
+def test_a_planner_beside_a_run_is_done_before_what_was_changed_there_and_a_session_says_so(
+    tmp_path: Path,
+) -> None:
+    playback = begin(recipe("student"))
+    do(
+        playback,
+        Train(5_000),
+        Apply(SetParameter("gamma", 0.8)),
+        AddLane((SwitchAlgorithm("policy-iteration"),)),
+    )
+    lane = playback.record.lanes[1].branches[0]
+    assert lane.end < 5_000
+    assert lane.journal == ()
+    path = tmp_path / "session.json"
+    path.write_bytes(encoded(playback.record))
+    assert read_session(path).record().lanes[1].branches == (lane,)

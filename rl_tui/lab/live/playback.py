@@ -29,7 +29,7 @@ from rl_tui.lab.live.stop_condition import StopCondition, breakpoint_in_words, w
 from rl_tui.lab.live.until import Breakpoints, Until
 from rl_tui.lab.live.work import WORK, continue_seek
 from rl_tui.lab.run.exact_answers import Answer
-from rl_tui.lab.run.recipe import Beginning, Recipe, WorldChange, begin
+from rl_tui.lab.run.recipe import Beginning, Recipe, begin
 from rl_tui.lab.timeline.branches import RunRecord
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ class Playback:
         return 0.0
 
     def close(self) -> None:
-        """End what is worked out in processes of their own, from any thread."""
+        """End what is worked out in processes of their own. It may be called from any thread."""
         self.compilation.close()
         self.questions.close()
 
@@ -137,8 +137,9 @@ class Playback:
         if group.current.seek is not None and pins != NO_PINS:  # it says where that leads
             shown = group.current.record
             pins = self._pins.seen_from(group.world_of(shown), pins, shown.recipe)
+        can_come = pins == NO_PINS  # by the numbers of this world they would be of others in the next one
         return Record(
-            group.records(self._changes_to_come),
+            group.records(self.editor.to_come(group.current.run) if can_come else ()),
             group.shown,
             pins.breakpoints,
             self.transport.speed,
@@ -150,14 +151,8 @@ class Playback:
     @property
     def table(self) -> LearnedTable | None:
         """The live table of the run shown, None while it is not where the record says."""
-        is_elsewhere = self.state is State.BUILDING or self.group.seeking or self._changes_to_come
+        is_elsewhere = self.state is State.BUILDING or self.group.seeking or self.editor.is_ahead
         return None if is_elsewhere else table_of(self.group.current.run)
-
-    @property
-    def _changes_to_come(self) -> tuple[WorldChange, ...]:
-        """The changes that wait for their worlds; none with pins, which are by the numbers of this world."""
-        can_be = self._pinned == NO_PINS and not self.group.current.run.stop_reason
-        return self.editor.to_come if can_be else ()
 
     def handle(self, command: Command) -> None:
         """Carry out ``command``, or begin to. Raises UserError where the world of a restart cannot be built.
@@ -366,8 +361,9 @@ class Playback:
 
         Raises UserError where that has no such states or pairs.
         """
-        is_pinned = self._pinned != NO_PINS
-        left = self.group.world_of(record.lanes[record.shown]) if is_pinned else self.group.first
+        left = (
+            self.group.first if self._pinned == NO_PINS else self.group.world_of(record.lanes[record.shown])
+        )
         record.breakpoints.check(left.world.space)
         self.questions.fit(left.world.space)
         return NamedPins(left, self._pinned)

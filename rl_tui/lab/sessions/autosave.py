@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from rl_tui.lab.live.record import LearnedTable, Record, RecordSink
-from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.run.recipe import Recipe, WorldChange
 from rl_tui.lab.sessions.place import settled
 from rl_tui.lab.sessions.session import MOST_PAIRS_DIGESTED, StoredSession, digest_of
 from rl_tui.lab.sessions.writer import SessionWriter, reason
@@ -44,8 +44,8 @@ class Autosave:
     """Writes the newest record that it is offered to a file of its own, at most every 0.3 s if it changed.
 
     ``opened`` is what the screen starts from: a file is begun only once something differs from it and a step
-    was taken, a policy drawn or something done in a lesson, or a person saves it by a name. Settings alone
-    are quickly made again.
+    was taken, world or policy drawn, or something done in a lesson, or a person saves it by a name. Settings
+    alone are quickly made again.
     ``resumed`` is the session that it came from; that file is gone on with where it can be, otherwise a new
     one in ``folder``. A file is locked as long as it is written here.
 
@@ -114,12 +114,14 @@ class Autosave:
     def begin_anew(self, record: Record) -> None:
         """Take ``record`` as the beginning of another session; the one until now stays as it is.
 
-        One in which nothing was done yet gives way; and where ``record`` has the same recipes, there is
-        nothing to keep of it yet. A lesson goes on in the session it is in. Never waits for the disk.
+        One in which nothing was done yet, or no more than is done in ``record``, gives way; and where that
+        has the same recipes only, there is nothing to keep of it yet. A lesson goes on in the session it is
+        in. Never waits for the disk.
         """
         with self._changed:
             old = self._session
-            gives_way = _is_blank(old.newest.record) and not old.writer.kept
+            is_as_before = record.lanes == old.newest.record.lanes
+            gives_way = (is_as_before or _is_blank(old.newest.record)) and not old.writer.kept
             if self._closing or gives_way or record.lesson is not None:
                 same_session = old
             else:
@@ -334,9 +336,15 @@ def _copied(table: LearnedTable) -> LearnedTable:
 
 
 def _has_deeds(record: Record) -> bool:
-    """Tell whether a step was taken in any lane, a policy drawn, or something done in a lesson."""
-    has_steps = any(branch.end for lane in record.lanes for branch in lane.branches)
-    return has_steps or bool(record.drawn.choices) or (record.lesson is not None and record.lesson.is_begun)
+    """Tell whether a step was taken in any lane, world or policy drawn, or something done in a lesson."""
+    branches = [branch for lane in record.lanes for branch in lane.branches]
+    is_drawn = any(isinstance(entry.change, WorldChange) for each in branches for entry in each.journal)
+    return (
+        is_drawn
+        or any(each.end for each in branches)
+        or bool(record.drawn.choices)
+        or (record.lesson is not None and record.lesson.is_begun)
+    )
 
 
 def _is_blank(record: Record) -> bool:

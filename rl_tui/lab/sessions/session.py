@@ -81,8 +81,10 @@ class StoredSession:
         Of a lesson a session is begun only once something was done.
         """
         document = self.document
-        has_steps = any(branch.end for lane in document.lanes for branch in lane.branches)
-        return not (has_steps or document.drawn or document.title or self.stays)
+        branches = [branch for lane in document.lanes for branch in lane.branches]
+        has_steps = any(branch.end for branch in branches)
+        is_drawn = any(entry.world for branch in branches for entry in branch.journal)
+        return not (has_steps or is_drawn or document.drawn or document.title or self.stays)
 
     @property
     def stays(self) -> bool:

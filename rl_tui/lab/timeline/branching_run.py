@@ -249,7 +249,7 @@ class BranchingRun:
         self._sought += self._clock() - start
         taken, done = run.step - before, seek.done
         if taken == 0 and not done:  # the run is over before it is there
-            kept.branch = replace(kept.branch, end=run.step)
+            kept.branch = replace(kept.branch, end=run.step, journal=run.journal)
         if taken == 0 or done:
             self._arrive(seek)
         return taken

@@ -153,10 +153,9 @@ class WorldEditor:
         """Whether changes wait for their worlds."""
         return bool(self._ahead)
 
-    @property
-    def to_come(self) -> tuple[WorldChange, ...]:
-        """The changes that wait for their worlds, the next one first."""
-        return tuple(each.change for each in self._ahead)
+    def to_come(self, run: Run) -> tuple[WorldChange, ...]:
+        """Return the changes that wait for their worlds, as far as ``run`` will make them."""
+        return () if run.stop_reason else tuple(each.change for each in self._ahead)
 
     def next_change(self, run: Run) -> WorldChange | None:
         """Return the next change that waits for its world, once ``run`` has that ready; None before.

@@ -82,8 +82,8 @@ class Wanted:
         """Return whether there is something to lose; what was asked for last may not be there yet."""
         if snapshot is None:
             return False
-        has_deeds = snapshot.counters.step > 0 or bool(snapshot.answers.drawn.choices)
-        return has_deeds or snapshot.playback.handled < self.last_deed
+        is_drawn = bool(snapshot.answers.drawn.choices or snapshot.world_changes)
+        return snapshot.counters.step > 0 or is_drawn or snapshot.playback.handled < self.last_deed
 
     def is_taken_in(self, snapshot: Snapshot) -> bool:
         """Return True if ``snapshot`` comes after all that was sent."""
