@@ -37,6 +37,8 @@ _UTF_8: Final = "C.UTF-8"
 for _name in filter(_OF_THE_PROGRAM.fullmatch, list(os.environ)):
     if not _KEPT.fullmatch(_name):
         del os.environ[_name]
+# Tests are listed for each scenario there is: those of the person who runs them are none
+os.environ["XDG_CONFIG_HOME"] = os.path.join(os.path.dirname(__file__), "nobody")
 if "textual.constants" in sys.modules:  # the plugin for pictures was here first
     importlib.reload(sys.modules["textual.constants"])
 
