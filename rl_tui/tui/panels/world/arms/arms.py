@@ -105,9 +105,9 @@ class ArmsView(WorldView):
             LegendSign(glyphs.best_arm, "best arm", palette.optimum),
         )
         # elsewhere the border says so; while the world is drawn, it says what the keys do
-        is_told = self.is_drawn_on and self.snapshot is not None and not is_secret(self.snapshot)
+        shows_truth = self.is_drawn_on and self.snapshot is not None and not is_secret(self.snapshot)
         return (
-            *(truth if is_told else ()),
+            *(truth if shows_truth else ()),
             LegendSign(glyphs.agent, "last pull", palette.agent),
             LegendSign(glyphs.cursor, "greedy", palette.greedy, GREEDY_IN_FULL),
             LegendSign(glyphs.estimate, "estimate", palette.text),
