@@ -18,8 +18,7 @@ from rl_tui.agents.kernels.parameters import kernel_parameters, schedules_of
 from rl_tui.agents.kernels.stepped_loop import SteppedLoop
 from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.kernels.tables import tables_of
-from rl_tui.agents.kernels.watch import forget, new_watch, noticed_by
-from rl_tui.agents.kernels.watching import WatchedEvents, Watching
+from rl_tui.agents.kernels.watch import WatchedEvents, Watching, forget, new_watch, noticed_by
 from rl_tui.agents.last_step import Author
 from rl_tui.agents.learner_counters import LearnerCounters
 from rl_tui.agents.learner_state import Planned, arrays_of, put_back

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rl_tui.agents.kernels.drift import Drift
-from rl_tui.agents.kernels.watching import Watching
+from rl_tui.agents.kernels.watch import Watching
 from rl_tui.worlds.editing.carried import NEW, Carried
 from rl_tui.worlds.mdp.digest import table_digest
 from rl_tui.worlds.mdp.space import FiniteSpace, IntArray

@@ -9,7 +9,7 @@ from test_stepped_loop import HYPERPARAMETERS, Line, Table, facts, lake, untable
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.stop import Stop
-from rl_tui.agents.kernels.watching import WatchedEvents, Watching
+from rl_tui.agents.kernels.watch import WatchedEvents, Watching
 from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.learner import Learner
 from rl_tui.common.errors import UserError

@@ -20,6 +20,7 @@ from rl_tui.agents.compiling.cache_folder import cache_folder
 from rl_tui.agents.compiling.cache_key import (
     COMPILER,
     DECORATORS,
+    NATIVE,
     PACKAGE,
     cache_key,
     imports,
@@ -92,7 +93,7 @@ def test_the_key_covers_what_kernels_import_and_no_more() -> None:
         if marks & set(parsed_imports(ast.parse(file.read_bytes())))
     ]
     assert waiting
-    waiting.append(COMPILER)
+    waiting += [COMPILER, NATIVE]
     while waiting:
         module = waiting.pop()
         if module not in reached:
@@ -112,7 +113,7 @@ def test_everything_marked_is_in_the_key() -> None:
     marked = MODULES.keys() & {each.__module__ for each in (*COMPILED, *INLINED, *members)}
     assert marked
     chosen = {each.module for each in (*BY_ID.values(), *POLICY_BY_ID.values())}
-    assert marked | chosen | {DECORATORS, COMPILER} <= kernel_sources().keys()
+    assert marked | chosen | {DECORATORS, COMPILER, NATIVE} <= kernel_sources().keys()
 
 
 @pytest.mark.parametrize(

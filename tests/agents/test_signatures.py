@@ -23,7 +23,7 @@ from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.compiled import CALLED_FROM_PYTHON
 from rl_tui.agents.kernels.loop import advance
 from rl_tui.agents.kernels.machine_code import Loop
-from rl_tui.agents.kernels.watching import Watching
+from rl_tui.agents.kernels.watch import Watching
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams
 from rl_tui.lab.experiments.learning_curve import RunCurve

@@ -15,7 +15,7 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.exact.policies import greedy_policy
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.stop import Stop
-from rl_tui.agents.kernels.watching import NOTHING_NOTICED, WatchedEvents, Watching
+from rl_tui.agents.kernels.watch import NOTHING_NOTICED, WatchedEvents, Watching
 from rl_tui.agents.learner import EPISODES_LOGGED, UNLIMITED, Learner
 from rl_tui.common.streams import streams
 from rl_tui.worlds.environment import StepResult

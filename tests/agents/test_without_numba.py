@@ -21,7 +21,7 @@ for module in sys.argv[1:]:
 
 from rl_tui.agents.exact.backward_induction import best_values
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.kernels.watching import Watching
+from rl_tui.agents.kernels.watch import Watching
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams
 from rl_tui.worlds.mdp.smallest import smallest_mdp

@@ -8,6 +8,7 @@ from numpy.random import Generator
 
 from rl_tui.agents.algorithms.family import NO_STATE, Experience, Update, learn
 from rl_tui.agents.kernels.compiled import member_of
+from rl_tui.agents.kernels.draws import uniform
 from rl_tui.agents.kernels.parameters import KernelParameters, step_size
 from rl_tui.agents.kernels.tables import Tables, pairs_of
 from rl_tui.agents.policies.family import greedy
@@ -47,7 +48,7 @@ def _learn(
     pair = experience.pair
     memory.visits[pair] += 1
     # One draw serves twice: what is left of it below or above 0.5, doubled, is again uniform on [0, 1)
-    draw = generator.random()
+    draw = uniform(generator)
     first_table = draw < 0.5
     learning = memory.q1 if first_table else memory.q2
     judging = memory.q2 if first_table else memory.q1

@@ -15,6 +15,7 @@ from numpy.random import Generator
 from rl_tui.agents.algorithms.family import NO_STATE, Experience, Update, further, learn
 from rl_tui.agents.algorithms.shared.model import THE_END, UNKNOWN, modelled_value
 from rl_tui.agents.kernels.compiled import compiled, member_of
+from rl_tui.agents.kernels.draws import uniform
 from rl_tui.agents.kernels.parameters import KernelParameters, step_size
 from rl_tui.agents.kernels.tables import Tables
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
@@ -105,7 +106,7 @@ def learn_and_practise(
     # Loop repeat n times
     for _ in range(params.planning_steps):
         # S ← random previously observed state
-        place = generator.random() * memory.observed_count[0]
+        place = uniform(generator) * memory.observed_count[0]
         index = int(place)
         imagined = memory.observed[index]
         # A ← random action previously taken in S

@@ -2,8 +2,8 @@
 
 Numba freezes what a kernel reads from a module, its own or one it imports: a helper's code, a number of
 ``stop.py``, a place in ``SCHEDULES``. So the key is a hash over every module that marks something as compiled
-or inlined, the one that compiles it, and all that these import, in turn. It is a superset: a few of them only
-prepare arrays.
+or inlined, the one that compiles it, the one that has machine code in place of Python, and all that these
+import, in turn. It is a superset: a few of them only prepare arrays.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ PACKAGE: Final = Path(__file__).parents[2]
 NAME: Final = PACKAGE.name
 DECORATORS: Final = "rl_tui.agents.kernels.compiled"
 COMPILER: Final = "rl_tui.agents.compiling.jit"
+NATIVE: Final = "rl_tui.agents.compiling.native"
 # Who imports one of these has kernels, or what they inline
 MARKS: Final = frozenset(
     f"{DECORATORS}.{mark}" for mark in ("compiled", "compiled_for", "inlined", "inlined_by_type", "member_of")
@@ -61,6 +62,7 @@ def kernel_sources(package: Path = PACKAGE) -> dict[str, bytes]:
     found = dict[str, bytes]()
     waiting = [
         COMPILER,
+        NATIVE,
         *(module for module, source in read.items() if not MARKS.isdisjoint(imports(source))),
     ]
     while waiting:

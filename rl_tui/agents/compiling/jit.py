@@ -21,6 +21,7 @@ from numba.core.pythonapi import _unboxers
 from numba.core.typing.templates import infer, infer_global, make_overload_template
 
 from rl_tui.agents.compiling.machine_cache import CACHED, cache_of
+from rl_tui.agents.compiling.native import NATIVE, always
 from rl_tui.agents.kernels.compiled import COMPILED, FAMILIES, INLINED, Family
 
 # Numba wonders about variables that one branch of an inlined function sets and no other reads. Whether the
@@ -93,7 +94,7 @@ def _take_in_marks() -> None:
     """Tell numba's typing of all that was marked since the last time; for one thread at a time."""
     for function in INLINED:
         if function not in _KNOWN:
-            _inline(function, _always(function))
+            _inline(function, NATIVE.get(function) or always(function))
             _KNOWN.add(function)
     for family in FAMILIES:
         if family.dispatch not in _KNOWN:
@@ -106,15 +107,6 @@ def _take_in_marks() -> None:
                 dispatcher._cache = cache_of(function)
             _DISPATCHERS[function] = dispatcher
             infer_global(function, types.Dispatcher(dispatcher))
-
-
-def _always(function: Callable[..., Any]) -> Callable[..., Callable[..., Any]]:
-    """Return what chooses ``function`` whatever the types are."""
-
-    def chosen(*_: object) -> Callable[..., Any]:
-        return function
-
-    return chosen
 
 
 def _choice(family: Family) -> Callable[..., Callable[..., Any] | None]:

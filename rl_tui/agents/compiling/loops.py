@@ -8,6 +8,7 @@ from enum import StrEnum
 from importlib import import_module
 from typing import Final
 
+from rl_tui.agents.batches.batch import compile_batch
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.compiling.cache_folder import (
     cache_folder,
@@ -39,6 +40,7 @@ LONGEST_WAIT: Final = 300.0
 # Marks count once their module is imported. One program may have imported more than another, but in the cache
 # all must find the same
 _CALLED_FROM_PYTHON: Final = (
+    "rl_tui.agents.batches.seeding",
     "rl_tui.agents.exact.backward_induction",
     "rl_tui.agents.kernels.episode_bins",
     "rl_tui.agents.kernels.watch",
@@ -66,6 +68,11 @@ def all_loops() -> Iterator[Loop]:
             yield Loop(algorithm.id, policy.id, stepped=False)
             if not policy.bandits_only:
                 yield Loop(algorithm.id, policy.id, stepped=True)
+
+
+def all_batches() -> Iterator[Loop]:
+    """Yield every loop of many runs by one call: of the agents that learn in a table."""
+    return (loop._replace(batch=True) for loop in all_loops() if loop.policy and not loop.stepped)
 
 
 def compile_here(loop: Loop) -> CodeOrigin:
@@ -138,6 +145,9 @@ def _make(loop: Loop) -> None:
         compile_what_all_share()
     else:
         learner_of(loop).compile()
+        if loop.batch:
+            compile_batch(loop.algorithm, Hyperparameters(policy=loop.policy))
+            COMPILED_LOOPS.add(loop)
 
 
 def compile_what_all_share() -> None:

@@ -22,11 +22,15 @@ ALWAYS_INTERPRETED: Final = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("",
 
 
 class Loop(NamedTuple):
-    """What machine code of the agent–environment loop is compiled for; planners have no ``policy``."""
+    """What machine code of the agent–environment loop is compiled for; planners have no ``policy``.
+
+    ``batch`` is for many runs by one call, each of them by the loop of a single one.
+    """
 
     algorithm: str
     policy: str
     stepped: bool
+    batch: bool = False
 
 
 SHARED: Final = Loop("shared", "", stepped=False)

@@ -60,6 +60,20 @@ def scheduled(schedule: Schedule, episode: int) -> float:
 
 
 @inlined
+def epsilon_in(schedules: Schedules, episode: int) -> float:
+    """Return ε in ``episode``, counted from 0; where it is the same in all there is no call."""
+    schedule = schedules.epsilon
+    return schedule.start if schedule.decay == 0.0 else scheduled(schedule, episode)
+
+
+@inlined
+def alpha_in(schedules: Schedules, episode: int) -> float:
+    """Return the step size in ``episode``, counted from 0; where it is the same in all there is no call."""
+    schedule = schedules.alpha
+    return schedule.start if schedule.decay == 0.0 else scheduled(schedule, episode)
+
+
+@inlined
 def with_alpha(params: KernelParameters, alpha: float) -> KernelParameters:
     """Return ``params`` with the step size of another episode."""
     return KernelParameters(

@@ -8,6 +8,7 @@ from numpy.random import Generator
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.compiled import member_of
+from rl_tui.agents.kernels.draws import uniform
 from rl_tui.agents.policies.family import best_value, choose, expectation, greedy, in_force, probability_of
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
@@ -35,7 +36,7 @@ def _choose(
 ) -> tuple[int, bool]:
     # One draw serves twice: given that it fell below ε, draw / ε is again uniform on [0, 1), and given that
     # it did not, so is (draw − ε) / (1 − ε).
-    draw = generator.random()
+    draw = uniform(generator)
     explore = draw < rule.epsilon
     if explore:
         pair = first + int(draw / rule.epsilon * (last - first))

@@ -10,6 +10,7 @@ from numpy.random import Generator
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.compiled import inlined, member_of
+from rl_tui.agents.kernels.draws import uniform
 from rl_tui.agents.policies.family import best_value, choose, probability_of, reinforce
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
@@ -66,7 +67,7 @@ def _take_softmax(rule: Rule, first: int, last: int) -> None:
 def _choose(
     rule: Rule, q: FloatArray, visits: IntArray, first: int, last: int, generator: Generator
 ) -> tuple[int, bool]:
-    draw = generator.random()
+    draw = uniform(generator)
     chosen = first
     below = float(rule.probability[first])
     while draw >= below and chosen < last - 1:

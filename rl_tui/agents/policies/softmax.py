@@ -10,6 +10,7 @@ from numpy.random import Generator
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.compiled import member_of
+from rl_tui.agents.kernels.draws import uniform
 from rl_tui.agents.policies.family import best_value, choose, expectation, probability_of
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
@@ -36,7 +37,7 @@ def _choose(
     for pair in range(first, last):
         total += math.exp((float(q[pair]) - highest) / rule.temperature)
         rule.sums[pair - first] = total
-    point = generator.random() * total
+    point = uniform(generator) * total
     chosen = first
     # The draw lies below the last sum; counting those it has passed leaves nothing to guess
     for place in range(last - first - 1):

@@ -14,6 +14,7 @@ from numpy.random import Generator
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.compiled import compiled, inlined, member_of
+from rl_tui.agents.kernels.draws import uniform
 from rl_tui.agents.policies.family import best_value, choose, probability_of, reinforce
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
@@ -82,7 +83,7 @@ def gamma_draw(shape: float, generator: Generator) -> float:
         root = 1.0 + c * x
         if root > 0.0:
             v = root * root * root
-            u = 1.0 - generator.random()
+            u = 1.0 - uniform(generator)
             # nearly always the bound suffices, which spares the logarithms
             if u < 1.0 - 0.0331 * x * x * x * x or math.log(u) < 0.5 * x * x + d * (1.0 - v + math.log(v)):
                 return d * v
@@ -127,7 +128,7 @@ def _choose(
             ties = 1
         elif draw == highest:
             ties += 1
-            if rule.random_ties and generator.random() * ties < 1.0:
+            if rule.random_ties and uniform(generator) * ties < 1.0:
                 chosen = arm
     return chosen, q[chosen] < best_value(q, first, last)
 

@@ -9,6 +9,7 @@ from numpy.random import Generator
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.compiled import inlined, member_of
+from rl_tui.agents.kernels.draws import uniform
 from rl_tui.agents.policies.family import choose, expectation, probability_of
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
@@ -62,7 +63,7 @@ def _choose(
         elif bound == highest:
             ties += 1
     if rule.random_ties and ties > 1:
-        skip = min(int(generator.random() * ties), ties - 1)
+        skip = min(int(uniform(generator) * ties), ties - 1)
         while skip > 0:
             chosen += 1
             skip -= upper_bound(rule.confidence, float(q[chosen]), visits[chosen], now) == highest

@@ -24,12 +24,12 @@ def command(scenarios: tuple[str, ...]) -> None:
     platform.
     """
     from rl_tui.agents.compiling.cache_folder import cache_folder
-    from rl_tui.agents.compiling.loops import all_loops
+    from rl_tui.agents.compiling.loops import all_batches, all_loops
     from rl_tui.agents.compiling.warming import warm
     from rl_tui.common.findings import printable
     from rl_tui.lab.experiments.patience import cores
 
-    loops = sorted({_loop_of(each) for each in scenarios}) if scenarios else list(all_loops())
+    loops = sorted({_loop_of(each) for each in scenarios}) if scenarios else [*all_loops(), *all_batches()]
     with progress("compiling") as on_progress:
         warmed = warm(loops, cores(), on_progress)
     click.echo(f"compiled: {warmed.compiled}; there already: {warmed.found}")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rl_tui.agents.kernels.watching import Watching
+from rl_tui.agents.kernels.watch import Watching
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.until import Breakpoints, Event, Until
 from rl_tui.lab.run.exact_answers import PENDING

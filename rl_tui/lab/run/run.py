@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.agents.kernels.stop import Stop
-from rl_tui.agents.kernels.watching import NOTHING_NOTICED
+from rl_tui.agents.kernels.watch import NOTHING_NOTICED
 from rl_tui.agents.learner import Learner
 from rl_tui.agents.learner_state import LearnerState
 from rl_tui.common.errors import UserError

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from rl_tui.agents.kernels.watching import Watching
+from rl_tui.agents.kernels.watch import Watching
 from rl_tui.common.errors import UserError
 from rl_tui.lab.run.edited_world import EditedWorld
 from rl_tui.lab.run.recipe import (

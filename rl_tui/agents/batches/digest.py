@@ -1,0 +1,61 @@
+"""What is kept of the episodes of a run in a batch: enough for its figures, however many there are."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.kernels.episode_bins import CurveSums
+from rl_tui.agents.kernels.position import EpisodeLog
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
+
+RECENT: Final = 100
+"""So many of the last episodes are kept as they are."""
+
+
+class Digest(NamedTuple):
+    """The finished episodes of a run.
+
+    ``total_return``, [1], is the sum of all returns. ``recent_returns`` and ``recent_lengths``, [100], are of
+    the last 100 episodes, that of episode k (from 0) at k modulo 100. ``curve`` has bins of ``width``
+    episodes, none where no curve is wanted.
+    """
+
+    total_return: FloatArray
+    recent_returns: FloatArray
+    recent_lengths: IntArray
+    curve: CurveSums
+    width: int
+
+
+def new_digest(bins: int, width: int) -> Digest:
+    """Return what is known before the first episode, with room for ``bins`` bins of ``width`` episodes."""
+    return Digest(
+        np.zeros(1),
+        np.zeros(RECENT),
+        np.zeros(RECENT, np.int64),
+        CurveSums(np.zeros(bins), np.zeros(bins, np.int64), np.zeros(bins, np.int64)),
+        width,
+    )
+
+
+@compiled
+def digest_episodes(digest: Digest, log: EpisodeLog, done: int) -> None:
+    """Take in the episodes of ``log``, of which ``done`` others came before.
+
+    Sums are added in the order of the episodes, as a run alone adds them.
+    """
+    total, curve = digest.total_return[0], digest.curve
+    for index in range(log.finished[0]):
+        episode = done + index
+        total += log.returns[index]
+        digest.recent_returns[episode % RECENT] = log.returns[index]
+        digest.recent_lengths[episode % RECENT] = log.lengths[index]
+        here = episode // digest.width
+        if here < len(curve.returns):
+            curve.returns[here] += log.returns[index]
+            curve.lengths[here] += log.lengths[index]
+            curve.optimal[here] += log.optimal[index]
+    digest.total_return[0] = total
