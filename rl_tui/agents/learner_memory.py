@@ -190,6 +190,11 @@ class LearnerMemory(LearnerCounters):
             self._stop = Stop.DONE
 
     @property
+    def nbytes(self) -> int:
+        """How many bytes all that it remembers takes: estimates, visits, traces, a model."""
+        return sum(array.nbytes for array in arrays_of((*self._memory, *self.rule)))
+
+    @property
     def planning(self) -> str:
         """How a planner is getting on, in words; empty before its first step, and for an agent."""
         return str(self._module.describe(self._memory)) if self.plans else ""

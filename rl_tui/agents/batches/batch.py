@@ -17,7 +17,7 @@ from rl_tui.agents.batches.seeding import streams_of
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.after_update import new_record
-from rl_tui.agents.kernels.drift import new_drift
+from rl_tui.agents.kernels.drift import Drift, Drifted, drifted_by, new_drift
 from rl_tui.agents.kernels.machine_code import machine_code
 from rl_tui.agents.kernels.parameters import kernel_parameters, schedules_of
 from rl_tui.agents.kernels.position import new_episode_log, new_position
@@ -51,8 +51,8 @@ class Batch:
     """Runs of one algorithm and one policy, in worlds of the same numbers of states, pairs and outcomes.
 
     Each is advanced to ``steps`` steps or ``episodes`` finished episodes, whichever comes first, with the
-    bits of a :class:`~rl_tui.agents.learner.Learner`. ``width`` is how many episodes a bin of their curves
-    has, 0 where none are wanted. After each of ``mark_episodes``, which ascend, their estimates are kept.
+    bits of a :class:`~rl_tui.agents.learner.Learner`. Their curves are of the first ``curve_episodes``, in
+    bins of ``width``. After each of ``mark_episodes``, which ascend, their estimates are kept.
     Only machine code can do it: see :func:`rl_tui.agents.compiling.loops.compile_here`.
     """
 
@@ -63,13 +63,12 @@ class Batch:
         *,
         steps: int = UNLIMITED,
         episodes: int = UNLIMITED,
-        width: int = 0,
+        curve_episodes: int = 0,
+        width: int = 1,
         mark_episodes: Sequence[int] = (),
     ) -> None:
         self._goal = steps, episodes
         first = runs[0]
-        bins = -(-episodes // width) if width else 0
-        digest = new_digest(bins, max(width, 1))
         self._streams, address = _streams_of(runs)
         worlds, world = _distinct([run.mdp for run in runs])
         agents = _agents_of(algorithm, runs)
@@ -79,7 +78,7 @@ class Batch:
             tables=stacked([tables_of(mdp) for mdp in worlds], [1] * len(worlds)),
             drift=stacked([new_drift(mdp) for mdp in worlds], np.bincount(world).tolist()),
             position=stacked([new_position(_NONE)], [count]),
-            digest=stacked([digest], [count]),
+            digest=stacked([new_digest(curve_episodes, width)], [count]),
             world=world,
             address=address,
             stop=np.zeros(count, np.int64),
@@ -148,6 +147,16 @@ class Batch:
     def digest(self) -> Digest:
         """What is kept of their episodes, a row each."""
         return self._runs.digest
+
+    @property
+    def drift(self) -> Drift:
+        """How far the means of bandits have moved, a row each."""
+        return self._runs.drift
+
+    def drifted(self, run: int) -> Drifted | None:
+        """Return how the pulls of ``run`` were spent, where means drift; None elsewhere."""
+        drift = self._runs.drift
+        return drifted_by(Drift(*(part[run] for part in drift)))
 
     def recent(self, run: int) -> tuple[FloatArray, IntArray]:
         """Return the returns and the lengths of the last 100 episodes of ``run``, in no order."""

@@ -19,24 +19,27 @@ class Digest(NamedTuple):
     """The finished episodes of a run.
 
     ``total_return``, [1], is the sum of all returns. ``recent_returns`` and ``recent_lengths``, [100], are of
-    the last 100 episodes, that of episode k (from 0) at k modulo 100. ``curve`` has bins of ``width``
-    episodes, none where no curve is wanted.
+    the last 100 episodes, that of episode k (from 0) at k modulo 100. ``curve`` has the first ``episodes`` in
+    bins of ``width``.
     """
 
     total_return: FloatArray
     recent_returns: FloatArray
     recent_lengths: IntArray
     curve: CurveSums
+    episodes: int
     width: int
 
 
-def new_digest(bins: int, width: int) -> Digest:
-    """Return what is known before the first episode, with room for ``bins`` bins of ``width`` episodes."""
+def new_digest(episodes: int, width: int) -> Digest:
+    """Return what is known before the first episode, with room for a curve of so many, be it of none."""
+    bins = -(-episodes // width)
     return Digest(
         np.zeros(1),
         np.zeros(RECENT),
         np.zeros(RECENT, np.int64),
         CurveSums(np.zeros(bins), np.zeros(bins, np.int64), np.zeros(bins, np.int64)),
+        episodes,
         width,
     )
 
@@ -53,8 +56,8 @@ def digest_episodes(digest: Digest, log: EpisodeLog, done: int) -> None:
         total += log.returns[index]
         digest.recent_returns[episode % RECENT] = log.returns[index]
         digest.recent_lengths[episode % RECENT] = log.lengths[index]
-        here = episode // digest.width
-        if here < len(curve.returns):
+        if episode < digest.episodes:
+            here = episode // digest.width
             curve.returns[here] += log.returns[index]
             curve.lengths[here] += log.lengths[index]
             curve.optimal[here] += log.optimal[index]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,23 @@ from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 MOST_BINS: Final = 200
 
 
+class CurvePoints(NamedTuple):
+    """The curves of R runs in the same B bins, that end with episode ``last_episode``, [B].
+
+    The mean return, the mean length and the share of optimal actions in each bin, [R, B].
+    """
+
+    last_episode: IntArray
+    returns: FloatArray
+    lengths: FloatArray
+    optimal: FloatArray
+
+
+def width_of_bins(episodes: int) -> int:
+    """Return of how many episodes each of at most 200 bins of a curve is, which cover so many."""
+    return math.ceil(episodes / MOST_BINS)
+
+
 class RunCurve:
     """The learning curve of one run over its first ``episodes`` episodes, at least one.
 
@@ -27,7 +44,7 @@ class RunCurve:
 
     def __init__(self, episodes: int) -> None:
         self.episodes = episodes
-        self.width = math.ceil(episodes / MOST_BINS)
+        self.width = width_of_bins(episodes)
         bins = math.ceil(episodes / self.width)
         self.last_episode = np.minimum(np.arange(1, bins + 1) * self.width, episodes)
         self.sums = CurveSums(np.zeros(bins), np.zeros(bins, np.int64), np.zeros(bins, np.int64))
@@ -40,10 +57,11 @@ class RunCurve:
         self._done = min(self.episodes, self._done + len(returns))
 
     @property
-    def means(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """The mean return, the mean length and the share of optimal actions in each bin."""
+    def points(self) -> CurvePoints:
+        """The curve, as that of one run."""
         count = np.diff(self.last_episode, prepend=0)
-        return self.sums.returns / count, self.sums.lengths / count, self.sums.optimal / count
+        returns, lengths, optimal = (sums[np.newaxis] / count for sums in self.sums)
+        return CurvePoints(self.last_episode, returns, lengths, optimal)
 
 
 def curve_of_run(
@@ -62,20 +80,19 @@ def curve_of_run(
         curve = RunCurve(episodes)
         again = Run(run.recipe, begin(run.recipe), evaluate=False, on_episodes=curve)
         train(again, Goal(episodes=episodes), on_progress, run.journal)
-    return mean_curve([curve], bandit)
+    return mean_curve([curve.points], bandit)
 
 
-def mean_curve(curves: Sequence[RunCurve], bandit: bool) -> dict[str, list[Any]]:
-    """Return the mean over runs of curves of equal width, as ``train --runs --json`` prints it.
+def mean_curve(curves: Sequence[CurvePoints], bandit: bool) -> dict[str, list[Any]]:
+    """Return the mean over the runs of ``curves``, of the same bins, as ``train --runs --json`` prints it.
 
     The standard errors are those of the runs' means in each bin, None where there is one run.
     """
-    returns, lengths, optimal = (
-        np.array(each) for each in zip(*(curve.means for curve in curves), strict=True)
-    )
-    runs = len(curves)
+    last_episodes, *parts = zip(*curves, strict=True)
+    returns, lengths, optimal = map(np.concatenate, parts)
+    runs = len(returns)
     curve: dict[str, list[Any]] = {
-        "episode": curves[0].last_episode.tolist(),
+        "episode": last_episodes[0].tolist(),
         "return_mean": returns.mean(axis=0).tolist(),
         "return_stderr": (
             (returns.std(axis=0, ddof=1) / math.sqrt(runs)).tolist()
@@ -89,6 +106,17 @@ def mean_curve(curves: Sequence[RunCurve], bandit: bool) -> dict[str, list[Any]]
     return curve
 
 
+def first_of(curves: Sequence[CurvePoints], runs: int) -> Sequence[CurvePoints]:
+    """Return the curves of the first so many ``runs`` of ``curves``."""
+    found = list[CurvePoints]()
+    for points in curves:
+        if runs > 0:
+            parts = (part[:runs] for part in points[1:])
+            found.append(CurvePoints(points.last_episode, *parts))
+            runs -= len(points.returns)
+    return found
+
+
 def no_curve(bandit: bool) -> dict[str, list[Any]]:
     """Return the curve of runs of which one finished no episode."""
-    return {name: [] for name in mean_curve([RunCurve(1)], bandit)}
+    return {name: [] for name in mean_curve([RunCurve(1).points], bandit)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -13,8 +14,9 @@ from shutil import copyfileobj
 from tempfile import TemporaryDirectory
 from typing import Any, Final, Generic, Protocol, TextIO, TypeVar
 
+from rl_tui.lab.experiments.batched_runs import BatchedRuns, runs_at_once
 from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
-from rl_tui.lab.experiments.learning_curve import RunCurve, mean_curve, no_curve
+from rl_tui.lab.experiments.learning_curve import CurvePoints, RunCurve, mean_curve, no_curve
 from rl_tui.lab.experiments.patience import cores
 from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
 from rl_tui.lab.experiments.training import Goal, OnProgress, no_progress
@@ -48,7 +50,8 @@ def many_runs(
     """
     seeded = SeededRuns(recipe, journal)
     seeded.get_machine_code(runs, goal, on_compiling)
-    return {**head(recipe), **figures_of_runs(seeded, runs, goal, csv, on_progress, workers)}
+    batched = seeded if csv is None else None  # a row an episode is what a batch does without
+    return {**head(recipe), **figures_of_runs(seeded, runs, goal, csv, on_progress, workers, batched)}
 
 
 class RunsBySeed(Protocol[RunT]):
@@ -94,12 +97,14 @@ def figures_of_runs(
     csv: Path | TextIO | None,
     on_progress: OnProgress = no_progress,
     workers: int | None = None,
+    batched: SeededRuns | None = None,
 ) -> dict[str, Any]:
     """Train ``runs`` of ``seeded`` and return what came of it: the document without its head.
 
-    The rest is as for :func:`many_runs`.
+    ``batched`` are the same runs, where they are to be trained in batches if they can. The rest is as for
+    :func:`many_runs`.
     """
-    experiment = _Experiment(seeded, runs, goal, on_progress, workers or cores())
+    experiment = _Experiment(seeded, runs, goal, on_progress, workers or cores(), batched)
     start = time.perf_counter()
     rows = experiment.rows(csv)
     seconds = time.perf_counter() - start
@@ -124,23 +129,32 @@ class _Experiment(Generic[RunT]):
     """The runs, in parallel."""
 
     def __init__(
-        self, seeded: RunsBySeed[RunT], runs: int, goal: Goal, on_progress: OnProgress, workers: int
+        self,
+        seeded: RunsBySeed[RunT],
+        runs: int,
+        goal: Goal,
+        on_progress: OnProgress,
+        workers: int,
+        batched: SeededRuns | None,
     ) -> None:
         self._runs = seeded
+        self._batched = batched
+        self._parts = _parts(runs, min(workers, runs), runs_at_once(batched) if batched else 0)
         self._count = runs
         self._goal = goal
         self._on_progress = on_progress
-        self._workers = min(workers, runs)
+        self._workers = min(workers, len(self._parts))
         self._lock = threading.Lock()
         self._given_up = False
-        self._done = [0] * runs
-        self._curves: list[RunCurve | None] = [None] * runs
+        self._done = [0] * len(self._parts)
+        self._curves: list[CurvePoints | None] = [None] * len(self._parts)
 
     def rows(self, csv: Path | TextIO | None) -> list[dict[str, Any]]:
         """Train every run to the goal and return its figures."""
         with ExitStack() as stack:
             if csv is None:
-                return self._in_parallel(lambda index: self._row(index, None), lambda index: None)
+                found = self._in_parallel(self._rows_of_part, lambda part: None)
+                return [row for rows in found for row in rows]
             target = stack.enter_context(csv_file(csv))
             parts = Path(stack.enter_context(TemporaryDirectory()))
 
@@ -151,7 +165,7 @@ class _Experiment(Generic[RunT]):
                         copyfileobj(rows, target)
                     part.unlink()
 
-            return self._in_parallel(lambda index: self._row(index, parts / str(index)), append)
+            return self._in_parallel(lambda index: self._written_row(index, parts / str(index)), append)
 
     def curve(self, episodes: int) -> dict[str, list[Any]]:
         """Return the mean curve over the first ``episodes`` episodes, which every run has finished.
@@ -165,18 +179,18 @@ class _Experiment(Generic[RunT]):
         if any(curve is None for curve in self._curves):
             self._goal = Goal(episodes=episodes)
             self._on_progress = no_progress
-            self._in_parallel(self._train, lambda index: None)
+            self._in_parallel(self._train, lambda part: None)
         return mean_curve([curve for curve in self._curves if curve is not None], self._runs.is_bandit)
 
     def _in_parallel(self, work: Callable[[int], Result], on_done: Callable[[int], None]) -> list[Result]:
-        """Return ``work`` of every run, in order; ``on_done`` is called in order too, as soon as may be.
+        """Return ``work`` of every part, in order; ``on_done`` is called in order too, as soon as may be.
 
-        Where a run fails, or the user breaks off, ``on_done`` is called for it too before that is raised.
+        Where one fails, or the user breaks off, ``on_done`` is called for it too before that is raised.
         """
         results = []
         handed_on = 0
         pool = ThreadPoolExecutor(self._workers, thread_name_prefix="run")
-        futures = [pool.submit(work, index) for index in range(self._count)]
+        futures = [pool.submit(work, index) for index in range(len(self._parts))]
         try:
             for index, future in enumerate(futures):
                 wait([future])
@@ -194,25 +208,43 @@ class _Experiment(Generic[RunT]):
         pool.shutdown()
         return results
 
-    def _row(self, index: int, part: Path | None) -> dict[str, Any]:
-        if part is None:
-            run = self._train(index)
-        else:
-            with whole_file(part) as stream:
-                run = self._train(index, EpisodeRows(stream, index + 1))
-        return self._runs.row(run)
+    def _written_row(self, index: int, part: Path) -> dict[str, Any]:
+        with whole_file(part) as stream:
+            return self._runs.row(self._train_one(index, EpisodeRows(stream, index + 1)))
 
-    def _train(self, index: int, *also: OnEpisodes) -> RunT:
-        curve = None
-        if self._goal.episodes and not self._runs.plans:
-            curve = self._curves[index] = RunCurve(self._goal.episodes)
-        run = self._runs.new_run(self._runs.first_seed + index, *also, curve)
-        self._runs.train(run, self._goal, partial(self._note_progress, index))
+    def _rows_of_part(self, part: int) -> list[dict[str, Any]]:
+        trained = self._train(part)
+        return trained.rows() if isinstance(trained, BatchedRuns) else [self._runs.row(trained)]
+
+    def _train(self, part: int) -> RunT | BatchedRuns:
+        indices = self._parts[part]
+        if self._batched is None or len(indices) == 1:
+            return self._train_one(part)
+        seeds = [self._runs.first_seed + index for index in indices]
+        runs = BatchedRuns(self._batched, seeds, self._goal, curve_episodes=self._goal.episodes or 0)
+        runs.train(partial(self._note_progress, part))
+        if self._goal.episodes:
+            self._curves[part] = runs.curves
+        return runs
+
+    def _train_one(self, part: int, *also: OnEpisodes) -> RunT:
+        curve = RunCurve(self._goal.episodes) if self._goal.episodes and not self._runs.plans else None
+        run = self._runs.new_run(self._runs.first_seed + self._parts[part].start, *also, curve)
+        self._runs.train(run, self._goal, partial(self._note_progress, part))
+        if curve is not None:
+            self._curves[part] = curve.points
         return run
 
-    def _note_progress(self, index: int, done: int, wanted: int) -> None:
+    def _note_progress(self, part: int, done: int, _: int) -> None:
         if self._given_up:
             raise _GivenUpError
         with self._lock:
-            self._done[index] = done
-            self._on_progress(sum(self._done), wanted * len(self._done))
+            self._done[part] = done
+            wanted = (self._goal.steps or self._goal.episodes or 0) * self._count
+            self._on_progress(sum(self._done), wanted)
+
+
+def _parts(runs: int, workers: int, at_once: int) -> list[range]:
+    """Return so many ``runs`` in parts of one run, or about equal ones of at most ``at_once``."""
+    each = math.ceil(runs / (workers * math.ceil(runs / (workers * at_once)))) if at_once > 1 else 1
+    return [range(first, min(first + each, runs)) for first in range(0, runs, each)]

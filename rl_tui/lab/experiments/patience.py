@@ -17,6 +17,8 @@ from rl_tui.agents.learner import Learner
 FIRST_LOOK: Final = 0.1
 WORTH_READING: Final = 0.5
 WORTH_COMPILING: Final = 5.0
+# What trains many runs by one call takes two more, and saves most of what Python does between runs
+WORTH_BATCHING: Final = 60.0
 SURE_ENOUGH: Final = 1.0
 """So long it has to go on before a compiler is asked for: the first episodes may be by far the longest."""
 _SMALLEST_CHUNK: Final = 64

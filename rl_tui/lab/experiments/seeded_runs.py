@@ -9,9 +9,10 @@ from dataclasses import replace
 from typing import Any, Final
 
 from rl_tui.agents.compiling.background import BACKGROUND
+from rl_tui.agents.compiling.cache_folder import was_compiled
 from rl_tui.agents.exact.solution import Solution
 from rl_tui.common.errors import UserError
-from rl_tui.lab.experiments.patience import pays, seconds_interpreted
+from rl_tui.lab.experiments.patience import WORTH_BATCHING, pays, seconds_interpreted
 from rl_tui.lab.experiments.training import Goal, OnProgress, train
 from rl_tui.lab.run.edited_world import EditedWorld
 from rl_tui.lab.run.figures import (
@@ -25,6 +26,7 @@ from rl_tui.lab.run.figures import (
 from rl_tui.lab.run.recipe import JournalEntry, Recipe, WorldChange, begin
 from rl_tui.lab.run.run import OnEpisodes, Run, each_of
 from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
 
 FIGURES: Final = (
@@ -61,9 +63,11 @@ class SeededRuns:
         """The first of them, not trained."""
         self.is_bandit = isinstance(self.first.world.drawing, Arms)
         """Whether their world is a bandit."""
-        self._journal = journal
-        self._world = None if recipe.scenario.section.drawn_from_seed else self.first.edited
-        self._edited = [] if self._world is None else self._worlds_after(self._world)
+        self.journal = journal
+        """What is set in each of them on the way."""
+        self.shared = None if recipe.scenario.section.drawn_from_seed else self.first.edited
+        """The world of them all; None where each has one of its own."""
+        self._edited = [] if self.shared is None else self._worlds_after(self.shared)
         # By γ, which may be set on the way, and by how often the world changed, in all of them alike
         self._optima = dict[tuple[float, int], Solution | None]()
         self._digests = dict[int, str | None]()
@@ -73,10 +77,16 @@ class SeededRuns:
         """Return what the journal makes of the world ``first``; held here, each is built once for all."""
         worlds = [first]
         with suppress(UserError):  # the run that comes to what cannot be done says where that is
-            for entry in self._journal:
+            for entry in self.journal:
                 if isinstance(entry.change, WorldChange):
                     worlds.append(worlds[-1].after(entry.change, self.recipe))
         return worlds
+
+    @property
+    def is_batchable(self) -> bool:
+        """Whether many can be trained at once: agents that learn in a table, with nothing set on the way."""
+        learner = self.first.learner
+        return learner.rewindable and not learner.plans and not self.journal
 
     @property
     def first_seed(self) -> int:
@@ -104,18 +114,21 @@ class SeededRuns:
             if pays(learner.loop, seconds):
                 on_compiling()
                 BACKGROUND.get(learner.loop)
+            batch = learner.loop._replace(batch=True)
+            if self.is_batchable and (seconds > WORTH_BATCHING or was_compiled(batch)):
+                BACKGROUND.get(batch)
 
     def new_run(self, seed: int, *on_episodes: OnEpisodes | None) -> Run:
         """Return the run of ``seed``, not trained; each of ``on_episodes`` hears of its episodes."""
         recipe = replace(self.recipe, seed=seed)
-        beginning = begin(recipe, None if self._world is None else self._world.world)
+        beginning = begin(recipe, None if self.shared is None else self.shared.world)
         on_each = each_of(*on_episodes)
-        return Run(recipe, beginning, edited=self._world, evaluate=False, on_episodes=on_each)
+        return Run(recipe, beginning, edited=self.shared, evaluate=False, on_episodes=on_each)
 
     def train(self, run: Run, goal: Goal, on_progress: OnProgress) -> None:
         """Advance ``run`` to ``goal``. Raises UserError, naming the seed, where it broke down."""
         try:
-            train(run, goal, on_progress, self._journal)
+            train(run, goal, on_progress, self.journal)
         except UserError as error:
             raise UserError(f"seed {run.recipe.seed}: {error}") from error
 
@@ -125,41 +138,45 @@ class SeededRuns:
         ``check`` is called between what may take long, and may raise to end it.
         """
         check()
-        optimum = self._optimum_of(run)
+        learner, changes = run.learner, len(run.world_changes)
+        optimum = self.optimum(exact_world(run), learner.hyperparameters.gamma, changes)
         check()
         exact = greedy_figures(run, optimum)
         mean_return, mean_length = run.history.last_100
         return {
             "seed": run.recipe.seed,
             "steps": run.step,
-            "episodes": run.learner.episodes,
+            "episodes": learner.episodes,
             "value_at_start": exact.value_at_start,
             "expected_return": exact.expected_return,
             "max_error": exact.max_error,
             "return_mean": run.mean_return,
             "return_last_100": mean_return,
             "length_last_100": mean_length,
-            "first_reward_episode": run.learner.first_reward_episode or None,
-            "world": self._digest_of(run),
-            **pulls(run),
+            "first_reward_episode": learner.first_reward_episode or None,
+            "world": self.digest(run.world, changes),
+            **pulls(run.bandit),
         }
 
-    def _optimum_of(self, run: Run) -> Solution | None:
-        gamma = run.learner.hyperparameters.gamma
+    def optimum(self, mdp: TabularMDP | None, gamma: float, changes: int = 0) -> Solution | None:
+        """Return the exact answer of ``mdp``, in which a run is after so many ``changes`` of its world.
+
+        None where there is none. What is the same for all of them is worked out once.
+        """
         # Where the world drifts, each run comes to other means, and so to another exact answer
-        if self._world is None or run.learner.drifted is not None:
-            return optimum_of(exact_world(run), gamma)
+        if self.shared is None or (mdp is not None and mdp.drift_std > 0.0):
+            return optimum_of(mdp, gamma)
         with self._solving:
-            key = gamma, len(run.world_changes)
+            key = gamma, changes
             if key not in self._optima:
-                self._optima[key] = optimum_of(exact_world(run), gamma)
+                self._optima[key] = optimum_of(mdp, gamma)
             return self._optima[key]
 
-    def _digest_of(self, run: Run) -> str | None:
-        if self._world is None:
-            return world_digest(run.world)
+    def digest(self, world: World, changes: int = 0) -> str | None:
+        """Return the digest of ``world``, that of a run after so many ``changes``; None without a table."""
+        if self.shared is None:
+            return world_digest(world)
         with self._solving:
-            changes = len(run.world_changes)
             if changes not in self._digests:
-                self._digests[changes] = world_digest(run.world)
+                self._digests[changes] = world_digest(world)
             return self._digests[changes]

@@ -183,8 +183,9 @@ def train_agent(
     curve = None if goal.episodes is None else RunCurve(goal.episodes)
     run = runs.new_run(runs.first_seed, on_episodes, curve)
     runs.train(run, goal, on_progress)
-    points = no_curve(False) if curve is None or not run.recording.episodes else mean_curve([curve], False)
-    return run, _document(runs, run), points
+    if curve is None or not run.recording.episodes:
+        return run, _document(runs, run), no_curve(False)
+    return run, _document(runs, run), mean_curve([curve.points], False)
 
 
 def train_agent_often(

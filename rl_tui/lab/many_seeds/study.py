@@ -12,7 +12,8 @@ import numpy as np
 
 from rl_tui.agents.compiling.cache_folder import was_compiled
 from rl_tui.common.words import counted
-from rl_tui.lab.experiments.learning_curve import RunCurve, mean_curve
+from rl_tui.lab.experiments.batched_runs import BatchedRuns, runs_at_once
+from rl_tui.lab.experiments.learning_curve import CurvePoints, RunCurve, first_of, mean_curve
 from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
 from rl_tui.lab.experiments.training import Goal
 from rl_tui.lab.many_seeds.estimates import Row, differences_of, estimates_of
@@ -24,6 +25,8 @@ from rl_tui.worlds.world import World
 
 MOST_SECONDS: Final = 60.0
 """Seconds of processor time of a whole study, compiling left out."""
+BATCHED_BELOW: Final = 100_000
+"""Steps of a seed above which nothing is gained by training several at once."""
 COLLECTED_ABOVE: Final = 10_000
 """Pairs above which the memory of a finished run is freed at once: its parts refer to each other."""
 
@@ -105,12 +108,14 @@ class Study:
         """Yield what is known after each block, every seed trained to the same goal."""
         seeds, block = 0, FIRST_BLOCK
         while seeds < self._request.most:
-            for _ in range(seeds, block):
+            while seeds < block:
+                at_once = min(block - seeds, *(lane.seeds_at_once for lane in self._lanes))
                 for lane in self._lanes:
-                    lane.add_seed(self._goal, check)
+                    lane.add_seeds(at_once, self._goal, check)
+                seeds += at_once
             for lane in self._lanes:
                 lane.complete_curve(self._goal, check)
-            seeds, block = block, min(2 * block, self._request.most)
+            block = min(2 * block, self._request.most)
             is_last = seeds == self._request.most
             yield self._tell(seeds, StudyState.DONE if is_last else StudyState.RUNNING)
 
@@ -144,7 +149,7 @@ class _Lane:
     def __init__(self, lane: StudiedRun, known: World | None) -> None:
         self.runs = SeededRuns(lane.recipe, lane.journal, known)
         self.rows: list[Row] = []
-        self._curves: list[RunCurve] = []
+        self._curves: list[CurvePoints] = []
         self._curve_episodes = 0
         self._plans = lane.plans
 
@@ -152,19 +157,43 @@ class _Lane:
         """Forget all seeds."""
         self.rows, self._curves, self._curve_episodes = [], [], 0
 
-    def add_seed(self, goal: Goal, check: Callable[[], None]) -> None:
-        """Train the next seed to ``goal``; raises what ``check`` does, which is called now and then."""
+    @property
+    def seeds_at_once(self) -> int:
+        """How many seeds may be trained at once: one until it is known that none takes long."""
+        is_quick = bool(self.rows) and self.rows[0]["steps"] <= BATCHED_BELOW
+        return max(1, runs_at_once(self.runs)) if is_quick else 1
+
+    def add_seeds(self, count: int, goal: Goal, check: Callable[[], None]) -> None:
+        """Train the next seeds to ``goal``; raises what ``check`` does, which is called now and then."""
         if goal.episodes is not None and not self._plans:
             self._curve_episodes = goal.episodes
+        if count > 1:
+            self._add_batch(count, goal, check)
+            return
         curve = RunCurve(self._curve_episodes) if self._curve_episodes else None
         run = self._trained(len(self.rows), goal, check, curve)
         self.rows.append(self.runs.row(run, check))
         if curve is not None:
-            self._curves.append(curve)
+            self._curves.append(curve.points)
         if run.world.space.pairs > COLLECTED_ABOVE:
             del run
             gc.collect()
         check()
+
+    def _add_batch(self, count: int, goal: Goal, check: Callable[[], None]) -> None:
+        first = self.runs.recipe.seed + len(self.rows)
+        seeds = range(first, first + count)
+        runs = BatchedRuns(self.runs, seeds, goal, curve_episodes=self._curve_episodes)
+
+        def on_progress(done: int, wanted: int) -> None:
+            check()
+            if runs.batch.steps.max() > MOST_STEPS:
+                raise _TooLongError
+
+        runs.train(on_progress)
+        self.rows += runs.rows(check)
+        if self._curve_episodes:
+            self._curves.append(runs.curves)
 
     def complete_curve(self, goal: Goal, check: Callable[[], None]) -> None:
         """Have the curve where a number of steps ends each seed: how wide its bins are shows only now.
@@ -177,8 +206,9 @@ class _Lane:
         self._curve_episodes = min(row["episodes"] for row in self.rows)
         if self._curve_episodes:
             for index in range(len(self.rows)):
-                self._curves.append(RunCurve(self._curve_episodes))
-                self._trained(index, Goal(episodes=self._curve_episodes), check, self._curves[-1])
+                curve = RunCurve(self._curve_episodes)
+                self._trained(index, Goal(episodes=self._curve_episodes), check, curve)
+                self._curves.append(curve.points)
 
     def _trained(self, index: int, goal: Goal, check: Callable[[], None], curve: RunCurve | None) -> Run:
         run = self.runs.new_run(self.runs.recipe.seed + index, curve)
@@ -203,9 +233,9 @@ class _Lane:
         )
 
     def _mean_curve(self, rows: Sequence[Row]) -> SeedCurve:
-        if len(self._curves) < len(rows):
+        if sum(len(points.returns) for points in self._curves) < len(rows):
             return SeedCurve()
-        curve = mean_curve(self._curves[: len(rows)], self.runs.is_bandit)
+        curve = mean_curve(first_of(self._curves, len(rows)), self.runs.is_bandit)
         episode = np.array(curve["episode"], np.int64)
         whole = episode <= min(row["episodes"] for row in rows)  # a later seed may have finished fewer
         mean, stderr = np.array(curve["return_mean"]), np.array(curve["return_stderr"])

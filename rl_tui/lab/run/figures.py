@@ -24,6 +24,7 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
+    from rl_tui.lab.run.bandit import BanditFigures
     from rl_tui.lab.run.run import Run
 
 MOST_STATES: Final = 50_000
@@ -129,7 +130,7 @@ def training_figures(run: Run, seconds: float) -> dict[str, Any]:
             "length_last_100": mean_length,
             "greedy_ends": exact.greedy_ends,
             "first_reward_episode": learner.first_reward_episode or None,
-            **pulls(run),
+            **pulls(run.bandit),
         }
     )
     return document
@@ -159,9 +160,8 @@ def solution_figures(recipe: Recipe, mdp: TabularMDP, solution: Solution) -> dic
     }
 
 
-def pulls(run: Run) -> dict[str, float | None]:
-    """Return how the pulls of a bandit were spent, as JSON; nothing where the world of ``run`` is none."""
-    spent = run.bandit
+def pulls(spent: BanditFigures | None) -> dict[str, float | None]:
+    """Return how the pulls of a bandit were ``spent``, as JSON; nothing where the world is none."""
     return {} if spent is None else {name: getattr(spent, name) for name in BANDIT_FIGURES}
 
 

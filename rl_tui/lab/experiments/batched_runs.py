@@ -1,0 +1,181 @@
+"""Runs of one recipe that differ in their seed, many of them by one call of machine code."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+
+from rl_tui.agents.batches.batch import UNLIMITED, Batch, BatchedRun
+from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS
+from rl_tui.agents.kernels.stop import DONE, EPISODES_FULL
+from rl_tui.lab.experiments.learning_curve import CurvePoints, width_of_bins
+from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
+from rl_tui.lab.experiments.training import Goal, no_progress
+from rl_tui.lab.run.bandit import bandit_figures
+from rl_tui.lab.run.figures import MOST_STATES, figures_of_estimates, pulls
+from rl_tui.lab.run.recipe import Beginning, begin
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+_EXACT: Final = ("value_at_start", "expected_return", "max_error")
+MOST_RUNS: Final = 64
+"""Runs of one batch: more gain nothing, and are longer in coming."""
+MOST_BYTES: Final = 64_000_000
+"""Of the estimates of a batch, and all else that its runs remember."""
+STEPS_AT_ONCE: Final = 2_000_000
+"""Steps of a call, after which the caller is asked whether to go on."""
+
+
+def runs_at_once(seeded: SeededRuns, marks: int = 0) -> int:
+    """Return how many runs of ``seeded`` one batch may have; 0 where they cannot be batched.
+
+    There has to be machine code for it. With ``marks`` estimates are kept so often.
+    """
+    learner = seeded.first.learner
+    if not seeded.is_batchable or learner.loop._replace(batch=True) not in COMPILED_LOOPS:
+        return 0
+    return min(MOST_RUNS, MOST_BYTES // (learner.nbytes + 8 * marks * learner.space.pairs))
+
+
+class BatchedRuns:
+    """The runs of ``seeded`` with these ``seeds``, trained to ``goal`` by :meth:`advance`.
+
+    Their curves are of the first ``curve_episodes``. After each of ``mark_episodes``, which ascend, their
+    estimates are kept. Raises UserError where a world cannot be built.
+    """
+
+    def __init__(
+        self,
+        seeded: SeededRuns,
+        seeds: Sequence[int],
+        goal: Goal,
+        *,
+        curve_episodes: int = 0,
+        mark_episodes: Sequence[int] = (),
+    ) -> None:
+        self._seeded, self._seeds, self._goal = seeded, seeds, goal
+        values = seeded.recipe.hyperparameters
+        self._beginnings: list[Beginning] = []
+        if seeded.shared is None:
+            self._beginnings = [begin(replace(seeded.recipe, seed=seed)) for seed in seeds]
+            runs = [
+                BatchedRun(_table(each), values, seed, each.streams)
+                for seed, each in zip(seeds, self._beginnings, strict=True)
+            ]
+        else:
+            mdp = seeded.shared.world.mdp
+            assert mdp is not None
+            runs = [BatchedRun(mdp, values, seed) for seed in seeds]
+        self._curve_episodes = curve_episodes
+        self.batch = Batch(
+            seeded.recipe.algorithm,
+            runs,
+            steps=UNLIMITED if goal.steps is None else goal.steps,
+            episodes=UNLIMITED if goal.steps is not None else goal.episodes or 0,
+            curve_episodes=curve_episodes,
+            width=max(1, width_of_bins(curve_episodes)),
+            mark_episodes=mark_episodes,
+        )
+
+    def train(self, on_progress: Callable[[int, int], None] = no_progress) -> None:
+        """Train all of them to the goal; ``on_progress`` hears how much is done, and may raise to end it.
+
+        Raises UserError, as one run does, of the first of them that broke down.
+        """
+        wanted = (self._goal.steps or self._goal.episodes or 0) * len(self._seeds)
+        while self.batch.advance(STEPS_AT_ONCE):
+            on_progress(self._done, wanted)
+        for index in self.broken:
+            self._seeded.train(self._seeded.new_run(self._seeds[index]), self._goal, no_progress)
+        on_progress(self._done, wanted)
+
+    @property
+    def _done(self) -> int:
+        done = self.batch.episodes if self._goal.steps is None else self.batch.steps
+        return int(done.sum())
+
+    @property
+    def broken(self) -> list[int]:
+        """Which of them, by place, broke down; why, a run of its own can tell."""
+        return np.flatnonzero(~np.isin(self.batch.stop, (DONE, EPISODES_FULL))).tolist()
+
+    def rows(self, check: Callable[[], None] = no_compiling) -> list[dict[str, Any]]:
+        """Return seeds and figures, as :meth:`SeededRuns.row` does for a single run, with the same bits.
+
+        ``check`` is called between what may take long, and may raise to end it.
+        """
+        batch, seeded = self.batch, self._seeded
+        exact = self._exact(check)
+        columns = zip(
+            self._seeds,
+            batch.steps.tolist(),
+            batch.episodes.tolist(),
+            exact,
+            batch.digest.total_return[:, 0].tolist(),
+            batch.first_reward_episode.tolist(),
+            strict=True,
+        )
+        rows = []
+        for index, (seed, steps, episodes, figures, total, first_reward) in enumerate(columns):
+            returns, lengths = batch.recent(index)
+            world = self._beginnings[index].world if self._beginnings else seeded.first.world
+            rows.append(
+                {
+                    "seed": seed,
+                    "steps": steps,
+                    "episodes": episodes,
+                    **figures,
+                    "return_mean": total / episodes if episodes else None,
+                    "return_last_100": math.fsum(returns.tolist()) / len(returns) if episodes else None,
+                    "length_last_100": int(lengths.sum()) / len(lengths) if episodes else None,
+                    "first_reward_episode": first_reward or None,
+                    "world": seeded.digest(world),
+                    **self._pulls(index, total),
+                }
+            )
+        return rows
+
+    @property
+    def curves(self) -> CurvePoints:
+        """Their curves, a row each."""
+        curve, episodes = self.batch.digest.curve, self._curve_episodes
+        bins = curve.returns.shape[1]
+        last_episode = np.minimum(np.arange(1, bins + 1) * width_of_bins(episodes), episodes)
+        count = np.diff(last_episode, prepend=0)
+        return CurvePoints(last_episode, *(sums / count for sums in curve))
+
+    def _exact(self, check: Callable[[], None]) -> list[dict[str, float | None]]:
+        """Return the exact figures of each."""
+        values, seeded, found = self._seeded.recipe.hyperparameters, self._seeded, []
+        for index, q in enumerate(self.batch.q):
+            check()
+            mdp = self._world_now(index)
+            optimum = seeded.optimum(mdp, values.gamma)
+            exact = figures_of_estimates(mdp, q, values.ties, values.gamma, optimum)
+            found.append({name: getattr(exact, name) for name in _EXACT})
+        return found
+
+    def _world_now(self, index: int) -> TabularMDP | None:
+        """Return the table that exact figures of a run are worked out from, its rewards as they are now."""
+        shared = self._seeded.shared
+        mdp = _table(self._beginnings[index]) if shared is None else shared.world.mdp
+        if mdp is None or mdp.states > MOST_STATES:
+            return None
+        offset = self.batch.drift.offset[index]
+        return replace(mdp, reward=mdp.reward + offset[mdp.outcome_pair]) if len(offset) else mdp
+
+    def _pulls(self, index: int, total: float) -> dict[str, float | None]:
+        """Return how the pulls of a bandit were spent; nothing where the world is none."""
+        if not self._seeded.is_bandit:
+            return {}
+        world = self._beginnings[index].world if self._beginnings else self._seeded.first.world
+        return pulls(bandit_figures(world, self.batch.visits[index], total, self.batch.drifted(index)))
+
+
+def _table(beginning: Beginning) -> TabularMDP:
+    mdp = beginning.world.mdp
+    assert mdp is not None  # only what has a table is batched
+    return mdp
