@@ -1,0 +1,175 @@
+"""Many runs by one call of machine code: each has the bits of the run alone, however the work is cut."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from two_forms import examples, worlds_for
+
+from rl_tui.agents.batches.batch import Batch, BatchedRun
+from rl_tui.agents.batches.rows import row, stacked
+from rl_tui.agents.batches.seeding import MOST_SEED, seed_streams, streams_of
+from rl_tui.agents.compiling.loops import all_batches, compile_here
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.kernels.machine_code import interpreted, machine_code
+from rl_tui.agents.kernels.parameters import kernel_parameters, schedules_of
+from rl_tui.agents.kernels.stop import Stop
+from rl_tui.agents.learner import Learner
+from rl_tui.common.streams import streams
+from rl_tui.lab.run.library import find, recipe_for
+from rl_tui.lab.run.recipe import begin
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+# Each algorithm and each policy once: a batch has no code of its own for either
+SOME_BATCHES = pytest.mark.parametrize(
+    "loop",
+    [loop for loop in all_batches() if loop.algorithm == "q-learning" or loop.policy == "epsilon-greedy"],
+    ids=lambda loop: f"{loop.algorithm}-{loop.policy}",
+)
+
+
+def test_every_agent_that_learns_in_a_table_has_a_batch() -> None:
+    found = list(all_batches())
+    assert len(found) == len(set(found))
+    assert all(loop.batch and loop.policy and not loop.stepped for loop in found)
+
+
+@given(st.lists(st.integers(0, MOST_SEED), min_size=1, max_size=5))
+def test_streams_are_those_that_numpy_seeds(seeds: list[int]) -> None:
+    memory, address = streams_of(seeds)
+    for index, seed in enumerate(seeds):
+        for stream, generator in enumerate(streams(seed)):
+            words = [int(word) for word in memory[index, stream, :4]]
+            state = generator.bit_generator.state["state"]
+            assert words[0] | words[1] << 64 == state["state"]
+            assert words[2] | words[3] << 64 == state["inc"]
+            assert int(address[index, stream]) == memory[index, stream, 4:].ctypes.data
+    assert memory.ctypes.data % 16 == 0
+
+
+@pytest.mark.parametrize("form", [interpreted, machine_code])
+def test_seeding_has_two_forms(form: Any) -> None:
+    memory = np.zeros((3, 2, 6), np.uint64)
+    form(seed_streams)(
+        np.array([0, 7, MOST_SEED]), np.zeros(4, np.int64), np.zeros((3, 8), np.int64), memory
+    )
+    assert np.array_equal(memory[:, :, :4], streams_of([0, 7, MOST_SEED])[0][:, :, :4])
+
+
+def test_a_row_of_a_stack_is_what_was_stacked() -> None:
+    one, other = Hyperparameters(alpha=0.5), Hyperparameters(epsilon=0.3, epsilon_decay=0.1)
+    parameters = stacked([kernel_parameters(one), kernel_parameters(other)], [1, 2])
+    schedules = stacked([schedules_of(one), schedules_of(other)], [1, 2])
+    for place, values in enumerate((one, other, other)):
+        assert row(parameters, place) == kernel_parameters(values)
+        assert row(schedules, place) == schedules_of(values)
+    fixed = np.zeros(3)
+    fixed.flags.writeable = False
+    assert not stacked([(fixed,)], [2])[0].flags.writeable
+    assert stacked([(np.zeros(3),)], [2])[0].flags.writeable
+
+
+def trained(batch: Batch, budget: int) -> Batch:
+    while batch.advance(budget):
+        pass
+    return batch
+
+
+def alone(run: BatchedRun, algorithm: str, steps: int, episodes: int) -> tuple[Learner, list[Any], Stop]:
+    """Return a learner that did what ``run`` is to do, its episodes, and why it came back."""
+    learner = Learner(run.mdp, algorithm, run.hyperparameters, streams(run.seed))
+    stop = learner.advance(steps, episodes)
+    return learner, list(learner.drain_episodes()), stop
+
+
+def assert_same(batch: Batch, index: int, learner: Learner, episodes: Sequence[Any]) -> None:
+    returns, lengths, optimal = episodes
+    assert batch.q[index].tobytes() == learner.q.tobytes()
+    assert batch.visits[index].tobytes() == learner.visits.tobytes()
+    assert (batch.steps[index], batch.episodes[index]) == (learner.step, learner.episodes)
+    assert batch.first_reward_episode[index] == learner.first_reward_episode
+    recent_returns, recent_lengths = batch.recent(index)
+    assert sorted(recent_returns) == sorted(returns[-100:])
+    assert sorted(recent_lengths) == sorted(lengths[-100:])
+    total = 0.0
+    for each in returns.tolist():
+        total += each
+    assert batch.digest.total_return[index, 0] == total
+    curve = batch.digest.curve
+    assert curve.lengths[index].sum() == lengths[:30].sum()
+    assert curve.optimal[index].sum() == optimal[:30].sum()
+
+
+@SOME_BATCHES
+def test_each_run_is_that_of_a_learner(loop: Any) -> None:
+    compile_here(loop)
+
+    @examples(5)
+    @given(worlds_for(loop._replace(batch=False)), st.integers(0, 2**40), st.integers(1, 300))
+    def check(mdp: TabularMDP, seed: int, budget: int) -> None:
+        values = [
+            Hyperparameters(policy=loop.policy, alpha=0.3, n=2, planning_steps=3),
+            Hyperparameters(policy=loop.policy, epsilon=0.4, epsilon_decay=0.01, ties="first", initial_q=1.0),
+        ]
+        runs = [BatchedRun(mdp, values[index // 2], seed + index) for index in range(4)]
+        for steps, episodes in ((200, 2**60), (2_000, 40)):
+            batch = Batch(loop.algorithm, runs, steps=steps, episodes=episodes, curve_episodes=30, width=7)
+            trained(batch, budget)
+            for index, run in enumerate(runs):
+                learner, finished, stop = alone(run, loop.algorithm, steps, episodes)
+                assert_same(batch, index, learner, finished)
+                assert (batch.stop[index] in (Stop.DONE, Stop.EPISODES_FULL)) == (stop is Stop.DONE)
+
+    check()
+
+
+def test_more_episodes_than_the_log_holds_and_worlds_of_their_own() -> None:
+    loop = next(loop for loop in all_batches() if (loop.algorithm, loop.policy) == ("q-learning", "ucb"))
+    compile_here(loop)
+    recipes = [recipe_for(find("bandit"), {"policy": "ucb"}, seed) for seed in range(3)]
+    beginnings = [begin(recipe) for recipe in recipes]
+    runs = [
+        BatchedRun(each.world.mdp, recipe.hyperparameters, recipe.seed, each.streams)  # type: ignore[arg-type]
+        for recipe, each in zip(recipes, beginnings, strict=True)
+    ]
+    batch = trained(Batch("q-learning", runs, episodes=5_000, curve_episodes=30), 1_000)
+    for index, recipe in enumerate(recipes):
+        beginning = begin(recipe)
+        mdp = beginning.world.mdp
+        assert mdp is not None
+        learner = Learner(mdp, "q-learning", recipe.hyperparameters, beginning.streams)
+        learner.advance(2**60, 5_000)
+        assert_same(batch, index, learner, learner.drain_episodes())
+
+
+def test_estimates_are_kept_at_the_marks() -> None:
+    mdp = begin(recipe_for(find("frozenlake-slippery"))).world.mdp
+    assert mdp is not None
+    compile_here(next(iter(all_batches()))._replace(algorithm="sarsa", policy="epsilon-greedy"))
+    runs = [BatchedRun(mdp, Hyperparameters(), seed) for seed in (3, 4)]
+    batch = trained(Batch("sarsa", runs, episodes=50, mark_episodes=[1, 2, 20, 50]), 333)
+    for index, run in enumerate(runs):
+        learner = Learner(mdp, "sarsa", run.hyperparameters, streams(run.seed))
+        for place, until in enumerate((1, 2, 20, 50)):
+            learner.advance(2**60, until - learner.episodes)
+            assert batch.mark_estimates[index, place].tobytes() == learner.q.tobytes()
+    assert batch.marks_passed.tolist() == [4, 4]
+
+
+def test_a_run_that_breaks_down_does_not_hold_up_the_others() -> None:
+    mdp = begin(recipe_for(find("cliff"))).world.mdp
+    assert mdp is not None
+    compile_here(next(iter(all_batches()))._replace(algorithm="q-learning", policy="epsilon-greedy"))
+    runs = [
+        BatchedRun(mdp, Hyperparameters(initial_q=initial_q, gamma=1.0), 1) for initial_q in (0.0, 1e12, 0.0)
+    ]
+    wild = [BatchedRun(run.mdp, run.hyperparameters, run.seed) for run in runs]
+    batch = trained(Batch("q-learning", wild, episodes=20), 100)
+    stops = [alone(run, "q-learning", 2**60, 20)[2] for run in runs]
+    assert [stop if stop is not Stop.EPISODES_FULL else Stop.DONE for stop in map(Stop, batch.stop)] == stops
+    assert batch.episodes[[0, 2]].tolist() == [20, 20]
