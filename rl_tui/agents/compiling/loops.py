@@ -42,6 +42,8 @@ LONGEST_WAIT: Final = 300.0
 _CALLED_FROM_PYTHON: Final = (
     "rl_tui.agents.batches.seeding",
     "rl_tui.agents.exact.backward_induction",
+    "rl_tui.agents.exact.small_worlds.unlimited",
+    "rl_tui.agents.exact.small_worlds.within_limit",
     "rl_tui.agents.kernels.episode_bins",
     "rl_tui.agents.kernels.watch",
 )

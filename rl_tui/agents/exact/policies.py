@@ -22,14 +22,17 @@ def uniform_policy(space: FiniteSpace) -> FloatArray:
 
 
 def uniform_over(space: FiniteSpace, chosen: BoolArray) -> FloatArray:
-    """Return the policy, [P], that picks uniformly among ``chosen`` pairs, [P], at least one a live state."""
+    """Return the policy that picks uniformly among ``chosen`` pairs, at least one a live state.
+
+    Both are [P], or [B, P] for as many policies.
+    """
     first, count = _live_states(space)
-    share = 1.0 / np.add.reduceat(chosen, first, dtype=np.float64)
-    return np.where(chosen, np.repeat(share, count), 0.0)
+    share = 1.0 / np.add.reduceat(chosen, first, axis=-1, dtype=np.float64)
+    return np.where(chosen, np.repeat(share, count, axis=-1), 0.0)
 
 
 def greedy_policy(space: FiniteSpace, q: FloatArray, ties: Ties) -> FloatArray:
-    """Return the policy, [P], that is greedy for ``q``, [P].
+    """Return the policy that is greedy for ``q``; both are [P], or [B, P] for as many policies.
 
     Ties are exact equality, as the agent itself compares: ``random`` picks among them uniformly, ``first``
     takes the first action.
@@ -39,12 +42,14 @@ def greedy_policy(space: FiniteSpace, q: FloatArray, ties: Ties) -> FloatArray:
 
 
 def best_pairs(space: FiniteSpace, of_pairs: FloatArray, slack: float = 0.0) -> BoolArray:
-    """Return which pairs, [P], have the greatest of the numbers ``of_pairs``, [P], of their state: all ties.
+    """Return which pairs have the greatest of the numbers ``of_pairs`` of their state: all ties.
 
-    Those that have less by at most ``slack``, 0 or more, count as well.
+    Both are [P], or [B, P] for as many sets of numbers. Those that have less by at most ``slack``, 0 or more,
+    count as well.
     """
     first, count = _live_states(space)
-    return np.asarray(of_pairs >= np.repeat(np.maximum.reduceat(of_pairs, first), count) - slack)
+    greatest = np.maximum.reduceat(of_pairs, first, axis=-1)
+    return np.asarray(of_pairs >= np.repeat(greatest, count, axis=-1) - slack)
 
 
 def softened(space: FiniteSpace, policy: FloatArray, epsilon: float) -> FloatArray:
@@ -79,8 +84,8 @@ def policy_of_choices(space: FiniteSpace, choices: Mapping[int, Choice]) -> Floa
 
 def _first_of(space: FiniteSpace, chosen: BoolArray) -> FloatArray:
     first, count = _live_states(space)
-    before: IntArray = np.cumsum(chosen) - chosen
-    return np.where(chosen & (before == np.repeat(before[first], count)), 1.0, 0.0)
+    before: IntArray = np.cumsum(chosen, axis=-1) - chosen
+    return np.where(chosen & (before == np.repeat(before[..., first], count, axis=-1)), 1.0, 0.0)
 
 
 def _live_states(space: FiniteSpace) -> tuple[IntArray, IntArray]:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from rl_tui.agents.exact.backward_induction import policy_values
 from rl_tui.agents.exact.exact_model import exact_model
 from rl_tui.agents.exact.expected_visits import expected_visits
-from rl_tui.agents.exact.policy_evaluation import PolicyChain, PolicyValue
-from rl_tui.agents.exact.solution import NoExactAnswer
+from rl_tui.agents.exact.policies import greedy_policy
+from rl_tui.agents.exact.policy_evaluation import PolicyChain
+from rl_tui.agents.exact.small_worlds.many_policies import ChainOf, distinct_policies, returns_of, values_of
+from rl_tui.agents.exact.solution import NoExactAnswer, Solution
+from rl_tui.agents.hyperparameters import Ties
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -41,19 +44,52 @@ class PolicyFigures:
 
 
 class _Episode(NamedTuple):
-    expected_return: float | None
     steps: float | None
     ends: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BatchFigures:
+    """Figures of B greedy policies and of the estimates they are from, [B] each; NaN where there is none.
+
+    ``value_at_start`` and ``expected_return`` are those of :class:`PolicyFigures`, ``max_error`` the largest
+    difference between estimates and Q*.
+    """
+
+    value_at_start: FloatArray
+    expected_return: FloatArray
+    max_error: FloatArray
 
 
 def figures(mdp: TabularMDP, policy: FloatArray, gamma: float) -> PolicyFigures:
     """Return what ``policy``, [P], is worth for ``gamma`` in [0, 1]."""
     chain = PolicyChain(exact_model(mdp), policy)
-    value = _if_exact(lambda: chain.value(gamma))
-    at_start = value.at_start if value else None
-    undiscounted = value if gamma == 1.0 else None
-    episode = _within_limit(mdp, policy) if mdp.time_limit else _unlimited(chain, undiscounted)
-    return PolicyFigures(value.v if value else None, at_start, *episode)
+    found = values_of(mdp, policy[np.newaxis], gamma, lambda _: chain)
+    at_start = _if_there(found.at_start)
+    if gamma == 1.0 and not mdp.time_limit:
+        earned = at_start
+    else:
+        earned = _if_there(returns_of(mdp, policy[np.newaxis], lambda _: chain))
+    steps, ends = _within_limit(mdp, policy) if mdp.time_limit else _unlimited(chain)
+    return PolicyFigures(found.v[0] if found.exact[0] else None, at_start, earned, steps, ends)
+
+
+def batch_figures(
+    mdp: TabularMDP, q: FloatArray, ties: Ties, gamma: float, optimum: Solution | None
+) -> BatchFigures:
+    """Return the figures of the estimates ``q``, [B, P], of B runs, and of the policies greedy for them.
+
+    Each has the bits that :func:`figures` gives it. ``gamma`` is in [0, 1]; ``optimum`` is the exact answer
+    for it, None where there is none. Equal policies are evaluated once.
+    """
+    distinct, place = distinct_policies(greedy_policy(mdp, q, ties))
+    at_start = values_of(mdp, distinct, gamma, _chains(mdp, distinct)).at_start
+    if gamma == 1.0 and not mdp.time_limit:
+        earned = at_start
+    else:
+        earned = returns_of(mdp, distinct, _chains(mdp, distinct))
+    error = np.full(len(q), np.nan) if optimum is None else np.abs(q - optimum.q).max(axis=1)
+    return BatchFigures(at_start[place], earned[place], error)
 
 
 def expected_return(mdp: TabularMDP, policy: FloatArray) -> float | None:
@@ -63,9 +99,16 @@ def expected_return(mdp: TabularMDP, policy: FloatArray) -> float | None:
     it never leaves and that goes on paying, or where rounding would spoil the answer. Small worlds have it by
     machine code, quickly enough to be asked again and again while a run goes on.
     """
-    if mdp.time_limit:
-        return mdp.average_at_start(policy_values(mdp, policy, mdp.time_limit))
-    return _if_exact(lambda: PolicyChain(exact_model(mdp), policy).value(1.0).at_start)
+    return _if_there(expected_returns(mdp, policy[np.newaxis]))
+
+
+def expected_returns(mdp: TabularMDP, policies: FloatArray) -> FloatArray:
+    """Return what :func:`expected_return` gives each of ``policies``, [B, P]; [B], NaN in place of None.
+
+    Equal policies are evaluated once.
+    """
+    distinct, place = distinct_policies(policies)
+    return returns_of(mdp, distinct, _chains(mdp, distinct))[place]
 
 
 def chance_of_ending(mdp: TabularMDP, policy: FloatArray) -> float | None:
@@ -78,24 +121,29 @@ def chance_of_ending(mdp: TabularMDP, policy: FloatArray) -> float | None:
     return _if_exact(PolicyChain(exact_model(mdp), policy).chance_of_ending)
 
 
+def _chains(mdp: TabularMDP, policies: FloatArray) -> ChainOf:
+    model = cache(exact_model)
+    return lambda row: PolicyChain(model(mdp), policies[row])
+
+
 def _within_limit(mdp: TabularMDP, policy: FloatArray) -> _Episode:
     """Return the figures of an episode that is cut short at the time limit."""
     visits = expected_visits(mdp, policy, mdp.time_limit)
     total = np.add.reduceat(mdp.probability, mdp.first_outcome[:-1])
     pairs = visits[mdp.pair_state] * policy / total
-    happens = pairs[mdp.outcome_pair] * mdp.probability
-    ends = float(np.dot(happens, mdp.terminated))
-    steps = min(float(mdp.time_limit), float(visits.sum()))
-    return _Episode(float(np.dot(happens, mdp.reward)), steps, min(1.0, ends))
+    ends = float(np.dot(pairs[mdp.outcome_pair] * mdp.probability, mdp.terminated))
+    return _Episode(min(float(mdp.time_limit), float(visits.sum())), min(1.0, ends))
 
 
-def _unlimited(chain: PolicyChain, undiscounted: PolicyValue | None) -> _Episode:
-    """Return the figures of an episode that goes on until it ends; ``undiscounted`` if it is at hand."""
-    return _Episode(
-        _if_exact(lambda: (undiscounted or chain.value(1.0)).at_start),
-        _if_exact(chain.expected_length),
-        _if_exact(chain.chance_of_ending),
-    )
+def _unlimited(chain: PolicyChain) -> _Episode:
+    """Return the figures of an episode that goes on until it ends."""
+    return _Episode(_if_exact(chain.expected_length), _if_exact(chain.chance_of_ending))
+
+
+def _if_there(figure: FloatArray) -> float | None:
+    """Return the one ``figure``, [1], None in place of NaN."""
+    number = float(figure[0])
+    return None if np.isnan(number) else number
 
 
 def _if_exact(answer: Callable[[], Answer]) -> Answer | None:

@@ -96,7 +96,8 @@ class TabularMDP(FiniteSpace):
 
     def average_at_start(self, values: npt.NDArray[np.floating]) -> float:
         """Return the mean of the ``values`` of states, [S] or more, over the start distribution."""
-        return float(np.dot(self.start_probability, values[self.start_state]))
+        # One after another, as a kernel adds: numpy's product of vectors has an order of its own
+        return float(np.cumsum(self.start_probability * values[self.start_state])[-1])
 
     def outcomes_of(self, pair: int) -> range:
         """Return the outcomes that ``pair`` owns."""

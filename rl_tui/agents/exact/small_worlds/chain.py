@@ -1,0 +1,76 @@
+"""The chain that a policy makes of a small world, over an unlimited horizon: its ways and its rewards."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rl_tui.agents.exact.small_worlds.double_double import plus, times, two_sum
+from rl_tui.agents.exact.small_worlds.world import UnlimitedWorld
+from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
+
+
+class Chain(NamedTuple):
+    """What may follow each of N live states under a policy, and what it is worth for some γ.
+
+    State n has the ways ``first``[n] .. ``first``[n+1], each to a ``target`` other than n, N for every end,
+    with the probability ``weight`` + ``weight_rest``. Of each state, [N], ``earned`` + ``earned_rest`` is the
+    expected reward, ``stop`` + ``stop_rest`` what γ takes away: 1 − γ, times what the probabilities of its
+    pairs sum to. ``pays`` says whether any of its rewards is not 0.
+    """
+
+    first: IntArray
+    target: IntArray
+    weight: FloatArray
+    weight_rest: FloatArray
+    earned: FloatArray
+    earned_rest: FloatArray
+    stop: FloatArray
+    stop_rest: FloatArray
+    pays: BoolArray
+
+
+def new_chain(world: UnlimitedWorld) -> Chain:
+    """Return the memory for the chain of any policy in ``world``."""
+    states, ways = len(world.first_pair) - 1, len(world.target)
+    return Chain(
+        first=np.zeros(states + 1, dtype=np.int64),
+        target=np.zeros(ways, dtype=np.int64),
+        weight=np.zeros(ways),
+        weight_rest=np.zeros(ways),
+        earned=np.zeros(states),
+        earned_rest=np.zeros(states),
+        stop=np.zeros(states),
+        stop_rest=np.zeros(states),
+        pays=np.zeros(states, dtype=np.bool_),
+    )
+
+
+@compiled
+def follow_policy(world: UnlimitedWorld, policies: FloatArray, row: int, gamma: float, chain: Chain) -> None:
+    """Make ``chain`` that of the policy ``policies``[row], one of [B, P], for ``gamma`` in [0, 1]."""
+    states = len(world.first_pair) - 1
+    used = 0
+    stop, stop_rest = two_sum(1.0, -gamma)
+    for state in range(states):
+        chain.first[state] = used
+        earned, earned_rest, total, total_rest, pays = 0.0, 0.0, 0.0, 0.0, False
+        for pair in range(world.first_pair[state], world.first_pair[state + 1]):
+            chance = policies[row, pair]
+            if chance > 0.0:
+                more, more_rest = times(chance, 0.0, world.reward[pair], world.reward_rest[pair])
+                earned, earned_rest = plus(earned, earned_rest, more, more_rest)
+                total, total_rest = plus(total, total_rest, chance, 0.0)
+                pays = pays or world.pays[pair]
+                for way in range(world.first_way[pair], world.first_way[pair + 1]):
+                    chain.target[used] = world.target[way]
+                    chain.weight[used], chain.weight_rest[used] = times(
+                        chance, 0.0, world.weight[way], world.weight_rest[way]
+                    )
+                    used += 1
+        chain.earned[state], chain.earned_rest[state] = earned, earned_rest
+        chain.stop[state], chain.stop_rest[state] = times(total, total_rest, stop, stop_rest)
+        chain.pays[state] = pays
+    chain.first[states] = used
