@@ -55,9 +55,7 @@ def test_streams_are_those_that_numpy_seeds(seeds: list[int]) -> None:
 @pytest.mark.parametrize("form", [interpreted, machine_code])
 def test_seeding_has_two_forms(form: Any) -> None:
     memory = np.zeros((3, 2, 6), np.uint64)
-    form(seed_streams)(
-        np.array([0, 7, MOST_SEED]), np.zeros(4, np.int64), np.zeros((3, 8), np.int64), memory
-    )
+    form(seed_streams)(np.array([0, 7, MOST_SEED]), np.zeros(4, np.int64), np.zeros((3, 8), np.int64), memory)
     assert np.array_equal(memory[:, :, :4], streams_of([0, 7, MOST_SEED])[0][:, :, :4])
 
 

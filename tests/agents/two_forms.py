@@ -27,7 +27,9 @@ from rl_tui.lab.experiments import learning_curve
 from rl_tui.lab.run import history
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP
 
-EVERY_LOOP: Final = pytest.mark.parametrize(("algorithm", "policy", "stepped"), [loop[:3] for loop in all_loops()])
+EVERY_LOOP: Final = pytest.mark.parametrize(
+    ("algorithm", "policy", "stepped"), [loop[:3] for loop in all_loops()]
+)
 
 
 def examples(count: int) -> Callable[[Any], Any]:

@@ -10,17 +10,18 @@ from typing import Any, Final
 import numpy as np
 
 from rl_tui.agents.batches.batch import UNLIMITED, Batch, BatchedRun
+from rl_tui.agents.exact.policy_figures import batch_figures
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS
 from rl_tui.agents.kernels.stop import DONE, EPISODES_FULL
 from rl_tui.lab.experiments.learning_curve import CurvePoints, width_of_bins
 from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
 from rl_tui.lab.experiments.training import Goal, no_progress
 from rl_tui.lab.run.bandit import bandit_figures
-from rl_tui.lab.run.figures import MOST_STATES, figures_of_estimates, pulls
+from rl_tui.lab.run.figures import MOST_STATES, pulls
 from rl_tui.lab.run.recipe import Beginning, begin
+from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
-_EXACT: Final = ("value_at_start", "expected_return", "max_error")
 MOST_RUNS: Final = 64
 """Runs of one batch: more gain nothing, and are longer in coming."""
 MOST_BYTES: Final = 64_000_000
@@ -119,7 +120,8 @@ class BatchedRuns:
             strict=True,
         )
         rows = []
-        for index, (seed, steps, episodes, figures, total, first_reward) in enumerate(columns):
+        for index, (seed, steps, episodes, exact_figures, total, first_reward) in enumerate(columns):
+            value, expected_return, error = exact_figures
             returns, lengths = batch.recent(index)
             world = self._beginnings[index].world if self._beginnings else seeded.first.world
             rows.append(
@@ -127,7 +129,9 @@ class BatchedRuns:
                     "seed": seed,
                     "steps": steps,
                     "episodes": episodes,
-                    **figures,
+                    "value_at_start": value,
+                    "expected_return": expected_return,
+                    "max_error": error,
                     "return_mean": total / episodes if episodes else None,
                     "return_last_100": math.fsum(returns.tolist()) / len(returns) if episodes else None,
                     "length_last_100": int(lengths.sum()) / len(lengths) if episodes else None,
@@ -147,25 +151,39 @@ class BatchedRuns:
         count = np.diff(last_episode, prepend=0)
         return CurvePoints(last_episode, *(sums / count for sums in curve))
 
-    def _exact(self, check: Callable[[], None]) -> list[dict[str, float | None]]:
-        """Return the exact figures of each."""
-        values, seeded, found = self._seeded.recipe.hyperparameters, self._seeded, []
-        for index, q in enumerate(self.batch.q):
+    def _exact(self, check: Callable[[], None]) -> list[tuple[float | None, ...]]:
+        """Return the exact figures of each: value at the start, expected return and greatest error."""
+        q, shared = self.batch.q, self._seeded.shared
+        if shared is not None and not self._drifts:
+            mdp = shared.world.mdp
+            return self._exact_in(mdp, q)
+        found = []
+        for index in range(len(q)):
             check()
-            mdp = self._world_now(index)
-            optimum = seeded.optimum(mdp, values.gamma)
-            exact = figures_of_estimates(mdp, q, values.ties, values.gamma, optimum)
-            found.append({name: getattr(exact, name) for name in _EXACT})
+            found += self._exact_in(self._table_now(index), q[index : index + 1])
         return found
 
-    def _world_now(self, index: int) -> TabularMDP | None:
-        """Return the table that exact figures of a run are worked out from, its rewards as they are now."""
+    def _exact_in(self, mdp: TabularMDP | None, q: FloatArray) -> list[tuple[float | None, ...]]:
+        """Return the exact figures of the estimates ``q``, [B, P], in the world of ``mdp``."""
+        if mdp is None or mdp.states > MOST_STATES:
+            return [(None, None, None)] * len(q)
+        values = self._seeded.recipe.hyperparameters
+        optimum = self._seeded.optimum(mdp, values.gamma)
+        figures = batch_figures(mdp, q, values.ties, values.gamma, optimum)
+        columns = (figures.value_at_start, figures.expected_return, figures.max_error)
+        return list(zip(*(_if_there(column) for column in columns), strict=True))
+
+    @property
+    def _drifts(self) -> bool:
+        return bool(self.batch.drift.offset.shape[1])
+
+    def _table_now(self, index: int) -> TabularMDP | None:
+        """Return the table of the world of a run, with its rewards as they are now."""
         shared = self._seeded.shared
         mdp = _table(self._beginnings[index]) if shared is None else shared.world.mdp
-        if mdp is None or mdp.states > MOST_STATES:
-            return None
-        offset = self.batch.drift.offset[index]
-        return replace(mdp, reward=mdp.reward + offset[mdp.outcome_pair]) if len(offset) else mdp
+        if mdp is None or not self._drifts:
+            return mdp
+        return replace(mdp, reward=mdp.reward + self.batch.drift.offset[index][mdp.outcome_pair])
 
     def _pulls(self, index: int, total: float) -> dict[str, float | None]:
         """Return how the pulls of a bandit were spent; nothing where the world is none."""
@@ -179,3 +197,8 @@ def _table(beginning: Beginning) -> TabularMDP:
     mdp = beginning.world.mdp
     assert mdp is not None  # only what has a table is batched
     return mdp
+
+
+def _if_there(column: FloatArray) -> list[float | None]:
+    """Return the numbers of ``column``, None in place of NaN."""
+    return [None if math.isnan(number) else number for number in column.tolist()]
