@@ -16,27 +16,27 @@ from rl_tui.agents.batches.rows import row, stacked
 from rl_tui.agents.batches.seeding import MOST_SEED, seed_streams, streams_of
 from rl_tui.agents.compiling.loops import all_batches, compile_here
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.kernels.machine_code import interpreted, machine_code
+from rl_tui.agents.kernels.machine_code import Batching, Loop, interpreted, machine_code
 from rl_tui.agents.kernels.parameters import kernel_parameters, schedules_of
 from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams
 from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.run.recipe import begin
-from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 # Each algorithm and each policy once: a batch has no code of its own for either
 SOME_BATCHES = pytest.mark.parametrize(
     "loop",
     [loop for loop in all_batches() if loop.algorithm == "q-learning" or loop.policy == "epsilon-greedy"],
-    ids=lambda loop: f"{loop.algorithm}-{loop.policy}",
+    ids=lambda loop: f"{loop.algorithm}-{loop.policy}-{loop.batching}".replace(" ", "-"),
 )
 
 
 def test_every_agent_that_learns_in_a_table_has_a_batch() -> None:
     found = list(all_batches())
     assert len(found) == len(set(found))
-    assert all(loop.batch and loop.policy and not loop.stepped for loop in found)
+    assert all(loop.batching and loop.policy and not loop.stepped for loop in found)
 
 
 @given(st.lists(st.integers(0, MOST_SEED), min_size=1, max_size=5))
@@ -72,15 +72,48 @@ def test_a_row_of_a_stack_is_what_was_stacked() -> None:
     assert stacked([(np.zeros(3),)], [2])[0].flags.writeable
 
 
+@st.composite
+def maps(draw: st.DrawFn) -> TabularMDP:
+    """Draw a world with four actions in every state that is no end, slips, noise and perhaps a time limit."""
+    states = draw(st.integers(2, 6))
+    generator = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    ends = {int(generator.integers(1, states))}
+    transitions = []
+    for state in set(range(states)) - ends:
+        for action in range(4):
+            targets = generator.integers(0, states, size=generator.integers(1, 4)).tolist()
+            weights = generator.dirichlet(np.ones(len(targets))).tolist()
+            outcomes = [
+                Outcome(
+                    weight,
+                    target,
+                    float(generator.integers(-2, 3)),
+                    target in ends,
+                    float(generator.integers(0, 2)),
+                )
+                for weight, target in zip(weights, targets, strict=True)
+            ]
+            transitions.append(Transition(state, action, outcomes))
+    names = [f"s{state}" for state in range(states)]
+    start = {0: 0.5, states - 1: 0.5} if draw(st.booleans()) and states - 1 not in ends else {0: 1.0}
+    return tabular_mdp(names, ["a", "b", "c", "d"], transitions, start, draw(st.sampled_from([0, 1, 5, 50])))
+
+
+def worlds_in(loop: Loop) -> st.SearchStrategy[TabularMDP]:
+    return maps() if loop.batching is Batching.IN_TURN else worlds_for(loop._replace(batching=Batching.NONE))
+
+
 def trained(batch: Batch, budget: int) -> Batch:
     while batch.advance(budget):
         pass
     return batch
 
 
-def alone(run: BatchedRun, algorithm: str, steps: int, episodes: int) -> tuple[Learner, list[Any], Stop]:
+def alone(
+    run: BatchedRun, algorithm: str, values: Hyperparameters, steps: int, episodes: int
+) -> tuple[Learner, list[Any], Stop]:
     """Return a learner that did what ``run`` is to do, its episodes, and why it came back."""
-    learner = Learner(run.mdp, algorithm, run.hyperparameters, streams(run.seed))
+    learner = Learner(run.mdp, algorithm, values, streams(run.seed))
     stop = learner.advance(steps, episodes)
     return learner, list(learner.drain_episodes()), stop
 
@@ -108,18 +141,19 @@ def test_each_run_is_that_of_a_learner(loop: Any) -> None:
     compile_here(loop)
 
     @examples(5)
-    @given(worlds_for(loop._replace(batch=False)), st.integers(0, 2**40), st.integers(1, 300))
+    @given(worlds_in(loop), st.integers(0, 2**40), st.integers(1, 300))
     def check(mdp: TabularMDP, seed: int, budget: int) -> None:
-        values = [
-            Hyperparameters(policy=loop.policy, alpha=0.3, n=2, planning_steps=3),
-            Hyperparameters(policy=loop.policy, epsilon=0.4, epsilon_decay=0.01, ties="first", initial_q=1.0),
-        ]
-        runs = [BatchedRun(mdp, values[index // 2], seed + index) for index in range(4)]
-        for steps, episodes in ((200, 2**60), (2_000, 40)):
-            batch = Batch(loop.algorithm, runs, steps=steps, episodes=episodes, curve_episodes=30, width=7)
+        runs = [BatchedRun(mdp, seed + index) for index in range(6)]
+        for values, steps, episodes in (
+            (Hyperparameters(policy=loop.policy, alpha=0.3, n=2, planning_steps=3), 200, 2**60),
+            (Hyperparameters(policy=loop.policy, epsilon=0.4, epsilon_decay=0.01, ties="first"), 2_000, 40),
+        ):
+            batch = Batch(
+                loop.algorithm, values, runs, steps=steps, episodes=episodes, curve_episodes=30, width=7
+            )
             trained(batch, budget)
             for index, run in enumerate(runs):
-                learner, finished, stop = alone(run, loop.algorithm, steps, episodes)
+                learner, finished, stop = alone(run, loop.algorithm, values, steps, episodes)
                 assert_same(batch, index, learner, finished)
                 assert (batch.stop[index] in (Stop.DONE, Stop.EPISODES_FULL)) == (stop is Stop.DONE)
 
@@ -127,15 +161,17 @@ def test_each_run_is_that_of_a_learner(loop: Any) -> None:
 
 
 def test_more_episodes_than_the_log_holds_and_worlds_of_their_own() -> None:
-    loop = next(loop for loop in all_batches() if (loop.algorithm, loop.policy) == ("q-learning", "ucb"))
+    loop = next(loop for loop in all_batches() if loop[:2] == ("q-learning", "ucb"))
     compile_here(loop)
     recipes = [recipe_for(find("bandit"), {"policy": "ucb"}, seed) for seed in range(3)]
     beginnings = [begin(recipe) for recipe in recipes]
     runs = [
-        BatchedRun(each.world.mdp, recipe.hyperparameters, recipe.seed, each.streams)  # type: ignore[arg-type]
+        BatchedRun(each.world.mdp, recipe.seed, each.streams)  # type: ignore[arg-type]
         for recipe, each in zip(recipes, beginnings, strict=True)
     ]
-    batch = trained(Batch("q-learning", runs, episodes=5_000, curve_episodes=30), 1_000)
+    batch = trained(
+        Batch("q-learning", recipes[0].hyperparameters, runs, episodes=5_000, curve_episodes=30), 1_000
+    )
     for index, recipe in enumerate(recipes):
         beginning = begin(recipe)
         mdp = beginning.world.mdp
@@ -148,11 +184,11 @@ def test_more_episodes_than_the_log_holds_and_worlds_of_their_own() -> None:
 def test_estimates_are_kept_at_the_marks() -> None:
     mdp = begin(recipe_for(find("frozenlake-slippery"))).world.mdp
     assert mdp is not None
-    compile_here(next(iter(all_batches()))._replace(algorithm="sarsa", policy="epsilon-greedy"))
-    runs = [BatchedRun(mdp, Hyperparameters(), seed) for seed in (3, 4)]
-    batch = trained(Batch("sarsa", runs, episodes=50, mark_episodes=[1, 2, 20, 50]), 333)
+    compile_here(Loop("sarsa", "epsilon-greedy", stepped=False, batching=Batching.IN_TURN))
+    runs = [BatchedRun(mdp, seed) for seed in (3, 4)]
+    batch = trained(Batch("sarsa", Hyperparameters(), runs, episodes=50, mark_episodes=[1, 2, 20, 50]), 333)
     for index, run in enumerate(runs):
-        learner = Learner(mdp, "sarsa", run.hyperparameters, streams(run.seed))
+        learner = Learner(mdp, "sarsa", Hyperparameters(), streams(run.seed))
         for place, until in enumerate((1, 2, 20, 50)):
             learner.advance(2**60, until - learner.episodes)
             assert batch.mark_estimates[index, place].tobytes() == learner.q.tobytes()
@@ -160,14 +196,20 @@ def test_estimates_are_kept_at_the_marks() -> None:
 
 
 def test_a_run_that_breaks_down_does_not_hold_up_the_others() -> None:
-    mdp = begin(recipe_for(find("cliff"))).world.mdp
-    assert mdp is not None
-    compile_here(next(iter(all_batches()))._replace(algorithm="q-learning", policy="epsilon-greedy"))
-    runs = [
-        BatchedRun(mdp, Hyperparameters(initial_q=initial_q, gamma=1.0), 1) for initial_q in (0.0, 1e12, 0.0)
+    # One start pays what grows beyond all bounds, the other nothing
+    pays = [Outcome(1.0, 0, 1e11, False)]
+    ends = [Outcome(1.0, 2, 0.0, True)]
+    transitions = [
+        Transition(state, action, pays if state == 0 else ends) for state in (0, 1) for action in range(4)
     ]
-    wild = [BatchedRun(run.mdp, run.hyperparameters, run.seed) for run in runs]
-    batch = trained(Batch("q-learning", wild, episodes=20), 100)
-    stops = [alone(run, "q-learning", 2**60, 20)[2] for run in runs]
-    assert [stop if stop is not Stop.EPISODES_FULL else Stop.DONE for stop in map(Stop, batch.stop)] == stops
-    assert batch.episodes[[0, 2]].tolist() == [20, 20]
+    names = ["rich", "poor", "end"]
+    mdp = tabular_mdp(names, ["a", "b", "c", "d"], transitions, {0: 0.5, 1: 0.5}, time_limit=50)
+    compile_here(Loop("q-learning", "epsilon-greedy", stepped=False, batching=Batching.IN_TURN))
+    values, runs = Hyperparameters(gamma=1.0, alpha=1.0), [BatchedRun(mdp, seed) for seed in range(12)]
+    batch = trained(Batch("q-learning", values, runs, episodes=2), 10)
+    stops = [alone(run, "q-learning", values, 2**60, 2)[2] for run in runs]
+    assert list(map(Stop, batch.stop)) == stops
+    assert {Stop.DIVERGED, Stop.DONE} == set(stops)
+    assert all(
+        episodes == 2 for episodes, stop in zip(batch.episodes, stops, strict=True) if stop is Stop.DONE
+    )

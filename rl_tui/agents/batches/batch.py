@@ -1,24 +1,31 @@
-"""A batch of runs: many seeds, and settings, of one loop in worlds of one shape."""
+"""A batch of runs: many seeds of one setting, in worlds of one shape."""
 
 from __future__ import annotations
 
 import importlib
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, Final
+from dataclasses import dataclass, replace
+from typing import Any, Final, TypeVar, cast
 
 import numpy as np
 from numpy.random import PCG64, Generator
 
 from rl_tui.agents.batches.batch_loop import Runs, Shared, advance_runs
 from rl_tui.agents.batches.digest import RECENT, Digest, new_digest
+from rl_tui.agents.batches.four_actions import (
+    FourActions,
+    FourActionWorld,
+    smallest_of_four,
+    with_four_actions,
+)
 from rl_tui.agents.batches.rows import stacked
 from rl_tui.agents.batches.seeding import streams_of
+from rl_tui.agents.batches.turns import SEATS, advance_in_turn, new_seats
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.after_update import new_record
 from rl_tui.agents.kernels.drift import Drift, Drifted, drifted_by, new_drift
-from rl_tui.agents.kernels.machine_code import machine_code
+from rl_tui.agents.kernels.machine_code import Batching, machine_code
 from rl_tui.agents.kernels.parameters import kernel_parameters, schedules_of
 from rl_tui.agents.kernels.position import new_episode_log, new_position
 from rl_tui.agents.kernels.tables import tables_of
@@ -27,6 +34,8 @@ from rl_tui.common.streams import Streams
 from rl_tui.worlds.mdp.smallest import smallest_mdp
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+Array = TypeVar("Array", FloatArray, IntArray)
 
 LOGGED: Final = 1024
 """Episodes after which the runs' log is added up."""
@@ -42,13 +51,12 @@ class BatchedRun:
     """
 
     mdp: TabularMDP
-    hyperparameters: Hyperparameters
     seed: int
     streams: Streams | None = None
 
 
 class Batch:
-    """Runs of one algorithm and one policy, in worlds of the same numbers of states, pairs and outcomes.
+    """Runs of one algorithm with one setting, in worlds of the same numbers of states, pairs and outcomes.
 
     Each is advanced to ``steps`` steps or ``episodes`` finished episodes, whichever comes first, with the
     bits of a :class:`~rl_tui.agents.learner.Learner`. Their curves are of the first ``curve_episodes``, in
@@ -59,6 +67,7 @@ class Batch:
     def __init__(
         self,
         algorithm: str,
+        hyperparameters: Hyperparameters,
         runs: Sequence[BatchedRun],
         *,
         steps: int = UNLIMITED,
@@ -67,15 +76,19 @@ class Batch:
         width: int = 1,
         mark_episodes: Sequence[int] = (),
     ) -> None:
-        self._goal = steps, episodes
-        first = runs[0]
+        self._goal = (steps if episodes else 0), episodes
+        self._even = _even_world(runs)
+        if self._even is not None:
+            runs = [replace(run, mdp=self._even.mdp) for run in runs]
+        mdp, count = runs[0].mdp, len(runs)
         self._streams, address = _streams_of(runs)
         worlds, world = _distinct([run.mdp for run in runs])
-        agents = _agents_of(algorithm, runs)
-        count = len(runs)
+        tables = [tables_of(mdp) for mdp in worlds]
         self._runs = Runs(
-            *agents,
-            tables=stacked([tables_of(mdp) for mdp in worlds], [1] * len(worlds)),
+            *_agents_of(algorithm, hyperparameters, runs, in_turn=self._even is not None),
+            params=kernel_parameters(hyperparameters),
+            schedules=schedules_of(hyperparameters),
+            tables=stacked(tables if self._even is None else [FourActions(*tables[0])], [1] * len(worlds)),
             drift=stacked([new_drift(mdp) for mdp in worlds], np.bincount(world).tolist()),
             position=stacked([new_position(_NONE)], [count]),
             digest=stacked([new_digest(curve_episodes, width)], [count]),
@@ -84,39 +97,57 @@ class Batch:
             stop=np.zeros(count, np.int64),
             marks=np.zeros(count, np.int64),
         )
-        watch = new_watch(Watching(), first.mdp, tables_of(first.mdp), self.q[0], random_ties=True)
+        watch = new_watch(Watching(), mdp, tables[0], self._runs.memory.q[0], random_ties=True)
         self._shared = Shared(new_episode_log(LOGGED), new_record(), watch)
+        self._seats = new_seats(SEATS, LOGGED)
         self._generator = Generator(PCG64(0))
         self._mark_episodes = np.array(mark_episodes, np.int64)
-        self.mark_estimates: FloatArray = np.zeros((count, len(mark_episodes), first.mdp.pairs))
-        """The estimates after each of the episodes that are marked, [B, K, P]."""
+        self._mark_estimates: FloatArray = np.zeros((count, len(mark_episodes), mdp.pairs))
         self._next = 0
 
     def advance(self, budget: int) -> bool:
         """Take about ``budget`` steps, without the GIL; return whether there is anything left to do."""
+        marks = self._mark_episodes, self._mark_estimates
+        if self._even is not None:
+            return bool(
+                machine_code(advance_in_turn)(
+                    self._runs, self._seats, self._generator, *marks, *self._goal, budget
+                )
+            )
         self._next = machine_code(advance_runs)(
-            self._runs,
-            self._shared,
-            self._generator,
-            self._mark_episodes,
-            self.mark_estimates,
-            self._next,
-            *self._goal,
-            budget,
+            self._runs, self._shared, self._generator, *marks, self._next, *self._goal, budget
         )
         return self._next < len(self._runs.stop)
+
+    def _of_own_pairs(self, values: Array) -> Array:
+        """Return those of ``values``, […, P], that are of pairs of the world itself."""
+        return values if self._even is None else values[..., self._even.places]
 
     @property
     def q(self) -> FloatArray:
         """The estimates, [B, P]."""
-        q: FloatArray = self._runs.memory.q
-        return q
+        return self._of_own_pairs(cast("FloatArray", self._runs.memory.q))
 
     @property
     def visits(self) -> IntArray:
         """How often each pair was taken, [B, P]."""
-        visits: IntArray = self._runs.memory.visits
-        return visits
+        return self._of_own_pairs(cast("IntArray", self._runs.memory.visits))
+
+    @property
+    def mark_estimates(self) -> FloatArray:
+        """The estimates after each of the episodes that are marked, [B, K, P]."""
+        return self._of_own_pairs(self._mark_estimates)
+
+    @property
+    def longest(self) -> int:
+        """The steps of the run that has most of them so far."""
+        return max(int(self.steps.max()), int(self._seats.step[: int(self._seats.taken[0])].max(initial=0)))
+
+    def done(self) -> tuple[int, int]:
+        """Return how many steps and how many episodes all of them have done together."""
+        seats, taken = self._seats, slice(0, int(self._seats.taken[0]))
+        steps, episodes = int(seats.step[taken].sum()), int(seats.episode[taken].sum())
+        return steps + int(self.steps.sum()), episodes + int(self.episodes.sum())
 
     @property
     def stop(self) -> IntArray:
@@ -125,12 +156,12 @@ class Batch:
 
     @property
     def steps(self) -> IntArray:
-        """The steps taken, [B]."""
+        """The steps taken, [B]; of runs that take turns, 0 until they are done."""
         return self._runs.position.step[:, 0]
 
     @property
     def episodes(self) -> IntArray:
-        """The finished episodes, [B]."""
+        """The finished episodes, [B]; of runs that take turns, 0 until they are done."""
         return self._runs.position.episodes[:, 0]
 
     @property
@@ -165,37 +196,37 @@ class Batch:
         return digest.recent_returns[run, :count], digest.recent_lengths[run, :count]
 
 
-def compile_batch(algorithm: str, hyperparameters: Hyperparameters) -> None:
+def batching_of(mdp: TabularMDP, *, is_shared: bool) -> Batching:
+    """Return how runs in the world of ``mdp`` are batched, which all of them have if it ``is_shared``."""
+    return Batching.IN_TURN if is_shared and with_four_actions(mdp) else Batching.ONE_BY_ONE
+
+
+def compile_batch(algorithm: str, hyperparameters: Hyperparameters, batching: Batching) -> None:
     """Compile what advances a batch of this algorithm and policy, or read it from the cache."""
-    Batch(algorithm, [BatchedRun(smallest_mdp(), hyperparameters, 0)], steps=0).advance(0)
+    mdp = smallest_mdp() if batching is Batching.ONE_BY_ONE else smallest_of_four()
+    Batch(algorithm, hyperparameters, [BatchedRun(mdp, 0)], steps=0).advance(0)
 
 
-def _agents_of(algorithm: str, runs: Sequence[BatchedRun]) -> tuple[Any, Any, Any, Any]:
-    """Return memories, policies, parameters and schedules of ``runs``, a row each, those of equal settings
-    made once.
-    """
+def _even_world(runs: Sequence[BatchedRun]) -> FourActionWorld | None:
+    mdp = runs[0].mdp
+    return with_four_actions(mdp) if all(run.mdp is mdp for run in runs) else None
+
+
+def _agents_of(
+    algorithm: str, values: Hyperparameters, runs: Sequence[BatchedRun], *, in_turn: bool
+) -> tuple[Any, Any]:
+    """Return the memories and the policies of ``runs``, a row each, those in the same world made once."""
     module = importlib.import_module(BY_ID[algorithm].module)
-    parts, counts = list[tuple[Any, Any, Any, Any]](), list[int]()
-    before: BatchedRun | None = None
-    for run in runs:
-        if before is not None and before.hyperparameters is run.hyperparameters and before.mdp is run.mdp:
-            counts[-1] += 1
-            continue
-        before, values, space = run, run.hyperparameters, run.mdp
-        policy = importlib.import_module(POLICY_BY_ID[values.policy].module)
+    policy = importlib.import_module(POLICY_BY_ID[values.policy].module)
+    memories, rules = [], []
+    worlds, world = _distinct([run.mdp for run in runs])
+    for space in worlds:
         q = np.full(space.pairs, values.initial_q, dtype=np.float64)
-        memory = module.new_memory(q, np.zeros(space.pairs, np.int64), space)
-        parts.append(
-            (memory, policy.new_rule(space, values), kernel_parameters(values), schedules_of(values))
-        )
-        counts.append(1)
-    memories, rules, params, schedules = zip(*parts, strict=True)
-    return (
-        stacked(memories, counts),
-        stacked(rules, counts),
-        stacked(params, counts),
-        stacked(schedules, counts),
-    )
+        memories.append(module.new_memory(q, np.zeros(space.pairs, np.int64), space))
+        rule = policy.new_rule(space, values)
+        rules.append(rule._replace(in_turn=True) if in_turn and hasattr(rule, "in_turn") else rule)
+    counts = np.bincount(world).tolist()
+    return stacked(memories, counts), stacked(rules, counts)
 
 
 def _distinct(worlds: Sequence[TabularMDP]) -> tuple[list[TabularMDP], IntArray]:

@@ -23,7 +23,7 @@ from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 
 class Runs(NamedTuple):
-    """All that B runs have, a row each.
+    """All that B runs have, a row each; of their settings there is one.
 
     ``tables`` has a row for each world, and ``world``, [B], says which is whose. ``address``, [B, 2], is
     where the streams of world and learner are. ``stop``, [B], is why a run came back the last time, and
@@ -72,7 +72,6 @@ def advance_runs(
     """
     for run in range(first, len(runs.stop)):
         memory, rule = row(runs.memory, run), row(runs.rule, run)
-        params, schedules = row(runs.params, run), row(runs.schedules, run)
         tables, drift = row(runs.tables, runs.world[run]), row(runs.drift, run)
         position, digest = row(runs.position, run), row(runs.digest, run)
         world = generator_at(generator, runs.address[run, 0])
@@ -89,8 +88,8 @@ def advance_runs(
             stop = advance(
                 memory,
                 rule,
-                params,
-                schedules,
+                runs.params,
+                runs.schedules,
                 tables,
                 drift,
                 position,

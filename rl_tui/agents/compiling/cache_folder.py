@@ -78,7 +78,7 @@ def was_compiled(loop: Loop) -> bool:
 
 
 def _note_of(loop: Loop) -> Path:
-    where = "environment" if loop.stepped else "batch" if loop.batch else "table"
+    where = "environment" if loop.stepped else loop.batching.replace(" ", "-") or "table"
     return cache_folder() / ".".join([loop.algorithm, loop.policy, where, sys.implementation.cache_tag or ""])
 
 

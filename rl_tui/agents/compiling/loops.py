@@ -23,6 +23,7 @@ from rl_tui.agents.kernels.machine_code import (
     ALWAYS_INTERPRETED,
     COMPILED_LOOPS,
     SHARED,
+    Batching,
     Loop,
     use_machine_code_from_python,
 )
@@ -74,7 +75,11 @@ def all_loops() -> Iterator[Loop]:
 
 def all_batches() -> Iterator[Loop]:
     """Yield every loop of many runs by one call: of the agents that learn in a table."""
-    return (loop._replace(batch=True) for loop in all_loops() if loop.policy and not loop.stepped)
+    for loop in all_loops():
+        if loop.policy and not loop.stepped:
+            yield loop._replace(batching=Batching.ONE_BY_ONE)
+            if not POLICY_BY_ID[loop.policy].bandits_only:
+                yield loop._replace(batching=Batching.IN_TURN)
 
 
 def compile_here(loop: Loop) -> CodeOrigin:
@@ -147,8 +152,8 @@ def _make(loop: Loop) -> None:
         compile_what_all_share()
     else:
         learner_of(loop).compile()
-        if loop.batch:
-            compile_batch(loop.algorithm, Hyperparameters(policy=loop.policy))
+        if loop.batching:
+            compile_batch(loop.algorithm, Hyperparameters(policy=loop.policy), Batching(loop.batching))
             COMPILED_LOOPS.add(loop)
 
 

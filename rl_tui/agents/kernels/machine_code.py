@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from enum import StrEnum
 from functools import cache
 from typing import Any, Final, NamedTuple, ParamSpec, TypeVar
 
@@ -21,16 +22,24 @@ ALWAYS_INTERPRETED: Final = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("",
 """Whether this process is to have no machine code: then a debugger can step through the kernels."""
 
 
-class Loop(NamedTuple):
-    """What machine code of the agent–environment loop is compiled for; planners have no ``policy``.
+class Batching(StrEnum):
+    """How many runs are advanced by one call."""
 
-    ``batch`` is for many runs by one call, each of them by the loop of a single one.
-    """
+    NONE = ""
+    """There is one run."""
+    ONE_BY_ONE = "one by one"
+    """Each in its turn to the end, by the loop of a single one."""
+    IN_TURN = "in turn"
+    """A step each: where they share a world in which every state has four actions."""
+
+
+class Loop(NamedTuple):
+    """What machine code of the agent–environment loop is compiled for; planners have no ``policy``."""
 
     algorithm: str
     policy: str
     stepped: bool
-    batch: bool = False
+    batching: Batching = Batching.NONE
 
 
 SHARED: Final = Loop("shared", "", stepped=False)

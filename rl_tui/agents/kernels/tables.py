@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from rl_tui.agents.kernels.compiled import compiled, inlined
+from rl_tui.agents.kernels.compiled import compiled, inlined, inlined_by_type
 from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -78,7 +78,7 @@ def _indices(array: npt.NDArray[np.int64]) -> IndexArray:
     return indices
 
 
-@inlined
+@inlined_by_type
 def pairs_of(tables: Tables, state: int) -> tuple[int, int]:
     """Return the first pair of ``state`` and the one after its last; the same twice if it owns none."""
     return np.int64(tables.first_pair[state]), np.int64(tables.first_pair[state + 1])  # type: ignore[return-value]

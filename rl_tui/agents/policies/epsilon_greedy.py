@@ -9,15 +9,28 @@ from numpy.random import Generator
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.compiled import member_of
 from rl_tui.agents.kernels.draws import uniform
-from rl_tui.agents.policies.family import best_value, choose, expectation, greedy, in_force, probability_of
+from rl_tui.agents.policies.family import (
+    best_value,
+    choose,
+    expectation,
+    greedy,
+    greedy_in_turn,
+    in_force,
+    probability_of,
+)
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 
 
 class Rule(NamedTuple):
-    """The ε in force; ``random_ties`` is false where the first of equal best actions is taken."""
+    """The ε in force; ``random_ties`` is false where the first of equal best actions is taken.
+
+    ``in_turn`` says that several runs take turns at one processor, which then is to guess as little as can
+    be: the choice is the same.
+    """
 
     epsilon: float
     random_ties: bool
+    in_turn: bool = False
 
 
 def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
@@ -27,7 +40,7 @@ def new_rule(space: FiniteSpace, hyperparameters: Hyperparameters) -> Rule:
 
 @member_of(in_force, Rule)
 def _in_force(rule: Rule, epsilon: float) -> Rule:
-    return Rule(epsilon, rule.random_ties)
+    return Rule(epsilon, rule.random_ties, rule.in_turn)
 
 
 @member_of(choose, Rule)
@@ -41,7 +54,12 @@ def _choose(
     if explore:
         pair = first + int(draw / rule.epsilon * (last - first))
     else:
-        pair = greedy(q, first, last, rule.random_ties, (draw - rule.epsilon) / (1.0 - rule.epsilon))
+        rest = (draw - rule.epsilon) / (1.0 - rule.epsilon)
+        pair = (
+            greedy_in_turn(q, first, last, rule.random_ties, rest)
+            if rule.in_turn
+            else greedy(q, first, last, rule.random_ties, rest)
+        )
     return pair, explore
 
 

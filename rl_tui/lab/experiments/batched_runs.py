@@ -36,7 +36,7 @@ def runs_at_once(seeded: SeededRuns, marks: int = 0) -> int:
     There has to be machine code for it. With ``marks`` estimates are kept so often.
     """
     learner = seeded.first.learner
-    if not seeded.is_batchable or learner.loop._replace(batch=True) not in COMPILED_LOOPS:
+    if seeded.batched_loop not in COMPILED_LOOPS:
         return 0
     return min(MOST_RUNS, MOST_BYTES // (learner.nbytes + 8 * marks * learner.space.pairs))
 
@@ -58,21 +58,21 @@ class BatchedRuns:
         mark_episodes: Sequence[int] = (),
     ) -> None:
         self._seeded, self._seeds, self._goal = seeded, seeds, goal
-        values = seeded.recipe.hyperparameters
         self._beginnings: list[Beginning] = []
         if seeded.shared is None:
             self._beginnings = [begin(replace(seeded.recipe, seed=seed)) for seed in seeds]
             runs = [
-                BatchedRun(_table(each), values, seed, each.streams)
+                BatchedRun(_table(each), seed, each.streams)
                 for seed, each in zip(seeds, self._beginnings, strict=True)
             ]
         else:
             mdp = seeded.shared.world.mdp
             assert mdp is not None
-            runs = [BatchedRun(mdp, values, seed) for seed in seeds]
+            runs = [BatchedRun(mdp, seed) for seed in seeds]
         self._curve_episodes = curve_episodes
         self.batch = Batch(
             seeded.recipe.algorithm,
+            seeded.recipe.hyperparameters,
             runs,
             steps=UNLIMITED if goal.steps is None else goal.steps,
             episodes=UNLIMITED if goal.steps is not None else goal.episodes or 0,
@@ -95,8 +95,8 @@ class BatchedRuns:
 
     @property
     def _done(self) -> int:
-        done = self.batch.episodes if self._goal.steps is None else self.batch.steps
-        return int(done.sum())
+        steps, episodes = self.batch.done()
+        return episodes if self._goal.steps is None else steps
 
     @property
     def broken(self) -> list[int]:

@@ -8,9 +8,11 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Any, Final
 
+from rl_tui.agents.batches.batch import batching_of
 from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.agents.compiling.cache_folder import was_compiled
 from rl_tui.agents.exact.solution import Solution
+from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.patience import WORTH_BATCHING, pays, seconds_interpreted
 from rl_tui.lab.experiments.training import Goal, OnProgress, train
@@ -83,10 +85,15 @@ class SeededRuns:
         return worlds
 
     @property
-    def is_batchable(self) -> bool:
-        """Whether many can be trained at once: agents that learn in a table, with nothing set on the way."""
-        learner = self.first.learner
-        return learner.rewindable and not learner.plans and not self.journal
+    def batched_loop(self) -> Loop | None:
+        """The loop that trains many at once: of agents that learn in a table, with nothing set on the way.
+
+        None for others.
+        """
+        learner, mdp = self.first.learner, self.first.world.mdp
+        if mdp is None or learner.plans or self.journal:
+            return None
+        return learner.loop._replace(batching=batching_of(mdp, is_shared=self.shared is not None))
 
     @property
     def first_seed(self) -> int:
@@ -114,9 +121,9 @@ class SeededRuns:
             if pays(learner.loop, seconds):
                 on_compiling()
                 BACKGROUND.get(learner.loop)
-            batch = learner.loop._replace(batch=True)
-            if self.is_batchable and (seconds > WORTH_BATCHING or was_compiled(batch)):
-                BACKGROUND.get(batch)
+            batched = self.batched_loop
+            if batched is not None and (seconds > WORTH_BATCHING or was_compiled(batched)):
+                BACKGROUND.get(batched)
 
     def new_run(self, seed: int, *on_episodes: OnEpisodes | None) -> Run:
         """Return the run of ``seed``, not trained; each of ``on_episodes`` hears of its episodes."""

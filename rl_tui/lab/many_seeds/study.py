@@ -187,7 +187,7 @@ class _Lane:
 
         def on_progress(done: int, wanted: int) -> None:
             check()
-            if runs.batch.steps.max() > MOST_STEPS:
+            if runs.batch.longest > MOST_STEPS:
                 raise _TooLongError
 
         runs.train(on_progress)
