@@ -10,7 +10,7 @@ import numpy as np
 from rl_tui.agents.exact.small_worlds.chain import Chain
 from rl_tui.agents.exact.small_worlds.double_double import plus, quick_two_sum, times, two_sum
 from rl_tui.agents.exact.small_worlds.elimination import Factors
-from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.kernels.compiled import for_kernels
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
 # Two or three are enough wherever a chain is well-conditioned
@@ -47,7 +47,7 @@ def new_unknowns(states: int) -> Unknowns:
     )
 
 
-@compiled
+@for_kernels
 def refine(chain: Chain, gamma: float, factors: Factors, found: Unknowns) -> bool:
     """Find the values of the unknown states, and correct them until nothing is left that a double shows.
 
@@ -71,7 +71,7 @@ def refine(chain: Chain, gamma: float, factors: Factors, found: Unknowns) -> boo
     return False
 
 
-@compiled
+@for_kernels
 def _correct(factors: Factors, found: Unknowns) -> tuple[float, float]:
     """Add to the values what solves the equations for ``residual``, which is lost.
 
@@ -101,7 +101,7 @@ def _correct(factors: Factors, found: Unknowns) -> tuple[float, float]:
     return correction, largest
 
 
-@compiled
+@for_kernels
 def _find_residual(chain: Chain, gamma: float, found: Unknowns) -> None:
     """Leave E[R + γ v(S′)] − v(s) in ``residual`` of the unknown states, 0 in the others."""
     states = len(chain.earned)
