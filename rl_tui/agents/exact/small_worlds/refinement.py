@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -13,9 +12,8 @@ from rl_tui.agents.exact.small_worlds.elimination import Factors
 from rl_tui.agents.kernels.compiled import for_kernels
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
-# Two or three are enough wherever a chain is well-conditioned
-_MOST_ROUNDS: Final = 12
-_LEAST_GAIN: Final = 16.0
+# Two or three are enough as a rule, some ten where a chain is hardly well-conditioned
+_MOST_ROUNDS: Final = 20
 # Of the largest value: below it a double has no digits
 _NEGLIGIBLE: Final = 2.0**-64
 
@@ -51,21 +49,19 @@ def new_unknowns(states: int) -> Unknowns:
 def refine(chain: Chain, gamma: float, factors: Factors, found: Unknowns) -> bool:
     """Find the values of the unknown states, and correct them until nothing is left that a double shows.
 
-    Returns False where corrections do not shrink, as where numbers overflow.
+    Returns False where that does not come to an end, as where numbers overflow.
     """
     states = len(chain.earned)
     for state in range(states):
         found.value[state], found.rest[state] = 0.0, 0.0
         found.residual[state] = chain.earned[state] if found.unknown[state] else 0.0
-    before = math.inf
+    before = 0.0
     for _ in range(_MOST_ROUNDS):
         correction, largest = _correct(factors, found)
-        # The next correction would be smaller by the same factor once more
-        factor = min(correction / before, 1.0) if before > 0.0 else 0.0
-        if correction * factor <= _NEGLIGIBLE * largest:
+        # The next would be smaller by the same factor once more
+        after = correction * min(correction / before, 1.0) if before > 0.0 else correction
+        if after <= _NEGLIGIBLE * largest:
             return True
-        if not correction <= before / _LEAST_GAIN:
-            return False
         before = correction
         _find_residual(chain, gamma, found)
     return False
