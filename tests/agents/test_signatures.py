@@ -19,10 +19,12 @@ from rl_tui.agents.compatibility import incompatibility
 from rl_tui.agents.compiling.jit import dispatcher_of
 from rl_tui.agents.compiling.loops import compile_here, learner_of
 from rl_tui.agents.exact.backward_induction import best_values, policy_values
+from rl_tui.agents.exact.policy_figures import batch_figures, expected_returns
+from rl_tui.agents.exact.small_worlds import many_policies
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.compiled import CALLED_FROM_PYTHON
 from rl_tui.agents.kernels.loop import advance
-from rl_tui.agents.kernels.machine_code import Loop
+from rl_tui.agents.kernels.machine_code import SHARED, Loop
 from rl_tui.agents.kernels.watch import Watching
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams
@@ -132,13 +134,18 @@ def test_nor_do_drift_a_time_limit_and_a_learner_that_came_back(algorithm: str, 
         assert not others
 
 
-def test_what_all_share_is_called_with_the_types_of_its_examples(recorder: Recorder) -> None:
+def test_what_all_share_is_called_with_the_types_of_its_examples(
+    recorder: Recorder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(many_policies, "COMPILED_LOOPS", {SHARED})
     mdp = world("frozenlake").mdp
     assert mdp is not None
     policy = np.full(mdp.pairs, 0.25)
     policy_values(mdp, policy, 3)
     policy_values(mdp, policy, 3, mdp.reward + 1)
     best_values(mdp, 1, 3)
+    expected_returns(mdp, policy[np.newaxis])
+    batch_figures(replace(mdp, time_limit=np.int64(3)), policy[np.newaxis], "first", 1, None)  # type: ignore[arg-type]
     ours = Learner(mdp, "q-learning", Hyperparameters(), streams(0))
     ours.watch(WATCHED)
     ours.advance(5)

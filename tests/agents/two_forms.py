@@ -18,6 +18,7 @@ from rl_tui.agents import learner
 from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.agents.compiling.loops import all_loops
 from rl_tui.agents.exact import backward_induction
+from rl_tui.agents.exact.small_worlds import many_policies
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels import machine_code, stepped_loop, watch
 from rl_tui.agents.kernels.machine_code import Loop
@@ -51,7 +52,7 @@ def in_place_of_machine_code(stand_in: Callable[..., Callable[..., Any]]) -> Ite
         patch.setattr(Learner, "is_compiled", True)
         patch.setattr(learner, "COMPILED_LOOPS", set())
         patch.setattr(learner, "use_machine_code", stand_in)
-        for module in (learner, watch, history, learning_curve):
+        for module in (learner, watch, history, learning_curve, many_policies):
             patch.setattr(module, "fastest", stand_in)
         for module in (stepped_loop, backward_induction):
             patch.setattr(module, "machine_code", stand_in)

@@ -24,7 +24,8 @@ COMPILER: Final = "rl_tui.agents.compiling.jit"
 NATIVE: Final = "rl_tui.agents.compiling.native"
 # Who imports one of these has kernels, or what they inline
 MARKS: Final = frozenset(
-    f"{DECORATORS}.{mark}" for mark in ("compiled", "compiled_for", "inlined", "inlined_by_type", "member_of")
+    f"{DECORATORS}.{mark}"
+    for mark in ("compiled", "compiled_for", "for_kernels", "inlined", "inlined_by_type", "member_of")
 )
 
 # To parse the sources would take ten times as long; the tests hold this against it. The package's name comes

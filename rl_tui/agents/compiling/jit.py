@@ -22,7 +22,7 @@ from numba.core.typing.templates import infer, infer_global, make_overload_templ
 
 from rl_tui.agents.compiling.machine_cache import CACHED, cache_of
 from rl_tui.agents.compiling.native import NATIVE, always
-from rl_tui.agents.kernels.compiled import COMPILED, FAMILIES, INLINED, Family
+from rl_tui.agents.kernels.compiled import CALLED_BY_KERNELS, COMPILED, FAMILIES, INLINED, Family
 
 # Numba wonders about variables that one branch of an inlined function sets and no other reads. Whether the
 # code is right, the comparison with its interpreted form tells.
@@ -102,7 +102,14 @@ def _take_in_marks() -> None:
             _KNOWN.add(family.dispatch)
     for function in COMPILED:
         if function not in _DISPATCHERS:
-            dispatcher = numba.njit(nogil=True, fastmath=False, error_model="numpy", _nrt=False)(function)
+            dispatcher = numba.njit(
+                nogil=True,
+                fastmath=False,
+                error_model="numpy",
+                _nrt=False,
+                no_cfunc_wrapper=True,  # for C, which calls none
+                no_cpython_wrapper=function in CALLED_BY_KERNELS,
+            )(function)
             if CACHED:
                 dispatcher._cache = cache_of(function)
             _DISPATCHERS[function] = dispatcher

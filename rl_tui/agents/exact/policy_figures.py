@@ -13,7 +13,13 @@ from rl_tui.agents.exact.exact_model import exact_model
 from rl_tui.agents.exact.expected_visits import expected_visits
 from rl_tui.agents.exact.policies import greedy_policy
 from rl_tui.agents.exact.policy_evaluation import PolicyChain
-from rl_tui.agents.exact.small_worlds.many_policies import ChainOf, distinct_policies, returns_of, values_of
+from rl_tui.agents.exact.small_worlds.many_policies import (
+    ChainOf,
+    PolicyValues,
+    distinct_policies,
+    returns_of,
+    values_of,
+)
 from rl_tui.agents.exact.solution import NoExactAnswer, Solution
 from rl_tui.agents.hyperparameters import Ties
 from rl_tui.worlds.mdp.space import FloatArray
@@ -63,15 +69,13 @@ class BatchFigures:
 
 def figures(mdp: TabularMDP, policy: FloatArray, gamma: float) -> PolicyFigures:
     """Return what ``policy``, [P], is worth for ``gamma`` in [0, 1]."""
-    chain = PolicyChain(exact_model(mdp), policy)
-    found = values_of(mdp, policy[np.newaxis], gamma, lambda _: chain)
-    at_start = _if_there(found.at_start)
-    if gamma == 1.0 and not mdp.time_limit:
-        earned = at_start
-    else:
-        earned = _if_there(returns_of(mdp, policy[np.newaxis], lambda _: chain))
-    steps, ends = _within_limit(mdp, policy) if mdp.time_limit else _unlimited(chain)
-    return PolicyFigures(found.v[0] if found.exact[0] else None, at_start, earned, steps, ends)
+    alone = policy[np.newaxis]
+    chain_of = cache(_chains(mdp, alone))  # what one figure took serves the next
+    values, returns = _values_and_returns(mdp, alone, gamma, chain_of)
+    steps, ends = _within_limit(mdp, policy) if mdp.time_limit else _unlimited(chain_of(0))
+    return PolicyFigures(
+        values.v[0] if values.exact[0] else None, _if_there(values.at_start), _if_there(returns), steps, ends
+    )
 
 
 def batch_figures(
@@ -83,13 +87,9 @@ def batch_figures(
     for it, None where there is none. Equal policies are evaluated once.
     """
     distinct, place = distinct_policies(greedy_policy(mdp, q, ties))
-    at_start = values_of(mdp, distinct, gamma, _chains(mdp, distinct)).at_start
-    if gamma == 1.0 and not mdp.time_limit:
-        earned = at_start
-    else:
-        earned = returns_of(mdp, distinct, _chains(mdp, distinct))
+    values, returns = _values_and_returns(mdp, distinct, gamma, _chains(mdp, distinct))
     error = np.full(len(q), np.nan) if optimum is None else np.abs(q - optimum.q).max(axis=1)
-    return BatchFigures(at_start[place], earned[place], error)
+    return BatchFigures(values.at_start[place], returns[place], error)
 
 
 def expected_return(mdp: TabularMDP, policy: FloatArray) -> float | None:
@@ -119,6 +119,16 @@ def chance_of_ending(mdp: TabularMDP, policy: FloatArray) -> float | None:
     if mdp.time_limit:
         return _within_limit(mdp, policy).ends
     return _if_exact(PolicyChain(exact_model(mdp), policy).chance_of_ending)
+
+
+def _values_and_returns(
+    mdp: TabularMDP, policies: FloatArray, gamma: float, chain_of: ChainOf
+) -> tuple[PolicyValues, FloatArray]:
+    """Return the values of ``policies``, [B, P], and what they earn undiscounted from the start, [B]."""
+    values = values_of(mdp, policies, gamma, chain_of)
+    if gamma == 1.0 and not mdp.time_limit:
+        return values, values.at_start
+    return values, returns_of(mdp, policies, chain_of)
 
 
 def _chains(mdp: TabularMDP, policies: FloatArray) -> ChainOf:

@@ -8,7 +8,7 @@ import numpy as np
 
 from rl_tui.agents.exact.small_worlds.double_double import plus, times, two_sum
 from rl_tui.agents.exact.small_worlds.world import UnlimitedWorld
-from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.kernels.compiled import for_kernels
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 
@@ -48,7 +48,7 @@ def new_chain(world: UnlimitedWorld) -> Chain:
     )
 
 
-@compiled
+@for_kernels
 def follow_policy(world: UnlimitedWorld, policies: FloatArray, row: int, gamma: float, chain: Chain) -> None:
     """Make ``chain`` that of the policy ``policies``[row], one of [B, P], for ``gamma`` in [0, 1]."""
     states = len(world.first_pair) - 1

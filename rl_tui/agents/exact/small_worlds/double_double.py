@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.kernels.compiled import for_kernels
 
 # It splits a double of 53 digits into two halves of at most 26 each
 _SPLITTER: Final = 134217729.0
@@ -17,7 +17,7 @@ _SPLITTER: Final = 134217729.0
 DoubleDouble = tuple[float, float]
 
 
-@compiled
+@for_kernels
 def two_sum(a: float, b: float) -> DoubleDouble:
     """Return a + b exactly: the rounded sum, and what rounding took from it."""
     total = a + b
@@ -25,14 +25,14 @@ def two_sum(a: float, b: float) -> DoubleDouble:
     return total, (a - (total - of_b)) + (b - of_b)
 
 
-@compiled
+@for_kernels
 def quick_two_sum(a: float, b: float) -> DoubleDouble:
     """Return a + b exactly, where ``a`` is 0 or not below ``b`` in size."""
     total = a + b
     return total, b - (total - a)
 
 
-@compiled
+@for_kernels
 def two_product(a: float, b: float) -> DoubleDouble:
     """Return a · b exactly: the rounded product, and what rounding took from it."""
     product = a * b
@@ -45,14 +45,14 @@ def two_product(a: float, b: float) -> DoubleDouble:
     return product, ((high_a * high_b - product) + high_a * low_b + low_a * high_b) + low_a * low_b
 
 
-@compiled
+@for_kernels
 def plus(a: float, a_rest: float, b: float, b_rest: float) -> DoubleDouble:
     """Return the sum of two numbers of two doubles."""
     total, rest = two_sum(a, b)
     return quick_two_sum(total, rest + (a_rest + b_rest))
 
 
-@compiled
+@for_kernels
 def times(a: float, a_rest: float, b: float, b_rest: float) -> DoubleDouble:
     """Return the product of two numbers of two doubles."""
     product, rest = two_product(a, b)

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rl_tui.agents.exact.small_worlds.chain import Chain
-from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.kernels.compiled import for_kernels
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 MOST_STEPS: Final = 1e10
@@ -55,7 +55,7 @@ def new_factors(states: int) -> Factors:
     )
 
 
-@compiled
+@for_kernels
 def eliminate(chain: Chain, gamma: float, unknown: BoolArray, factors: Factors) -> int:
     """Take the ``unknown`` states, [N+1], out of the chain; the values of all others are known.
 
@@ -101,7 +101,7 @@ def eliminate(chain: Chain, gamma: float, unknown: BoolArray, factors: Factors) 
     return SOLVABLE if _is_well_conditioned(unknown, factors) else UNSUITABLE
 
 
-@compiled
+@for_kernels
 def _fill(chain: Chain, gamma: float, unknown: BoolArray, factors: Factors) -> None:
     """Set ``matrix`` to the weights of ways between unknown states, ``leaving`` to those of all others."""
     states = len(chain.earned)
@@ -117,7 +117,7 @@ def _fill(chain: Chain, gamma: float, unknown: BoolArray, factors: Factors) -> N
             factors.leaving[state] = out
 
 
-@compiled
+@for_kernels
 def _is_well_conditioned(unknown: BoolArray, factors: Factors) -> bool:
     """Find the ``steps`` of the unknown states, and return whether they are few enough."""
     states = len(factors.steps)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from rl_tui.agents.exact.small_worlds.chain import Chain
-from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.kernels.compiled import for_kernels
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
 
-@compiled
+@for_kernels
 def leave_out_endless(chain: Chain, pays: BoolArray, unknown: BoolArray, undefined: BoolArray) -> None:
     """Mark the states whose value has to be found, ``unknown``, and those that have none, ``undefined``.
 
@@ -30,7 +30,7 @@ def leave_out_endless(chain: Chain, pays: BoolArray, unknown: BoolArray, undefin
         unknown[state] = pays[state] and not undefined[state]
 
 
-@compiled
+@for_kernels
 def _mark_those_before(first: IntArray, target: IntArray, goals: BoolArray) -> None:
     """Mark all states from which luck may lead to one of ``goals``, [N+1], too."""
     states = len(first) - 1

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -10,12 +9,11 @@ import numpy as np
 from rl_tui.agents.exact.small_worlds.chain import Chain
 from rl_tui.agents.exact.small_worlds.double_double import plus, quick_two_sum, times, two_sum
 from rl_tui.agents.exact.small_worlds.elimination import Factors
-from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.kernels.compiled import for_kernels
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
-# Two or three are enough wherever a chain is well-conditioned
-_MOST_ROUNDS: Final = 12
-_LEAST_GAIN: Final = 16.0
+# Two or three are enough as a rule, some ten where a chain is hardly well-conditioned
+_MOST_ROUNDS: Final = 20
 # Of the largest value: below it a double has no digits
 _NEGLIGIBLE: Final = 2.0**-64
 
@@ -47,31 +45,29 @@ def new_unknowns(states: int) -> Unknowns:
     )
 
 
-@compiled
+@for_kernels
 def refine(chain: Chain, gamma: float, factors: Factors, found: Unknowns) -> bool:
     """Find the values of the unknown states, and correct them until nothing is left that a double shows.
 
-    Returns False where corrections do not shrink, as where numbers overflow.
+    Returns False where that does not come to an end, as where numbers overflow.
     """
     states = len(chain.earned)
     for state in range(states):
         found.value[state], found.rest[state] = 0.0, 0.0
         found.residual[state] = chain.earned[state] if found.unknown[state] else 0.0
-    before = math.inf
+    before = 0.0
     for _ in range(_MOST_ROUNDS):
         correction, largest = _correct(factors, found)
-        # The next correction would be smaller by the same factor once more
-        factor = min(correction / before, 1.0) if before > 0.0 else 0.0
-        if correction * factor <= _NEGLIGIBLE * largest:
+        # The next would be smaller by the same factor once more
+        after = correction * min(correction / before, 1.0) if before > 0.0 else correction
+        if after <= _NEGLIGIBLE * largest:
             return True
-        if not correction <= before / _LEAST_GAIN:
-            return False
         before = correction
         _find_residual(chain, gamma, found)
     return False
 
 
-@compiled
+@for_kernels
 def _correct(factors: Factors, found: Unknowns) -> tuple[float, float]:
     """Add to the values what solves the equations for ``residual``, which is lost.
 
@@ -101,7 +97,7 @@ def _correct(factors: Factors, found: Unknowns) -> tuple[float, float]:
     return correction, largest
 
 
-@compiled
+@for_kernels
 def _find_residual(chain: Chain, gamma: float, found: Unknowns) -> None:
     """Leave E[R + γ v(S′)] − v(s) in ``residual`` of the unknown states, 0 in the others."""
     states = len(chain.earned)

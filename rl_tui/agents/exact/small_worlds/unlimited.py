@@ -19,7 +19,7 @@ from rl_tui.agents.exact.small_worlds.elimination import (
 from rl_tui.agents.exact.small_worlds.endless import leave_out_endless
 from rl_tui.agents.exact.small_worlds.refinement import Unknowns, new_unknowns, refine
 from rl_tui.agents.exact.small_worlds.world import UnlimitedWorld, as_small_world
-from rl_tui.agents.kernels.compiled import compiled, compiled_for
+from rl_tui.agents.kernels.compiled import compiled_for, for_kernels
 from rl_tui.worlds.mdp.smallest import smallest_mdp
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 
@@ -86,7 +86,7 @@ def find_values(
             values.at_start[row] = _average_at_start(world, values.v, row, found.rest)
 
 
-@compiled
+@for_kernels
 def _average_at_start(world: UnlimitedWorld, v: FloatArray, row: int, rest: FloatArray) -> float:
     """Return the mean of ``v``[row] + ``rest``, [N], over the start distribution."""
     average, average_rest = 0.0, 0.0

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rl_tui.agents.exact.small_worlds.world import LimitedWorld, as_small_world
-from rl_tui.agents.kernels.compiled import compiled, compiled_for
+from rl_tui.agents.kernels.compiled import compiled_for, for_kernels
 from rl_tui.worlds.mdp.smallest import smallest_mdp
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
@@ -63,7 +63,7 @@ def find_returns(
         earned[row] = _sum_of_rewards(world, steps, taken)
 
 
-@compiled
+@for_kernels
 def _take(world: LimitedWorld, policies: FloatArray, row: int, taken: Taken) -> None:
     """Note the pairs that the policy ``policies``[row], one of [B, P], may take."""
     states = len(world.first_pair) - 1
@@ -84,7 +84,7 @@ def _take(world: LimitedWorld, policies: FloatArray, row: int, taken: Taken) -> 
     taken.first_outcome[pairs] = outcomes
 
 
-@compiled
+@for_kernels
 def _sum_of_rewards(world: LimitedWorld, steps: int, taken: Taken) -> float:
     """Return the expected sum of rewards of so many steps from the start."""
     states = len(world.first_pair) - 1

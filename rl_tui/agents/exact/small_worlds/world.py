@@ -65,7 +65,6 @@ class SmallWorld(NamedTuple):
     limited: LimitedWorld
 
 
-@lru_cache(maxsize=_WORLDS_KEPT)
 def small_world(mdp: TabularMDP) -> SmallWorld | None:
     """Return ``mdp`` as the kernels read it, None where it is too large for them."""
     largest = float(np.abs(mdp.reward).max()) * max(mdp.time_limit, 1)
@@ -73,8 +72,9 @@ def small_world(mdp: TabularMDP) -> SmallWorld | None:
     return as_small_world(mdp) if is_small else None
 
 
+@lru_cache(maxsize=_WORLDS_KEPT)
 def as_small_world(mdp: TabularMDP) -> SmallWorld:
-    """Return ``mdp`` as the kernels read it."""
+    """Return ``mdp`` as the kernels read it; that of the last few is kept."""
     model = exact_model(mdp)
     number = np.full(mdp.states + 1, len(model.live))
     number[model.live] = np.arange(len(model.live))
