@@ -21,19 +21,15 @@ from statistics import median, quantiles
 from tempfile import TemporaryDirectory
 from typing import Final
 
-import numpy as np
-from comparison_errors import SWEEPS, errors
 from edit_times import edit_times
 from frame_times import frame_times
-from interval_coverage import HELD, RESULTS, coverage_of_difference, coverage_of_mean
 from journeys import journeys
 from player_calls import player_calls
 from pseudo_terminal import RL_TUI, PseudoTerminal
 from seed_study_cost import seed_study_cost
+from statistics_measured import comparison, coverage
 
 import rl_tui
-from rl_tui.lab.statistics.comparison import not_different
-from rl_tui.lab.statistics.intervals import summary_of
 
 PACKAGE: Final = Path(rl_tui.__file__).parent
 SCENARIO: Final = "frozenlake-slippery"
@@ -327,35 +323,6 @@ def seeds(rounds: int) -> Rows:
     yield "its steps a second of processor", f"{median(thrifts):.1%}", ""
 
 
-def coverage(rounds: int) -> Rows:
-    """How often the intervals of means cover, below and above, and how long one takes."""
-    trials = 2_000 * rounds
-    for kind in RESULTS:
-        for runs in (30, 50, 100):
-            of_mean = coverage_of_mean(kind, runs, trials)
-            beside = f"{of_mean.covered:.2%}: {of_mean.below:.2%} below, {of_mean.above:.2%} above"
-            yield f"{kind}, {runs} runs", beside, "93 to 97 %" if kind in HELD else ""
-        of_difference = coverage_of_difference(kind, 30, trials)
-        yield f"{kind}, two cells of 30 runs", f"{of_difference.covered:.2%}", ""
-    values = RESULTS["mostly learned"].draw(np.random.default_rng(1), (500, 30))
-    start = time.perf_counter()
-    for each in values:
-        summary_of(each)
-    taken = (time.perf_counter() - start) / len(values)
-    yield "summary of a cell of 30 runs", f"{taken * 1e3:.2f} ms", "at most 1 ms"
-
-
-def comparison(rounds: int) -> Rows:
-    """How often a cell as good as the best is called different, and how long ten thousand cells take."""
-    for sweep in SWEEPS:
-        for runs in (10, 30, 100):
-            yield f"{sweep}, {runs} runs", f"{errors(sweep, runs, 800 * rounds):.2%}", "at most 5 %"
-    values = RESULTS["normal"].draw(np.random.default_rng(1), (10_000, 30))
-    start = time.perf_counter()
-    not_different(values)
-    yield "comparison of 10,000 cells", f"{time.perf_counter() - start:.2f} s", ""
-
-
 def memory(steps: int) -> Rows:
     """Resident memory of a run after ten million steps and after ``steps``."""
     code = MEMORY.format(scenario=SCENARIO, first=10_000_000, last=steps)
@@ -392,8 +359,8 @@ def main() -> None:
         "travel": lambda: travel(100_000_000),
         "player": player,
         "seeds": lambda: seeds(options.rounds),
-        "coverage": lambda: coverage(options.rounds),
-        "comparison": lambda: comparison(options.rounds),
+        "coverage": lambda: coverage(2_000 * options.rounds),
+        "comparison": lambda: comparison(800 * options.rounds),
         "memory": lambda: memory(options.memory_steps),
     }
     for name in options.what or measures:

@@ -30,9 +30,9 @@ def shrinkage_of(
 
     The best of many looks better than it is, since luck helped to choose it: what it shrinks by is that luck.
     The interval of the difference is put together from those of the two means, each end from the distances
-    that push it: G. Y. Zou and A. Donner, "Construction of Confidence Limits About Effect Measures", 2008. Of
-    two shares it is R. G. Newcombe, "Interval Estimation for the Difference Between Independent Proportions",
-    1998, method 10.
+    that push it: G. Y. Zou and A. Donner, "Construction of Confidence Limits About Effect Measures: A General
+    Approach", 2008. Of two shares it is R. G. Newcombe, "Interval Estimation for the Difference Between
+    Independent Proportions", 1998, method 10.
 
     Raises ValueError if a value is not finite.
     """
