@@ -38,6 +38,7 @@ def comparison(trials: int) -> Rows:
         for runs in (10, 30, 100):
             yield f"{sweep}, {runs} runs", f"{errors(sweep, runs, trials):.2%}", "at most 5 %"
     values = RESULTS["normal"].draw(np.random.default_rng(1), (10_000, 30))
+    not_different(values[:2])  # imports what it needs
     start = time.perf_counter()
     not_different(values)
-    yield "comparison of 10,000 cells", f"{time.perf_counter() - start:.2f} s", ""
+    yield "comparison of 10,000 cells", f"{(time.perf_counter() - start) * 1e3:.0f} ms", ""

@@ -7,14 +7,12 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.lab.statistics.intervals import FEWEST_RUNS
+from rl_tui.lab.statistics.intervals import EQUAL, FEWEST_RUNS
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 ERROR: Final = 0.05
 """The chance that a cell as good as the best is called different, over all cells together."""
 METHOD: Final = "paired t-tests against the best, Holm's step-down corrected for the choice of the best"
-EQUAL: Final = 1e-9
-"""Results that differ by less, as a part of the largest one, are equal: exact figures are no more exact."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,8 @@ FEWEST_RUNS: Final = 10
 RESAMPLES: Final = 5_000
 MOST_RESAMPLED: Final = 300
 """Above this many runs a formula takes the place of resamples: other resamples would differ as much."""
+EQUAL: Final = 1e-9
+"""Results that differ by less, as a part of the largest one, are equal: exact figures are no more exact."""
 SEED: Final = 20_210_830
 _TIE: Final = 1e-12  # means of resamples this near to the mean, in units of the largest deviation, equal it
 
@@ -80,8 +82,9 @@ def interval_of(values: Iterable[float], seed: int = SEED) -> tuple[float, float
     """Return the ends of the 95 % interval of the mean of ``values``; None below ``FEWEST_RUNS`` of them.
 
     Equal values have no spread: both ends are that value. Where there are two different values, the mean is a
-    share, and the interval is Wilson's of that share. Else it is an expanded BCa bootstrap interval
-    (``_bootstrap_interval``), or for many values ``_skewness_interval``.
+    share, and the interval is Wilson's of that share. Neighbours that are ``EQUAL`` count as one value. Else
+    it is an expanded BCa bootstrap interval (``_bootstrap_interval``), or for many values
+    ``_skewness_interval``.
 
     Raises ValueError if a value is not finite.
     """
@@ -89,12 +92,14 @@ def interval_of(values: Iterable[float], seed: int = SEED) -> tuple[float, float
     count = ordered.size
     if count < FEWEST_RUNS:
         return None
-    least, most = float(ordered[0]), float(ordered[-1])
-    if least == most:
-        return least, most
-    above = count - int(np.searchsorted(ordered, least, side="right"))
-    if above == np.count_nonzero(ordered == most):
-        low, high = share_interval(above, count)
+    largest = max(abs(ordered[0]), abs(ordered[-1]))
+    steps = np.flatnonzero(np.diff(ordered) > EQUAL * largest)
+    if not steps.size:
+        return float(ordered[0]), float(ordered[-1])
+    if steps.size == 1:
+        last = int(steps[0])
+        least, most = float(ordered[last]), float(ordered[last + 1])
+        low, high = share_interval(count - 1 - last, count)
         return least + low * (most - least), least + high * (most - least)
     mean = statistics.fmean(ordered)
     deviations = ordered - mean

@@ -138,6 +138,13 @@ def test_two_values_have_the_interval_of_their_share(least: float, width: float,
     assert least <= told[0] < told[1] <= most
 
 
+def test_what_differs_by_rounding_alone_is_one_value() -> None:
+    nearly = [0.7 + step * 1e-16 for step in range(20)]
+    assert interval_of(nearly) == pytest.approx((0.7, 0.7), abs=1e-12)
+    low, high = share_interval(20, 30)
+    assert interval_of([*nearly, *[0.0] * 10]) == pytest.approx((0.7 * low, 0.7 * high), abs=1e-12)
+
+
 @given(value=NUMBERS, runs=st.integers(FEWEST_RUNS, 400))
 def test_equal_values_have_no_spread(value: float, runs: int) -> None:
     told = summary_of([value] * runs)
