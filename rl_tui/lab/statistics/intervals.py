@@ -1,0 +1,216 @@
+"""The middle of many runs, and an interval for their mean."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from rl_tui.worlds.mdp.space import FloatArray
+
+CONFIDENCE: Final = 0.95
+FEWEST_RUNS: Final = 10
+"""Below this many runs nothing is claimed of the mean."""
+RESAMPLES: Final = 5_000
+MOST_RESAMPLED: Final = 300
+"""Above this many runs a formula takes the place of resamples: other resamples would differ as much."""
+EQUAL: Final = 1e-9
+"""Results that differ by less, as a part of the largest one, are equal: exact figures are no more exact."""
+SEED: Final = 20_210_830
+_TIE: Final = 1e-12  # means of resamples this near to the mean, in units of the largest deviation, equal it
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """The middle of the values of some runs, each in their unit.
+
+    ``low`` and ``high`` are the ends of the 95 % interval of the mean; both are None below ``FEWEST_RUNS``.
+    """
+
+    mean: float
+    median: float
+    iqm: float
+    low: float | None
+    high: float | None
+    count: int
+
+
+def summary_of(values: Iterable[float], seed: int = SEED) -> Summary | None:
+    """Return mean, median, interquartile mean and interval of ``values``, in any order; None without any.
+
+    The same values give the same bits, however they are ordered and whatever was asked before.
+
+    Raises ValueError if a value is not finite.
+    """
+    ordered = np.sort(_finite(values))
+    if not ordered.size:
+        return None
+    low, high = interval_of(ordered, seed) or (None, None)
+    return Summary(
+        statistics.fmean(ordered),
+        float(np.median(ordered)),
+        interquartile_mean(ordered),
+        low,
+        high,
+        ordered.size,
+    )
+
+
+def interquartile_mean(values: Iterable[float]) -> float:
+    """Return the mean of the middle half of ``values``; those that a quartile cuts count by their part.
+
+    Of the sorted values, the i-th of n stands on [i/n, (i+1)/n]; its weight is the part of that in
+    [1/4, 3/4]. So no value is dropped by rounding, and 2 values give their mean. For the use of it see
+    Agarwal et al., "Deep Reinforcement Learning at the Edge of the Statistical Precipice", 2021.
+
+    Raises ValueError if there is no value, or one is not finite.
+    """
+    ordered = np.sort(_finite(values))
+    if not ordered.size:
+        raise ValueError("no value has no interquartile mean")
+    edges = np.clip(np.arange(ordered.size + 1) / ordered.size, 0.25, 0.75)
+    first = ordered[0]  # equal values then give exactly that value
+    return float(first + 2.0 * np.sum(np.diff(edges) * (ordered - first)))
+
+
+def interval_of(values: Iterable[float], seed: int = SEED) -> tuple[float, float] | None:
+    """Return the ends of the 95 % interval of the mean of ``values``; None below ``FEWEST_RUNS`` of them.
+
+    Equal values have no spread: both ends are that value. Where there are two different values, the mean is a
+    share, and the interval is Wilson's of that share. Neighbours that are ``EQUAL`` count as one value. Else
+    it is an expanded BCa bootstrap interval (``_bootstrap_interval``), or for many values
+    ``_skewness_interval``.
+
+    Raises ValueError if a value is not finite.
+    """
+    ordered = np.sort(_finite(values))
+    count = ordered.size
+    if count < FEWEST_RUNS:
+        return None
+    largest = max(abs(ordered[0]), abs(ordered[-1]))
+    steps = np.flatnonzero(np.diff(ordered) > EQUAL * largest)
+    if not steps.size:
+        return float(ordered[0]), float(ordered[-1])
+    if steps.size == 1:
+        last = int(steps[0])
+        least, most = float(ordered[last]), float(ordered[last + 1])
+        low, high = share_interval(count - 1 - last, count)
+        return least + low * (most - least), least + high * (most - least)
+    mean = statistics.fmean(ordered)
+    deviations = ordered - mean
+    scale = float(np.max(np.abs(deviations)))
+    ends = _skewness_interval if count > MOST_RESAMPLED else _bootstrap_interval
+    low, high = ends(deviations / scale, seed)
+    return mean + scale * low, mean + scale * high
+
+
+def share_interval(successes: int, count: int) -> tuple[float, float]:
+    """Return Wilson's 95 % interval, within [0, 1], of the share that ``successes`` of ``count`` estimate.
+
+    E. B. Wilson, "Probable Inference, the Law of Succession, and Statistical Inference", 1927; for how it
+    covers see Brown, Cai and DasGupta, "Interval Estimation for a Binomial Proportion", 2001.
+
+    Raises ValueError if ``count`` is not positive or ``successes`` not within 0 .. ``count``.
+    """
+    if not 0 <= successes <= count or not count:
+        raise ValueError(f"{successes} of {count} is no share")
+    share, z = successes / count, _normal_quantile(0.5 + CONFIDENCE / 2)
+    middle = (share + z * z / (2 * count)) / (1 + z * z / count)
+    half = z / (1 + z * z / count) * (share * (1 - share) / count + z * z / (4 * count * count)) ** 0.5
+    # At either end the formula gives exactly 0 or 1, but for rounding
+    low = 0.0 if successes == 0 else max(0.0, middle - half)
+    high = 1.0 if successes == count else min(1.0, middle + half)
+    return low, high
+
+
+def _bootstrap_interval(deviations: FloatArray, seed: int) -> tuple[float, float]:
+    """Return the expanded BCa interval of the mean of what deviates from it by ``deviations``, [n], sorted.
+
+    Efron, "Better Bootstrap Confidence Intervals", 1987, with the quantile of Student's distribution in place
+    of the normal one, which makes up for the spread of n values being n − 1 over n too small (Hesterberg,
+    "What Teachers Should Know About the Bootstrap", 2015, on expanded percentiles).
+    """
+    means = np.sort(deviations.take(resamples(deviations.size, seed)).sum(axis=0) / deviations.size)
+    return _ends(means, deviations)
+
+
+def _ends(means: FloatArray, deviations: FloatArray) -> tuple[float, float]:
+    """Return the two quantiles of ``means``, sorted, that BCa chooses: bias and acceleration corrected."""
+    ties = np.searchsorted(means, (-_TIE, _TIE))
+    below = float(np.clip(ties.mean() / means.size, 1 / means.size, 1 - 1 / means.size))
+    bias = _normal_quantile(below)
+    acceleration = _skewness(deviations) / (6 * deviations.size**0.5)
+    reach = _student_quantile(deviations.size) * (deviations.size / (deviations.size - 1)) ** 0.5
+    low, high = (
+        _quantile(means, _normal_share(bias + (bias + z) / (1 - acceleration * (bias + z))))
+        for z in (-reach, reach)
+    )
+    return low, high
+
+
+def _skewness_interval(deviations: FloatArray, seed: int) -> tuple[float, float]:
+    """Return Student's interval with what skewness adds to both ends; ``seed`` is not needed.
+
+    To the second order it is what BCa comes to: N. J. Johnson, "Modified t Tests and
+    Confidence Intervals for Asymmetrical Populations", 1978.
+    """
+    count = deviations.size
+    error = float(np.sum(deviations**2) / (count - 1) / count) ** 0.5
+    t = _student_quantile(count)
+    shift = _skewness(deviations) / (6 * count**0.5) * (1 + 2 * t * t)
+    return error * (shift - t), error * (shift + t)
+
+
+def _skewness(deviations: FloatArray) -> float:
+    return float(np.mean(deviations**3) / np.mean(deviations**2) ** 1.5)
+
+
+@lru_cache(maxsize=16)
+def resamples(count: int, seed: int) -> npt.NDArray[np.uint16]:
+    """Return which of ``count`` values each resample draws, by rank, [count, RESAMPLES].
+
+    All cells of as many runs share it. It is balanced: every value is drawn equally often in all, so the mean
+    of the resamples is the mean (Davison, Hinkley and Schechtman, "Efficient Bootstrap Simulation", 1986).
+    And each resample has its mirror image, so that results and costs, their negatives, come to the
+    same.
+    """
+    generator = np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, count])))
+    ranks = np.repeat(np.arange(count, dtype=np.uint16), RESAMPLES // 2)
+    half = generator.permutation(ranks).reshape(count, RESAMPLES // 2)
+    drawn = np.hstack([half, np.uint16(count - 1) - half])
+    drawn.flags.writeable = False
+    return drawn
+
+
+def _quantile(ordered: FloatArray, share: float) -> float:
+    """Return the quantile of sorted values, straight between neighbours."""
+    place = share * (ordered.size - 1)
+    before = int(place)
+    after = min(before + 1, ordered.size - 1)
+    return float(ordered[before] + (place - before) * (ordered[after] - ordered[before]))
+
+
+def _student_quantile(count: int) -> float:
+    from scipy.special import stdtrit  # takes long to import
+
+    return float(stdtrit(count - 1, 0.5 + CONFIDENCE / 2))
+
+
+def _normal_quantile(share: float) -> float:
+    return statistics.NormalDist().inv_cdf(share)
+
+
+def _normal_share(quantile: float) -> float:
+    return statistics.NormalDist().cdf(quantile)
+
+
+def _finite(values: Iterable[float]) -> FloatArray:
+    array = np.asarray(values if isinstance(values, np.ndarray) else list(values), np.float64)
+    if not np.isfinite(array).all():
+        raise ValueError("a value that is not finite has no place in a mean")
+    return array
