@@ -11,7 +11,7 @@ import pytest
 
 from rl_tui.agents.compiling.cache_key import DECORATORS, NAME, PACKAGE, imports
 
-NEEDS_NUMBA = {"rl_tui.agents.compiling.jit", "rl_tui.agents.compiling.machine_cache"}
+NEEDS_NUMBA = {f"rl_tui.agents.compiling.{module}" for module in ("jit", "machine_cache", "native", "pcg64")}
 
 RUNS = """
 import importlib, sys

@@ -70,6 +70,7 @@ def noted(monkeypatch: pytest.MonkeyPatch) -> set[Loop]:
     monkeypatch.setattr(warming, "CompilerLock", Lock)
     monkeypatch.setattr(warming, "LOOKED_FOR_EVERY", 0.001)
     monkeypatch.setattr("rl_tui.agents.compiling.loops.all_loops", lambda: LOOPS)
+    monkeypatch.setattr("rl_tui.agents.compiling.loops.all_batches", list)
     monkeypatch.setattr(warming, "takes_code", lambda: True)
     monkeypatch.setattr(warming, "was_compiled", lambda loop: loop in noted)
     return noted

@@ -178,6 +178,7 @@ def test_lanes_have_as_many_episodes_as_the_one_with_the_fewest() -> None:
 
 def test_finished_runs_of_a_large_world_do_not_stay_in_memory(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(study, "COLLECTED_ABOVE", 0)
+    monkeypatch.setattr(study, "BATCHED_BELOW", 0)
     trained, row = list[weakref.ref[Run]](), SeededRuns.row
 
     def noted(runs: SeededRuns, run: Run, check: Callable[[], None]) -> dict[str, Any]:
@@ -263,7 +264,8 @@ def test_seeds_that_take_too_many_steps_are_ended_by_steps(monkeypatch: pytest.M
 
 
 @pytest.mark.parametrize(("ticks", "seeds"), [(3, 0), (32, 6), (110, 16)])
-def test_it_ends_when_its_time_is_up(ticks: int, seeds: int) -> None:
+def test_it_ends_when_its_time_is_up(ticks: int, seeds: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(study, "BATCHED_BELOW", 0)  # else it asks for the time once for many seeds
     now, slow = count(), study.MOST_SECONDS / ticks
     made_from = recipe("student")
     told = list(Study(requested(made_from, Train(300), most=64), lambda: next(now) * slow).reports())

@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.kernels.compiled import compiled
+from rl_tui.agents.kernels.compiled import for_kernels
 from rl_tui.agents.kernels.episode_bins import CurveSums
 from rl_tui.agents.kernels.position import EpisodeLog
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
@@ -44,7 +44,7 @@ def new_digest(episodes: int, width: int) -> Digest:
     )
 
 
-@compiled
+@for_kernels
 def digest_episodes(digest: Digest, log: EpisodeLog, done: int) -> None:
     """Take in the episodes of ``log``, of which ``done`` others came before.
 

@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from rl_tui.agents.kernels.compiled import compiled, compiled_for
+from rl_tui.agents.kernels.compiled import compiled_for, for_kernels
 from rl_tui.agents.kernels.machine_code import fastest
 from rl_tui.worlds.mdp.space import IntArray
 
@@ -70,7 +70,7 @@ def seed_streams(seeds: IntArray, pool: IntArray, limbs: IntArray, memory: WordA
             _seed_pcg64(pool, limbs, memory[index, stream])
 
 
-@compiled
+@for_kernels
 def _mix(seed: int, stream: int, pool: IntArray) -> None:
     """Hash ``seed`` and the number of the ``stream`` into ``pool``, [4] numbers of 32 bits."""
     constant = 0x43B0D7E5
@@ -87,20 +87,20 @@ def _mix(seed: int, stream: int, pool: IntArray) -> None:
         pool[place] = _mixed(pool[place], word)
 
 
-@compiled
+@for_kernels
 def _hashed(constant: int, word: int) -> tuple[int, int]:
     following = constant * 0x931E8875 & _MASK
     hashed = (word ^ constant) * following & _MASK
     return following, hashed ^ hashed >> 16
 
 
-@compiled
+@for_kernels
 def _mixed(one: int, other: int) -> int:
     mixed = (0xCA01F9DD * one - 0x4973F715 * other) & _MASK
     return mixed ^ mixed >> 16
 
 
-@compiled
+@for_kernels
 def _seed_pcg64(pool: IntArray, limbs: IntArray, words: WordArray) -> None:
     """Write the state and the increment that ``pool`` gives a PCG64 into the first four of ``words``."""
     state, increment, product = limbs[0], limbs[1], limbs[2]
@@ -135,7 +135,7 @@ def _seed_pcg64(pool: IntArray, limbs: IntArray, words: WordArray) -> None:
         words[2 + word] = _joined(increment, 4 * word)
 
 
-@compiled
+@for_kernels
 def _joined(limbs: IntArray, first: int) -> int:
     """Return the 64 bits of four of ``limbs``."""
     low = limbs[first] | limbs[first + 1] << 16

@@ -11,7 +11,7 @@ from rl_tui.agents.algorithms.family import Experience, act, has_room, learn
 from rl_tui.agents.batches.batch_loop import Runs
 from rl_tui.agents.batches.digest import digest_episodes
 from rl_tui.agents.batches.rows import generator_at, row
-from rl_tui.agents.kernels.compiled import compiled, inlined
+from rl_tui.agents.kernels.compiled import compiled, for_kernels, inlined
 from rl_tui.agents.kernels.loop import draw_outcome, draw_reward, start_state
 from rl_tui.agents.kernels.parameters import alpha_in, epsilon_in, with_alpha
 from rl_tui.agents.kernels.position import EpisodeLog
@@ -116,7 +116,7 @@ def advance_in_turn(
             _look_after(runs, seats, seat, mark_episodes, mark_estimates, steps, episodes)
 
 
-@compiled
+@for_kernels
 def take_rounds(runs: Runs, seats: Seats, tables: Any, generator: Generator, taken: int, rounds: int) -> int:
     """Let the first ``taken`` seats take turns for so many rounds, or until one has to be looked after.
 
@@ -182,7 +182,7 @@ def _index(indices: IndexArray, place: int) -> int:
     return np.int64(indices[place])  # type: ignore[return-value]
 
 
-@compiled
+@for_kernels
 def _sit_down(
     runs: Runs, seats: Seats, tables: Tables, generator: Generator, mark_episodes: IntArray, episodes: int
 ) -> None:
@@ -200,7 +200,7 @@ def _sit_down(
     seats.until_episode[seat] = min(episodes, mark_episodes[0]) if len(mark_episodes) > 0 else episodes
 
 
-@compiled
+@for_kernels
 def _look_after(
     runs: Runs,
     seats: Seats,

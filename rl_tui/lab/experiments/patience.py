@@ -90,6 +90,11 @@ def pays(loop: Loop, seconds: float) -> bool:
     return seconds > WORTH_COMPILING or (seconds > WORTH_READING and was_compiled(loop))
 
 
+def batching_pays(batched: Loop, seconds: float) -> bool:
+    """Return whether machine code to train many runs at once is worth the wait, as :func:`pays` does."""
+    return seconds > WORTH_BATCHING or (seconds > WORTH_READING and was_compiled(batched))
+
+
 def seconds_interpreted(learner: Learner, wanted: int, *, episodes: bool) -> float:
     """Return how long ``wanted`` steps or episodes of a fresh ``learner`` will take interpreted, roughly.
 

@@ -10,11 +10,10 @@ from typing import Any, Final
 
 from rl_tui.agents.batches.batch import batching_of
 from rl_tui.agents.compiling.background import BACKGROUND
-from rl_tui.agents.compiling.cache_folder import was_compiled
 from rl_tui.agents.exact.solution import Solution
 from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.common.errors import UserError
-from rl_tui.lab.experiments.patience import WORTH_BATCHING, pays, seconds_interpreted
+from rl_tui.lab.experiments.patience import batching_pays, pays, seconds_interpreted
 from rl_tui.lab.experiments.training import Goal, OnProgress, train
 from rl_tui.lab.run.edited_world import EditedWorld
 from rl_tui.lab.run.figures import (
@@ -121,9 +120,8 @@ class SeededRuns:
             if pays(learner.loop, seconds):
                 on_compiling()
                 BACKGROUND.get(learner.loop)
-            batched = self.batched_loop
-            if batched is not None and (seconds > WORTH_BATCHING or was_compiled(batched)):
-                BACKGROUND.get(batched)
+            if self.batched_loop is not None and batching_pays(self.batched_loop, seconds):
+                BACKGROUND.get(self.batched_loop)
 
     def new_run(self, seed: int, *on_episodes: OnEpisodes | None) -> Run:
         """Return the run of ``seed``, not trained; each of ``on_episodes`` hears of its episodes."""
