@@ -14,7 +14,7 @@ from tempfile import TemporaryDirectory
 from typing import Any, Final, Generic, Protocol, TextIO, TypeVar
 
 from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
-from rl_tui.lab.experiments.learning_curve import RunCurve, mean_curve, no_curve
+from rl_tui.lab.experiments.learning_curve import MOST_BINS, RunCurve, mean_curve, no_curve
 from rl_tui.lab.experiments.patience import cores
 from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
 from rl_tui.lab.experiments.training import Goal, OnProgress, no_progress
@@ -38,17 +38,19 @@ def many_runs(
     workers: int | None = None,
     on_compiling: Callable[[], None] = no_compiling,
     journal: Sequence[JournalEntry] = (),
+    most_bins: int = MOST_BINS,
 ) -> dict[str, Any]:
     """Train ``runs`` times, with the seed of ``recipe`` and those that follow, and return what came of it.
 
     It is the document of ``train --runs --json``. ``csv``, a path or a stream, takes one row an episode, in
     the order of the runs. ``on_progress`` is called from several threads, one at a time; ``on_compiling``
     where they wait for machine code. Each of them applies ``journal`` at its steps, a change of the world to
-    the one that its own seed drew. Raises UserError as one run does.
+    the one that its own seed drew. The mean curve has at most ``most_bins`` bins. Raises UserError as one
+    run does.
     """
     seeded = SeededRuns(recipe, journal)
     seeded.get_machine_code(runs, goal, on_compiling)
-    return {**head(recipe), **figures_of_runs(seeded, runs, goal, csv, on_progress, workers)}
+    return {**head(recipe), **figures_of_runs(seeded, runs, goal, csv, on_progress, workers, most_bins)}
 
 
 class RunsBySeed(Protocol[RunT]):
@@ -94,12 +96,13 @@ def figures_of_runs(
     csv: Path | TextIO | None,
     on_progress: OnProgress = no_progress,
     workers: int | None = None,
+    most_bins: int = MOST_BINS,
 ) -> dict[str, Any]:
     """Train ``runs`` of ``seeded`` and return what came of it: the document without its head.
 
     The rest is as for :func:`many_runs`.
     """
-    experiment = _Experiment(seeded, runs, goal, on_progress, workers or cores())
+    experiment = _Experiment(seeded, runs, goal, on_progress, workers or cores(), most_bins)
     start = time.perf_counter()
     rows = experiment.rows(csv)
     seconds = time.perf_counter() - start
@@ -124,13 +127,20 @@ class _Experiment(Generic[RunT]):
     """The runs, in parallel."""
 
     def __init__(
-        self, seeded: RunsBySeed[RunT], runs: int, goal: Goal, on_progress: OnProgress, workers: int
+        self,
+        seeded: RunsBySeed[RunT],
+        runs: int,
+        goal: Goal,
+        on_progress: OnProgress,
+        workers: int,
+        most_bins: int,
     ) -> None:
         self._runs = seeded
         self._count = runs
         self._goal = goal
         self._on_progress = on_progress
         self._workers = min(workers, runs)
+        self._most_bins = most_bins
         self._lock = threading.Lock()
         self._given_up = False
         self._done = [0] * runs
@@ -205,7 +215,7 @@ class _Experiment(Generic[RunT]):
     def _train(self, index: int, *also: OnEpisodes) -> RunT:
         curve = None
         if self._goal.episodes and not self._runs.plans:
-            curve = self._curves[index] = RunCurve(self._goal.episodes)
+            curve = self._curves[index] = RunCurve(self._goal.episodes, self._most_bins)
         run = self._runs.new_run(self._runs.first_seed + index, *also, curve)
         self._runs.train(run, self._goal, partial(self._note_progress, index))
         return run
