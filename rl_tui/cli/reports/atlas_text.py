@@ -48,8 +48,11 @@ def atlas_lines(atlas: Atlas, columns: int, depth: Depth) -> Iterator[str]:
             yield f"{shortened(atlas.rows[row], _MOST_NAME, '…'):>{left - 2}}  {' '.join(cells)}".rstrip()
         names = [shortened(atlas.columns[column], _MOST_NAME, "…").rjust(width) for column in shown]
         yield f"{'':{left}}{' '.join(names)}  {atlas.x_label}"
-    if atlas.best is not None:
-        yield f"{BEST} the best" + (f"   {ALIKE} not different from it" if any(map(any, atlas.alike)) else "")
+    marks = [f"{BEST} the best"] if atlas.best is not None else []
+    if any(map(any, atlas.alike)):
+        marks.append(f"{ALIKE} not different from the best")
+    if marks:
+        yield "   ".join(marks)
 
 
 def _text(atlas: Atlas, row: int, column: int) -> str:

@@ -54,7 +54,7 @@ def picture_text(picture: Picture, columns: int, depth: Depth = "none", *, ascii
     """
     lines = [picture.title]
     for panel in picture.panels:
-        lines += ["", panel.title]
+        lines += ["", panel.title] if panel.title else [""]
         lines += (
             _chart_lines(panel, columns, depth, ascii_only)
             if isinstance(panel, Chart)
@@ -101,6 +101,8 @@ def _cells(chart: Chart, width: int) -> tuple[IntArray, IntArray]:
 def _dots(chart: Chart, curve: Curve, width: int) -> BoolArray:
     across, down = width * braille.DOTS_ACROSS, ROWS * braille.DOTS_DOWN
     dots = np.zeros((down, across), dtype=np.bool_)
+    if not chart.connected:
+        return _intervals(chart, curve, dots)
     for stretch in curve.stretches:
         x = np.array([chart.x.share(curve.x[place]) for place in stretch])
         y = np.array([chart.y.share(value) for place in stretch if (value := curve.y[place]) is not None])
@@ -108,6 +110,21 @@ def _dots(chart: Chart, curve: Curve, width: int) -> BoolArray:
         dots |= braille.dots_of(braille.joined(braille.span(low, high, 0.0, 1.0, down)), down)
     if curve.dashed:
         dots[:, np.arange(across) // _DASH % 2 == 1] = False
+    return dots
+
+
+def _intervals(chart: Chart, curve: Curve, dots: BoolArray) -> BoolArray:
+    """Return ``dots`` with those of each point of ``curve`` and of its interval."""
+    down, across = dots.shape
+    for place, value in enumerate(curve.y):
+        if value is None:
+            continue
+        ends = [each[place] if each else None for each in (curve.low, curve.high)]
+        shares = [chart.y.share(value if end is None else end) for end in (*ends, value)]
+        low, high, middle = (round((1.0 - min(max(share, 0.0), 1.0)) * (down - 1)) for share in shares)
+        column = min(round(chart.x.share(curve.x[place]) * across), across - 1)
+        dots[high : low + 1, column] = True
+        dots[middle, max(0, column - 1) : column + 2] = True
     return dots
 
 

@@ -25,8 +25,11 @@ def atlas_shapes(atlas: Atlas, left: float, top: float, width: float) -> tuple[f
     """Return where the atlas ends below, and its shapes; it is ``width`` wide."""
     names = max(text_width(name, SIZE) for name in atlas.rows) + _BESIDE
     labels = max(text_width(label, SIZE) for label in atlas.scale.labels)
-    y = top + _TITLE_LINE
-    shapes: list[Shape] = [Text(left, y - 5, atlas.title, _TITLE_SIZE, colours.TEXT, bold=True)]
+    y = top
+    shapes: list[Shape] = []
+    if atlas.title:
+        y += _TITLE_LINE
+        shapes.append(Text(left, y - 5, atlas.title, _TITLE_SIZE, colours.TEXT, bold=True))
     y += _LABEL_LINE
     shapes.append(Text(left, y - 5, atlas.y_label, SIZE, colours.DIM))
     height = min(max(_MOST_HEIGHT / len(atlas.rows), _LOWEST), _TALLEST) * len(atlas.rows)
@@ -37,7 +40,7 @@ def atlas_shapes(atlas: Atlas, left: float, top: float, width: float) -> tuple[f
     shapes += _colour_bar(atlas, Box(box.right + _BAR_GAP, box.top, _BAR, box.height))
     y = box.bottom + 2 * _LABEL_LINE + 4
     shapes.append(Text(box.left + box.width / 2, y - 4, atlas.x_label, SIZE, colours.DIM, anchor="middle"))
-    if atlas.best is not None:
+    if atlas.best is not None or _has_alike(atlas):
         y += _LABEL_LINE
         shapes += _key(atlas, box.left, y)
     return y, shapes
@@ -68,7 +71,7 @@ def _cells(atlas: Atlas, box: Box) -> Iterator[Shape]:
             if has_numbers and text is not None:
                 x, y = cell.left + cell.width / 2, cell.top + cell.height / 2 + _CELL_SIZE / 3
                 yield Text(x, y, text, _CELL_SIZE, colours.text_on_ramp(share), anchor="middle")
-            if atlas.alike[row][column]:
+            if atlas.alike[row][column] and (row, column) != atlas.best:
                 yield _dot(cell, colours.text_on_ramp(share), in_corner=has_numbers)
     if atlas.best is not None:
         yield from _frame(_cell(atlas, box, *atlas.best))
@@ -112,8 +115,8 @@ def _colour_bar(atlas: Atlas, bar: Box) -> Iterator[Shape]:
     part = bar.height / _BAR_PARTS
     for place in range(_BAR_PARTS):
         share = (place + 0.5) / _BAR_PARTS
-        # a little taller than it is, so that no line of the background shows between two
-        box = Box(bar.left, bar.bottom - (place + 1) * part - 0.3, bar.width, part + 0.3)
+        # down to the end of the bar, so that no line of the background shows between two
+        box = Box(bar.left, bar.top, bar.width, bar.height - place * part)
         yield area(box, colours.ramp_colour(share))
     yield Path(bar.corners, stroke=colours.FRAME, closed=True)
     for share, label in zip(atlas.scale.tick_shares, atlas.scale.labels, strict=True):
@@ -122,12 +125,17 @@ def _colour_bar(atlas: Atlas, bar: Box) -> Iterator[Shape]:
         yield Text(bar.right + _BESIDE, y + SIZE / 3, label, SIZE, colours.TEXT)
 
 
+def _has_alike(atlas: Atlas) -> bool:
+    return any(any(row) for row in atlas.alike)
+
+
 def _key(atlas: Atlas, left: float, y: float) -> Iterator[Shape]:
     """Say what the marks mean."""
-    yield from _frame(Box(left + 1, y - 11, 14, 11))
-    words = "the best"
-    yield Text(left + 22, y - 1, words, SIZE, colours.DIM)
-    if any(any(row) for row in atlas.alike):
-        x = left + 22 + text_width(words, SIZE) + 18
-        yield Disc(x, y - 5, 2.4, colours.TEXT)
-        yield Text(x + 9, y - 1, "not different from the best", SIZE, colours.DIM)
+    if atlas.best is not None:
+        yield from _frame(Box(left + 1, y - 11, 14, 11))
+        words = "the best"
+        yield Text(left + 22, y - 1, words, SIZE, colours.DIM)
+        left += 22 + text_width(words, SIZE) + 18
+    if _has_alike(atlas):
+        yield Disc(left + 3, y - 5, 2.4, colours.TEXT)
+        yield Text(left + 12, y - 1, "not different from the best", SIZE, colours.DIM)

@@ -95,8 +95,16 @@ def labels_of(ticks: Sequence[float], step: float) -> tuple[str, ...]:
 
 
 def number_text(value: float, digits: int = 4) -> str:
-    """Return ``value`` with at most so many digits, as short as it may be."""
-    return f"{value:.{digits}g}".replace("-", _MINUS).replace("e+0", "e").replace(f"e{_MINUS}0", f"e{_MINUS}")
+    """Return ``value`` with so many digits, or all before the point, and no zeros at the end."""
+    size = abs(value)
+    if size and not _SMALLEST_PLAIN <= size < _LARGEST_PLAIN:
+        text = f"{value:.{digits - 1}e}"
+        number, exponent = text.split("e")
+        number = number.rstrip("0").rstrip(".") if "." in number else number
+        return f"{number}e{int(exponent)}".replace("-", _MINUS)
+    decimals = max(0, digits - 1 - math.floor(math.log10(size))) if size else 0
+    plain = f"{size:,.{decimals}f}"
+    return _signed(plain.rstrip("0").rstrip(".") if "." in plain else plain, value)
 
 
 def _signed(text: str, value: float) -> str:

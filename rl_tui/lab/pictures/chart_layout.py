@@ -30,9 +30,13 @@ def chart_shapes(chart: Chart, left: float, top: float, width: float) -> tuple[f
     """Return where the chart ends below, and its shapes; it is ``width`` wide."""
     names = [fitting(curve.name, SIZE, _MOST_NAME) for curve in chart.curves]
     values = max((text_width(label, SIZE) for label in chart.y.labels), default=0.0) + _TICK + 4
-    legend = max((text_width(name, SIZE) for name in names), default=0.0) + _SAMPLE + 2 * _GAP
-    y = top + _TITLE_LINE
-    shapes: list[Shape] = [Text(left, y - 5, chart.title, _TITLE_SIZE, colours.TEXT, bold=True)]
+    widest = max((text_width(name, SIZE) for name in names), default=0.0)
+    legend = widest + _SAMPLE + 2 * _GAP if any(names) else _GAP
+    y = top
+    shapes: list[Shape] = []
+    if chart.title:
+        y += _TITLE_LINE
+        shapes.append(Text(left, y - 5, chart.title, _TITLE_SIZE, colours.TEXT, bold=True))
     if chart.y.label:
         y += _LABEL_LINE
         shapes.append(Text(left, y - 5, chart.y.label, SIZE, colours.DIM))
@@ -43,11 +47,13 @@ def chart_shapes(chart: Chart, left: float, top: float, width: float) -> tuple[f
     places = [_points(chart, box, curve) for curve in chart.curves]
     for curve, points in zip(chart.curves, places, strict=True):
         shapes += _band(chart, box, curve)
-        shapes += _line(curve, points, box)
+        if chart.connected:
+            shapes += _line(curve, points, box)
     if chart.has_few_points:
         for curve, points in zip(chart.curves, places, strict=True):
             shapes += _marks(curve, points, box)
-    shapes += _names(chart.curves, names, places, box)
+    if any(names):
+        shapes += _names(chart.curves, names, places, box)
     return box.bottom + _TICK + 2 * _LABEL_LINE, shapes
 
 
@@ -85,6 +91,9 @@ def _points(chart: Chart, box: Box, curve: Curve) -> list[list[Point]]:
 
 def _band(chart: Chart, box: Box, curve: Curve) -> Iterator[Shape]:
     for stretch in curve.band_stretches:
+        if not chart.connected or len(stretch) == 1:
+            yield from _intervals(chart, box, curve, stretch)
+            continue
         edges = [
             [
                 _place(chart, box, curve.x[place], value)
@@ -100,6 +109,18 @@ def _band(chart: Chart, box: Box, curve: Curve) -> Iterator[Shape]:
             closed=True,
             clip=box,
         )
+
+
+def _intervals(chart: Chart, box: Box, curve: Curve, places: range) -> Iterator[Shape]:
+    """Yield the interval of each of these points as a bar."""
+    colour = colours.line_colour(curve.colour)
+    for place in places:
+        low, high = curve.low[place], curve.high[place]
+        if low is not None and high is not None:
+            ends = (_place(chart, box, curve.x[place], low), _place(chart, box, curve.x[place], high))
+            yield Path(ends, stroke=colour, width=1.8, clip=box)
+            for x, y in ends:
+                yield Path(((x - _MARK, y), (x + _MARK, y)), stroke=colour, width=1.8, clip=box)
 
 
 def _line(curve: Curve, stretches: Sequence[Sequence[Point]], box: Box) -> Iterator[Shape]:

@@ -19,7 +19,7 @@ RAMP: Final = (
     *("#48a3c0", "#3587b4", "#2a69a2", "#234d8c", "#1a3470"),
 )
 """From the least to the largest value of an atlas: light to dark, monotone in luminance."""
-_DARK_FROM: Final = 0.72  # of the ramp; from there on white text has the better contrast
+_ON_DARK, _ON_LIGHT = "#ffffff", "#05080b"
 
 
 def line_colour(place: int) -> str:
@@ -46,7 +46,21 @@ def ramp_colour(share: float) -> str:
 
 def text_on_ramp(share: float) -> str:
     """Return the colour of text on :func:`ramp_colour` of ``share``."""
-    return "#ffffff" if share >= _DARK_FROM else "#05080b"
+    return max(_ON_DARK, _ON_LIGHT, key=lambda text: contrast(text, ramp_colour(share)))
+
+
+def contrast(one: str, other: str) -> float:
+    """Return the contrast ratio of two colours, 1 to 21 (WCAG 2.2)."""
+    low, high = sorted((_luminance(one), _luminance(other)))
+    return (high + 0.05) / (low + 0.05)
+
+
+def _luminance(colour: str) -> float:
+    parts = (channel / 255 for channel in _channels(colour))
+    red, green, blue = (
+        part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts
+    )
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
 
 
 def _channels(colour: str) -> list[int]:

@@ -37,12 +37,14 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Chart:
-    """Curves over one pair of axes."""
+    """Curves over one pair of axes. The title may be empty, and so may the names of all curves."""
 
     title: str
     x: Axis
     y: Axis
     curves: tuple[Curve, ...]
+    connected: bool = True
+    """Whether lines join the points; if not, each has its interval beside it."""
 
     @property
     def has_few_points(self) -> bool:
@@ -52,7 +54,7 @@ class Chart:
 
 @dataclass(frozen=True, slots=True)
 class Atlas:
-    """A measure over two settings, a cell for each pair of values.
+    """A measure over two settings, a cell for each pair of values. The title may be empty.
 
     ``values`` and ``alike`` are [rows][columns]; the first row is the lowest. None is a cell without a value.
     """
