@@ -31,35 +31,39 @@ def atlas_lines(atlas: Atlas, columns: int, depth: Depth) -> Iterator[str]:
 
     Where ``columns`` has no room for all cells side by side, they come in blocks below one another.
     """
+    marked = atlas.marked
     texts = [
-        [_text(atlas, row, column) for column in range(len(atlas.columns))] for row in range(len(atlas.rows))
+        [_text(atlas, marked, row, column) for column in range(len(atlas.columns))]
+        for row in range(len(atlas.rows))
     ]
-    left = max(min(_MOST_NAME, cell_len(name)) for name in (*atlas.rows, atlas.y_label)) + 2
+    left = max(min(_MOST_NAME, cell_len(name)) for name in atlas.rows) + 2
     width = 1 + max(
         *(cell_len(text) for row in texts for text in row),
         *(min(_MOST_NAME, cell_len(name)) for name in atlas.columns),
     )
     at_once = max(1, (columns - left) // (width + 1))
+    yield f"{atlas.y_label} ↑  {atlas.x_label} →"
     for first in range(0, len(atlas.columns), at_once):
         shown = range(first, min(first + at_once, len(atlas.columns)))
-        yield shortened(atlas.y_label, _MOST_NAME, "…")
+        if first:
+            yield ""
         for row in reversed(range(len(atlas.rows))):
             cells = [_cell(atlas, texts, row, column, width, depth) for column in shown]
             yield f"{shortened(atlas.rows[row], _MOST_NAME, '…'):>{left - 2}}  {' '.join(cells)}".rstrip()
         names = [shortened(atlas.columns[column], _MOST_NAME, "…").rjust(width) for column in shown]
-        yield f"{'':{left}}{' '.join(names)}  {atlas.x_label}"
+        yield f"{'':{left}}{' '.join(names)}"
     marks = [f"{BEST} the best"] if atlas.best is not None else []
-    if any(map(any, atlas.alike)):
+    if atlas.marked:
         marks.append(f"{ALIKE} not different from the best")
     if marks:
         yield "   ".join(marks)
 
 
-def _text(atlas: Atlas, row: int, column: int) -> str:
+def _text(atlas: Atlas, marked: set[tuple[int, int]], row: int, column: int) -> str:
     value = atlas.values[row][column]
     if value is None:
         return MISSING + " "
-    mark = BEST if atlas.best == (row, column) else ALIKE if atlas.alike[row][column] else " "
+    mark = BEST if atlas.best == (row, column) else ALIKE if (row, column) in marked else " "
     return number_text(value, _DIGITS) + mark
 
 

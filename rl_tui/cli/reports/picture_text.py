@@ -33,8 +33,8 @@ _MOST_NAME: Final = 34
 _SAMPLES: Final = 8  # values of a curve that are looked at for each column of dots
 _DASH: Final = 3  # columns of dots that a dashed line shows and leaves out in turn
 # Readable on black and on white, and told apart by colour-blind eyes
-COLOURS_256: Final = (32, 166, 35, 169, 100, 99)
-_COLOURS_16: Final = ("cyan", "red", "green", "magenta", "yellow", "blue")
+COLOURS_256: Final = (32, 172, 93, 161, 139, 94)
+_COLOURS_16: Final = ("blue", "yellow", "magenta", "red", "cyan", "green")
 
 
 def print_picture(picture: Picture, *, err: bool = False) -> None:
@@ -65,7 +65,7 @@ def picture_text(picture: Picture, columns: int, depth: Depth = "none", *, ascii
 
 
 def _chart_lines(chart: Chart, columns: int, depth: Depth, ascii_only: bool) -> Iterator[str]:
-    names = [shortened(curve.name, _MOST_NAME, "…") for curve in chart.curves]
+    names = [shortened(curve.name, min(_MOST_NAME, columns // 3), "…") for curve in chart.curves]
     if ascii_only:
         names = [to_ascii(f"{_letter(place)} {name}", ASCII) for place, name in enumerate(names)]
     left = max(map(len, chart.y.labels), default=0) + 1

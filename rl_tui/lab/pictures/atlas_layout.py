@@ -40,7 +40,7 @@ def atlas_shapes(atlas: Atlas, left: float, top: float, width: float) -> tuple[f
     shapes += _colour_bar(atlas, Box(box.right + _BAR_GAP, box.top, _BAR, box.height))
     y = box.bottom + 2 * _LABEL_LINE + 4
     shapes.append(Text(box.left + box.width / 2, y - 4, atlas.x_label, SIZE, colours.DIM, anchor="middle"))
-    if atlas.best is not None or _has_alike(atlas):
+    if atlas.best is not None or atlas.marked:
         y += _LABEL_LINE
         shapes += _key(atlas, box.left, y)
     return y, shapes
@@ -55,6 +55,7 @@ def _cells(atlas: Atlas, box: Box) -> Iterator[Shape]:
     texts = [[None if value is None else number_text(value, 3) for value in row] for row in atlas.values]
     widest = max((text_width(text, _CELL_SIZE) for row in texts for text in row if text), default=0.0)
     first = _cell(atlas, box, 0, 0)
+    marked = atlas.marked
     has_numbers = widest + 6 <= first.width and first.height >= _CELL_SIZE + 5
     for row, values in enumerate(atlas.values):
         for column, value in enumerate(values):
@@ -71,7 +72,7 @@ def _cells(atlas: Atlas, box: Box) -> Iterator[Shape]:
             if has_numbers and text is not None:
                 x, y = cell.left + cell.width / 2, cell.top + cell.height / 2 + _CELL_SIZE / 3
                 yield Text(x, y, text, _CELL_SIZE, colours.text_on_ramp(share), anchor="middle")
-            if atlas.alike[row][column] and (row, column) != atlas.best:
+            if (row, column) in marked:
                 yield _dot(cell, colours.text_on_ramp(share), in_corner=has_numbers)
     if atlas.best is not None:
         yield from _frame(_cell(atlas, box, *atlas.best))
@@ -125,10 +126,6 @@ def _colour_bar(atlas: Atlas, bar: Box) -> Iterator[Shape]:
         yield Text(bar.right + _BESIDE, y + SIZE / 3, label, SIZE, colours.TEXT)
 
 
-def _has_alike(atlas: Atlas) -> bool:
-    return any(any(row) for row in atlas.alike)
-
-
 def _key(atlas: Atlas, left: float, y: float) -> Iterator[Shape]:
     """Say what the marks mean."""
     if atlas.best is not None:
@@ -136,6 +133,6 @@ def _key(atlas: Atlas, left: float, y: float) -> Iterator[Shape]:
         words = "the best"
         yield Text(left + 22, y - 1, words, SIZE, colours.DIM)
         left += 22 + text_width(words, SIZE) + 18
-    if _has_alike(atlas):
+    if atlas.marked:
         yield Disc(left + 3, y - 5, 2.4, colours.TEXT)
         yield Text(left + 12, y - 1, "not different from the best", SIZE, colours.DIM)

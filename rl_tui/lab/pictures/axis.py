@@ -89,7 +89,8 @@ def labels_of(ticks: Sequence[float], step: float) -> tuple[str, ...]:
     """Return how ``ticks`` are written that are ``step`` apart, all of them with as many decimals."""
     largest = max(map(abs, ticks), default=0.0)
     if largest >= _LARGEST_PLAIN or step < _SMALLEST_PLAIN:
-        return tuple(number_text(tick) if tick else "0" for tick in ticks)
+        digits = 1 + max(0, math.floor(math.log10(largest)) - math.floor(math.log10(step)))
+        return tuple(number_text(tick, digits) for tick in ticks)
     decimals = next(d for d in range(12) if abs(step * 10**d - round(step * 10**d)) < 1e-6)
     return tuple(_signed(f"{abs(tick):,.{decimals}f}", tick) for tick in ticks)
 

@@ -10,8 +10,8 @@ DIM: Final = "#59636b"
 GRID: Final = "#e3e7ea"
 FRAME: Final = "#8a949b"
 MISSING: Final = "#eceff1"
-LINES: Final = ("#0067a8", "#c24e00", "#00785a", "#a8387f", "#6b6b00", "#4a2fb0", "#222222")
-"""Colours of curves; from the eighth on they come again, with another dash."""
+LINES: Final = ("#0068a8", "#c85000", "#6414dc", "#d4709c", "#8c3c28", "#1d242a")
+"""Colours of curves; from the seventh on they come again, with another dash."""
 DASHES: Final = ("", "7 4", "2 3", "9 3 2 3")
 """How lines are broken, in pixels of line and gap in turn, for each time round the colours."""
 RAMP: Final = (

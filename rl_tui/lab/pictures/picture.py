@@ -74,6 +74,17 @@ class Atlas:
     best: tuple[int, int] | None
     """Row and column of the best cell, None where nothing says which is."""
 
+    @property
+    def marked(self) -> set[tuple[int, int]]:
+        """Rows and columns of the cells that do not differ from the best, without it."""
+        alike = {
+            (row, column)
+            for row, cells in enumerate(self.alike)
+            for column, is_alike in enumerate(cells)
+            if is_alike
+        }
+        return alike - {self.best}
+
 
 @dataclass(frozen=True, slots=True)
 class Picture:

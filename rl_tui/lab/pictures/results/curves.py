@@ -52,13 +52,12 @@ def curve_picture(tables: Sequence[CurveTable], measure: str | None = None) -> P
         for name, table in zip(names, tables, strict=True)
         if table.runs
     ]
+    heading = TITLES[column] if len(tables) == 1 else ""  # else it is the title
     has_bands = any(value is not None for curve in curves for value in curve.low)
     return Picture(
         title=names[0] if len(tables) == 1 else TITLES[column],
         summary=_summary(TITLES[column], curves),
-        panels=(
-            Chart(TITLES[column] if len(tables) == 1 else "", close_axis("episodes", episodes), y, curves),
-        ),
+        panels=(Chart(heading, close_axis("episodes", episodes), y, curves),),
         notes=tuple(filter(None, (f"Means over runs. {'; '.join(runs)}." if runs else "", cut))),
         band=f"{_BAND}{_method(tables)}." if has_bands else "",
     )
