@@ -117,6 +117,19 @@ def test_a_wide_atlas_comes_in_blocks() -> None:
 
 
 @pytest.mark.parametrize("depth", ["16", "256", "truecolor"])
+def test_without_room_for_numbers_cells_are_colours_alone(depth: Any) -> None:
+    drawn = atlas([[float(column) for column in range(20)], [None] * 20], best=(0, 19))
+    text = unstyle(picture_text(drawn, 50, depth))
+    lines = text.splitlines()
+    assert max(map(len, lines)) <= 50
+    assert lines[3] == "r1  " + "- " * 20
+    assert lines[4] == "r0  " + "  " * 19 + " *"
+    assert lines[5].split()[:2] == ["c0", "c2"]
+    assert lines[6].split() == ["0", "20"]
+    assert all(lines[5].index(name) == 4 + 2 * int(name[1:]) for name in lines[5].split())
+
+
+@pytest.mark.parametrize("depth", ["16", "256", "truecolor"])
 def test_cells_have_colours_behind_them(depth: Any) -> None:
     drawn = atlas([[1.0, 2.0]])
     text = picture_text(drawn, 60, depth)

@@ -17,6 +17,10 @@ class PictureFile(OptionValue):
 
     name = "F.svg|F.png"
 
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        """Return what the help shows in place of a value: the ends of names in small letters."""
+        return self.name
+
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Path:
         """Return the path; fails naming the ends that a name may have."""
         path = Path(str(value))

@@ -6,6 +6,8 @@ import functools
 import io
 import json
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -170,6 +172,35 @@ def test_the_first_episode_is_a_random_walk() -> None:
 def test_a_curve_that_never_gets_short_has_no_first_short_episode() -> None:
     assert dyna_maze.first_short({"episode": [1, 2], "length_mean": [90.0, 21.0]}) is None
     assert not Comparison("", "", "", 0, 1, None).agrees
+
+
+# The documentation
+
+
+def shown(name: str) -> list[str]:
+    """What docs/pictures.md has as ours of a figure, row by row."""
+    page = (Path(__file__).parents[3] / "docs" / "pictures.md").read_text(encoding="utf-8")
+    rows = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("|")]
+    first = next(
+        place for place, cells in enumerate(rows) if cells[0].strip("`").split("`")[0].startswith(name)
+    )
+    return [cells[-1] for cells in rows[first : first + len(measured(name).table)]]
+
+
+@pytest.mark.parametrize("name", ["cliff", "8.2"])
+def test_the_documentation_has_the_numbers_that_are_measured(name: str) -> None:
+    found = measure(FIGURES[name], Measuring(), FIGURES[name].runs)
+    for text, comparison in zip(shown(name), found.table, strict=True):
+        ours, *stderr = re.findall(r"[−\d.,]*\d", text)
+        assert rounded(comparison.ours, ours) == ours
+        if stderr:
+            assert rounded(comparison.stderr, stderr[0]) == stderr[0]
+
+
+def rounded(value: float | None, like: str) -> str:
+    """``value`` with as many decimals as the text ``like`` has."""
+    assert value is not None
+    return f"{value:,.{len(like.partition('.')[2])}f}".replace("-", "−")
 
 
 # What all have in common

@@ -174,6 +174,11 @@ def test_too_much_for_one_picture() -> None:
         drawn(sweep(*more), x="alpha", y="epsilon")
 
 
+def test_too_many_files() -> None:
+    with pytest.raises(UserError, match="15 curves are too many"):
+        drawn(*[runs(CURVE)] * 15)
+
+
 def test_a_measure_that_no_cell_has() -> None:
     document = sweep(*grid())
     for cell in document["cells"]:

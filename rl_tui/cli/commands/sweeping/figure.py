@@ -15,10 +15,10 @@ from rl_tui.cli.options.picture import out_option
 from rl_tui.cli.options.run import (
     CsvTarget,
     check_targets,
-    csv_option_for,
     is_stdout,
     json_option,
     seed_option,
+    target_option,
 )
 from rl_tui.cli.output import print_json
 from rl_tui.cli.progress import finish_compiling, progress
@@ -35,7 +35,7 @@ MOST_RUNS: Final = 100_000
     help="over how many runs the means are  [default: the book's, where that takes no minute]",
 )
 @out_option
-@csv_option_for("--csv", "the curves, a row a point: panel, curve, x, mean, standard error")
+@target_option("--csv", "the curves, a row a point: panel, curve, x, mean, standard error")
 @seed_option
 @json_option
 def command(

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from rl_tui.common.errors import UserError
 from rl_tui.lab.pictures.picture import Picture
 from rl_tui.lab.pictures.results.curves import curve_picture
-from rl_tui.lab.pictures.results.sweeps import sweep_picture
+from rl_tui.lab.pictures.results.sweeps import MOST_LINES, sweep_picture
 from rl_tui.lab.pictures.results.tables import CurveTable, SweepTable
 
 
@@ -25,6 +25,10 @@ def picture_of(
     if len(curves) == len(tables):
         if x is not None or y is not None:
             raise UserError("--x and --y are for sweeps: a curve is drawn over its episodes")
+        if len(curves) > MOST_LINES:
+            raise UserError(
+                f"{len(curves)} curves are too many for one chart: give {MOST_LINES} files or fewer"
+            )
         return curve_picture(curves, measure)
     sweeps = [table for table in tables if isinstance(table, SweepTable)]
     if len(tables) > 1:
