@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import product
 from typing import TYPE_CHECKING, Final
 
 from rich.cells import cell_len
@@ -25,23 +26,25 @@ _SYSTEMS: Final = {
 _MOST_NAME: Final = 16
 _DIGITS: Final = 3
 _TINT: Final = 2  # columns of a cell that has a colour and no number
+_MOST_BLOCKS: Final = 2
 _SCALE: Final = 20  # columns of the scale that says what colours mean
 
 
 def atlas_lines(atlas: Atlas, columns: int, depth: Depth) -> Iterator[str]:
     """Yield the lines of ``atlas``, the highest row first.
 
-    Where ``columns`` has no room for the numbers of all cells side by side, they are colours alone. Without
-    colours, or where there is no room for these either, they come in blocks below one another.
+    Where ``columns`` has no room for the numbers of all cells side by side, they come in blocks below one
+    another. Where that would be more than two, cells are colours alone, if there are any and room for them.
     """
     numbers = _Cells(atlas, depth)
     left = max(cell_len(name) for name in numbers.row_names) + 2
     room = columns - left
     yield f"{atlas.y_label} ↑  {atlas.x_label} →"
-    if depth != "none" and numbers.width * len(atlas.columns) > room >= _TINT * len(atlas.columns):
+    at_once = max(1, room // numbers.width)
+    is_long = len(atlas.columns) > _MOST_BLOCKS * at_once
+    if is_long and depth != "none" and _TINT * len(atlas.columns) <= room:
         yield from _tints(numbers, left)
     else:
-        at_once = max(1, room // numbers.width)
         for first in range(0, len(atlas.columns), at_once):
             if first:
                 yield ""
@@ -62,11 +65,8 @@ class _Cells:
         self.marked = atlas.marked
         self.row_names = [shortened(name, _MOST_NAME, "…") for name in atlas.rows]
         self.column_names = [shortened(name, _MOST_NAME, "…") for name in atlas.columns]
-        texts = [
-            self._number(row, column)
-            for row in range(len(atlas.rows))
-            for column in range(len(atlas.columns))
-        ]
+        places = product(range(len(atlas.rows)), range(len(atlas.columns)))
+        texts = [self._number(row, column) for row, column in places]
         self.width = 2 + max(map(cell_len, (*texts, *self.column_names)))
         """Columns of a cell with its number, one of them between it and the next."""
 

@@ -26,9 +26,7 @@ def picture_of(
         if x is not None or y is not None:
             raise UserError("--x and --y are for sweeps: a curve is drawn over its episodes")
         if len(curves) > MOST_LINES:
-            raise UserError(
-                f"{len(curves)} curves are too many for one chart: give {MOST_LINES} files or fewer"
-            )
+            raise UserError(f"{len(curves)} curves are too many for one chart: give {MOST_LINES} or fewer")
         return curve_picture(curves, measure)
     sweeps = [table for table in tables if isinstance(table, SweepTable)]
     if len(tables) > 1:
