@@ -9,6 +9,7 @@ from typing import Any
 
 STEP_SIZES = (0.01, 0.1, 1.0)
 EPSILONS = (0.0, 0.1)
+ARRIVAL = {"restricted_mean": 7.0, "restricted_low": 6.0, "restricted_high": 8.0}
 
 
 def spread(mean: float | None, **more: Any) -> dict[str, Any]:
@@ -21,7 +22,7 @@ def spread(mean: float | None, **more: Any) -> dict[str, Any]:
 
 def area(settings: Mapping[str, Any]) -> float:
     """Some number for each cell, another one everywhere."""
-    words = {"sarsa": 0.5, "q-learning": 0.25}
+    words = {"sarsa": 0.5, "q-learning": 0.25, "cliff": 0.0, "maze": 3.0}
     return sum(float(words.get(value, value)) for value in settings.values() if not isinstance(value, bool))
 
 
@@ -33,7 +34,7 @@ def sweep(*cells: Mapping[str, Any], **more: Any) -> dict[str, Any]:
             "runs": 30,
             "failed": 0,
             "area": spread(area(settings)),
-            "arrival": spread(None, count=30, arrived=20, restricted_mean=7.0),
+            "arrival": spread(None, count=30, arrived=20, **ARRIVAL),
             "like_best": place < 2,
         }
         for place, settings in enumerate(cells)

@@ -130,6 +130,19 @@ def test_axes_and_measure_can_be_chosen() -> None:
     assert {value for row in arrival.values for value in row} == {7.0}
     # cells are compared by another measure, and so nothing is marked
     assert (arrival.best, arrival.marked) == (None, set())
+    assert any("not arrived" in note for note in drawn(document, measure="arrival").notes)
+
+
+def test_each_world_has_a_best_cell_of_its_own() -> None:
+    cells = [{"scenario": name, **cell} for name in ("cliff", "maze") for cell in grid()]
+    document = sweep(*cells, best=None, bests=[cells[1], cells[-1]])
+    picture = drawn(document)
+    assert picture.title == "return per episode"
+    first, second = picture.panels
+    assert isinstance(first, Atlas)
+    assert isinstance(second, Atlas)
+    assert (first.title, second.title) == ("cliff", "maze")
+    assert (first.best, second.best) == ((1, 0), (1, 2))
 
 
 def test_words_alone_are_points_with_intervals() -> None:

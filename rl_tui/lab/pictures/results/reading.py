@@ -19,6 +19,7 @@ EPISODE: Final = "episode"
 CSV: Final = ".csv"
 _NOT_SETTINGS: Final = ("runs", "failed", "like_best")
 _LONGEST: Final = 60
+_RESTRICTED: Final = "restricted_"  # begins what is known of arrivals where some runs never arrived
 _FEWEST_FOR_A_RATIO: Final = 3
 _WANTED: Final = "the JSON of train --runs or of sweep, or the CSV of train --curve"
 
@@ -122,7 +123,7 @@ def _sweep(document: Mapping[str, Any], source: str) -> SweepTable:
         raise _fault(source, "cells without the settings that vary")
     judged_by = document.get("measure")
     return SweepTable(
-        scenario=str(document.get("scenario", "")),
+        scenario="" if "scenario" in names else str(document.get("scenario", "")),
         names=names,
         logarithmic=frozenset(
             name
@@ -132,7 +133,11 @@ def _sweep(document: Mapping[str, Any], source: str) -> SweepTable:
         measures=kept,
         judged_by=judged_by if judged_by in kept else next(iter(kept)),
         cells=[_cell(cell, names, kept, source) for cell in cells],
-        best=_settings_in(document.get("best"), names),
+        bests=[
+            found
+            for each in _listed(document.get("bests")) or [document.get("best")]
+            if (found := _settings_in(each, names)) is not None
+        ],
     )
 
 
@@ -161,12 +166,12 @@ def _cell(cell: Mapping[str, Any], names: Iterable[str], measures: Iterable[str]
 def _spread(figures: object, runs: object, source: str) -> Spread:
     if not isinstance(figures, dict):
         return Spread(None, None, None)
-    low, high = figures.get("low"), figures.get("high")
-    # Where some runs never arrived, the mean is that of what was seen of them
-    mean = figures.get("mean") if figures.get("mean") is not None else figures.get("restricted_mean")
+    is_restricted = figures.get("mean") is None and figures.get(f"{_RESTRICTED}mean") is not None
+    of = _RESTRICTED if is_restricted else ""
+    mean, low, high = (figures.get(f"{of}{name}") for name in ("mean", "low", "high"))
     if not all(map(_is_number, (mean, low, high))):
         raise _fault(source, "a measure that is no number")
-    return Spread(mean, low, high, is_of_all=figures.get("count", runs) == runs)
+    return Spread(mean, low, high, figures.get("count", runs) == runs, is_restricted)
 
 
 def _is_setting(value: object) -> bool:

@@ -19,6 +19,7 @@ MOST_PANELS: Final = 12
 _NAME_DIGITS: Final = 3
 _APART: Final = 0.3  # of the way from one word to the next, between the first and the last of its points
 _BAND: Final = "Bands: the interval of the mean that the sweep gives."
+_RESTRICTED: Final = "Runs that had not arrived when training ended count with the episodes that they had."
 _PARTIAL: Final = "Some means are those of the runs alone that have a value: see count in the results."
 Settings = tuple[Value, ...]
 
@@ -57,7 +58,9 @@ class _Wanted:
         """Return what to say below: ``cut``, and where means are not those of all runs."""
         there = [cell.spreads[self.measure] for cell in self.table.cells]
         is_partial = any(each.mean is not None and not each.is_of_all for each in there)
-        return tuple(filter(None, (cut, _PARTIAL if is_partial else "")))
+        is_restricted = any(each.is_restricted for each in there)
+        said = cut, _PARTIAL if is_partial else "", _RESTRICTED if is_restricted else ""
+        return tuple(filter(None, said))
 
     def means(self) -> list[float]:
         """Return the measure of all cells that have it. Raises UserError where none has."""
@@ -210,7 +213,7 @@ def _atlas(wanted: _Wanted, key: Settings, cells: Sequence[SweepCell], scale: Ax
     there = {(cell.settings[y_name], cell.settings[wanted.x]): cell for cell in cells}
     is_judged = wanted.measure == table.judged_by
     grid = [[there.get((row, column)) for column in columns] for row in rows]
-    best = table.best if is_judged else None
+    bests = table.bests if is_judged else ()
     return Atlas(
         title=_said(wanted.others, key),
         x_label=setting_label(wanted.x),
@@ -227,7 +230,7 @@ def _atlas(wanted: _Wanted, key: Settings, cells: Sequence[SweepCell], scale: Ax
                 (place, column)
                 for place, row in enumerate(grid)
                 for column, cell in enumerate(row)
-                if best is not None and cell is not None and cell.settings == best
+                if cell is not None and cell.settings in bests
             ),
             None,
         ),
@@ -235,8 +238,8 @@ def _atlas(wanted: _Wanted, key: Settings, cells: Sequence[SweepCell], scale: Ax
 
 
 def _summary(wanted: _Wanted, means: Sequence[float], how: str) -> str:
-    best = wanted.table.best
-    found = "" if best is None else f" Best: {_said(wanted.table.names, tuple(best.values()))}."
+    names, bests = wanted.table.names, wanted.table.bests
+    found = f" Best: {_said(names, tuple(bests[0].values()))}." if len(bests) == 1 else ""
     return (
         f"{wanted.table.measures[wanted.measure]} {how}; means from {number_text(min(means))} to "
         f"{number_text(max(means))}.{found}"

@@ -30,6 +30,8 @@ class Spread:
     high: float | None
     is_of_all: bool = True
     """Whether every run of the cell has a value."""
+    is_restricted: bool = False
+    """Whether some runs never arrived, and count with the episodes that they had."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +50,7 @@ class SweepTable:
     """The cells of a sweep."""
 
     scenario: str
+    """Empty where several are swept."""
     names: tuple[str, ...]
     """The settings that it varies."""
     logarithmic: frozenset[str]
@@ -57,5 +60,5 @@ class SweepTable:
     judged_by: str
     """The measure by which cells are compared with the best."""
     cells: Sequence[SweepCell]
-    best: Mapping[str, Value] | None
-    """The settings of the best cell."""
+    bests: Sequence[Mapping[str, Value]]
+    """The settings of the best cell, of each world where several are swept."""
