@@ -18,7 +18,7 @@ MOST_LINES: Final = 14
 MOST_PANELS: Final = 12
 _NAME_DIGITS: Final = 3
 _APART: Final = 0.3  # of the way from one word to the next, between the first and the last of its points
-_BAND: Final = "Bands: the interval of the mean that the sweep gives."
+_INTERVAL: Final = "the interval of the mean that the sweep gives."
 _RESTRICTED: Final = "Runs that had not arrived when training ended count with the episodes that they had."
 _PARTIAL: Final = "Some means are those of the runs alone that have a value: see count in the results."
 Settings = tuple[Value, ...]
@@ -166,7 +166,7 @@ def _chart(wanted: _Wanted) -> Picture:
         summary=_summary(wanted, means, f"against {wanted.x}, {counted(len(curves), 'line')}"),
         panels=(Chart("", axis, y, curves, connected=is_line),),
         notes=wanted.notes(cut),
-        band=_BAND if has_bands else "",
+        band=f"{'Bands' if is_line else 'Bars'}: {_INTERVAL}" if has_bands else "",
     )
 
 
