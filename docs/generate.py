@@ -9,7 +9,9 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import redirect_stdout
 from inspect import cleandoc
+from io import StringIO
 from pathlib import Path
 from textwrap import fill
 
@@ -43,11 +45,12 @@ PLACES = {
 }
 _LAKE = "frozenlake-slippery"
 PICTURES = {
-    "playground.svg": (_LAKE, "--keys", "wait:20000"),
-    "microscope.svg": (_LAKE, "--keys", "wait:60000,d"),
-    "lesson.svg": ("--lesson", "q-by-hand", "--keys", ".,.,.,.,y,1,.,A,-,2,enter,1"),
-    "drawing.svg": ("maze", "--keys", "wait:3000,C,right,right,H,s,down,number_sign"),
-    "own-code.svg": ("--watch", str(FOLDER / "lake.py"), "--keys", "wait:12000,F"),
+    "playground.svg": ("screenshot", _LAKE, "--keys", "wait:20000"),
+    "microscope.svg": ("screenshot", _LAKE, "--keys", "wait:60000,d"),
+    "lesson.svg": ("screenshot", "--lesson", "q-by-hand", "--keys", ".,.,.,.,y,1,.,A,-,2,enter,1"),
+    "drawing.svg": ("screenshot", "maze", "--keys", "wait:3000,C,right,right,H,s,down,number_sign"),
+    "figure-8.2.svg": ("figure", "8.2"),
+    "own-code.svg": ("screenshot", "--watch", str(FOLDER / "lake.py"), "--keys", "wait:12000,F"),
 }
 
 
@@ -70,7 +73,8 @@ def renewed(text: str) -> str:
 
 def draw(picture: str, path: Path) -> None:
     """Draw that one of ``PICTURES`` into ``path``."""
-    program(["screenshot", *PICTURES[picture], "--out", str(path)], standalone_mode=False)
+    with redirect_stdout(StringIO()):  # what a command says besides is for people
+        program([*PICTURES[picture], "--out", str(path)], standalone_mode=False)
 
 
 def keys() -> str:

@@ -62,7 +62,7 @@ def test_changes_on_the_way_are_in_it(tmp_path: Path) -> None:
 def test_a_planner_has_none(tmp_path: Path) -> None:
     out = tmp_path / "curve.csv"
     assert run("student", "--algorithm", "value-iteration", "--curve", str(out)).exit_code == 0
-    assert out.read_text() == "episode,return_mean,return_stderr,length_mean\n"
+    assert out.read_text() == "episode,return_mean,return_stderr,length_mean,length_stderr\n"
 
 
 def test_on_stdout_it_is_alone() -> None:

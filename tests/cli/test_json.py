@@ -58,7 +58,8 @@ RUN = [
 ]
 BANDIT = ["winnings", "regret", "best_arm_rate"]
 SUMMARY = ["mean", "stderr", "min", "max", "count"]
-CURVE = ["episode", "return_mean", "return_stderr", "length_mean"]
+CURVE = ["episode", "return_mean", "return_stderr", "length_mean", "length_stderr"]
+BANDIT_CURVE = ["optimal_action_rate", "optimal_action_stderr"]
 SOLVE = [
     "scenario",
     "gamma",
@@ -181,7 +182,7 @@ def test_train_runs(scenario: str) -> None:
     assert figures["summary"]["steps"]["mean"] == pytest.approx(
         sum(row["steps"] for row in figures["runs"]) / 3
     )
-    assert list(figures["curve"]) == [*CURVE, *(["optimal_action_rate"] if scenario == "bandit" else [])]
+    assert list(figures["curve"]) == [*CURVE, *(BANDIT_CURVE if scenario == "bandit" else [])]
     assert figures["curve"]["episode"] == list(range(2, 301, 2))
     assert all(len(column) == 150 for column in figures["curve"].values())
 

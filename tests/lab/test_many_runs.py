@@ -71,7 +71,17 @@ def test_the_curve_is_what_numpy_says() -> None:
     assert curve["return_mean"] == pytest.approx(means.mean(axis=0))
     assert curve["return_stderr"] == pytest.approx(means.std(axis=0, ddof=1) / math.sqrt(3))
     assert curve["optimal_action_rate"] == pytest.approx(best.mean(axis=0))
+    assert curve["optimal_action_stderr"] == pytest.approx(best.std(axis=0, ddof=1) / math.sqrt(3))
     assert curve["length_mean"] == [1.0] * 150
+    assert curve["length_stderr"] == [0.0] * 150
+
+
+def test_a_curve_may_have_a_bin_for_each_episode() -> None:
+    fine = many_runs(recipe("bandit"), 3, Goal(episodes=450), most_bins=450)["curve"]
+    coarse = many_runs(recipe("bandit"), 3, Goal(episodes=450))["curve"]
+    assert fine["episode"] == list(range(1, 451))
+    for name in ("return_mean", "optimal_action_rate"):
+        assert np.reshape(fine[name], (-1, 3)).mean(axis=1) == pytest.approx(np.array(coarse[name]))
 
 
 def test_with_steps_the_curve_ends_with_the_fewest_episodes() -> None:
@@ -92,7 +102,8 @@ def test_one_run_has_no_standard_error() -> None:
 
 def test_without_a_finished_episode_there_is_no_curve() -> None:
     document = many_runs(recipe("frozenlake"), 2, Goal(steps=1))
-    assert document["curve"] == {"episode": [], "return_mean": [], "return_stderr": [], "length_mean": []}
+    names = ("episode", "return_mean", "return_stderr", "length_mean", "length_stderr")
+    assert document["curve"] == {name: [] for name in names}
     assert document["summary"]["return_last_100"]["count"] == 0
 
 

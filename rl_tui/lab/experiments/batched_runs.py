@@ -13,7 +13,7 @@ from rl_tui.agents.batches.batch import UNLIMITED, Batch, BatchedRun
 from rl_tui.agents.exact.policy_figures import batch_figures
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS
 from rl_tui.agents.kernels.stop import DONE, EPISODES_FULL
-from rl_tui.lab.experiments.learning_curve import CurvePoints, width_of_bins
+from rl_tui.lab.experiments.learning_curve import MOST_BINS, CurvePoints, width_of_bins
 from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
 from rl_tui.lab.experiments.training import Goal, no_progress
 from rl_tui.lab.run.bandit import bandit_figures
@@ -44,8 +44,8 @@ def runs_at_once(seeded: SeededRuns, marks: int = 0) -> int:
 class BatchedRuns:
     """The runs of ``seeded`` with these ``seeds``, trained to ``goal`` by :meth:`advance`.
 
-    Their curves are of the first ``curve_episodes``. After each of ``mark_episodes``, which ascend, their
-    estimates are kept. Raises UserError where a world cannot be built.
+    Their curves are of the first ``curve_episodes``, in at most ``most_bins`` bins. After each of
+    ``mark_episodes``, which ascend, their estimates are kept. Raises UserError where a world cannot be built.
     """
 
     def __init__(
@@ -55,6 +55,7 @@ class BatchedRuns:
         goal: Goal,
         *,
         curve_episodes: int = 0,
+        most_bins: int = MOST_BINS,
         mark_episodes: Sequence[int] = (),
     ) -> None:
         self._seeded, self._seeds, self._goal = seeded, seeds, goal
@@ -68,8 +69,13 @@ class BatchedRuns:
         else:
             mdp = seeded.shared.world.mdp
             assert mdp is not None
+<<<<<<< ours
             runs = [BatchedRun(mdp, seed) for seed in seeds]
         self._curve_episodes = curve_episodes
+=======
+            runs = [BatchedRun(mdp, values, seed) for seed in seeds]
+        self._curve_episodes, self._most_bins = curve_episodes, most_bins
+>>>>>>> theirs
         self.batch = Batch(
             seeded.recipe.algorithm,
             seeded.recipe.hyperparameters,
@@ -77,7 +83,7 @@ class BatchedRuns:
             steps=UNLIMITED if goal.steps is None else goal.steps,
             episodes=UNLIMITED if goal.steps is not None else goal.episodes or 0,
             curve_episodes=curve_episodes,
-            width=max(1, width_of_bins(curve_episodes)),
+            width=max(1, width_of_bins(curve_episodes, most_bins)),
             mark_episodes=mark_episodes,
         )
 
@@ -147,7 +153,7 @@ class BatchedRuns:
         """Their curves, a row each."""
         curve, episodes = self.batch.digest.curve, self._curve_episodes
         bins = curve.returns.shape[1]
-        last_episode = np.minimum(np.arange(1, bins + 1) * width_of_bins(episodes), episodes)
+        last_episode = np.minimum(np.arange(1, bins + 1) * width_of_bins(episodes, self._most_bins), episodes)
         count = np.diff(last_episode, prepend=0)
         return CurvePoints(last_episode, *(sums / count for sums in curve))
 

@@ -31,20 +31,20 @@ class CurvePoints(NamedTuple):
     optimal: FloatArray
 
 
-def width_of_bins(episodes: int) -> int:
-    """Return of how many episodes each of at most 200 bins of a curve is, which cover so many."""
-    return math.ceil(episodes / MOST_BINS)
+def width_of_bins(episodes: int, most_bins: int = MOST_BINS) -> int:
+    """Return of how many episodes each of at most ``most_bins`` bins of a curve is, which cover so many."""
+    return math.ceil(episodes / most_bins)
 
 
 class RunCurve:
     """The learning curve of one run over its first ``episodes`` episodes, at least one.
 
-    Call it with episodes as they are finished.
+    It has at most ``most_bins`` bins. Call it with episodes as they are finished.
     """
 
-    def __init__(self, episodes: int) -> None:
+    def __init__(self, episodes: int, most_bins: int = MOST_BINS) -> None:
         self.episodes = episodes
-        self.width = width_of_bins(episodes)
+        self.width = width_of_bins(episodes, most_bins)
         bins = math.ceil(episodes / self.width)
         self.last_episode = np.minimum(np.arange(1, bins + 1) * self.width, episodes)
         self.sums = CurveSums(np.zeros(bins), np.zeros(bins, np.int64), np.zeros(bins, np.int64))
@@ -90,20 +90,26 @@ def mean_curve(curves: Sequence[CurvePoints], bandit: bool) -> dict[str, list[An
     """
     last_episodes, *parts = zip(*curves, strict=True)
     returns, lengths, optimal = map(np.concatenate, parts)
-    runs = len(returns)
     curve: dict[str, list[Any]] = {
         "episode": last_episodes[0].tolist(),
         "return_mean": returns.mean(axis=0).tolist(),
-        "return_stderr": (
-            (returns.std(axis=0, ddof=1) / math.sqrt(runs)).tolist()
-            if runs > 1
-            else [None] * returns.shape[1]
-        ),
+        "return_stderr": _standard_errors(returns),
         "length_mean": lengths.mean(axis=0).tolist(),
+        "length_stderr": _standard_errors(lengths),
     }
     if bandit:
         curve["optimal_action_rate"] = optimal.mean(axis=0).tolist()
+        curve["optimal_action_stderr"] = _standard_errors(optimal)
     return curve
+
+
+def _standard_errors(values: FloatArray) -> list[float] | list[None]:
+    """Return the standard error of the mean over runs in each bin of ``values``, [runs, bins]."""
+    runs, bins = values.shape
+    if runs == 1:
+        return [None] * bins
+    errors: list[float] = (values.std(axis=0, ddof=1) / math.sqrt(runs)).tolist()
+    return errors
 
 
 def first_of(curves: Sequence[CurvePoints], runs: int) -> Sequence[CurvePoints]:

@@ -16,7 +16,7 @@ from typing import Any, Final, Generic, Protocol, TextIO, TypeVar
 
 from rl_tui.lab.experiments.batched_runs import BatchedRuns, runs_at_once
 from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
-from rl_tui.lab.experiments.learning_curve import CurvePoints, RunCurve, mean_curve, no_curve
+from rl_tui.lab.experiments.learning_curve import MOST_BINS, CurvePoints, RunCurve, mean_curve, no_curve
 from rl_tui.lab.experiments.patience import cores
 from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
 from rl_tui.lab.experiments.training import Goal, OnProgress, no_progress
@@ -40,18 +40,21 @@ def many_runs(
     workers: int | None = None,
     on_compiling: Callable[[], None] = no_compiling,
     journal: Sequence[JournalEntry] = (),
+    most_bins: int = MOST_BINS,
 ) -> dict[str, Any]:
     """Train ``runs`` times, with the seed of ``recipe`` and those that follow, and return what came of it.
 
     It is the document of ``train --runs --json``. ``csv``, a path or a stream, takes one row an episode, in
     the order of the runs. ``on_progress`` is called from several threads, one at a time; ``on_compiling``
     where they wait for machine code. Each of them applies ``journal`` at its steps, a change of the world to
-    the one that its own seed drew. Raises UserError as one run does.
+    the one that its own seed drew. The mean curve has at most ``most_bins`` bins. Raises UserError as one
+    run does.
     """
     seeded = SeededRuns(recipe, journal)
     seeded.get_machine_code(runs, goal, on_compiling)
     batched = seeded if csv is None else None  # a row an episode is what a batch does without
-    return {**head(recipe), **figures_of_runs(seeded, runs, goal, csv, on_progress, workers, batched)}
+    figures = figures_of_runs(seeded, runs, goal, csv, on_progress, workers, batched, most_bins)
+    return {**head(recipe), **figures}
 
 
 class RunsBySeed(Protocol[RunT]):
@@ -98,13 +101,14 @@ def figures_of_runs(
     on_progress: OnProgress = no_progress,
     workers: int | None = None,
     batched: SeededRuns | None = None,
+    most_bins: int = MOST_BINS,
 ) -> dict[str, Any]:
     """Train ``runs`` of ``seeded`` and return what came of it: the document without its head.
 
     ``batched`` are the same runs, where they are to be trained in batches if they can. The rest is as for
     :func:`many_runs`.
     """
-    experiment = _Experiment(seeded, runs, goal, on_progress, workers or cores(), batched)
+    experiment = _Experiment(seeded, runs, goal, on_progress, workers or cores(), batched, most_bins)
     start = time.perf_counter()
     rows = experiment.rows(csv)
     seconds = time.perf_counter() - start
@@ -136,6 +140,7 @@ class _Experiment(Generic[RunT]):
         on_progress: OnProgress,
         workers: int,
         batched: SeededRuns | None,
+        most_bins: int,
     ) -> None:
         self._runs = seeded
         self._batched = batched
@@ -144,6 +149,7 @@ class _Experiment(Generic[RunT]):
         self._goal = goal
         self._on_progress = on_progress
         self._workers = min(workers, len(self._parts))
+        self._most_bins = most_bins
         self._lock = threading.Lock()
         self._given_up = False
         self._done = [0] * len(self._parts)
@@ -221,14 +227,22 @@ class _Experiment(Generic[RunT]):
         if self._batched is None or len(indices) == 1:
             return self._train_one(part)
         seeds = [self._runs.first_seed + index for index in indices]
-        runs = BatchedRuns(self._batched, seeds, self._goal, curve_episodes=self._goal.episodes or 0)
+        runs = BatchedRuns(
+            self._batched,
+            seeds,
+            self._goal,
+            curve_episodes=self._goal.episodes or 0,
+            most_bins=self._most_bins,
+        )
         runs.train(partial(self._note_progress, part))
         if self._goal.episodes:
             self._curves[part] = runs.curves
         return runs
 
     def _train_one(self, part: int, *also: OnEpisodes) -> RunT:
-        curve = RunCurve(self._goal.episodes) if self._goal.episodes and not self._runs.plans else None
+        curve = None
+        if self._goal.episodes and not self._runs.plans:
+            curve = RunCurve(self._goal.episodes, self._most_bins)
         run = self._runs.new_run(self._runs.first_seed + self._parts[part].start, *also, curve)
         self._runs.train(run, self._goal, partial(self._note_progress, part))
         if curve is not None:

@@ -1,0 +1,131 @@
+"""What a picture is drawn of: texts, paths and discs, in pixels from the upper left corner."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, Literal, NamedTuple
+
+Anchor = Literal["start", "middle", "end"]
+Point = tuple[float, float]
+
+# Widths of characters in a wide sans-serif font, in parts of the size: text is given room for this
+_WIDTHS: Final = {
+    **dict.fromkeys("ijlI|'.,:;!", 0.34),
+    **dict.fromkeys(" ftr()[]{}-/", 0.42),
+    **dict.fromkeys("mwMW@%—…", 0.98),
+}
+_CAPITAL, _OTHER = 0.74, 0.64
+
+
+class Box(NamedTuple):
+    """A rectangle."""
+
+    left: float
+    top: float
+    width: float
+    height: float
+
+    @property
+    def right(self) -> float:
+        """The x of its right side."""
+        return self.left + self.width
+
+    @property
+    def bottom(self) -> float:
+        """The y of its lower side."""
+        return self.top + self.height
+
+    @property
+    def corners(self) -> tuple[Point, ...]:
+        """Its corners, from the upper left clockwise."""
+        left, top, right, bottom = self.left, self.top, self.right, self.bottom
+        return (left, top), (right, top), (right, bottom), (left, bottom)
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A line of text whose baseline is at ``y``; ``anchor`` says which part of it is at ``x``."""
+
+    x: float
+    y: float
+    text: str
+    size: float
+    colour: str
+    anchor: Anchor = "start"
+    bold: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Path:
+    """A line through ``points``, or the area within them where it is filled; what is outside ``clip`` is cut.
+
+    An empty colour draws nothing. ``dash`` has lengths of line and gap in turn.
+    """
+
+    points: tuple[Point, ...]
+    stroke: str = ""
+    width: float = 1.0
+    dash: str = ""
+    fill: str = ""
+    opacity: float = 1.0
+    closed: bool = False
+    clip: Box | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Disc:
+    """A filled disc."""
+
+    x: float
+    y: float
+    radius: float
+    fill: str
+    stroke: str = ""
+    clip: Box | None = None
+
+
+Shape = Text | Path | Disc
+
+
+class Page(NamedTuple):
+    """All shapes of a picture, in the order in which they are drawn, and its size."""
+
+    width: float
+    height: float
+    title: str
+    summary: str
+    shapes: Sequence[Shape]
+
+
+def area(box: Box, fill: str, stroke: str = "", width: float = 1.0) -> Path:
+    """Return the rectangle ``box``, filled, with a border where ``stroke`` is a colour."""
+    return Path(box.corners, stroke=stroke, width=width, fill=fill, closed=True)
+
+
+def text_width(text: str, size: float) -> float:
+    """Return how wide ``text`` may be, in pixels; in most fonts it is narrower."""
+    return size * sum(
+        _WIDTHS.get(character, _CAPITAL if character.isupper() else _OTHER) for character in text
+    )
+
+
+def fitting(text: str, size: float, width: float) -> str:
+    """Return ``text``, cut and ended by an ellipsis where it may be wider than ``width``."""
+    if text_width(text, size) <= width:
+        return text
+    while text and text_width(text + "…", size) > width:
+        text = text[:-1]
+    return text.rstrip() + "…"
+
+
+def wrapped(text: str, size: float, width: float) -> list[str]:
+    """Return ``text`` in lines of at most ``width``; a word that is wider has a line of its own."""
+    lines = [""]
+    for word in text.split():
+        longer = f"{lines[-1]} {word}".strip()
+        if lines[-1] and text_width(longer, size) > width:
+            lines.append(word)
+        else:
+            lines[-1] = longer
+    return lines

@@ -1,0 +1,104 @@
+"""``figure``: a figure of the book as a table, a picture, JSON and CSV."""
+
+from __future__ import annotations
+
+import csv
+import json
+import sys
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from rl_tui.cli.main import program
+from rl_tui.lab.book_figures.catalogue import FIGURES
+
+
+def run(*args: str) -> Result:
+    return CliRunner().invoke(program, ["figure", *args])
+
+
+def test_ours_stand_beside_the_numbers_of_the_book() -> None:
+    result = run("8.2", "--runs", "4")
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert "figure 8.2, page 165" in result.stdout
+    assert "means of 4 runs, the book's are of 30" in result.stdout
+    table = result.stdout.split("\n\n")[1].splitlines()
+    assert table[0].split() == ["book", "where", "ours", "agrees"]
+    assert all(line.endswith(("yes", "no")) for line in table[1:])
+    assert "868.7 steps" in result.stdout
+    assert "⣀" in result.stdout  # the curves
+
+
+def test_with_a_file_the_picture_is_there_and_nowhere_else(tmp_path: Path) -> None:
+    path = tmp_path / "maze.svg"
+    result = run("8.2", "--runs", "3", "--out", str(path))
+    assert result.exit_code == 0
+    assert "⣀" not in result.stdout
+    assert path.read_text(encoding="utf-8").startswith("<svg")
+
+
+def test_json_is_one_document_and_csv_has_its_curves(tmp_path: Path) -> None:
+    path = tmp_path / "maze.csv"
+    result = run("8.2", "--runs", "3", "--json", "--csv", str(path), "--seed", "5")
+    assert (result.exit_code, result.stderr) == (0, "")
+    document = json.loads(result.stdout)
+    assert (document["figure"], document["runs"], document["book_runs"], document["seed"]) == (
+        "8.2",
+        3,
+        30,
+        5,
+    )
+    with path.open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [float(row["mean"]) for row in rows] == [
+        mean for each in document["curves"] for mean in each["mean"]
+    ]
+    assert {row["curve"] for row in rows} == {each["curve"] for each in document["curves"]}
+
+
+def test_csv_on_stdout_is_alone() -> None:
+    result = run("8.2", "--runs", "2", "--csv", "-")
+    assert result.exit_code == 0
+    assert result.stdout.splitlines()[0] == "panel,curve,x,mean,stderr"
+    assert result.stdout.count("\n") == 1 + 3 * 50
+    assert "page 165" in result.stderr
+    assert "⣀" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (("9.9",), "'9.9' is not one of"),
+        ((), "Missing argument"),
+        (("8.2", "--out", "x.jpg"), "does not end in .svg or .png"),
+        (("8.2", "--runs", "0"), "not a whole number"),
+        (("8.2", "--json", "--csv", "-"), "both want stdout"),
+        (("8.2", "--csv", "x.svg", "--out", "x.svg"), "both want the same file"),
+    ],
+)
+def test_wrong_usage(args: tuple[str, ...], said: str) -> None:
+    result = run(*args)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert said in result.stderr
+
+
+def test_what_cannot_be_written_is_told_before_anything_is_learned(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def measure(*_: object) -> None:
+        raise AssertionError("it is told first")
+
+    monkeypatch.setattr("rl_tui.lab.book_figures.catalogue.measure", measure)
+    for option, name in (("--out", "a.svg"), ("--out", "a.png"), ("--csv", "a.csv")):
+        result = run("8.2", option, str(tmp_path / "no" / name))
+        assert (result.exit_code, result.stderr.count("\n")) == (1, 1)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    result = run("8.2", "--out", str(tmp_path / "a.png"))
+    assert (result.exit_code, result.stderr.count("\n")) == (1, 1)
+    assert "rl-tui[plot]" in result.stderr
+
+
+def test_the_help_names_all_figures() -> None:
+    help_text = run("--help").stdout
+    assert all(name in help_text for name in FIGURES)

@@ -1,0 +1,47 @@
+"""Pictures that several tests look at."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from rl_tui.lab.pictures.axis import close_axis, round_axis
+from rl_tui.lab.pictures.picture import Atlas, Chart, Curve, Picture
+
+
+def curve(name: str, y: Sequence[float | None], colour: int = 0, **more: Any) -> Curve:
+    return Curve(name, tuple(float(x) for x in range(1, len(y) + 1)), tuple(y), colour=colour, **more)
+
+
+def chart(*curves: Curve, title: str = "return", **more: Any) -> Chart:
+    values = [value for each in curves for value in each.y if value is not None]
+    return Chart(
+        title,
+        close_axis("episodes", [x for each in curves for x in each.x]),
+        round_axis("", values),
+        curves,
+        **more,
+    )
+
+
+def atlas(values: Sequence[Sequence[float | None]], title: str = "", **more: Any) -> Atlas:
+    """An atlas of these rows, the lowest first."""
+    known = [value for row in values for value in row if value is not None]
+    settings: dict[str, Any] = {
+        "columns": tuple(f"{column / 10:g}" for column in range(len(values[0]))),
+        "rows": tuple(str(row) for row in range(len(values))),
+        "alike": tuple(tuple(False for _ in row) for row in values),
+        "best": None,
+    }
+    return Atlas(
+        title,
+        "ε",
+        "n",
+        values=tuple(map(tuple, values)),
+        scale=round_axis("", known),
+        **{**settings, **more},
+    )
+
+
+def picture(*panels: Chart | Atlas, **more: Any) -> Picture:
+    return Picture("Of a test", "What is seen.", panels, **more)
