@@ -69,13 +69,8 @@ class BatchedRuns:
         else:
             mdp = seeded.shared.world.mdp
             assert mdp is not None
-<<<<<<< ours
             runs = [BatchedRun(mdp, seed) for seed in seeds]
-        self._curve_episodes = curve_episodes
-=======
-            runs = [BatchedRun(mdp, values, seed) for seed in seeds]
         self._curve_episodes, self._most_bins = curve_episodes, most_bins
->>>>>>> theirs
         self.batch = Batch(
             seeded.recipe.algorithm,
             seeded.recipe.hyperparameters,
