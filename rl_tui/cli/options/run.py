@@ -57,7 +57,8 @@ def _csv_target(_: click.Context, __: click.Parameter, name: str | None) -> CsvT
     return None if name is None else Path(name)
 
 
-def _csv_option(option: str, text: str) -> Callable[[Command], Command]:
+def target_option(option: str, text: str) -> Callable[[Command], Command]:
+    """Return the option of that name, a file or ``-`` for stdout; ``text`` is what is written there."""
     return click.option(
         option,
         type=click.Path(dir_okay=False, allow_dash=True),
@@ -66,10 +67,10 @@ def _csv_option(option: str, text: str) -> Callable[[Command], Command]:
     )
 
 
-csv_option: Final = _csv_option(
+csv_option: Final = target_option(
     "--csv", "raw rows, one an episode: run, episode, return (undiscounted), length"
 )
-curve_option: Final = _csv_option(
+curve_option: Final = target_option(
     "--curve", "the mean curve of the run or runs, a row for each of at most 200 bins of episodes"
 )
 
