@@ -16,6 +16,7 @@ from rl_tui.lab.run.recipe import begin
 from rl_tui.lab.run.run import Run
 from rl_tui.lab.sweeps.cell import Cell
 from rl_tui.lab.sweeps.exact_facts import ExactFacts
+from rl_tui.lab.sweeps.machine_code import DEMAND
 from rl_tui.lab.sweeps.measures import ARRIVED, MEASURES, NEAR
 
 GROWTH: Final = 2.0**0.25
@@ -126,10 +127,13 @@ def _arrival(run: Run, episodes: int, line: float, check: GoOn) -> int | None:
 
 def _advance(run: Run, episodes: int, check: GoOn) -> None:
     """Advance ``run`` until it has finished so many ``episodes``. Raises UserError where it breaks down."""
-    while run.learner.episodes < episodes and not run.over:
+    learner = run.learner
+    while learner.episodes < episodes and not run.over:
         check()
-        chunk = _CHUNK if run.learner.is_compiled else _CHUNK_INTERPRETED
-        run.advance(chunk, episodes - run.learner.episodes)
+        start, was_interpreted = time.perf_counter(), not learner.is_compiled
+        run.advance(_CHUNK_INTERPRETED if was_interpreted else _CHUNK, episodes - learner.episodes)
+        if was_interpreted:
+            DEMAND.ran(learner.loop, time.perf_counter() - start)
     if run.stop_reason:
         raise UserError(run.stop_reason)
 
