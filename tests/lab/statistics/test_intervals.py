@@ -89,7 +89,7 @@ def test_it_covers_the_true_mean_in_93_to_97_percent(kind: str, runs: int) -> No
     assert binom.ppf(0.001, trials, 0.93) <= covered * trials <= binom.ppf(0.999, trials, 0.97)
 
 
-def test_the_kinds_have_the_means_that_are_said_of_them() -> None:
+def test_results_have_the_means_that_are_said_of_them() -> None:
     for name, kind in RESULTS.items():
         values = kind.draw(np.random.Generator(np.random.PCG64(1)), (1, 400_000))
         assert np.mean(values) == pytest.approx(kind.mean, abs=0.02), name
