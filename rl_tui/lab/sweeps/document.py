@@ -5,15 +5,14 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from typing import Any, Final
+from typing import Any
 
-from rl_tui.lab.sweeps.cell import Cell, SkippedCell
-from rl_tui.lab.sweeps.measures import JUDGED_BY, MEASURES, Measure
-from rl_tui.lab.sweeps.plan import WHOLE, Shard, SweepPlan
+from rl_tui.lab.sweeps.cell import Cell
+from rl_tui.lab.sweeps.measures import MEASURES
+from rl_tui.lab.sweeps.plan import SweepPlan
+from rl_tui.lab.sweeps.ranking import Ranking
 from rl_tui.lab.sweeps.store import Store
-from rl_tui.lab.sweeps.summaries import CellSummary, score_of, summarized
-
-_MOST_REASONS: Final = 20
+from rl_tui.lab.sweeps.summaries import CellSummary, mean_of, summarized
 
 
 @dataclass(frozen=True)
@@ -30,49 +29,21 @@ class CellResult:
         return {**self.cell.settings, "runs": summary.runs, "failed": summary.failed, **summary.figures}
 
 
-def results(plan: SweepPlan, store: Store, shard: Shard = WHOLE) -> Iterator[CellResult]:
+def results(plan: SweepPlan, store: Store) -> Iterator[CellResult]:
     """Yield each cell of ``plan`` that ``store`` has runs of, in the order of the plan, one at a time."""
-    for index in sorted(plan.order(shard)) if shard != WHOLE else range(plan.count):
-        cell = plan.cell(index)
-        if isinstance(cell, Cell):
-            summary = summarized(store.rows(cell.key, plan.seeds))
-            if summary.runs:
-                yield CellResult(cell, summary)
-
-
-@dataclass(frozen=True)
-class Overview:
-    """What a look at all cells tells."""
-
-    measure: Measure
-    """By which they are compared."""
-    best: Cell | None
-    """The best of them, the first of equals; None where none has the measure."""
-    skipped: int
-    """How many cells cannot work."""
-    reasons: tuple[SkippedCell, ...]
-    """The first of these."""
-
-
-def overview(plan: SweepPlan, store: Store, measure: Measure | None = None) -> Overview:
-    """Return the best cell by ``measure``; without one by the first of the usual ones that any run has."""
-    wanted = [measure] if measure is not None else [MEASURES[name] for name in JUDGED_BY]
-    best: dict[str, tuple[float, Cell]] = {}
-    count, reasons = 0, list[SkippedCell]()
     for index in range(plan.count):
-        cell = plan.cell(index)
-        if isinstance(cell, SkippedCell):
-            count += 1
-            if len(reasons) < _MOST_REASONS:
-                reasons.append(cell)
-            continue
-        rows = list(store.rows(cell.key, plan.seeds))
-        for each in wanted:
-            score = score_of(rows, each)
-            if score is not None and (each.id not in best or score > best[each.id][0]):
-                best[each.id] = score, cell
-    chosen = next((each for each in wanted if each.id in best), wanted[0])
-    return Overview(chosen, best[chosen.id][1] if chosen.id in best else None, count, tuple(reasons))
+        found = result_of(plan, store, index)
+        if found is not None:
+            yield found
+
+
+def result_of(plan: SweepPlan, store: Store, index: int) -> CellResult | None:
+    """Return cell ``index`` of ``plan``; None where it cannot work, or ``store`` has no run of it."""
+    cell = plan.cell(index)
+    if not isinstance(cell, Cell):
+        return None
+    summary = summarized(store.rows(cell.key, plan.seeds))
+    return CellResult(cell, summary) if summary.runs else None
 
 
 def fresh_seeds(plan: SweepPlan) -> range:
@@ -80,30 +51,34 @@ def fresh_seeds(plan: SweepPlan) -> range:
     return range(plan.first_seed + plan.runs, plan.first_seed + 2 * plan.runs)
 
 
-def best_document(found: Overview, plan: SweepPlan, store: Store, *, again: bool) -> dict[str, Any] | None:
+def best_document(ranking: Ranking, plan: SweepPlan, store: Store, *, again: bool) -> dict[str, Any] | None:
     """Return the best cell as JSON, and with ``again`` what it came to on fresh seeds.
 
     By those nobody chose it: ``shrunk`` is by how much its mean is worse there.
     """
-    if found.best is None:
+    cell, measure = ranking.best, ranking.measure
+    if cell is None:
         return None
-    first, fresh = (list(store.rows(found.best.key, seeds)) for seeds in (plan.seeds, fresh_seeds(plan)))
-    document = CellResult(found.best, summarized(first)).as_json
+    document = CellResult(cell, summarized(store.rows(cell.key, plan.seeds))).as_json
     if again:
-        before, after = (score_of(rows, found.measure) for rows in (first, fresh))
-        summary = summarized(fresh)
+        fresh = fresh_seeds(plan)
+        before, after = (
+            mean_of(store.rows(cell.key, seeds), measure, seeds) for seeds in (plan.seeds, fresh)
+        )
+        summary = summarized(store.rows(cell.key, fresh))
+        sign = 1.0 if measure.larger_is_better else -1.0
         document["again"] = {
-            "first_seed": fresh_seeds(plan).start,
+            "first_seed": fresh.start,
             "runs": summary.runs,
             "failed": summary.failed,
             **summary.figures,
-            "shrunk": None if before is None or after is None else before - after,
+            "shrunk": None if before is None or after is None else sign * (before - after),
         }
     return document
 
 
 def json_pieces(
-    plan: SweepPlan, store: Store, found: Overview, best: dict[str, Any] | None, **more: Any
+    plan: SweepPlan, store: Store, ranking: Ranking, best: dict[str, Any] | None, **more: Any
 ) -> Iterator[str]:
     """Yield the document in pieces, so that it is never in memory as a whole.
 
@@ -115,15 +90,16 @@ def json_pieces(
         "first_seed": plan.first_seed,
         "runs": plan.runs,
         "measures": [asdict(each) for each in MEASURES.values()],
-        "measure": found.measure.id,
+        "measure": ranking.measure.id,
+        "like_best_by": ranking.method,
     }
     yield f'{_text(head)[:-1]}, "cells": ['
     between = ""
     for each in results(plan, store):
-        yield f"{between}{_text(each.as_json)}"
+        yield f"{between}{_text(each.as_json | {'like_best': ranking.verdict(each.cell.index)})}"
         between = ", "
-    reasons = [{**each.settings, "reason": each.reason} for each in found.reasons]
-    tail = {"skipped": {"cells": found.skipped, "first": reasons}, "best": best, **more}
+    reasons = [{**each.settings, "reason": each.reason} for each in ranking.reasons]
+    tail = {"skipped": {"cells": ranking.skipped, "first": reasons}, "best": best, **more}
     yield f"], {_text(tail)[1:]}\n"
 
 

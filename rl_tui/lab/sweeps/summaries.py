@@ -7,9 +7,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+import numpy as np
+
 from rl_tui.lab.statistics.intervals import interquartile_mean, summary_of
 from rl_tui.lab.sweeps.measures import ARRIVED, MEASURES, Measure
 from rl_tui.lab.sweeps.runs import RunRow
+from rl_tui.worlds.mdp.space import FloatArray
 
 _EMPTY: Final = dict.fromkeys(("mean", "median", "iqm", "low", "high"))
 
@@ -28,17 +31,25 @@ class CellSummary:
     """Why the first of them broke down."""
 
 
-def score_of(rows: Iterable[RunRow], measure: Measure) -> float | None:
-    """Return the number by which cells are compared, the larger the better; None where no row has it.
+def values_by_seed(rows: Iterable[RunRow], measure: Measure, seeds: range) -> tuple[FloatArray | None, bool]:
+    """Return ``measure`` of each of ``seeds``, [N], NaN where there is none, and whether every row has it.
 
-    It is the mean of ``measure``, its sign turned where less is better. Where runs may never arrive, those
-    that did not count with the number of episodes that they had.
+    None where there is no row. Runs that never arrive have the number of episodes that they had.
     """
-    sound = [row for row in rows if row.failed is None]
-    values = _restricted(sound) if measure.may_never_arrive else _values(sound, measure.id)
-    if not values:
-        return None
-    return math.fsum(values) / len(values) * (1 if measure.larger_is_better else -1)
+    values, count = np.full(len(seeds), np.nan), 0
+    for row in rows:
+        count += 1
+        value = _restricted(row) if measure.may_never_arrive else row.figures[measure.id]
+        if value is not None and math.isfinite(value):
+            values[row.seed - seeds.start] = value
+    return (values if count else None), int((~np.isnan(values)).sum()) == count
+
+
+def mean_of(rows: Iterable[RunRow], measure: Measure, seeds: range) -> float | None:
+    """Return the mean of ``measure`` over ``rows``, which have some of ``seeds``; None where none has it."""
+    values, _ = values_by_seed(rows, measure, seeds)
+    there = [] if values is None else values[~np.isnan(values)].tolist()
+    return math.fsum(there) / len(there) if there else None
 
 
 def summarized(rows: Iterable[RunRow]) -> CellSummary:
@@ -77,18 +88,16 @@ def _arrivals(rows: Sequence[RunRow]) -> dict[str, Any]:
     if len(arrived) < len(watched):
         ordered = sorted([*_values(arrived, "arrival"), *[math.inf] * (len(watched) - len(arrived))])
         found = {**_EMPTY, "median": _median(ordered), "iqm": _iqm(ordered), "count": len(watched)}
-    everybody = _restricted(rows)
+    everybody = [value for value in map(_restricted, watched) if value is not None]
     mean = math.fsum(everybody) / len(everybody) if everybody else None
     return {**found, "arrived": len(arrived), "restricted_mean": mean}
 
 
-def _restricted(rows: Sequence[RunRow]) -> list[float]:
-    """Return the arrival of each row that was watched, or how many episodes it had without one."""
-    return [
-        float((row.figures["arrival"] if row.figures[ARRIVED] else row.figures["episodes"]) or 0)
-        for row in rows
-        if row.figures[ARRIVED] is not None
-    ]
+def _restricted(row: RunRow) -> float | None:
+    """Return min(arrival, episodes) of ``row``; None where nobody can say."""
+    if row.figures[ARRIVED] is None:
+        return None
+    return row.figures["arrival"] if row.figures[ARRIVED] else row.figures["episodes"]
 
 
 def _median(ordered: Sequence[float]) -> float | None:

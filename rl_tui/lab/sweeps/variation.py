@@ -188,12 +188,12 @@ def _read_values(name: str, text: str) -> Variation:
 def _spread(parts: list[str], name: str, parameter: Parameter | None) -> Variation:
     low, high, *rest = parts
     logarithmic = bool(rest) and rest[0] == LOG
-    count_text = (rest[1:] if logarithmic else rest) or ["0"]
-    if len(count_text) != 1 or not (count_text == ["0"] or _COUNT.fullmatch(count_text[0])):
+    counts = rest[1:] if logarithmic else rest
+    if len(counts) > 1 or not all(map(_COUNT.fullmatch, counts)):
         raise ValueError(f"expected {FORM}, COUNT a whole number from 2 to {MOST_VALUES:,}")
     if max(len(low), len(high)) > _LONGEST_NUMBER:
         raise ValueError(f"a number of more than {_LONGEST_NUMBER} characters")
-    count, first, last = int(count_text[0]), Fraction(low), Fraction(high)
+    count, first, last = int(counts[0]) if counts else 0, Fraction(low), Fraction(high)
     if not first < last:
         raise ValueError(f"{low} is not below {high}; expected FROM below TO")
     if count == 1 or count > MOST_VALUES:

@@ -185,10 +185,11 @@ def _report(
     """Train the best cell once more, and print what came of the whole."""
     from rl_tui.lab.experiments.whole_file import file_or_stream
     from rl_tui.lab.sweeps.csv_rows import write_csv
-    from rl_tui.lab.sweeps.document import best_document, json_pieces, overview
+    from rl_tui.lab.sweeps.document import best_document, json_pieces
+    from rl_tui.lab.sweeps.ranking import ranking_of
     from rl_tui.lab.sweeps.sweep import ThreadWorkers, run_again
 
-    found = overview(plan, store, measure)
+    found = ranking_of(plan, store, measure)
     if again and found.best is not None:
         run_again(plan, found.best, store, ThreadWorkers(jobs))
     best = best_document(found, plan, store, again=again)
