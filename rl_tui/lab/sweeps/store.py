@@ -18,8 +18,8 @@ from rl_tui.lab.sweeps.storing.machine import this_machine
 from rl_tui.lab.sweeps.storing.schema import APPLICATION, FIGURES, FORMAT, SCHEMA
 from rl_tui.lab.sweeps.storing.writer_lock import WriterLock
 
-COMMIT_EVERY: Final = 0.25
-"""Seconds after which finished rows are committed: what a kill loses of them, at most."""
+COMMIT_EVERY: Final = 0.1
+"""Seconds after which finished rows are committed, if nobody is busy; a kill loses 0.25 of them at most."""
 _PATIENCE: Final = 5.0  # seconds for which another process may hold the file
 _COLUMNS: Final = ", ".join(("seed", *FIGURES, "failed", "seconds"))
 _INSERT_ROW: Final = (
@@ -138,7 +138,7 @@ class Store:
             return self._database.total_changes - before
 
     def commit(self, *, at_once: bool = True) -> None:
-        """Commit what was added; unless ``at_once`` only where the last time is a quarter second ago."""
+        """Commit what was added; unless ``at_once`` only where the last time is a while ago."""
         now = time.monotonic()
         if self._database.in_transaction and (at_once or now - self._committed >= COMMIT_EVERY):
             with _told(self.name):

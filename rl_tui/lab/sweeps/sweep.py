@@ -22,7 +22,7 @@ LONGEST_GOODBYE: Final = 2.0
 """Seconds for which runs that were broken off are waited for: an environment may not answer."""
 _AHEAD: Final = 2  # batches that wait for each worker
 _MOST_SEEDS: Final = 64  # of a batch
-_LONGEST_LOOK: Final = 0.1  # seconds
+_LONGEST_LOOK: Final = 0.05  # seconds
 _MOST_REASONS: Final = 3
 
 
