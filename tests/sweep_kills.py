@@ -76,7 +76,7 @@ def kill(store: Path, cells: int, chance: random.Random) -> Kill:
 
 
 def kept_in(store: Path, plan: SweepPlan) -> set[tuple[int, int]]:
-    """Return the cell and the seed of each run in ``store``, which may not be there; raise where it is bad."""
+    """Return cell and seed of each run in ``store``, which may not be there; raise where it is not sound."""
     if not store.exists():
         return set()
     with sqlite3.connect(store) as database:

@@ -40,6 +40,8 @@ def merge(
             for number, path in enumerate(stores):
                 on_progress(number, len(stores))
                 with Store.to_read(path) as source:
+                    for plan in source.plans():
+                        target.note_plan(plan)
                     for cell in source.cells():
                         _take_in(target, source, cell, merged)
             on_progress(len(stores), len(stores))

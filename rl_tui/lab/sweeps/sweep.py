@@ -16,6 +16,7 @@ from rl_tui.lab.sweeps.cell import Cell, SkippedCell
 from rl_tui.lab.sweeps.plan import WHOLE, Shard, SweepPlan
 from rl_tui.lab.sweeps.runs import RunRow, run_rows
 from rl_tui.lab.sweeps.store import COMMIT_EVERY, Store, stored
+from rl_tui.lab.sweeps.storing.plan_text import written_plan
 from rl_tui.lab.sweeps.variation import Variation
 
 LONGEST_GOODBYE: Final = 2.0
@@ -115,21 +116,14 @@ def run_sweep(
     Raises UserError where the plan cannot work, or the store cannot be written.
     """
     plan.check()
+    store.note_plan(written_plan(plan))
     own = ThreadWorkers() if workers is None else workers
-    runner = _Runner(plan, store, shard, own, on_progress, on_rows)
-    try:
-        runner.run(is_over)
-    finally:
-        own.close()
-        with suppress(BrokenOffError):
-            runner.take_in(0.0)
-        store.commit()
-    return runner.progress
+    return _run(_Runner(plan, store, shard, own, on_progress, on_rows), is_over)
 
 
 def run_again(
     plan: SweepPlan, cell: Cell, store: Store, workers: Workers | None = None, on_rows: OnRows = no_rows
-) -> None:
+) -> SweepProgress:
     """Have rows of ``cell`` in ``store`` for as many seeds as ``plan`` has, none of them among those.
 
     The rest is as for :func:`run_sweep`.
@@ -140,7 +134,17 @@ def run_again(
         random=None,
         first_seed=plan.first_seed + plan.runs,
     )
-    run_sweep(alone, store, workers=workers, on_rows=on_rows)
+    own = ThreadWorkers() if workers is None else workers
+    return _run(_Runner(alone, store, WHOLE, own, no_progress, on_rows), never)
+
+
+def _run(runner: _Runner, is_over: Callable[[], bool]) -> SweepProgress:
+    """Let ``runner`` run; keep what is finished however that ends."""
+    try:
+        runner.run(is_over)
+    finally:
+        runner.close()
+    return runner.progress
 
 
 class _Runner:
@@ -192,6 +196,12 @@ class _Runner:
                 self._count([row])
                 self._on_rows(cell, [row])
         self._store.commit(at_once=False)
+
+    def close(self) -> None:
+        """Let the workers go, and keep what is finished."""
+        self._workers.close()
+        self.take_in(0.0)
+        self._store.commit()
 
     def _look_ahead(self) -> None:
         """Go through cells until there is enough to do, but not for long: most may be stored already."""

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import tracemalloc
 from collections import Counter
+from dataclasses import replace
 from itertools import islice
 
 import pytest
-from plans import plan_of
+from plans import cell_of, plan_of
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.run.library import find
 from rl_tui.lab.sweeps.cell import Cell, SkippedCell
+from rl_tui.lab.sweeps.cells.world_settings import scenario_with
 from rl_tui.lab.sweeps.plan import Shard, SweepPlan
+from rl_tui.lab.sweeps.storing.plan_text import read_plan, written_plan
 from rl_tui.lab.sweeps.variation import read_variation
 
 
@@ -62,7 +65,11 @@ def test_a_policy_that_needs_a_step_size_has_one_unless_another_was_asked_for() 
     ("scenario", "vary", "expected"),
     [
         ("maze", ["policy=ucb,gradient"], "policy=gradient"),
-        ("gym:Blackjack-v1", ["algorithm=value-iteration,sarsa", "world.table=false"], "algorithm=value-iteration"),
+        (
+            "gym:Blackjack-v1",
+            ["algorithm=value-iteration,sarsa", "world.table=false"],
+            "algorithm=value-iteration",
+        ),
         ("bandit", ["policy=gradient", "alpha=sample-average"], "policy=gradient"),
         ("maze", ["world.noise=0:2:3"], "world.noise=2"),
         ("maze", ["world.nosie=0.1,0.2"], "world.nosie=0.1"),
@@ -130,3 +137,32 @@ def test_a_million_cells_take_neither_memory_nor_time() -> None:
         assert peak < before + 3_000_000
     finally:
         tracemalloc.stop()
+
+
+@pytest.mark.parametrize("scenario", ["maze", "gym:Blackjack-v1"])
+def test_a_plan_is_read_back_as_it_was_written(scenario: str) -> None:
+    plan = plan_of(
+        scenario, "alpha=0.1:0.9:3", "algorithm=sarsa", overrides={"epsilon": 0.3}, random=4, random_seed=2
+    )
+    found = read_plan(written_plan(plan))
+    assert written_plan(found) == written_plan(plan)
+    assert [found.settings(index) for index in range(4)] == [plan.settings(index) for index in range(4)]
+    one, other = found.cell(2), plan.cell(2)
+    assert isinstance(one, Cell)
+    assert isinstance(other, Cell)
+    assert one.key == other.key
+
+
+def test_a_plan_of_a_world_that_was_edited_has_that_world() -> None:
+    plan = plan_of("maze", "alpha=0.5")
+    edited = replace(plan, scenario=scenario_with(plan.scenario, {"world.cell[0,0]": "#"}))
+    one, other = read_plan(written_plan(edited)).cell(0), edited.cell(0)
+    assert isinstance(one, Cell)
+    assert isinstance(other, Cell)
+    assert one.key == other.key != cell_of("maze", "alpha=0.5").key
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", "no"])
+def test_what_is_no_plan(text: str) -> None:
+    with pytest.raises(UserError, match="no plan"):
+        read_plan(text)

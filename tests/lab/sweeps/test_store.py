@@ -212,10 +212,12 @@ def test_the_schema_says_what_each_column_is(path: Path) -> None:
     with Store.to_write(path):
         pass
     with sqlite3.connect(path) as database:
-        said = "\n".join(sql for (sql,) in database.execute("SELECT sql FROM sqlite_master WHERE sql NOT NULL"))
+        said = "\n".join(
+            sql for (sql,) in database.execute("SELECT sql FROM sqlite_master WHERE sql NOT NULL")
+        )
     database.close()
     lines = [line for line in said.splitlines() if line.startswith("    ") and "PRIMARY KEY (" not in line]
     assert len(lines) > 20
     assert [line for line in lines if "--" not in line] == []
     assert all(name in said for name in schema.FIGURES)
-    assert said.count("CREATE TABLE") == SCHEMA.count("CREATE TABLE") == 4
+    assert said.count("CREATE TABLE") == SCHEMA.count("CREATE TABLE") == 5

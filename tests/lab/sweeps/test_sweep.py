@@ -142,7 +142,10 @@ def test_cells_that_come_to_the_same_runs_share_them() -> None:
     told = list[tuple[int, int]]()
     with Store.without_file() as store:
         done = run_sweep(
-            plan, store, workers=workers, on_rows=lambda cell, rows: told.extend((cell.index, r.seed) for r in rows)
+            plan,
+            store,
+            workers=workers,
+            on_rows=lambda cell, rows: told.extend((cell.index, r.seed) for r in rows),
         )
         assert store.count() == 3
         assert seeds_in(store, plan) == {index: [0, 1, 2] for index in range(3)}

@@ -27,7 +27,7 @@ def _figure_columns() -> str:
 SCHEMA: Final = f"""
 CREATE TABLE meta ( -- what the file is
     name TEXT PRIMARY KEY, -- format, created
-    value TEXT NOT NULL -- its number, and when
+    value TEXT NOT NULL -- its number, and when, in UTC
 );
 CREATE TABLE machines ( -- where rows were made
     id INTEGER PRIMARY KEY, -- counted
@@ -38,6 +38,10 @@ CREATE TABLE cells ( -- what was trained, once for all of its seeds
     identity TEXT NOT NULL, -- JSON: all that a run comes from but for its seed
     scenario TEXT NOT NULL, -- the id of its scenario when it was first trained; not part of the key
     settings TEXT NOT NULL -- JSON: what varied when it was first trained; not part of the key
+) WITHOUT ROWID;
+CREATE TABLE plans ( -- what was asked for; rows do not depend on it
+    plan TEXT PRIMARY KEY, -- JSON: scenario with the text of its file, vary, settings, runs, seeds
+    created TEXT NOT NULL -- when it was begun, in UTC
 ) WITHOUT ROWID;
 CREATE TABLE rows ( -- one run each
     key TEXT NOT NULL REFERENCES cells (key), -- its cell
