@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import product
+from itertools import islice, product
 from math import prod
 from typing import Final
 
+from rl_tui.agents.catalogue import parameters_of
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
@@ -78,7 +79,7 @@ class SweepPlan:
 
     def cell_of(self, index: int, settings: Mapping[str, Value]) -> Cell | SkippedCell:
         """Return the cell of these ``settings``, whether the plan has them or not."""
-        world = {name: value for name, value in settings.items() if name.startswith(PREFIX)}
+        world = {name: value for name, value in world_settings(settings).items() if name != SCENARIO}
         own = {name: value for name, value in settings.items() if name == ALGORITHM or name in PARAMETERS}
         try:
             content = self.worlds.of(self._scenario(settings), world, self.first_seed)
@@ -137,6 +138,19 @@ class SweepPlan:
             for value in _telling(each):
                 self._check_value(each, value)
 
+    def without_effect(self) -> list[str]:
+        """Return which of the settings neither algorithm nor policy uses, whatever else varies."""
+        choices = [each for each in self.variations if each.name in (ALGORITHM, SCENARIO, "policy")]
+        used = {"ties"}  # they decide the greedy policy, whoever acts
+        for chosen in islice(product(*(each.listed for each in choices)), _MOST_TRIED):
+            first = {each.name: _telling(each)[0] for each in self.variations}
+            cell = self.cell_of(
+                0, first | {each.name: value for each, value in zip(choices, chosen, strict=True)}
+            )
+            if isinstance(cell, Cell):
+                used.update(parameters_of(cell.recipe.algorithm, cell.recipe.hyperparameters.policy))
+        return [name for name in (*self.names, *self.overrides) if name in PARAMETERS and name not in used]
+
     def _check_value(self, variation: Variation, value: Value) -> None:
         """Raise UserError where ``value`` of ``variation`` works with nothing that the others may be."""
         others = [each for each in self.variations if each is not variation and _decides(each)]
@@ -158,6 +172,11 @@ class SweepPlan:
 
         generator = Generator(PCG64(SeedSequence((self.random_seed, index))))
         return {each.name: each.drawn(float(generator.random())) for each in self.variations}
+
+
+def world_settings(settings: Mapping[str, Value]) -> dict[str, Value]:
+    """Return those of ``settings`` that make another world: the scenario, and parameters of its world."""
+    return {name: value for name, value in settings.items() if name == SCENARIO or name.startswith(PREFIX)}
 
 
 def _decides(variation: Variation) -> bool:

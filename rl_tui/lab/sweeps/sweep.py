@@ -65,6 +65,8 @@ class SweepProgress:
     """Rows that are stored, or will never be."""
     known: int = 0
     """Those of ``done`` that were stored before."""
+    trained: int = 0
+    """Those of ``done`` that were not."""
     failed: int = 0
     """Those of ``done`` whose run broke down."""
     steps: int = 0
@@ -191,6 +193,7 @@ class _Runner:
             self._store.add(stored(batch.cell), [row])
             place = batch.cell.key, row.seed
             self._under_way.discard(place)
+            self.progress.trained += 1
             self.progress.steps += int(row.figures.get("steps") or 0)
             for cell in (batch.cell, *self._waiting.pop(place, ())):
                 self._count([row])
