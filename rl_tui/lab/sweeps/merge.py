@@ -34,6 +34,8 @@ def merge(
     for path in stores:
         if path.resolve() == out.resolve():
             raise UserError(f"{path} is what is merged into: name it once")
+        with Store.to_read(path):  # before anything is made
+            pass
     merged = Merged()
     with Store.to_write(out) as target:
         try:
