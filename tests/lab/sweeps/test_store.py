@@ -7,6 +7,7 @@ import os
 import socket
 import sqlite3
 from pathlib import Path
+from typing import Any
 
 import pytest
 from plans import cell_of
@@ -79,10 +80,23 @@ def test_commits_are_a_while_apart(path: Path, monkeypatch: pytest.MonkeyPatch) 
         assert reader.count() == 2
 
 
-def test_it_is_written_ahead_and_synchronous_enough(path: Path) -> None:
-    with Store.to_write(path) as store:
-        (mode,) = store._database.execute("PRAGMA journal_mode").fetchone()
-        (synchronous,) = store._database.execute("PRAGMA synchronous").fetchone()
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch) -> list[sqlite3.Connection]:
+    """Every connection that a store opens."""
+    connections, connect = list[sqlite3.Connection](), sqlite3.connect
+
+    def noted(*args: Any, **kwargs: Any) -> sqlite3.Connection:
+        connections.append(connect(*args, **kwargs))
+        return connections[-1]
+
+    monkeypatch.setattr("rl_tui.lab.sweeps.store.sqlite3.connect", noted)
+    return connections
+
+
+def test_it_is_written_ahead_and_synchronous_enough(path: Path, opened: list[sqlite3.Connection]) -> None:
+    with Store.to_write(path):
+        (mode,) = opened[0].execute("PRAGMA journal_mode").fetchone()
+        (synchronous,) = opened[0].execute("PRAGMA synchronous").fetchone()
     assert (mode, synchronous) == ("wal", 1)
 
 
@@ -174,12 +188,14 @@ def test_a_store_that_was_cut_off_in_the_middle(path: Path) -> None:
         list(store.rows(cell.key, range(2_000)))
 
 
-def test_a_full_disk_is_one_line_and_keeps_what_was_there(path: Path) -> None:
+def test_a_full_disk_is_one_line_and_keeps_what_was_there(
+    path: Path, opened: list[sqlite3.Connection]
+) -> None:
     cell, figures = cell_of(*CELL), rows(1)[0].figures
     with Store.to_write(path) as store:
         store.add(stored(cell), rows(1))
         store.commit()
-        store._database.execute("PRAGMA max_page_count = 12")
+        opened[0].execute("PRAGMA max_page_count = 12")
         with pytest.raises(UserError, match="the disk is full"):
             store.add(stored(cell), (RunRow(seed, figures) for seed in range(1, 50_000)))
     with Store.to_read(path) as store:
