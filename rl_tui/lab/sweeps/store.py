@@ -212,8 +212,7 @@ class Store:
 
 def stored(cell: Cell) -> StoredCell:
     """Return ``cell`` as a store names it."""
-    identity = json.dumps(cell.identity, sort_keys=True, separators=(",", ":"))
-    return StoredCell(cell.key, identity, cell.recipe.scenario.id, json.dumps(dict(cell.settings)))
+    return StoredCell(cell.key, cell.identity_text, cell.recipe.scenario.id, json.dumps(dict(cell.settings)))
 
 
 @contextmanager

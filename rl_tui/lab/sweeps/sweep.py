@@ -5,10 +5,12 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from collections import deque
+from collections import defaultdict, deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from itertools import groupby
+from operator import itemgetter
 from typing import Final, NamedTuple, Protocol
 
 from rl_tui.lab.experiments.patience import cores
@@ -189,16 +191,24 @@ class _Runner:
 
     def take_in(self, seconds: float) -> None:
         """Store the rows that have come, after at most so many ``seconds``."""
-        for batch, row in self._workers.finished(seconds):
-            self._store.add(stored(batch.cell), [row])
-            place = batch.cell.key, row.seed
-            self._under_way.discard(place)
-            self.progress.trained += 1
-            self.progress.steps += int(row.figures.get("steps") or 0)
-            for cell in (batch.cell, *self._waiting.pop(place, ())):
-                self._count([row])
-                self._on_rows(cell, [row])
+        for batch, rows in groupby(self._workers.finished(seconds), key=itemgetter(0)):
+            self._keep(batch.cell, [row for _, row in rows])
         self._store.commit(at_once=False)
+
+    def _keep(self, cell: Cell, rows: list[RunRow]) -> None:
+        """Store ``rows`` of ``cell``, and tell everybody who waits for them."""
+        self._store.add(stored(cell), rows)
+        self.progress.trained += len(rows)
+        told = defaultdict[Cell, list[RunRow]](list, {cell: rows})
+        for row in rows:
+            self.progress.steps += int(row.figures.get("steps") or 0)
+            place = cell.key, row.seed
+            self._under_way.discard(place)
+            for other in self._waiting.pop(place, ()):
+                told[other].append(row)
+        for each, of_cell in told.items():
+            self._count(of_cell)
+            self._on_rows(each, of_cell)
 
     def close(self) -> None:
         """Let the workers go, and keep what is finished."""
