@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from rl_tui.lab.statistics.censored import arrivals_of
-from rl_tui.lab.statistics.intervals import summary_of
+from rl_tui.lab.statistics.intervals import interquartile_mean, summary_of
 from rl_tui.lab.sweeps.measures import ARRIVED, MEASURES, Measure
 from rl_tui.lab.sweeps.runs import RunRow
 from rl_tui.worlds.mdp.space import FloatArray
@@ -85,10 +85,13 @@ def _arrivals(rows: Sequence[RunRow]) -> dict[str, Any]:
     if found is None:
         return {**_EMPTY, "count": 0, "arrived": 0, **_NO_ARRIVALS}
     arrived = times[~np.isnan(times)]
-    all_arrived = _figure(arrived.tolist()) if len(arrived) == len(times) else _EMPTY
+    have_all = len(arrived) == len(times)
     return {
-        **all_arrived,
+        "mean": found.restricted_mean if have_all else None,
         "median": found.median,
+        "iqm": interquartile_mean(arrived) if have_all else None,
+        "low": found.low if have_all else None,
+        "high": found.high if have_all else None,
         "count": found.count,
         "arrived": len(arrived),
         "share_low": found.share_low,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import tracemalloc
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -213,3 +214,46 @@ def test_threads_let_go_of_what_is_not_finished() -> None:
     workers.submit(Batch(cell, (0,)))
     workers.close()
     assert list(workers.finished(0.0)) == []
+
+
+class AtOnce(InTurn):
+    """Workers that have the same figures for every run, at once."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        cell = plan_of("maze", "alpha=0.1").cell(0)
+        assert isinstance(cell, Cell)
+        self._figures = next(run_rows(cell, (0,))).figures
+
+    def finished(self, seconds: float) -> Sequence[tuple[Batch, RunRow]]:
+        waiting, self._waiting = self._waiting, []
+        return [(batch, RunRow(seed, self._figures)) for batch in waiting for seed in batch.seeds]
+
+
+def peak_of(cells: int, path: Path) -> int:
+    """Return the most memory, in bytes, that a sweep of so many cells has taken."""
+    plan = plan_of("maze", f"alpha=0.1:0.9:{cells}")
+    run_sweep(plan_of("maze", "alpha=0.1"), Store.without_file(), workers=AtOnce())  # what is made once
+    with Store.to_write(path) as store:
+        tracemalloc.start()
+        try:
+            run_sweep(plan, store, workers=AtOnce())
+            write_csv(NULL, plan, store)
+            peak = tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+        assert store.count() == 3 * cells
+    return peak
+
+
+class Null(io.StringIO):
+    def write(self, text: str) -> int:
+        return len(text)
+
+
+NULL = Null()
+
+
+def test_memory_does_not_grow_with_the_rows(tmp_path: Path) -> None:
+    few, many = peak_of(200, tmp_path / "few.sqlite"), peak_of(2_000, tmp_path / "many.sqlite")
+    assert many < few + 1_000_000
