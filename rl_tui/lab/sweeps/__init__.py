@@ -1,0 +1,1 @@
+"""Many runs: a grid of settings, each under many seeds, kept in a store."""

@@ -1,0 +1,215 @@
+"""The plan of a sweep: which settings vary, how often and how long each combination is trained."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import islice, product
+from math import prod
+from typing import Final
+
+from rl_tui.agents.catalogue import POLICY_BY_ID, parameters_of
+from rl_tui.agents.compatibility import check_compatible
+from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.common.errors import UserError
+from rl_tui.lab.experiments.training import Goal
+from rl_tui.lab.run.library import episodes_of, recipe_for
+from rl_tui.lab.run.recipe import Recipe, changed_parameter
+from rl_tui.lab.sweeps.cell import Cell, SkippedCell
+from rl_tui.lab.sweeps.cells.content import WorldContent, Worlds
+from rl_tui.lab.sweeps.cells.order import Axis, coarse_first
+from rl_tui.lab.sweeps.variation import ALGORITHM, SCENARIO, Value, Variation, written
+from rl_tui.worlds.editing.edit import PREFIX
+from rl_tui.worlds.files.scenario import Scenario
+
+MOST_CELLS: Final = 10_000_000
+_MOST_TRIED: Final = 2_000
+_MOST_RECIPES: Final = 64
+
+
+@dataclass(frozen=True)
+class Shard:
+    """One of so many ``parts`` of a plan that are worked on apart, ``number`` from 1."""
+
+    number: int
+    parts: int
+
+
+WHOLE: Final = Shard(1, 1)
+
+
+@dataclass(frozen=True)
+class SweepPlan:
+    """A grid of settings, or points drawn from it, each trained under the same seeds.
+
+    ``overrides`` are settings that all cells share, where they are not those of the scenario's file. With
+    ``random`` so many points are drawn from the variations, by ``random_seed``.
+    """
+
+    scenario: Scenario
+    variations: tuple[Variation, ...]
+    overrides: Mapping[str, object] = field(default_factory=dict)
+    episodes: int | None = None
+    """So many episodes each run is trained for; None: as many as its scenario suggests."""
+    runs: int = 10
+    """So many seeds each cell is trained under."""
+    first_seed: int = 0
+    """The first of the seeds, which are common to all cells."""
+    random: int | None = None
+    random_seed: int = 0
+    worlds: Worlds = field(default_factory=Worlds, compare=False, repr=False)
+    """The worlds of its cells."""
+    _recipes: dict[tuple[object, ...], Recipe] = field(
+        default_factory=dict, init=False, compare=False, repr=False
+    )
+
+    @property
+    def seeds(self) -> range:
+        """The seeds of each cell."""
+        return range(self.first_seed, self.first_seed + self.runs)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the settings that vary."""
+        return tuple(each.name for each in self.variations)
+
+    @property
+    def count(self) -> int:
+        """How many cells there are, those that cannot work among them."""
+        return prod(each.count for each in self.variations) if self.random is None else self.random
+
+    def cell(self, index: int) -> Cell | SkippedCell:
+        """Return the cell number ``index``, from 0; the last setting runs fastest."""
+        return self.cell_of(index, self.settings(index))
+
+    def cell_of(self, index: int, settings: Mapping[str, Value]) -> Cell | SkippedCell:
+        """Return the cell of these ``settings``, whether the plan has them or not."""
+        world = {name: value for name, value in world_settings(settings).items() if name != SCENARIO}
+        try:
+            content = self.worlds.of(self._scenario(settings), world, self.first_seed)
+            recipe = self._recipe(content, settings)
+            check_compatible(content.example.space, recipe.algorithm, recipe.hyperparameters)
+        except UserError as reason:
+            return SkippedCell(index, settings, str(reason))
+        return Cell(
+            index, settings, recipe, Goal(episodes=self.episodes or episodes_of(content.scenario)), content
+        )
+
+    def settings(self, index: int) -> dict[str, Value]:
+        """Return the settings of cell number ``index``, by their names."""
+        if not 0 <= index < self.count:
+            raise IndexError(index)
+        if self.random is not None:
+            return self._drawn(index)
+        chosen = []
+        for each in reversed(self.variations):
+            index, place = divmod(index, each.count)
+            chosen.append((each.name, each.value(place)))
+        return dict(reversed(chosen))
+
+    def order(self, shard: Shard = WHOLE) -> Iterator[int]:
+        """Yield the number of each cell of ``shard`` once: a coarse lattice first, then what lies between.
+
+        The parts of all shards together are the whole; points drawn at random come as they are drawn.
+        """
+        every = (
+            coarse_first([Axis(each.count, each.spread is not None) for each in self.variations])
+            if self.random is None
+            else iter(range(self.random))
+        )
+        return (index for place, index in enumerate(every) if place % shard.parts == shard.number - 1)
+
+    def size_of(self, shard: Shard) -> int:
+        """Return how many cells ``shard`` has."""
+        return len(range(shard.number - 1, self.count, shard.parts))
+
+    def check(self) -> None:
+        """Raise UserError, naming it, where a value can work in no cell, or there are too many cells."""
+        names = self.names
+        for name in names:
+            if names.count(name) > 1:
+                raise UserError(f"--vary {name} is given twice: give all of its values at once")
+        for each in self.variations:
+            if each.count == 0 and self.random is None:
+                raise UserError(
+                    f"--vary {each.text}: how many values? Expected {each.text}:COUNT, or --random N"
+                )
+        if self.count > MOST_CELLS:
+            raise UserError(
+                f"{self.count:,} cells are more than {MOST_CELLS:,}; vary less, or take --random N"
+            )
+        for each in self.variations:
+            for value in _telling(each):
+                self._check_value(each, value)
+
+    def without_effect(self) -> list[str]:
+        """Return which of the settings neither algorithm nor policy uses, whatever else varies."""
+        choices = [each for each in self.variations if each.name in (ALGORITHM, SCENARIO, "policy")]
+        used = {"ties"}  # they decide the greedy policy, whoever acts
+        for chosen in islice(product(*(each.listed for each in choices)), _MOST_TRIED):
+            first = {each.name: _telling(each)[0] for each in self.variations}
+            cell = self.cell_of(
+                0, first | {each.name: value for each, value in zip(choices, chosen, strict=True)}
+            )
+            if isinstance(cell, Cell):
+                used.update(parameters_of(cell.recipe.algorithm, cell.recipe.hyperparameters.policy))
+        return [name for name in (*self.names, *self.overrides) if name in PARAMETERS and name not in used]
+
+    def _check_value(self, variation: Variation, value: Value) -> None:
+        """Raise UserError where ``value`` of ``variation`` works with nothing that the others may be."""
+        others = [each for each in self.variations if each is not variation and _decides(each)]
+        fault = ""
+        for number, chosen in enumerate(product(*(_telling(each) for each in others))):
+            settings = {each.name: _telling(each)[0] for each in self.variations}
+            settings |= {each.name: picked for each, picked in zip(others, chosen, strict=True)}
+            cell = self.cell_of(0, settings | {variation.name: value})
+            if isinstance(cell, Cell) or number == _MOST_TRIED:
+                return
+            fault = fault or cell.reason
+        raise UserError(f"--vary {variation.name}={written(value)}: {fault}")
+
+    def _scenario(self, settings: Mapping[str, Value]) -> Scenario | str:
+        return str(settings[SCENARIO]) if SCENARIO in settings else self.scenario
+
+    def _recipe(self, content: WorldContent, settings: Mapping[str, Value]) -> Recipe:
+        """Return how runs with ``settings`` start; what many cells have in common is made once."""
+        common = {name: value for name, value in settings.items() if name in (ALGORITHM, "policy")}
+        policy = POLICY_BY_ID.get(str(common.get("policy", self.overrides.get("policy"))))
+        if "alpha" in settings and (policy is None or policy.needs_step_size):
+            common["alpha"] = settings["alpha"]  # whether it is given decides what the step size is
+        place = content.scenario, *common.items()
+        known = self._recipes.get(place)
+        if known is None:
+            known = recipe_for(content.scenario, {**self.overrides, **common}, self.first_seed)
+            if len(self._recipes) == _MOST_RECIPES:
+                self._recipes.clear()
+            self._recipes[place] = known
+        values = known.hyperparameters
+        for name, value in settings.items():
+            if name in PARAMETERS and name not in common:
+                values = changed_parameter(values, name, value)
+        return replace(known, hyperparameters=values)
+
+    def _drawn(self, index: int) -> dict[str, Value]:
+        from numpy.random import PCG64, Generator, SeedSequence
+
+        generator = Generator(PCG64(SeedSequence((self.random_seed, index))))
+        return {each.name: each.drawn(float(generator.random())) for each in self.variations}
+
+
+def world_settings(settings: Mapping[str, Value]) -> dict[str, Value]:
+    """Return those of ``settings`` that make another world: the scenario, and parameters of its world."""
+    return {name: value for name, value in settings.items() if name == SCENARIO or name.startswith(PREFIX)}
+
+
+def _decides(variation: Variation) -> bool:
+    """Return whether it depends on the value of ``variation`` if others can work: a number never does."""
+    return variation.spread is None or variation.name.startswith(PREFIX)
+
+
+def _telling(variation: Variation) -> Sequence[Value]:
+    """Return the values of ``variation`` that tell whether all of them can work: of a range its ends."""
+    spread = variation.spread
+    if spread is None:
+        return variation.listed
+    return spread.ends

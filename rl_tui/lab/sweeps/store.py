@@ -1,0 +1,284 @@
+"""Where the rows of sweeps are kept: one SQLite file, in which each run stands once."""
+
+from __future__ import annotations
+
+import json
+import sqlite3
+import time
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import TracebackType
+from typing import Final, NamedTuple
+
+from rl_tui.common.errors import UserError
+from rl_tui.lab.sweeps.cell import Cell
+from rl_tui.lab.sweeps.runs import RunRow
+from rl_tui.lab.sweeps.storing.machine import this_machine
+from rl_tui.lab.sweeps.storing.schema import APPLICATION, FIGURES, FORMAT, SCHEMA
+from rl_tui.lab.sweeps.storing.writer_lock import WriterLock
+
+COMMIT_EVERY: Final = 0.1
+"""Seconds after which finished rows are committed, if nobody is busy; a kill loses 0.25 of them at most."""
+_PATIENCE: Final = 5.0  # seconds for which another process may hold the file
+_COLUMNS: Final = ", ".join(("seed", *FIGURES, "failed", "seconds"))
+_INSERT_ROW: Final = (
+    f"INSERT OR IGNORE INTO rows (key, {_COLUMNS}, machine) VALUES ({', '.join('?' * (len(FIGURES) + 5))})"
+)
+
+
+class StoredCell(NamedTuple):
+    """A cell as a store names it; scenario and settings are those under which it was first trained."""
+
+    key: str
+    identity: str
+    scenario: str
+    settings: str
+
+
+class Store:
+    """The rows of sweeps in one file, or without one until it is closed.
+
+    Made by :meth:`to_write`, :meth:`to_read` and :meth:`without_file`, to be used in one thread, in a
+    ``with`` block. Raises UserError where the file cannot be used, or the disk is full.
+    """
+
+    def __init__(self, database: sqlite3.Connection, name: str, lock: WriterLock | None = None) -> None:
+        self._database = database
+        self._lock = lock
+        self.name = name
+        """What the file is called."""
+        self._machines: dict[str, int] = {}
+        self._committed = time.monotonic()
+
+    @classmethod
+    def to_write(cls, path: Path) -> Store:
+        """Return the store at ``path``, made where there is none; nobody else can write it meanwhile."""
+        if not path.absolute().parent.is_dir():
+            raise UserError(f"{path}: there is no folder {path.parent}; make it first")
+        lock = WriterLock(path)
+        try:
+            lock.acquire()
+        except OSError as error:
+            raise UserError(f"{path}: cannot be written ({error.strerror or error})") from error
+        try:
+            with _told(str(path)):
+                database = sqlite3.connect(path, timeout=_PATIENCE, isolation_level=None)
+                try:
+                    _prepare(database, str(path))
+                except BaseException:
+                    database.close()
+                    raise
+        except BaseException:
+            lock.release()
+            raise
+        return cls(database, str(path), lock)
+
+    @classmethod
+    def to_read(cls, path: Path) -> Store:
+        """Return the store at ``path``, which somebody may be writing, to be read only."""
+        if not path.is_file():
+            raise UserError(f"{path}: there is no such file")
+        with _told(str(path)):
+            database = _opened_to_read(path)
+            try:
+                _check_format(database, str(path))
+            except BaseException:
+                database.close()
+                raise
+        return cls(database, str(path))
+
+    @classmethod
+    def without_file(cls) -> Store:
+        """Return a store that is gone when it is closed; what is too much for memory waits on disk."""
+        database = sqlite3.connect("", isolation_level=None)
+        _make_tables(database)
+        return cls(database, "memory")
+
+    def __enter__(self) -> Store:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Commit what was added and let the file go."""
+        try:
+            if self._database.in_transaction:
+                with _told(self.name):
+                    self._database.execute("COMMIT")
+        finally:
+            self._database.close()
+            if self._lock is not None:
+                self._lock.release()
+
+    def add(self, cell: StoredCell, rows: Iterable[RunRow], machine: str | None = None) -> int:
+        """Add ``rows`` of ``cell``, those left out that are there; return how many are new.
+
+        ``machine`` is where they were made, None for here. They are committed by :meth:`commit`, and at the
+        latest when the store is closed.
+        """
+        with _told(self.name):
+            self._begin()
+            self._database.execute("INSERT OR IGNORE INTO cells VALUES (?, ?, ?, ?)", cell)
+            number, before = self._machine_number(machine or this_machine()), self._database.total_changes
+            self._database.executemany(
+                _INSERT_ROW,
+                (
+                    (cell.key, row.seed, *map(row.figures.get, FIGURES), row.failed, row.seconds, number)
+                    for row in rows
+                ),
+            )
+            return self._database.total_changes - before
+
+    def note_plan(self, plan: str) -> None:
+        """Keep ``plan``, the text of one, if it is not there."""
+        with _told(self.name):
+            self._begin()
+            self._database.execute("INSERT OR IGNORE INTO plans VALUES (?, ?)", (plan, _now()))
+
+    def plans(self) -> list[str]:
+        """Return the texts of all plans that it was filled by, the first one first."""
+        with _told(self.name):
+            found = self._database.execute("SELECT plan FROM plans ORDER BY created, plan").fetchall()
+        return [plan for (plan,) in found]
+
+    def commit(self, *, at_once: bool = True) -> None:
+        """Commit what was added; unless ``at_once`` only where the last time is a while ago."""
+        now = time.monotonic()
+        if self._database.in_transaction and (at_once or now - self._committed >= COMMIT_EVERY):
+            with _told(self.name):
+                self._database.execute("COMMIT")
+            self._committed = now
+
+    def roll_back(self) -> None:
+        """Forget what was added and is not committed."""
+        with _told(self.name):
+            if self._database.in_transaction:
+                self._database.execute("ROLLBACK")
+
+    def rows(self, key: str, seeds: range) -> Iterator[RunRow]:
+        """Yield the rows of the cell of ``key`` that have one of ``seeds``, ascending by 1."""
+        wanted = f"SELECT {_COLUMNS} FROM rows WHERE key = ? AND seed >= ? AND seed < ? ORDER BY seed"
+        with _told(self.name):
+            for seed, *figures, failed, seconds in self._database.execute(
+                wanted, (key, seeds.start, seeds.stop)
+            ):
+                yield RunRow(seed, dict(zip(FIGURES, figures, strict=True)), failed, seconds)
+
+    def missing(self, key: str, seeds: range) -> list[int]:
+        """Return those of ``seeds``, ascending by 1, of which the cell of ``key`` has no row."""
+        wanted = "SELECT seed FROM rows WHERE key = ? AND seed >= ? AND seed < ?"
+        with _told(self.name):
+            there = {seed for (seed,) in self._database.execute(wanted, (key, seeds.start, seeds.stop))}
+        return [seed for seed in seeds if seed not in there]
+
+    def cells(self) -> Iterator[StoredCell]:
+        """Yield every cell that there are rows of, by its key."""
+        with _told(self.name):
+            yield from map(StoredCell._make, self._database.execute("SELECT * FROM cells ORDER BY key"))
+
+    def rows_by_machine(self, key: str) -> Iterator[tuple[str, RunRow]]:
+        """Yield every row of the cell of ``key`` by its seed, and the machine that it was made on."""
+        wanted = (
+            f"SELECT machines.machine, {_COLUMNS} FROM rows JOIN machines ON machines.id = rows.machine "
+            "WHERE key = ? ORDER BY seed"
+        )
+        with _told(self.name):
+            for machine, seed, *figures, failed, seconds in self._database.execute(wanted, (key,)):
+                yield machine, RunRow(seed, dict(zip(FIGURES, figures, strict=True)), failed, seconds)
+
+    def count(self) -> int:
+        """Return how many rows there are."""
+        with _told(self.name):
+            return int(self._database.execute("SELECT COUNT(*) FROM rows").fetchone()[0])
+
+    def _begin(self) -> None:
+        if not self._database.in_transaction:
+            self._database.execute("BEGIN IMMEDIATE")
+
+    def _machine_number(self, machine: str) -> int:
+        if machine not in self._machines:
+            self._database.execute("INSERT OR IGNORE INTO machines (machine) VALUES (?)", (machine,))
+            found = self._database.execute("SELECT id FROM machines WHERE machine = ?", (machine,))
+            self._machines[machine] = int(found.fetchone()[0])
+        return self._machines[machine]
+
+
+def stored(cell: Cell) -> StoredCell:
+    """Return ``cell`` as a store names it."""
+    return StoredCell(cell.key, cell.identity_text, cell.recipe.scenario.id, json.dumps(dict(cell.settings)))
+
+
+@contextmanager
+def _told(name: str) -> Iterator[None]:
+    """Let what SQLite complains of be one line that names the file."""
+    try:
+        yield
+    except sqlite3.Error as error:
+        code = getattr(error, "sqlite_errorcode", 0) & 0xFF
+        raise UserError(f"{name}: {_reason(code, str(error))}") from error
+
+
+def _reason(code: int, said: str) -> str:
+    match code:
+        case sqlite3.SQLITE_NOTADB:
+            return "is no store of a sweep; give another --store"
+        case sqlite3.SQLITE_CORRUPT:
+            return f"is damaged ({said}); go on from a copy, or in a new file"
+        case sqlite3.SQLITE_FULL:
+            return "the disk is full; what was finished before is kept, and the same line goes on from there"
+        case sqlite3.SQLITE_READONLY | sqlite3.SQLITE_CANTOPEN | sqlite3.SQLITE_PERM:
+            return f"cannot be written ({said})"
+        case _:
+            return said
+
+
+def _prepare(database: sqlite3.Connection, name: str) -> None:
+    is_new = database.execute("SELECT COUNT(*) FROM sqlite_master").fetchone()[0] == 0
+    if not is_new:
+        _check_format(database, name)
+    database.execute("PRAGMA journal_mode = WAL")
+    database.execute("PRAGMA synchronous = NORMAL")
+    if is_new:
+        _make_tables(database)
+
+
+def _make_tables(database: sqlite3.Connection) -> None:
+    database.executescript(
+        f"BEGIN IMMEDIATE; PRAGMA application_id = {APPLICATION}; {SCHEMA}"
+        f"INSERT INTO meta VALUES ('format', '{FORMAT}'), ('created', '{_now()}'); COMMIT;"
+    )
+
+
+def _now() -> str:
+    return time.strftime("%Y-%m-%d %H:%M:%S", time.gmtime())
+
+
+def _check_format(database: sqlite3.Connection, name: str) -> None:
+    """Raise UserError where the file of that ``name`` is no store, or one of another version."""
+    if database.execute("PRAGMA application_id").fetchone()[0] != APPLICATION:
+        raise UserError(f"{name}: is a database, but no store of a sweep; give another --store")
+    (said,) = database.execute("SELECT value FROM meta WHERE name = 'format'").fetchone()
+    if int(said) != FORMAT:
+        older = "a newer" if int(said) > FORMAT else "an older"
+        raise UserError(f"{name}: was written by {older} rl-tui (format {said}, this one has {FORMAT})")
+
+
+def _opened_to_read(path: Path) -> sqlite3.Connection:
+    """Return the database at ``path``; where its folder takes no files, as nobody can be writing it."""
+    address = path.absolute().as_uri()
+    database = sqlite3.connect(f"{address}?mode=ro", uri=True, timeout=_PATIENCE, isolation_level=None)
+    try:
+        database.execute("SELECT COUNT(*) FROM sqlite_master")
+    except sqlite3.OperationalError:
+        database.close()
+        if path.with_name(f"{path.name}-wal").exists():
+            raise
+        return sqlite3.connect(f"{address}?immutable=1", uri=True, isolation_level=None)
+    return database
