@@ -11,12 +11,13 @@ import numpy as np
 
 from rl_tui.agents.batches.batch import UNLIMITED, Batch, BatchedRun
 from rl_tui.agents.exact.policy_figures import batch_figures
+from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS
 from rl_tui.agents.kernels.stop import DONE, EPISODES_FULL
 from rl_tui.lab.experiments.learning_curve import MOST_BINS, CurvePoints, width_of_bins
 from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
 from rl_tui.lab.experiments.training import Goal, no_progress
-from rl_tui.lab.run.bandit import bandit_figures
+from rl_tui.lab.run.bandit import BanditFigures, bandit_figures
 from rl_tui.lab.run.figures import MOST_STATES, pulls
 from rl_tui.lab.run.recipe import Beginning, begin
 from rl_tui.worlds.mdp.space import FloatArray
@@ -88,11 +89,20 @@ class BatchedRuns:
         Raises UserError, as one run does, of the first of them that broke down.
         """
         wanted = (self._goal.steps or self._goal.episodes or 0) * len(self._seeds)
-        while self.batch.advance(STEPS_AT_ONCE):
-            on_progress(self._done, wanted)
+        self.advance(lambda: on_progress(self._done, wanted))
         for index in self.broken:
             self._seeded.train(self._seeded.new_run(self._seeds[index]), self._goal, no_progress)
         on_progress(self._done, wanted)
+
+    @property
+    def hyperparameters(self) -> Hyperparameters:
+        """The settings of all of them."""
+        return self._seeded.recipe.hyperparameters
+
+    def advance(self, check: Callable[[], None]) -> None:
+        """Train all of them to the goal, but for those that break down; ``check`` may raise to end it."""
+        while self.batch.advance(STEPS_AT_ONCE):
+            check()
 
     @property
     def _done(self) -> int:
@@ -110,7 +120,7 @@ class BatchedRuns:
         ``check`` is called between what may take long, and may raise to end it.
         """
         batch, seeded = self.batch, self._seeded
-        exact = self._exact(check)
+        exact = self.exact(check)
         columns = zip(
             self._seeds,
             batch.steps.tolist(),
@@ -138,7 +148,7 @@ class BatchedRuns:
                     "length_last_100": int(lengths.sum()) / len(lengths) if episodes else None,
                     "first_reward_episode": first_reward or None,
                     "world": seeded.digest(world),
-                    **self._pulls(index, total),
+                    **pulls(self.bandit(index, total)),
                 }
             )
         return rows
@@ -152,7 +162,7 @@ class BatchedRuns:
         count = np.diff(last_episode, prepend=0)
         return CurvePoints(last_episode, *(sums / count for sums in curve))
 
-    def _exact(self, check: Callable[[], None]) -> list[tuple[float | None, ...]]:
+    def exact(self, check: Callable[[], None]) -> list[tuple[float | None, ...]]:
         """Return the exact figures of each: value at the start, expected return and greatest error."""
         q, shared = self.batch.q, self._seeded.shared
         if shared is not None and not self._drifts:
@@ -186,12 +196,12 @@ class BatchedRuns:
             return mdp
         return replace(mdp, reward=mdp.reward + self.batch.drift.offset[index][mdp.outcome_pair])
 
-    def _pulls(self, index: int, total: float) -> dict[str, float | None]:
-        """Return how the pulls of a bandit were spent; nothing where the world is none."""
+    def bandit(self, index: int, total: float) -> BanditFigures | None:
+        """Return how the pulls of a run were spent, which paid ``total`` in all; None if it has no arms."""
         if not self._seeded.is_bandit:
-            return {}
+            return None
         world = self._beginnings[index].world if self._beginnings else self._seeded.first.world
-        return pulls(bandit_figures(world, self.batch.visits[index], total, self.batch.drifted(index)))
+        return bandit_figures(world, self.batch.visits[index], total, self.batch.drifted(index))
 
 
 def _table(beginning: Beginning) -> TabularMDP:

@@ -51,13 +51,19 @@ def no_compiling() -> None:
 class SeededRuns:
     """Trains ``recipe`` under one seed after the other, from several threads if need be.
 
-    They share a world that no seed shapes, ``known`` if it is at hand, and its exact answer. The settings of
-    ``journal`` are made in each of them on the way. Raises UserError where the world cannot be built.
+    They share a world that no seed shapes, ``known`` if it is at hand, and its exact answer, which ``solve``
+    works out. The settings of ``journal`` are made in each of them on the way. Raises UserError where the
+    world cannot be built.
     """
 
     def __init__(
-        self, recipe: Recipe, journal: Sequence[JournalEntry] = (), known: World | None = None
+        self,
+        recipe: Recipe,
+        journal: Sequence[JournalEntry] = (),
+        known: World | None = None,
+        solve: Callable[[TabularMDP | None, float], Solution | None] = optimum_of,
     ) -> None:
+        self._solve = solve
         self.recipe = recipe
         """The recipe of the first of them."""
         self.first = Run(recipe, begin(recipe, known), evaluate=False)
@@ -174,7 +180,7 @@ class SeededRuns:
         with self._solving:
             key = gamma, changes
             if key not in self._optima:
-                self._optima[key] = optimum_of(mdp, gamma)
+                self._optima[key] = self._solve(mdp, gamma)
             return self._optima[key]
 
     def digest(self, world: World, changes: int = 0) -> str | None:

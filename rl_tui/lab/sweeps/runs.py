@@ -10,6 +10,7 @@ from typing import Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
+from rl_tui.lab.experiments.batched_runs import runs_at_once
 from rl_tui.lab.experiments.training import TIME_BUDGET
 from rl_tui.lab.run.figures import greedy_figures
 from rl_tui.lab.run.recipe import begin
@@ -18,6 +19,7 @@ from rl_tui.lab.sweeps.cell import Cell
 from rl_tui.lab.sweeps.exact_facts import ExactFacts
 from rl_tui.lab.sweeps.machine_code import DEMAND
 from rl_tui.lab.sweeps.measures import ARRIVED, MEASURES, NEAR
+from rl_tui.lab.sweeps.training.batched_figures import batched_figures, loop_in_batches, runs_in_batches
 
 GROWTH: Final = 2.0**0.25
 LONGEST_REASON: Final = 200
@@ -55,13 +57,33 @@ def run_rows(cell: Cell, seeds: Sequence[int], check: GoOn = go_on) -> Iterator[
 
     A run that breaks down is a row too. ``check`` is called now and then, and may raise to end it.
     """
-    for seed in seeds:
+    waiting, marks = list(seeds), tuple(marks_up_to(cell.goal.episodes or 0))
+    while waiting:
+        seeded = runs_in_batches(cell) if len(waiting) > 1 else None
+        at_once = waiting[: 1 if seeded is None else max(1, runs_at_once(seeded, len(marks)))]
+        waiting = waiting[len(at_once) :]
+        if seeded is None or len(at_once) == 1:
+            yield _row(cell, at_once[0], check)
+            continue
         start = time.perf_counter()
-        try:
-            figures, failed = _figures(cell, seed, check), None
-        except UserError as reason:
-            figures, failed = NO_FIGURES, one_line(str(reason), LONGEST_REASON)
-        yield RunRow(seed, figures, failed, time.perf_counter() - start)
+        found = batched_figures(cell, seeded, at_once, marks, _arrival_line(cell.content.facts), check)
+        seconds = (time.perf_counter() - start) / len(at_once)
+        for seed, figures in zip(at_once, found, strict=True):
+            # One that broke down has to say by itself why
+            yield _row(cell, seed, check) if figures is None else RunRow(seed, figures, None, seconds)
+
+
+def _row(cell: Cell, seed: int, check: GoOn) -> RunRow:
+    start = time.perf_counter()
+    try:
+        figures, failed = _figures(cell, seed, check), None
+    except UserError as reason:
+        figures, failed = NO_FIGURES, one_line(str(reason), LONGEST_REASON)
+    seconds = time.perf_counter() - start
+    loop = loop_in_batches(cell)
+    if loop is not None:
+        DEMAND.ran(loop, seconds)
+    return RunRow(seed, figures, failed, seconds)
 
 
 def marks_up_to(episodes: int) -> Iterator[int]:
@@ -79,7 +101,7 @@ def _figures(cell: Cell, seed: int, check: GoOn) -> Figures:
     run.learner.set_time_budget(TIME_BUDGET)
     facts = cell.content.facts if cell.content.shared is not None else ExactFacts(run.world.mdp)
     wanted = cell.goal.episodes or 0
-    line = _arrival_line(run, facts)
+    line = None if run.learner.drifted is not None else _arrival_line(facts)
     arrival = _train(run, wanted, line, check)
     if run.learner.drifted is not None:  # each run came to means of its own
         facts = ExactFacts(run.learner.mdp)
@@ -99,9 +121,9 @@ def _figures(cell: Cell, seed: int, check: GoOn) -> Figures:
     }
 
 
-def _arrival_line(run: Run, facts: ExactFacts) -> float | None:
+def _arrival_line(facts: ExactFacts) -> float | None:
     """Return what the greedy policy has to earn to have arrived; None where nobody can say."""
-    if facts.mdp is None or run.learner.drifted is not None or facts.best is None or facts.random is None:
+    if facts.mdp is None or facts.best is None or facts.random is None:
         return None
     return facts.best - NEAR * (facts.best - facts.random)
 

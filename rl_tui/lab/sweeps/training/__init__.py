@@ -1,0 +1,1 @@
+"""How the runs of a cell are trained and looked at."""
