@@ -66,7 +66,7 @@ def seed_streams(seeds: IntArray, pool: IntArray, limbs: IntArray, memory: WordA
     """
     for index in range(len(seeds)):
         for stream in range(STREAMS):
-            _mix(seeds[index], stream, pool)
+            _mix(int(seeds[index]), stream, pool)
             _seed_pcg64(pool, limbs, memory[index, stream])
 
 
@@ -80,11 +80,11 @@ def _mix(seed: int, stream: int, pool: IntArray) -> None:
     for source in range(_POOL):
         for place in range(_POOL):
             if source != place:
-                constant, word = _hashed(constant, pool[source])
-                pool[place] = _mixed(pool[place], word)
+                constant, word = _hashed(constant, int(pool[source]))
+                pool[place] = _mixed(int(pool[place]), word)
     for place in range(_POOL):
         constant, word = _hashed(constant, stream)
-        pool[place] = _mixed(pool[place], word)
+        pool[place] = _mixed(int(pool[place]), word)
 
 
 @for_kernels
@@ -106,7 +106,7 @@ def _seed_pcg64(pool: IntArray, limbs: IntArray, words: WordArray) -> None:
     state, increment, product = limbs[0], limbs[1], limbs[2]
     constant = 0x8B51F9DD
     for place in range(2 * _POOL):
-        word = pool[place % _POOL] ^ constant
+        word = int(pool[place % _POOL]) ^ constant
         constant = constant * 0x58F38DED & _MASK
         word = word * constant & _MASK
         word ^= word >> 16

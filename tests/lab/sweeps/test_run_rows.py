@@ -8,6 +8,7 @@ from itertools import pairwise
 import pytest
 from plans import cell_of
 
+from rl_tui.agents.compiling.loops import compile_here
 from rl_tui.agents.exact.policies import uniform_policy
 from rl_tui.agents.exact.policy_figures import expected_return
 from rl_tui.agents.exact.solve import best_expected_return
@@ -15,9 +16,11 @@ from rl_tui.lab.experiments.seeded_runs import SeededRuns
 from rl_tui.lab.experiments.training import Goal, no_progress
 from rl_tui.lab.run.recipe import begin
 from rl_tui.lab.run.run import Run
+from rl_tui.lab.sweeps import runs
 from rl_tui.lab.sweeps.cell import Cell
 from rl_tui.lab.sweeps.measures import MEASURES
 from rl_tui.lab.sweeps.runs import NO_FIGURES, marks_up_to, run_rows
+from rl_tui.lab.sweeps.training.batched_figures import loop_in_batches
 
 SHARED = {
     "expected_return": "expected_return",
@@ -64,6 +67,42 @@ def test_a_row_does_not_depend_on_those_beside_it() -> None:
     cell = cell_of("maze", "algorithm=sarsa")
     together = {row.seed: row.figures for row in run_rows(cell, range(5))}
     assert together == {seed: next(run_rows(cell, (seed,))).figures for seed in (4, 2, 0, 1, 3)}
+
+
+@pytest.mark.parametrize(
+    ("scenario", "setting"),
+    [
+        ("maze", "algorithm=q-learning"),
+        ("windy", "algorithm=sarsa"),
+        ("frozenlake-slippery", "ties=first"),
+        ("student", "policy=softmax"),
+    ],
+)
+def test_rows_of_a_batch_are_those_of_each_seed_alone(
+    scenario: str, setting: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cell = cell_of(scenario, setting)
+    loop = loop_in_batches(cell)
+    assert loop is not None
+    compile_here(loop)
+    asked = list[int]()
+    monkeypatch.setattr(runs, "_row", lambda cell, seed, check: asked.append(seed))
+    in_batches = {row.seed: row.figures for row in run_rows(cell, range(5, 12))}
+    assert not asked
+    monkeypatch.undo()
+    monkeypatch.setattr(runs, "runs_in_batches", lambda cell: None)
+    assert in_batches == {row.seed: row.figures for row in run_rows(cell, range(5, 12))}
+
+
+def test_a_run_of_a_batch_that_breaks_down_says_why() -> None:
+    cell = cell_of("windy", "algorithm=sarsa-lambda", overrides=DIVERGING)
+    loop = loop_in_batches(cell)
+    assert loop is not None
+    compile_here(loop)
+    rows = list(run_rows(cell, range(4)))
+    alone = [next(run_rows(cell, (seed,))) for seed in range(4)]
+    assert [(row.failed, row.figures) for row in rows] == [(row.failed, row.figures) for row in alone]
+    assert any(row.failed for row in rows)
 
 
 @pytest.mark.parametrize("scenario", ["frozenlake", "windy", "maze"])
