@@ -6,18 +6,21 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import replace
 from statistics import median
 from typing import Any, Final
 
 import numpy as np
 from numpy.random import Generator, default_rng
 
+from rl_tui.agents.batches.batch import UNLIMITED
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.common.errors import UserError
 from rl_tui.common.interrupts import is_interrupt
+from rl_tui.lab.experiments.batched_runs import BatchedRuns
 from rl_tui.lab.experiments.patience import cores
+from rl_tui.lab.experiments.seeded_runs import SeededRuns
+from rl_tui.lab.experiments.training import Goal
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.run.run import Run
 from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL
@@ -110,13 +113,19 @@ class Together:
     """Many runs of one recipe, each with a seed of its own, on all cores as ``train --runs`` has them."""
 
     def __init__(self, recipe: Recipe) -> None:
-        self._runs = [Run(replace(recipe, seed=recipe.seed + n), evaluate=False) for n in range(RUNS)]
+        seeded, seeds = SeededRuns(recipe), range(recipe.seed, recipe.seed + RUNS)
+        self._parts: list[Callable[[int], object]]
+        if seeded.batched_loop is not None and BACKGROUND.get(seeded.batched_loop):
+            shares = [seeds[core :: cores()] for core in range(cores())]
+            goal = Goal(steps=UNLIMITED)
+            self._parts = [BatchedRuns(seeded, share, goal).batch.advance for share in shares if share]
+        else:
+            self._parts = [seeded.new_run(seed).advance for seed in seeds]
 
     def take_steps(self, steps: int) -> None:
-        """Take ``steps`` steps in all, as many in each run."""
-        each = steps // len(self._runs)
+        """Take about ``steps`` steps in all."""
         with ThreadPoolExecutor(cores()) as pool:
-            for done in [pool.submit(run.advance, each) for run in self._runs]:
+            for done in [pool.submit(advance, steps // len(self._parts)) for advance in self._parts]:
                 done.result()
 
 
