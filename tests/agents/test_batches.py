@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from two_forms import examples, worlds_for
 
-from rl_tui.agents.batches.batch import Batch, BatchedRun
+from rl_tui.agents.batches.batch import Batch, DrawnWorld
 from rl_tui.agents.batches.rows import row, stacked
 from rl_tui.agents.batches.seeding import MOST_SEED, seed_streams, streams_of
 from rl_tui.agents.compiling.loops import all_batches, compile_here
@@ -110,10 +111,10 @@ def trained(batch: Batch, budget: int) -> Batch:
 
 
 def alone(
-    run: BatchedRun, algorithm: str, values: Hyperparameters, steps: int, episodes: int
+    mdp: TabularMDP, seed: int, algorithm: str, values: Hyperparameters, steps: int, episodes: int
 ) -> tuple[Learner, list[Any], Stop]:
-    """Return a learner that did what ``run`` is to do, its episodes, and why it came back."""
-    learner = Learner(run.mdp, algorithm, values, streams(run.seed))
+    """Return a learner that did what a run of a batch is to do, its episodes, and why it came back."""
+    learner = Learner(mdp, algorithm, values, streams(seed))
     stop = learner.advance(steps, episodes)
     return learner, list(learner.drain_episodes()), stop
 
@@ -127,6 +128,10 @@ def assert_same(batch: Batch, index: int, learner: Learner, episodes: Sequence[A
     recent_returns, recent_lengths = batch.recent(index)
     assert sorted(recent_returns) == sorted(returns[-100:])
     assert sorted(recent_lengths) == sorted(lengths[-100:])
+    mean_returns, mean_lengths = batch.recent_means()
+    if len(returns):
+        assert mean_returns[index] == math.fsum(returns[-100:]) / len(returns[-100:])
+        assert mean_lengths[index] == math.fsum(lengths[-100:]) / len(lengths[-100:])
     total = 0.0
     for each in returns.tolist():
         total += each
@@ -143,17 +148,17 @@ def test_each_run_is_that_of_a_learner(loop: Any) -> None:
     @examples(5)
     @given(worlds_in(loop), st.integers(0, 2**40), st.integers(1, 300))
     def check(mdp: TabularMDP, seed: int, budget: int) -> None:
-        runs = [BatchedRun(mdp, seed + index) for index in range(6)]
+        seeds = range(seed, seed + 6)
         for values, steps, episodes in (
             (Hyperparameters(policy=loop.policy, alpha=0.3, n=2, planning_steps=3), 200, 2**60),
             (Hyperparameters(policy=loop.policy, epsilon=0.4, epsilon_decay=0.01, ties="first"), 2_000, 40),
         ):
             batch = Batch(
-                loop.algorithm, values, runs, steps=steps, episodes=episodes, curve_episodes=30, width=7
+                loop.algorithm, values, seeds, mdp, steps=steps, episodes=episodes, curve_episodes=30, width=7
             )
             trained(batch, budget)
-            for index, run in enumerate(runs):
-                learner, finished, stop = alone(run, loop.algorithm, values, steps, episodes)
+            for index, each in enumerate(seeds):
+                learner, finished, stop = alone(mdp, each, loop.algorithm, values, steps, episodes)
                 assert_same(batch, index, learner, finished)
                 assert (batch.stop[index] in (Stop.DONE, Stop.EPISODES_FULL)) == (stop is Stop.DONE)
 
@@ -165,13 +170,9 @@ def test_more_episodes_than_the_log_holds_and_worlds_of_their_own() -> None:
     compile_here(loop)
     recipes = [recipe_for(find("bandit"), {"policy": "ucb"}, seed) for seed in range(3)]
     beginnings = [begin(recipe) for recipe in recipes]
-    runs = [
-        BatchedRun(each.world.mdp, recipe.seed, each.streams)  # type: ignore[arg-type]
-        for recipe, each in zip(recipes, beginnings, strict=True)
-    ]
-    batch = trained(
-        Batch("q-learning", recipes[0].hyperparameters, runs, episodes=5_000, curve_episodes=30), 1_000
-    )
+    worlds = [DrawnWorld(each.world.mdp, each.streams) for each in beginnings]  # type: ignore[arg-type]
+    values = recipes[0].hyperparameters
+    batch = trained(Batch("q-learning", values, range(3), worlds, episodes=5_000, curve_episodes=30), 1_000)
     for index, recipe in enumerate(recipes):
         beginning = begin(recipe)
         mdp = beginning.world.mdp
@@ -185,11 +186,11 @@ def test_estimates_are_kept_at_the_marks() -> None:
     mdp = begin(recipe_for(find("frozenlake-slippery"))).world.mdp
     assert mdp is not None
     compile_here(Loop("sarsa", "epsilon-greedy", stepped=False, batching=Batching.IN_TURN))
-    runs = [BatchedRun(mdp, seed) for seed in (3, 4)]
-    batch = trained(Batch("sarsa", Hyperparameters(), runs, episodes=50, mark_episodes=[1, 2, 20, 50]), 333)
-    for index, run in enumerate(runs):
-        learner = Learner(mdp, "sarsa", Hyperparameters(), streams(run.seed))
-        for place, until in enumerate((1, 2, 20, 50)):
+    values, marks = Hyperparameters(), (1, 2, 20, 50)
+    batch = trained(Batch("sarsa", values, (3, 4), mdp, episodes=50, mark_episodes=marks), 333)
+    for index, seed in enumerate((3, 4)):
+        learner = Learner(mdp, "sarsa", values, streams(seed))
+        for place, until in enumerate(marks):
             learner.advance(2**60, until - learner.episodes)
             assert batch.mark_estimates[index, place].tobytes() == learner.q.tobytes()
     assert batch.marks_passed.tolist() == [4, 4]
@@ -205,9 +206,9 @@ def test_a_run_that_breaks_down_does_not_hold_up_the_others() -> None:
     names = ["rich", "poor", "end"]
     mdp = tabular_mdp(names, ["a", "b", "c", "d"], transitions, {0: 0.5, 1: 0.5}, time_limit=50)
     compile_here(Loop("q-learning", "epsilon-greedy", stepped=False, batching=Batching.IN_TURN))
-    values, runs = Hyperparameters(gamma=1.0, alpha=1.0), [BatchedRun(mdp, seed) for seed in range(12)]
-    batch = trained(Batch("q-learning", values, runs, episodes=2), 10)
-    stops = [alone(run, "q-learning", values, 2**60, 2)[2] for run in runs]
+    values, seeds = Hyperparameters(gamma=1.0, alpha=1.0), range(12)
+    batch = trained(Batch("q-learning", values, seeds, mdp, episodes=2), 10)
+    stops = [alone(mdp, seed, "q-learning", values, 2**60, 2)[2] for seed in seeds]
     assert list(map(Stop, batch.stop)) == stops
     assert {Stop.DIVERGED, Stop.DONE} == set(stops)
     assert all(

@@ -15,7 +15,7 @@ from random_worlds import worlds
 from test_stepped_loop import Table, untabled
 
 from rl_tui.agents import learner
-from rl_tui.agents.batches import seeding
+from rl_tui.agents.batches import batch, seeding
 from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.agents.compiling.loops import all_loops
 from rl_tui.agents.exact import backward_induction
@@ -53,7 +53,7 @@ def in_place_of_machine_code(stand_in: Callable[..., Callable[..., Any]]) -> Ite
         patch.setattr(Learner, "is_compiled", True)
         patch.setattr(learner, "COMPILED_LOOPS", set())
         patch.setattr(learner, "use_machine_code", stand_in)
-        for module in (learner, watch, history, learning_curve, seeding, many_policies):
+        for module in (learner, watch, history, learning_curve, seeding, batch, many_policies):
             patch.setattr(module, "fastest", stand_in)
         for module in (stepped_loop, backward_induction):
             patch.setattr(module, "machine_code", stand_in)

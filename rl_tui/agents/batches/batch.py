@@ -3,29 +3,28 @@
 from __future__ import annotations
 
 import importlib
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Final, TypeVar, cast
+from typing import Any, Final, NamedTuple, TypeVar, cast
 
 import numpy as np
 from numpy.random import PCG64, Generator
 
 from rl_tui.agents.batches.batch_loop import Runs, Shared, advance_runs
-from rl_tui.agents.batches.digest import RECENT, Digest, new_digest
+from rl_tui.agents.batches.digest import RECENT, Digest, mean_recent, new_digest
 from rl_tui.agents.batches.four_actions import (
     FourActions,
-    FourActionWorld,
     smallest_of_four,
     with_four_actions,
 )
 from rl_tui.agents.batches.rows import stacked
-from rl_tui.agents.batches.seeding import streams_of
+from rl_tui.agents.batches.seeding import WordArray, streams_of
 from rl_tui.agents.batches.turns import SEATS, advance_in_turn, new_seats
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.after_update import new_record
 from rl_tui.agents.kernels.drift import Drift, Drifted, drifted_by, new_drift
-from rl_tui.agents.kernels.machine_code import Batching, machine_code
+from rl_tui.agents.kernels.machine_code import Batching, fastest, machine_code
 from rl_tui.agents.kernels.parameters import kernel_parameters, schedules_of
 from rl_tui.agents.kernels.position import new_episode_log, new_position
 from rl_tui.agents.kernels.tables import tables_of
@@ -43,32 +42,29 @@ UNLIMITED: Final = 2**60
 _NONE: Final = -1
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class BatchedRun:
-    """One of the runs of a batch.
-
-    ``streams`` are given where the world was drawn from them; elsewhere they are those of ``seed``.
-    """
+class DrawnWorld(NamedTuple):
+    """A world that was drawn for one seed, and the streams of that seed as they are after it."""
 
     mdp: TabularMDP
-    seed: int
-    streams: Streams | None = None
+    streams: Streams
 
 
 class Batch:
-    """Runs of one algorithm with one setting, in worlds of the same numbers of states, pairs and outcomes.
+    """Runs of one algorithm with one setting, one for each of ``seeds``.
 
-    Each is advanced to ``steps`` steps or ``episodes`` finished episodes, whichever comes first, with the
-    bits of a :class:`~rl_tui.agents.learner.Learner`. Their curves are of the first ``curve_episodes``, in
-    bins of ``width``. After each of ``mark_episodes``, which ascend, their estimates are kept.
-    Only machine code can do it: see :func:`rl_tui.agents.compiling.loops.compile_here`.
+    Their ``world`` is the same, or each has one of its own, of the same numbers of states, pairs and
+    outcomes. Each is advanced to ``steps`` steps or ``episodes`` finished episodes, whichever comes first,
+    with the bits of a :class:`~rl_tui.agents.learner.Learner`. Their curves are of the first
+    ``curve_episodes``, in bins of ``width``. After each of ``mark_episodes``, which ascend, their estimates
+    are kept. Only machine code can do it: see :func:`rl_tui.agents.compiling.loops.compile_here`.
     """
 
     def __init__(
         self,
         algorithm: str,
         hyperparameters: Hyperparameters,
-        runs: Sequence[BatchedRun],
+        seeds: Sequence[int],
+        world: TabularMDP | Sequence[DrawnWorld],
         *,
         steps: int = UNLIMITED,
         episodes: int = UNLIMITED,
@@ -77,22 +73,26 @@ class Batch:
         mark_episodes: Sequence[int] = (),
     ) -> None:
         self._goal = (steps if episodes else 0), episodes
-        self._even = _even_world(runs)
-        if self._even is not None:
-            runs = [replace(run, mdp=self._even.mdp) for run in runs]
-        mdp, count = runs[0].mdp, len(runs)
-        self._streams, address = _streams_of(runs)
-        worlds, world = _distinct([run.mdp for run in runs])
-        tables = [tables_of(mdp) for mdp in worlds]
+        drawn = [] if isinstance(world, TabularMDP) else world
+        worlds = [world] if isinstance(world, TabularMDP) else [mdp for mdp, _ in drawn]
+        self._even = None if drawn else with_four_actions(worlds[0])
+        worlds = worlds if self._even is None else [self._even.mdp]
+        count, each = len(seeds), [1] * len(worlds) if drawn else [len(seeds)]
+        mdp, tables = worlds[0], [tables_of(mdp) for mdp in worlds]
+        self._streams, address = _streams_of(seeds, [streams for _, streams in drawn])
+        agents = [
+            _agent_in(mdp, algorithm, hyperparameters, in_turn=self._even is not None) for mdp in worlds
+        ]
         self._runs = Runs(
-            *_agents_of(algorithm, hyperparameters, runs, in_turn=self._even is not None),
+            memory=stacked([memory for memory, _ in agents], each),
+            rule=stacked([rule for _, rule in agents], each),
             params=kernel_parameters(hyperparameters),
             schedules=schedules_of(hyperparameters),
             tables=stacked(tables if self._even is None else [FourActions(*tables[0])], [1] * len(worlds)),
-            drift=stacked([new_drift(mdp) for mdp in worlds], np.bincount(world).tolist()),
+            drift=stacked([new_drift(mdp) for mdp in worlds], each),
             position=stacked([new_position(_NONE)], [count]),
             digest=stacked([new_digest(curve_episodes, width)], [count]),
-            world=world,
+            world=np.arange(count) if drawn else np.zeros(count, np.int64),
             address=address,
             stop=np.zeros(count, np.int64),
             marks=np.zeros(count, np.int64),
@@ -189,6 +189,18 @@ class Batch:
         drift = self._runs.drift
         return drifted_by(Drift(*(part[run] for part in drift)))
 
+    def recent_means(self) -> tuple[FloatArray, FloatArray]:
+        """Return the mean return and the mean length of the last 100 episodes of each, [B]; NaN without any.
+
+        They are those of exact sums, rounded once.
+        """
+        returns, lengths = np.full((2, len(self.stop)), np.nan)
+        fastest(mean_recent)(self._runs.digest, self.episodes, returns, lengths)
+        for run in np.flatnonzero(np.isinf(returns)).tolist():
+            found, _ = self.recent(run)
+            returns[run] = math.fsum(found.tolist()) / len(found)
+        return returns, lengths
+
     def recent(self, run: int) -> tuple[FloatArray, IntArray]:
         """Return the returns and the lengths of the last 100 episodes of ``run``, in no order."""
         count = min(int(self.episodes[run]), RECENT)
@@ -204,45 +216,28 @@ def batching_of(mdp: TabularMDP, *, is_shared: bool) -> Batching:
 def compile_batch(algorithm: str, hyperparameters: Hyperparameters, batching: Batching) -> None:
     """Compile what advances a batch of this algorithm and policy, or read it from the cache."""
     mdp = smallest_mdp() if batching is Batching.ONE_BY_ONE else smallest_of_four()
-    Batch(algorithm, hyperparameters, [BatchedRun(mdp, 0)], steps=0).advance(0)
+    Batch(algorithm, hyperparameters, [0], mdp, steps=0).advance(0)
 
 
-def _even_world(runs: Sequence[BatchedRun]) -> FourActionWorld | None:
-    mdp = runs[0].mdp
-    return with_four_actions(mdp) if all(run.mdp is mdp for run in runs) else None
-
-
-def _agents_of(
-    algorithm: str, values: Hyperparameters, runs: Sequence[BatchedRun], *, in_turn: bool
+def _agent_in(
+    space: TabularMDP, algorithm: str, values: Hyperparameters, *, in_turn: bool
 ) -> tuple[Any, Any]:
-    """Return the memories and the policies of ``runs``, a row each, those in the same world made once."""
+    """Return the memory and the policy of an agent in ``space`` that knows nothing yet."""
     module = importlib.import_module(BY_ID[algorithm].module)
     policy = importlib.import_module(POLICY_BY_ID[values.policy].module)
-    memories, rules = [], []
-    worlds, world = _distinct([run.mdp for run in runs])
-    for space in worlds:
-        q = np.full(space.pairs, values.initial_q, dtype=np.float64)
-        memories.append(module.new_memory(q, np.zeros(space.pairs, np.int64), space))
-        rule = policy.new_rule(space, values)
-        rules.append(rule._replace(in_turn=True) if in_turn and hasattr(rule, "in_turn") else rule)
-    counts = np.bincount(world).tolist()
-    return stacked(memories, counts), stacked(rules, counts)
+    q = np.full(space.pairs, values.initial_q, dtype=np.float64)
+    memory, rule = (
+        module.new_memory(q, np.zeros(space.pairs, np.int64), space),
+        policy.new_rule(space, values),
+    )
+    return memory, rule._replace(in_turn=True) if in_turn and hasattr(rule, "in_turn") else rule
 
 
-def _distinct(worlds: Sequence[TabularMDP]) -> tuple[list[TabularMDP], IntArray]:
-    """Return the worlds that differ from the one before, and which of them is whose, [B]."""
-    found, whose = list[TabularMDP](), list[int]()
-    for mdp in worlds:
-        if not found or found[-1] is not mdp:
-            found.append(mdp)
-        whose.append(len(found) - 1)
-    return found, np.array(whose, np.int64)
-
-
-def _streams_of(runs: Sequence[BatchedRun]) -> tuple[Any, Any]:
-    memory, address = streams_of([run.seed for run in runs])
-    for index, run in enumerate(runs):
-        for stream, generator in enumerate(run.streams or ()):
+def _streams_of(seeds: Sequence[int], drawn: Sequence[Streams]) -> tuple[WordArray, WordArray]:
+    """Return memory and addresses of the streams of ``seeds``; those ``drawn`` from are taken as they are."""
+    memory, address = streams_of(seeds)
+    for index, both in enumerate(drawn):
+        for stream, generator in enumerate(both):
             state = generator.bit_generator.state["state"]
             for place, number in ((0, state["state"]), (2, state["inc"])):
                 memory[index, stream, place] = number & (2**64 - 1)

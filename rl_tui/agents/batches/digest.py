@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.kernels.compiled import for_kernels
+from rl_tui.agents.batches.rows import stacked
+from rl_tui.agents.kernels.compiled import compiled_for, for_kernels
 from rl_tui.agents.kernels.episode_bins import CurveSums
 from rl_tui.agents.kernels.position import EpisodeLog
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
@@ -62,3 +63,29 @@ def digest_episodes(digest: Digest, log: EpisodeLog, done: int) -> None:
             curve.lengths[here] += log.lengths[index]
             curve.optimal[here] += log.optimal[index]
     digest.total_return[0] = total
+
+
+def _one_run() -> tuple[Any, ...]:
+    return stacked([new_digest(0, 1)], [1]), np.zeros((1, 2), np.int64)[:, 0], np.zeros(1), np.zeros(1)
+
+
+@compiled_for(_one_run)
+def mean_recent(digest: Digest, episodes: IntArray, returns: FloatArray, lengths: FloatArray) -> None:
+    """Write the mean return and the mean length of the last episodes of each run, [B], where it has any.
+
+    Where a sum of returns would have to be rounded the mean is inf, for another to add them up exactly: by
+    the error of each addition (D. E. Knuth, The Art of Computer Programming, vol. 2, 4.2.2, theorem B).
+    """
+    for run in range(len(episodes)):
+        count = min(episodes[run], RECENT)
+        total, length, is_exact = 0.0, 0, True
+        for place in range(count):
+            each = digest.recent_returns[run, place]
+            added = total + each
+            rest = added - total
+            is_exact = is_exact and (total - (added - rest)) + (each - rest) == 0.0
+            total = added
+            length += digest.recent_lengths[run, place]
+        if count > 0:
+            returns[run] = total / count if is_exact else np.inf
+            lengths[run] = length / count

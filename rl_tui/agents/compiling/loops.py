@@ -41,6 +41,7 @@ LONGEST_WAIT: Final = 300.0
 # Marks count once their module is imported. One program may have imported more than another, but in the cache
 # all must find the same
 _CALLED_FROM_PYTHON: Final = (
+    "rl_tui.agents.batches.digest",
     "rl_tui.agents.batches.seeding",
     "rl_tui.agents.exact.backward_induction",
     "rl_tui.agents.exact.small_worlds.unlimited",

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from rl_tui.agents.batches.batch import UNLIMITED, Batch, BatchedRun
+from rl_tui.agents.batches.batch import UNLIMITED, Batch, DrawnWorld
 from rl_tui.agents.exact.policy_figures import batch_figures
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS
@@ -23,8 +23,8 @@ from rl_tui.lab.run.recipe import Beginning, begin
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
-MOST_RUNS: Final = 64
-"""Runs of one batch: more gain nothing, and are longer in coming."""
+MOST_RUNS: Final = 256
+"""Runs of one batch: what Python does for it is then little for each."""
 MOST_BYTES: Final = 64_000_000
 """Of the estimates of a batch, and all else that its runs remember."""
 STEPS_AT_ONCE: Final = 2_000_000
@@ -61,21 +61,19 @@ class BatchedRuns:
     ) -> None:
         self._seeded, self._seeds, self._goal = seeded, seeds, goal
         self._beginnings: list[Beginning] = []
+        world: TabularMDP | list[DrawnWorld]
         if seeded.shared is None:
             self._beginnings = [begin(replace(seeded.recipe, seed=seed)) for seed in seeds]
-            runs = [
-                BatchedRun(_table(each), seed, each.streams)
-                for seed, each in zip(seeds, self._beginnings, strict=True)
-            ]
+            world = [DrawnWorld(_table(each), each.streams) for each in self._beginnings]
         else:
-            mdp = seeded.shared.world.mdp
-            assert mdp is not None
-            runs = [BatchedRun(mdp, seed) for seed in seeds]
+            assert seeded.shared.world.mdp is not None  # only what has a table is batched
+            world = seeded.shared.world.mdp
         self._curve_episodes, self._most_bins = curve_episodes, most_bins
         self.batch = Batch(
             seeded.recipe.algorithm,
             seeded.recipe.hyperparameters,
-            runs,
+            seeds,
+            world,
             steps=UNLIMITED if goal.steps is None else goal.steps,
             episodes=UNLIMITED if goal.steps is not None else goal.episodes or 0,
             curve_episodes=curve_episodes,
@@ -120,21 +118,24 @@ class BatchedRuns:
         ``check`` is called between what may take long, and may raise to end it.
         """
         batch, seeded = self.batch, self._seeded
-        exact = self.exact(check)
+        exact = self._exact(check)
+        shared = seeded.digest(seeded.first.world) if seeded.shared is not None else None
+        last_returns, last_lengths = batch.recent_means()
         columns = zip(
             self._seeds,
             batch.steps.tolist(),
             batch.episodes.tolist(),
             exact,
             batch.digest.total_return[:, 0].tolist(),
+            _if_there(last_returns),
+            _if_there(last_lengths),
             batch.first_reward_episode.tolist(),
             strict=True,
         )
         rows = []
-        for index, (seed, steps, episodes, exact_figures, total, first_reward) in enumerate(columns):
-            value, expected_return, error = exact_figures
-            returns, lengths = batch.recent(index)
-            world = self._beginnings[index].world if self._beginnings else seeded.first.world
+        for index, (seed, steps, episodes, figures, total, *last, first_reward) in enumerate(columns):
+            last_return, last_length = last
+            value, expected_return, error = figures
             rows.append(
                 {
                     "seed": seed,
@@ -144,11 +145,11 @@ class BatchedRuns:
                     "expected_return": expected_return,
                     "max_error": error,
                     "return_mean": total / episodes if episodes else None,
-                    "return_last_100": math.fsum(returns.tolist()) / len(returns) if episodes else None,
-                    "length_last_100": int(lengths.sum()) / len(lengths) if episodes else None,
+                    "return_last_100": last_return,
+                    "length_last_100": last_length,
                     "first_reward_episode": first_reward or None,
-                    "world": seeded.digest(world),
-                    **pulls(self.bandit(index, total)),
+                    "world": seeded.digest(self._beginnings[index].world) if self._beginnings else shared,
+                    **pulls(self._bandit(index, total)),
                 }
             )
         return rows
@@ -162,7 +163,7 @@ class BatchedRuns:
         count = np.diff(last_episode, prepend=0)
         return CurvePoints(last_episode, *(sums / count for sums in curve))
 
-    def exact(self, check: Callable[[], None]) -> list[tuple[float | None, ...]]:
+    def _exact(self, check: Callable[[], None]) -> list[tuple[float | None, ...]]:
         """Return the exact figures of each: value at the start, expected return and greatest error."""
         q, shared = self.batch.q, self._seeded.shared
         if shared is not None and not self._drifts:
@@ -196,7 +197,11 @@ class BatchedRuns:
             return mdp
         return replace(mdp, reward=mdp.reward + self.batch.drift.offset[index][mdp.outcome_pair])
 
-    def bandit(self, index: int, total: float) -> BanditFigures | None:
+    def total_return(self, index: int) -> float:
+        """Return the sum of the returns of all finished episodes of a run."""
+        return float(self.batch.digest.total_return[index, 0])
+
+    def _bandit(self, index: int, total: float) -> BanditFigures | None:
         """Return how the pulls of a run were spent, which paid ``total`` in all; None if it has no arms."""
         if not self._seeded.is_bandit:
             return None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
@@ -188,9 +187,11 @@ def summary(values: Sequence[float | None]) -> dict[str, float | int | None]:
     """Return mean, standard error (of n − 1), least, greatest and number of the values that are there."""
     there = [value for value in values if value is not None and math.isfinite(value)]
     count = len(there)
+    mean = math.fsum(there) / count if there else None
+    variance = None if mean is None or count == 1 else math.fsum((x - mean) ** 2 for x in there) / (count - 1)
     return {
-        "mean": statistics.fmean(there) if there else None,
-        "stderr": statistics.stdev(there) / math.sqrt(count) if count > 1 else None,
+        "mean": mean,
+        "stderr": None if variance is None else math.sqrt(variance / count),
         "min": min(there, default=None),
         "max": max(there, default=None),
         "count": count,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Final, cast
 
 import numpy as np
 
@@ -19,6 +20,17 @@ from rl_tui.lab.sweeps.measures import ARRIVED
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 Figures = Mapping[str, float | int | None]
+
+# The measures that a row of ``train --runs`` has, and what they are called there
+_COLUMNS: Final = {
+    "expected_return": "expected_return",
+    "value_at_start": "value_at_start",
+    "max_error": "max_error",
+    "area": "return_mean",
+    "steps": "steps",
+    "episodes": "episodes",
+    "return_last_100": "return_last_100",
+}
 
 
 def loop_in_batches(cell: Cell) -> Loop | None:
@@ -62,34 +74,13 @@ def batched_figures(
     arrivals = [None] * len(seeds) if line is None else _arrivals(runs, facts.mdp, marks, line, check)
     broken = set(runs.broken)
     found = list[Figures | None]()
-    for index, exact in enumerate(runs.exact(check)):
-        figures = _figures(cell, runs, index, exact)
+    for index, row in enumerate(runs.rows(check)):
         arrived = None if line is None else int(arrivals[index] is not None)
-        is_whole = index not in broken
-        found.append({**figures, "arrival": arrivals[index], ARRIVED: arrived} if is_whole else None)
+        total = runs.total_return(index)
+        figures = {name: row[column] for name, column in _COLUMNS.items()}
+        figures |= {"regret": _regret(row, total, facts.best), "arrival": arrivals[index], ARRIVED: arrived}
+        found.append(None if index in broken else figures)
     return found
-
-
-def _figures(
-    cell: Cell,
-    runs: BatchedRuns,
-    index: int,
-    exact: tuple[float | None, ...],
-) -> Figures:
-    """Return the figures of a run but for its arrival."""
-    batch, (value, earned, error) = runs.batch, exact
-    episodes, total = int(batch.episodes[index]), float(batch.digest.total_return[index, 0])
-    returns, _ = batch.recent(index)
-    return {
-        "expected_return": earned,
-        "value_at_start": value,
-        "max_error": error,
-        "area": total / episodes if episodes else None,
-        "regret": _regret(cell, runs, index, episodes, total),
-        "steps": int(batch.steps[index]),
-        "episodes": episodes,
-        "return_last_100": math.fsum(returns.tolist()) / len(returns) if episodes else None,
-    }
 
 
 def _arrivals(
@@ -117,11 +108,11 @@ def _arrivals(
     return found
 
 
-def _regret(cell: Cell, runs: BatchedRuns, index: int, episodes: int, total: float) -> float | None:
-    spent, best = runs.bandit(index, total), cell.content.facts.best
-    if spent is not None:
-        return spent.regret
-    if best is None or not episodes:
+def _regret(row: Mapping[str, Any], total: float, best: float | None) -> float | None:
+    """Return what the episodes of a run lost against the ``best`` policy; of a bandit by true means."""
+    if "regret" in row:
+        return cast("float | None", row["regret"])
+    if best is None or not row["episodes"]:
         return None
-    regret = episodes * best - total
+    regret = row["episodes"] * best - total
     return regret if math.isfinite(regret) else None
