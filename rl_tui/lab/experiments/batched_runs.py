@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, Final
@@ -18,7 +17,7 @@ from rl_tui.lab.experiments.learning_curve import MOST_BINS, CurvePoints, width_
 from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
 from rl_tui.lab.experiments.training import Goal, no_progress
 from rl_tui.lab.run.bandit import BanditFigures, bandit_figures
-from rl_tui.lab.run.figures import MOST_STATES, pulls
+from rl_tui.lab.run.figures import BANDIT_FIGURES, MOST_STATES, pulls
 from rl_tui.lab.run.recipe import Beginning, begin
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
@@ -118,41 +117,32 @@ class BatchedRuns:
         ``check`` is called between what may take long, and may raise to end it.
         """
         batch, seeded = self.batch, self._seeded
-        exact = self._exact(check)
-        shared = seeded.digest(seeded.first.world) if seeded.shared is not None else None
+        values, returns, errors = self._exact(check)
         last_returns, last_lengths = batch.recent_means()
-        columns = zip(
-            self._seeds,
-            batch.steps.tolist(),
-            batch.episodes.tolist(),
-            exact,
-            batch.digest.total_return[:, 0].tolist(),
-            _if_there(last_returns),
-            _if_there(last_lengths),
-            batch.first_reward_episode.tolist(),
-            strict=True,
-        )
-        rows = []
-        for index, (seed, steps, episodes, figures, total, *last, first_reward) in enumerate(columns):
-            last_return, last_length = last
-            value, expected_return, error = figures
-            rows.append(
-                {
-                    "seed": seed,
-                    "steps": steps,
-                    "episodes": episodes,
-                    "value_at_start": value,
-                    "expected_return": expected_return,
-                    "max_error": error,
-                    "return_mean": total / episodes if episodes else None,
-                    "return_last_100": last_return,
-                    "length_last_100": last_length,
-                    "first_reward_episode": first_reward or None,
-                    "world": seeded.digest(self._beginnings[index].world) if self._beginnings else shared,
-                    **pulls(self._bandit(index, total)),
-                }
-            )
-        return rows
+        with np.errstate(invalid="ignore"):  # those without an episode
+            means = batch.digest.total_return[:, 0] / batch.episodes
+        columns: dict[str, Sequence[Any]] = {
+            "seed": self._seeds,
+            "steps": batch.steps.tolist(),
+            "episodes": batch.episodes.tolist(),
+            "value_at_start": _if_there(values),
+            "expected_return": _if_there(returns),
+            "max_error": _if_there(errors),
+            "return_mean": _if_there(means),
+            "return_last_100": _if_there(last_returns),
+            "length_last_100": _if_there(last_lengths),
+            "first_reward_episode": [first or None for first in batch.first_reward_episode.tolist()],
+            "world": self._digests(),
+        }
+        if seeded.is_bandit:
+            spent = [pulls(self._bandit(index)) for index in range(len(self._seeds))]
+            columns |= {name: [each[name] for each in spent] for name in BANDIT_FIGURES}
+        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+    def _digests(self) -> list[str | None]:
+        if self._seeded.shared is not None:
+            return [self._seeded.digest(self._seeded.first.world)] * len(self._seeds)
+        return [self._seeded.digest(each.world) for each in self._beginnings]
 
     @property
     def curves(self) -> CurvePoints:
@@ -163,27 +153,25 @@ class BatchedRuns:
         count = np.diff(last_episode, prepend=0)
         return CurvePoints(last_episode, *(sums / count for sums in curve))
 
-    def _exact(self, check: Callable[[], None]) -> list[tuple[float | None, ...]]:
-        """Return the exact figures of each: value at the start, expected return and greatest error."""
+    def _exact(self, check: Callable[[], None]) -> FloatArray:
+        """Return value at the start, expected return and greatest error of each, [3, B]; NaN for none."""
         q, shared = self.batch.q, self._seeded.shared
         if shared is not None and not self._drifts:
-            mdp = shared.world.mdp
-            return self._exact_in(mdp, q)
+            return self._exact_in(shared.world.mdp, q)
         found = []
         for index in range(len(q)):
             check()
-            found += self._exact_in(self._table_now(index), q[index : index + 1])
-        return found
+            found.append(self._exact_in(self._table_now(index), q[index : index + 1]))
+        return np.concatenate(found, axis=1)
 
-    def _exact_in(self, mdp: TabularMDP | None, q: FloatArray) -> list[tuple[float | None, ...]]:
-        """Return the exact figures of the estimates ``q``, [B, P], in the world of ``mdp``."""
+    def _exact_in(self, mdp: TabularMDP | None, q: FloatArray) -> FloatArray:
+        """Return the exact figures, [3, B], of the estimates ``q``, [B, P], in the world of ``mdp``."""
         if mdp is None or mdp.states > MOST_STATES:
-            return [(None, None, None)] * len(q)
+            return np.full((3, len(q)), np.nan)
         values = self._seeded.recipe.hyperparameters
         optimum = self._seeded.optimum(mdp, values.gamma)
         figures = batch_figures(mdp, q, values.ties, values.gamma, optimum)
-        columns = (figures.value_at_start, figures.expected_return, figures.max_error)
-        return list(zip(*(_if_there(column) for column in columns), strict=True))
+        return np.stack((figures.value_at_start, figures.expected_return, figures.max_error))
 
     @property
     def _drifts(self) -> bool:
@@ -201,12 +189,11 @@ class BatchedRuns:
         """Return the sum of the returns of all finished episodes of a run."""
         return float(self.batch.digest.total_return[index, 0])
 
-    def _bandit(self, index: int, total: float) -> BanditFigures | None:
-        """Return how the pulls of a run were spent, which paid ``total`` in all; None if it has no arms."""
-        if not self._seeded.is_bandit:
-            return None
+    def _bandit(self, index: int) -> BanditFigures | None:
+        """Return how the pulls of a run were spent, in a world of arms."""
         world = self._beginnings[index].world if self._beginnings else self._seeded.first.world
-        return bandit_figures(world, self.batch.visits[index], total, self.batch.drifted(index))
+        total, drifted = self.total_return(index), self.batch.drifted(index)
+        return bandit_figures(world, self.batch.visits[index], total, drifted)
 
 
 def _table(beginning: Beginning) -> TabularMDP:
@@ -216,5 +203,8 @@ def _table(beginning: Beginning) -> TabularMDP:
 
 
 def _if_there(column: FloatArray) -> list[float | None]:
-    """Return the numbers of ``column``, None in place of NaN."""
-    return [None if math.isnan(number) else number for number in column.tolist()]
+    """Return the numbers of ``column``, None in place of those that are not finite."""
+    numbers: list[float | None] = column.tolist()
+    for place in np.flatnonzero(~np.isfinite(column)).tolist():
+        numbers[place] = None
+    return numbers

@@ -113,16 +113,13 @@ def figures_of_runs(
     rows = experiment.rows(csv)
     seconds = time.perf_counter() - start
     curve = experiment.curve(min(row["episodes"] for row in rows))
-    document: dict[str, Any] = finite(
-        {
-            "seconds": seconds,
-            "steps_per_second": sum(row["steps"] for row in rows) / seconds,
-            "runs": rows,
-            "summary": {name: summary([row[name] for row in rows]) for name in seeded.figures},
-            "curve": curve,
-        }
-    )
-    return document
+    return {
+        "seconds": seconds,
+        "steps_per_second": sum(row["steps"] for row in rows) / seconds,
+        "runs": rows,
+        "summary": finite({name: summary([row[name] for row in rows]) for name in seeded.figures}),
+        "curve": finite(curve),
+    }
 
 
 class _GivenUpError(Exception):
@@ -216,11 +213,14 @@ class _Experiment(Generic[RunT]):
 
     def _written_row(self, index: int, part: Path) -> dict[str, Any]:
         with whole_file(part) as stream:
-            return self._runs.row(self._train_one(index, EpisodeRows(stream, index + 1)))
+            row: dict[str, Any] = finite(
+                self._runs.row(self._train_one(index, EpisodeRows(stream, index + 1)))
+            )
+        return row
 
     def _rows_of_part(self, part: int) -> list[dict[str, Any]]:
         trained = self._train(part)
-        return trained.rows() if isinstance(trained, BatchedRuns) else [self._runs.row(trained)]
+        return trained.rows() if isinstance(trained, BatchedRuns) else [finite(self._runs.row(trained))]
 
     def _train(self, part: int) -> RunT | BatchedRuns:
         indices = self._parts[part]

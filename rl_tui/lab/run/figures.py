@@ -187,11 +187,13 @@ def summary(values: Sequence[float | None]) -> dict[str, float | int | None]:
     """Return mean, standard error (of n − 1), least, greatest and number of the values that are there."""
     there = [value for value in values if value is not None and math.isfinite(value)]
     count = len(there)
-    mean = math.fsum(there) / count if there else None
-    variance = None if mean is None or count == 1 else math.fsum((x - mean) ** 2 for x in there) / (count - 1)
+    mean, stderr = math.fsum(there) / count if there else None, None
+    if mean is not None and count > 1:
+        squares = (np.array(there, np.float64) - mean) ** 2
+        stderr = math.sqrt(math.fsum(squares.tolist()) / (count - 1) / count)
     return {
         "mean": mean,
-        "stderr": None if variance is None else math.sqrt(variance / count),
+        "stderr": stderr,
         "min": min(there, default=None),
         "max": max(there, default=None),
         "count": count,
