@@ -61,6 +61,7 @@ def test_without_a_file_it_is_drawn_in_the_terminal(curve: str) -> None:
     assert any("⠀" < character <= "⣿" for character in result.stdout)
 
 
+@pytest.mark.process  # Matplotlib asks another for the fonts, the first time
 def test_a_sweep_is_an_atlas_or_lines(tmp_path: Path) -> None:
     path = tmp_path / "sweep.json"
     path.write_text(json.dumps(SWEEP))

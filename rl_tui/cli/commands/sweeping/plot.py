@@ -20,10 +20,10 @@ def command(
 ) -> None:
     """Draw results as a picture.
 
-    RESULTS is the JSON of train --runs or of sweep, or the CSV of train --curve. Curves have a band, the 95 %
-    interval of the mean; several files of curves come into one chart. One number that a sweep varies is drawn
-    as a curve, with a line for each value of the others, two numbers as an atlas. Without --out it is drawn
-    in the terminal. An example:
+    RESULTS is the JSON of train --runs or of sweep, the store of a sweep, or the CSV of train --curve. Curves
+    have a band, the 95 % interval of the mean; several files of curves come into one chart. One number that a
+    sweep varies is drawn as a curve, with a line for each value of the others, two numbers as an atlas.
+    Without --out it is drawn in the terminal. An example:
 
     rl-tui train cliff --runs 50 --json > cliff.json && rl-tui plot cliff.json --out cliff.svg
     """
@@ -31,7 +31,7 @@ def command(
     from rl_tui.lab.pictures.results.picture import picture_of
     from rl_tui.lab.pictures.results.reading import read_results
 
-    tables = [read_results(Path(each)) for each in results]
+    tables = [read_results(Path(each), measure) for each in results]
     picture = picture_of(tables, measure, x, y)
     if out is None:
         from rl_tui.cli.reports.picture_text import print_picture

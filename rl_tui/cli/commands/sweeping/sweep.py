@@ -157,7 +157,7 @@ def command(
             )
     if store is not None and shard is None and not as_json:
         click.echo(
-            f"\n{store} keeps the runs. To draw them: the same with --json > F.json, then rl-tui plot F.json",
+            f"\n{store} keeps the runs. To draw them: rl-tui plot {store}",
             err=is_stdout(csv),
         )
     finish_compiling()

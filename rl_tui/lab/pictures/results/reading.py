@@ -1,4 +1,4 @@
-"""Reads results from files: JSON of ``train --runs`` and ``sweep``, CSV of ``train --curve``."""
+"""Reads results from files: JSON of ``train --runs`` and ``sweep``, stores, CSV of ``train --curve``."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from typing import Any, Final, NoReturn
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
+from rl_tui.lab.pictures.results.stores import document_of, is_store
 from rl_tui.lab.pictures.results.tables import CurveTable, Spread, SweepCell, SweepTable, Value
 
 EPISODE: Final = "episode"
@@ -21,11 +22,16 @@ _NOT_SETTINGS: Final = ("runs", "failed", "like_best")
 _LONGEST: Final = 60
 _RESTRICTED: Final = "restricted_"  # begins what is known of arrivals where some runs never arrived
 _FEWEST_FOR_A_RATIO: Final = 3
-_WANTED: Final = "the JSON of train --runs or of sweep, or the CSV of train --curve"
+_WANTED: Final = "the JSON of train --runs or of sweep, a store of sweeps, or the CSV of train --curve"
 
 
-def read_results(path: Path) -> CurveTable | SweepTable:
-    """Return what the file holds. Raises UserError where that is no results, or cannot be read."""
+def read_results(path: Path, measure: str | None = None) -> CurveTable | SweepTable:
+    """Return what the file holds; cells of a store compare by ``measure`` if it is one.
+
+    Raises UserError where that is no results, or cannot be read.
+    """
+    if is_store(path):
+        return results_of(document_of(path, measure), str(path))
     try:
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:
