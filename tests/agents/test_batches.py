@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from two_forms import examples, worlds_for
 
-from rl_tui.agents.batches.batch import Batch, DrawnWorld
+from rl_tui.agents.batches.batch import DrawnWorld, RunBatch
 from rl_tui.agents.batches.rows import row, stacked
 from rl_tui.agents.batches.seeding import MOST_SEED, seed_streams, streams_of
 from rl_tui.agents.compiling.loops import all_batches, compile_here
@@ -104,7 +104,7 @@ def worlds_in(loop: Loop) -> st.SearchStrategy[TabularMDP]:
     return maps() if loop.batching is Batching.IN_TURN else worlds_for(loop._replace(batching=Batching.NONE))
 
 
-def trained(batch: Batch, budget: int) -> Batch:
+def trained(batch: RunBatch, budget: int) -> RunBatch:
     while batch.advance(budget):
         pass
     return batch
@@ -119,7 +119,7 @@ def alone(
     return learner, list(learner.drain_episodes()), stop
 
 
-def assert_same(batch: Batch, index: int, learner: Learner, episodes: Sequence[Any]) -> None:
+def assert_same(batch: RunBatch, index: int, learner: Learner, episodes: Sequence[Any]) -> None:
     returns, lengths, optimal = episodes
     assert batch.q[index].tobytes() == learner.q.tobytes()
     assert batch.visits[index].tobytes() == learner.visits.tobytes()
@@ -153,7 +153,7 @@ def test_each_run_is_that_of_a_learner(loop: Any) -> None:
             (Hyperparameters(policy=loop.policy, alpha=0.3, n=2, planning_steps=3), 200, 2**60),
             (Hyperparameters(policy=loop.policy, epsilon=0.4, epsilon_decay=0.01, ties="first"), 2_000, 40),
         ):
-            batch = Batch(
+            batch = RunBatch(
                 loop.algorithm, values, seeds, mdp, steps=steps, episodes=episodes, curve_episodes=30, width=7
             )
             trained(batch, budget)
@@ -172,7 +172,9 @@ def test_more_episodes_than_the_log_holds_and_worlds_of_their_own() -> None:
     beginnings = [begin(recipe) for recipe in recipes]
     worlds = [DrawnWorld(each.world.mdp, each.streams) for each in beginnings]  # type: ignore[arg-type]
     values = recipes[0].hyperparameters
-    batch = trained(Batch("q-learning", values, range(3), worlds, episodes=5_000, curve_episodes=30), 1_000)
+    batch = trained(
+        RunBatch("q-learning", values, range(3), worlds, episodes=5_000, curve_episodes=30), 1_000
+    )
     for index, recipe in enumerate(recipes):
         beginning = begin(recipe)
         mdp = beginning.world.mdp
@@ -187,7 +189,7 @@ def test_estimates_are_kept_at_the_marks() -> None:
     assert mdp is not None
     compile_here(Loop("sarsa", "epsilon-greedy", stepped=False, batching=Batching.IN_TURN))
     values, marks = Hyperparameters(), (1, 2, 20, 50)
-    batch = trained(Batch("sarsa", values, (3, 4), mdp, episodes=50, mark_episodes=marks), 333)
+    batch = trained(RunBatch("sarsa", values, (3, 4), mdp, episodes=50, mark_episodes=marks), 333)
     for index, seed in enumerate((3, 4)):
         learner = Learner(mdp, "sarsa", values, streams(seed))
         for place, until in enumerate(marks):
@@ -207,7 +209,7 @@ def test_a_run_that_breaks_down_does_not_hold_up_the_others() -> None:
     mdp = tabular_mdp(names, ["a", "b", "c", "d"], transitions, {0: 0.5, 1: 0.5}, time_limit=50)
     compile_here(Loop("q-learning", "epsilon-greedy", stepped=False, batching=Batching.IN_TURN))
     values, seeds = Hyperparameters(gamma=1.0, alpha=1.0), range(12)
-    batch = trained(Batch("q-learning", values, seeds, mdp, episodes=2), 10)
+    batch = trained(RunBatch("q-learning", values, seeds, mdp, episodes=2), 10)
     stops = [alone(mdp, seed, "q-learning", values, 2**60, 2)[2] for seed in seeds]
     assert list(map(Stop, batch.stop)) == stops
     assert {Stop.DIVERGED, Stop.DONE} == set(stops)

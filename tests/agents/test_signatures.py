@@ -14,7 +14,7 @@ from arms import gaussian
 from shipped import SCENARIOS, SHIPPED
 from two_forms import EVERY_LOOP, in_place_of_machine_code
 
-from rl_tui.agents.batches.batch import Batch
+from rl_tui.agents.batches.batch import RunBatch
 from rl_tui.agents.batches.seeding import streams_of
 from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.agents.compatibility import incompatibility
@@ -154,7 +154,7 @@ def test_what_all_share_is_called_with_the_types_of_its_examples(
     ours.watch(None)
     ours.advance(500)
     streams_of([1, 2])
-    Batch("q-learning", Hyperparameters(), [1, 2], mdp).recent_means()
+    RunBatch("q-learning", Hyperparameters(), [1, 2], mdp).recent_means()
     history, curve = History(), RunCurve(3)
     for _ in range(2):
         returns, lengths, optimal = ours.drain_episodes()

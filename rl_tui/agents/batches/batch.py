@@ -49,7 +49,7 @@ class DrawnWorld(NamedTuple):
     streams: Streams
 
 
-class Batch:
+class RunBatch:
     """Runs of one algorithm with one setting, one for each of ``seeds``.
 
     Their ``world`` is the same, or each has one of its own, of the same numbers of states, pairs and
@@ -216,7 +216,7 @@ def batching_of(mdp: TabularMDP, *, is_shared: bool) -> Batching:
 def compile_batch(algorithm: str, hyperparameters: Hyperparameters, batching: Batching) -> None:
     """Compile what advances a batch of this algorithm and policy, or read it from the cache."""
     mdp = smallest_mdp() if batching is Batching.ONE_BY_ONE else smallest_of_four()
-    Batch(algorithm, hyperparameters, [0], mdp, steps=0).advance(0)
+    RunBatch(algorithm, hyperparameters, [0], mdp, steps=0).advance(0)
 
 
 def _agent_in(

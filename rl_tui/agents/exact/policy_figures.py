@@ -15,7 +15,7 @@ from rl_tui.agents.exact.policies import greedy_policy
 from rl_tui.agents.exact.policy_evaluation import PolicyChain
 from rl_tui.agents.exact.small_worlds.many_policies import (
     ChainOf,
-    PolicyValues,
+    ValuesOfPolicies,
     distinct_policies,
     returns_of,
     values_of,
@@ -123,7 +123,7 @@ def chance_of_ending(mdp: TabularMDP, policy: FloatArray) -> float | None:
 
 def _values_and_returns(
     mdp: TabularMDP, policies: FloatArray, gamma: float, chain_of: ChainOf
-) -> tuple[PolicyValues, FloatArray]:
+) -> tuple[ValuesOfPolicies, FloatArray]:
     """Return the values of ``policies``, [B, P], and what they earn undiscounted from the start, [B]."""
     values = values_of(mdp, policies, gamma, chain_of)
     if gamma == 1.0 and not mdp.time_limit:

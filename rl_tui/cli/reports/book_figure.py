@@ -10,7 +10,7 @@ from rl_tui.cli.output import alike, columns, number
 from rl_tui.cli.reports.picture_text import print_picture
 from rl_tui.common.words import counted
 from rl_tui.lab.book_figures.catalogue import BOOK, BookFigure
-from rl_tui.lab.book_figures.figure import Comparison, MeasuredFigure
+from rl_tui.lab.book_figures.figure import BookComparison, MeasuredFigure
 
 
 def print_figure(
@@ -38,7 +38,7 @@ def _rows(measured: MeasuredFigure) -> Iterator[tuple[str, ...]]:
         yield each.what, each.book, each.place, _ours(each), "yes" if each.agrees else "no"
 
 
-def _ours(each: Comparison) -> str:
+def _ours(each: BookComparison) -> str:
     if each.ours is None or each.stderr is None:
         return number(each.ours, ".4g")
     mean, error = alike([each.ours, each.stderr])

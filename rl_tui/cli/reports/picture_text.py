@@ -15,7 +15,7 @@ import numpy as np
 
 from rl_tui.cli.reports.atlas_text import atlas_lines
 from rl_tui.lab.pictures.chart_layout import spread
-from rl_tui.lab.pictures.picture import Chart, Curve, Picture
+from rl_tui.lab.pictures.picture import Chart, ChartCurve, Picture
 from rl_tui.tui.draw import braille
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.to_ascii import to_ascii
@@ -98,7 +98,7 @@ def _cells(chart: Chart, width: int) -> tuple[IntArray, IntArray]:
     return codes + braille.BLANK, owners
 
 
-def _dots(chart: Chart, curve: Curve, width: int) -> BoolArray:
+def _dots(chart: Chart, curve: ChartCurve, width: int) -> BoolArray:
     across, down = width * braille.DOTS_ACROSS, ROWS * braille.DOTS_DOWN
     dots = np.zeros((down, across), dtype=np.bool_)
     if not chart.connected:
@@ -113,7 +113,7 @@ def _dots(chart: Chart, curve: Curve, width: int) -> BoolArray:
     return dots
 
 
-def _intervals(chart: Chart, curve: Curve, dots: BoolArray) -> BoolArray:
+def _intervals(chart: Chart, curve: ChartCurve, dots: BoolArray) -> BoolArray:
     """Return ``dots`` with those of each point of ``curve`` and of its interval."""
     down, across = dots.shape
     for place, value in enumerate(curve.y):
@@ -143,7 +143,7 @@ def _extent(x: FloatArray, y: FloatArray, across: int) -> tuple[FloatArray, Floa
 
 
 def _styled_cells(
-    codes: IntArray, owners: IntArray, curves: Sequence[Curve], depth: Depth, ascii_only: bool
+    codes: IntArray, owners: IntArray, curves: Sequence[ChartCurve], depth: Depth, ascii_only: bool
 ) -> str:
     text, start = "", 0
     changes = [*(np.flatnonzero(np.diff(owners)) + 1), len(owners)]

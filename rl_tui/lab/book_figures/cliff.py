@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Final
 
-from rl_tui.lab.book_figures.drawing import BAND, panel_of, told
-from rl_tui.lab.book_figures.figure import Comparison, MeasuredCurve, MeasuredFigure, read_off
+from rl_tui.lab.book_figures.drawing import BAND, panel_of, summary_of_comparisons
+from rl_tui.lab.book_figures.figure import BookComparison, MeasuredCurve, MeasuredFigure, read_off
 from rl_tui.lab.book_figures.measuring import Measuring, mean_and_error, of_runs
 from rl_tui.lab.pictures.axis import close_axis, fixed_axis
 from rl_tui.lab.pictures.picture import Chart, Picture
@@ -39,14 +39,14 @@ def _curve(name: str, curve: dict[str, list[Any]]) -> MeasuredCurve:
     return MeasuredCurve(REWARDS, name, curve["episode"], curve["return_mean"], curve["return_stderr"])
 
 
-def _table(made: dict[str, dict[str, Any]]) -> tuple[Comparison, ...]:
+def _table(made: dict[str, dict[str, Any]]) -> tuple[BookComparison, ...]:
     last = {algorithm: of_runs(document, "return_last_100") for algorithm, document in made.items()}
     better = mean_and_error(last["sarsa"] - last["q-learning"])
     of_paths = of_runs(made["q-learning"], "expected_return")
     return (
         read_off("rewards, last 100 episodes, SARSA", -25, 5, *mean_and_error(last["sarsa"])),
         read_off("rewards, last 100 episodes, Q-learning", -50, 5, *mean_and_error(last["q-learning"])),
-        Comparison(
+        BookComparison(
             "by how much SARSA earns more, seed by seed",
             "it does",
             "text, example 6.6",
@@ -54,7 +54,7 @@ def _table(made: dict[str, dict[str, Any]]) -> tuple[Comparison, ...]:
             float("inf"),
             *better,
         ),
-        Comparison(
+        BookComparison(
             "return of what Q-learning learned, without exploring",
             "−13: it learns the optimal policy",
             "text, example 6.6",
@@ -65,10 +65,10 @@ def _table(made: dict[str, dict[str, Any]]) -> tuple[Comparison, ...]:
     )
 
 
-def _picture(curves: tuple[MeasuredCurve, ...], table: Sequence[Comparison], runs: int) -> Picture:
+def _picture(curves: tuple[MeasuredCurve, ...], table: Sequence[BookComparison], runs: int) -> Picture:
     return Picture(
         title="Cliff walking: what is earned while learning",
-        summary=told(
+        summary=summary_of_comparisons(
             f"One chart over {EPISODES} episodes, with a curve for SARSA and one for Q-learning.",
             table,
         ),

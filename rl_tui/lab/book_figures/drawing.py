@@ -5,23 +5,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from rl_tui.lab.book_figures.figure import Comparison, MeasuredCurve
+from rl_tui.lab.book_figures.figure import BookComparison, MeasuredCurve
 from rl_tui.lab.pictures.axis import number_text
-from rl_tui.lab.pictures.picture import Curve
+from rl_tui.lab.pictures.picture import ChartCurve
 
 BAND: Final = "Bands: the 95 % interval of the mean, 1.96 standard errors to either side."
 _HALF_WIDTH: Final = 1.96
 
 
-def told(what: str, table: Sequence[Comparison]) -> str:
+def summary_of_comparisons(what: str, table: Sequence[BookComparison]) -> str:
     """Return ``what`` a picture shows, and the numbers of ``table``, for those who cannot see it."""
     figures = (f"{each.what}: {'none' if each.ours is None else number_text(each.ours)}" for each in table)
     return f"{what} {'; '.join(figures)}."
 
 
-def drawn(curve: MeasuredCurve, colour: int, *, dashed: bool = False) -> Curve:
+def drawn(curve: MeasuredCurve, colour: int, *, dashed: bool = False) -> ChartCurve:
     """Return ``curve`` with the band of the 95 % interval of its means."""
-    return Curve(
+    return ChartCurve(
         curve.name,
         tuple(curve.x),
         tuple(curve.mean),
@@ -39,7 +39,7 @@ def _edge(curve: MeasuredCurve, errors: float) -> tuple[float | None, ...]:
     )
 
 
-def panel_of(curves: Sequence[MeasuredCurve], name: str) -> tuple[Curve, ...]:
+def panel_of(curves: Sequence[MeasuredCurve], name: str) -> tuple[ChartCurve, ...]:
     """Return those of ``curves`` that stand in the panel of that ``name``, each in a colour of its own."""
     inside = [curve for curve in curves if curve.panel == name]
     return tuple(drawn(curve, place) for place, curve in enumerate(inside))

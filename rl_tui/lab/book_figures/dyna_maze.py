@@ -10,8 +10,8 @@ from typing import Any, Final
 
 from rl_tui.agents.exact.policies import uniform_policy
 from rl_tui.agents.exact.policy_figures import figures
-from rl_tui.lab.book_figures.drawing import BAND, panel_of, told
-from rl_tui.lab.book_figures.figure import Comparison, MeasuredCurve, MeasuredFigure
+from rl_tui.lab.book_figures.drawing import BAND, panel_of, summary_of_comparisons
+from rl_tui.lab.book_figures.figure import BookComparison, MeasuredCurve, MeasuredFigure
 from rl_tui.lab.book_figures.measuring import Measuring, recipe_of
 from rl_tui.lab.pictures.axis import close_axis, fixed_axis
 from rl_tui.lab.pictures.picture import Chart, Picture
@@ -58,10 +58,10 @@ def name_of(planning: int) -> str:
     return f"{planning} planning steps" if planning else "0 planning steps (direct RL only)"
 
 
-def _table(made: dict[int, dict[str, list[Any]]]) -> tuple[Comparison, ...]:
+def _table(made: dict[int, dict[str, list[Any]]]) -> tuple[BookComparison, ...]:
     return (
         *(
-            Comparison(
+            BookComparison(
                 f"first episode of at most {SHORT:g} steps on average, {planning} planning steps",
                 f"about {episode}",
                 _TEXT,
@@ -71,7 +71,7 @@ def _table(made: dict[int, dict[str, list[Any]]]) -> tuple[Comparison, ...]:
             )
             for planning, (episode, margin) in BOOK.items()
         ),
-        Comparison(
+        BookComparison(
             "steps of the first episode, 0 planning steps",
             "about 1700",
             _TEXT,
@@ -89,13 +89,13 @@ def first_short(curve: dict[str, list[Any]]) -> float | None:
     return next((float(episode) for episode, length in episodes if length <= SHORT), None)
 
 
-def _picture(curves: tuple[MeasuredCurve, ...], table: Sequence[Comparison], runs: int) -> Picture:
+def _picture(curves: tuple[MeasuredCurve, ...], table: Sequence[BookComparison], runs: int) -> Picture:
     later = tuple(
         MeasuredCurve(each.panel, each.name, each.x[1:], each.mean[1:], each.stderr[1:]) for each in curves
     )
     return Picture(
         title="Dyna maze: steps per episode by the number of planning steps",
-        summary=told(
+        summary=summary_of_comparisons(
             f"One chart over the episodes 2 to {EPISODES}, with a curve for each number of planning steps.",
             table,
         ),

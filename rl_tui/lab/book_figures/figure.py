@@ -12,7 +12,7 @@ _STANDARD_ERRORS: Final = 3.0
 
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class BookComparison:
     """One number of the book and ours.
 
     The book's lies from ``low`` to ``high``: what it prints is rounded, or was read off a figure.
@@ -57,13 +57,13 @@ class MeasuredCurve:
 class MeasuredFigure:
     """What came of recomputing a figure."""
 
-    table: tuple[Comparison, ...]
+    table: tuple[BookComparison, ...]
     curves: tuple[MeasuredCurve, ...]
     picture: Picture
     notes: tuple[str, ...] = ()
 
 
-def read_off(what: str, value: float, margin: float, ours: float, stderr: float | None) -> Comparison:
+def read_off(what: str, value: float, margin: float, ours: float, stderr: float | None) -> BookComparison:
     """Return a comparison with a number that was read off the printed figure, to within ``margin``."""
     book = f"{value:g} ± {margin:g}".replace("-", "−")
-    return Comparison(what, book, "read off", value - margin, value + margin, ours, stderr)
+    return BookComparison(what, book, "read off", value - margin, value + margin, ours, stderr)

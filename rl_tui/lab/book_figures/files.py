@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Final, TextIO
 
 from rl_tui.lab.book_figures.catalogue import BOOK, BookFigure
-from rl_tui.lab.book_figures.figure import Comparison, MeasuredCurve, MeasuredFigure
+from rl_tui.lab.book_figures.figure import BookComparison, MeasuredCurve, MeasuredFigure
 from rl_tui.lab.run.figures import finite
 
 HEADER: Final = ("panel", "curve", "x", "mean", "stderr")
@@ -32,7 +32,7 @@ def document_of(
     return document
 
 
-def _row(each: Comparison) -> dict[str, Any]:
+def _row(each: BookComparison) -> dict[str, Any]:
     return {
         "what": each.what,
         "book": each.book,

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from typing import Final
 
 from rl_tui.lab.book_figures.cliff import SETTINGS
-from rl_tui.lab.book_figures.drawing import BAND, drawn, told
-from rl_tui.lab.book_figures.figure import Comparison, MeasuredCurve, MeasuredFigure, read_off
+from rl_tui.lab.book_figures.drawing import BAND, drawn, summary_of_comparisons
+from rl_tui.lab.book_figures.figure import BookComparison, MeasuredCurve, MeasuredFigure, read_off
 from rl_tui.lab.book_figures.measuring import Measuring, mean_and_error, of_runs
 from rl_tui.lab.pictures.axis import close_axis, fixed_axis
 from rl_tui.lab.pictures.picture import Chart, Picture
@@ -71,7 +71,7 @@ def _curve(name: str, algorithm: str, returns: Returns, step_sizes: Sequence[flo
     )
 
 
-def _table(soon: Returns, late: Returns, first: float, last: float) -> tuple[Comparison, ...]:
+def _table(soon: Returns, late: Returns, first: float, last: float) -> tuple[BookComparison, ...]:
     text = "text, section 6.6"
     expected = NAMES["expected-sarsa"]
     return (
@@ -80,7 +80,7 @@ def _table(soon: Returns, late: Returns, first: float, last: float) -> tuple[Com
         ),
         read_off(f"asymptotic, Q-learning, α = {last:g}", -50, 5, *mean_and_error(late["q-learning", last])),
         read_off(f"asymptotic, SARSA, α = {first:g}", -23, 4, *mean_and_error(late["sarsa", first])),
-        Comparison(
+        BookComparison(
             f"asymptotic, {expected}: α = {last:g} less α = {first:g}",
             "no degradation",
             text,
@@ -88,7 +88,7 @@ def _table(soon: Returns, late: Returns, first: float, last: float) -> tuple[Com
             float("inf"),
             *mean_and_error(late["expected-sarsa", last] - late["expected-sarsa", first]),
         ),
-        Comparison(
+        BookComparison(
             f"asymptotic, SARSA: α = {last:g} less α = {first:g}",
             "degrades",
             text,
@@ -97,7 +97,7 @@ def _table(soon: Returns, late: Returns, first: float, last: float) -> tuple[Com
             *mean_and_error(late["sarsa", last] - late["sarsa", first]),
         ),
         *(
-            Comparison(
+            BookComparison(
                 f"interim, {expected} less {NAMES[other]}, each at its best α",
                 "better",
                 text,
@@ -117,10 +117,10 @@ def _best(returns: Returns, algorithm: str) -> FloatArray:
     )
 
 
-def _picture(curves: Sequence[MeasuredCurve], table: Sequence[Comparison], note: str) -> Picture:
+def _picture(curves: Sequence[MeasuredCurve], table: Sequence[BookComparison], note: str) -> Picture:
     return Picture(
         title="Cliff walking: TD control by step size, soon and in the long run",
-        summary=told(
+        summary=summary_of_comparisons(
             "One chart over the step size α, with two curves for each of three methods: the mean return of "
             "an episode among the first 100, and in the long run.",
             table,

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Final
 
-from rl_tui.lab.book_figures.drawing import BAND, panel_of, told
-from rl_tui.lab.book_figures.figure import Comparison, MeasuredCurve, MeasuredFigure, read_off
+from rl_tui.lab.book_figures.drawing import BAND, panel_of, summary_of_comparisons
+from rl_tui.lab.book_figures.figure import BookComparison, MeasuredCurve, MeasuredFigure, read_off
 from rl_tui.lab.book_figures.measuring import Measuring, mean_and_error, of_runs
 from rl_tui.lab.pictures.axis import close_axis, fixed_axis, round_axis
 from rl_tui.lab.pictures.picture import Chart, Picture
@@ -62,7 +62,7 @@ def _curves(epsilon: float, curve: dict[str, list[Any]]) -> tuple[MeasuredCurve,
     )
 
 
-def _table(made: dict[float, dict[str, Any]]) -> tuple[Comparison, ...]:
+def _table(made: dict[float, dict[str, Any]]) -> tuple[BookComparison, ...]:
     paid = {
         epsilon: mean_and_error(of_runs(document, "return_last_100")) for epsilon, document in made.items()
     }
@@ -72,11 +72,11 @@ def _table(made: dict[float, dict[str, Any]]) -> tuple[Comparison, ...]:
     rate = f"optimal action, last {LAST} pulls, %"
     optimal = {epsilon: _last_optimal(document["curve"]) for epsilon, document in made.items()}
     return (
-        Comparison("reward of the best arm", "about 1.54", _TEXT, 1.535, 1.545, *best),
-        Comparison(f"{last}, {name_of(0.0)}", "about 1", _TEXT, 0.95, 1.05, *paid[0.0]),
+        BookComparison("reward of the best arm", "about 1.54", _TEXT, 1.535, 1.545, *best),
+        BookComparison(f"{last}, {name_of(0.0)}", "about 1", _TEXT, 0.95, 1.05, *paid[0.0]),
         read_off(f"{last}, {name_of(0.01)}", 1.3, 0.05, *paid[0.01]),
         read_off(f"{last}, {name_of(0.1)}", 1.4, 0.05, *paid[0.1]),
-        Comparison(f"{rate}, {name_of(0.0)}", "about a third", _TEXT, 30.0, 37.0, *optimal[0.0]),
+        BookComparison(f"{rate}, {name_of(0.0)}", "about a third", _TEXT, 30.0, 37.0, *optimal[0.0]),
         read_off(f"{rate}, {name_of(0.01)}", 58, 5, *optimal[0.01]),
         read_off(f"{rate}, {name_of(0.1)}", 80, 3, *optimal[0.1]),
     )
@@ -92,13 +92,13 @@ def _last_optimal(curve: dict[str, list[Any]]) -> tuple[float, float | None]:
     return 100.0 * sum(rates) / len(rates), 100.0 * max(errors) if errors else None
 
 
-def _picture(curves: tuple[MeasuredCurve, ...], table: Sequence[Comparison], runs: int) -> Picture:
+def _picture(curves: tuple[MeasuredCurve, ...], table: Sequence[BookComparison], runs: int) -> Picture:
     rewards = panel_of(curves, REWARD)
     pulls = close_axis("pulls", [1, PULLS])
     values = [value for curve in rewards for value in curve.y if value is not None]
     return Picture(
         title="Ten-armed testbed: ε-greedy with sample averages",
-        summary=told(
+        summary=summary_of_comparisons(
             "Two charts over 1,000 pulls, one curve for each ε: the average reward, and how often the best "
             "arm is pulled.",
             table,

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from rl_tui.agents.batches.batch import UNLIMITED, Batch, DrawnWorld
+from rl_tui.agents.batches.batch import UNLIMITED, DrawnWorld, RunBatch
 from rl_tui.agents.exact.policy_figures import batch_figures
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS
@@ -68,7 +68,7 @@ class BatchedRuns:
             assert seeded.shared.world.mdp is not None  # only what has a table is batched
             world = seeded.shared.world.mdp
         self._curve_episodes, self._most_bins = curve_episodes, most_bins
-        self.batch = Batch(
+        self.batch = RunBatch(
             seeded.recipe.algorithm,
             seeded.recipe.hyperparameters,
             seeds,

@@ -9,7 +9,7 @@ from typing import Final
 from rl_tui.lab.pictures import colours
 from rl_tui.lab.pictures.axis import number_text
 from rl_tui.lab.pictures.picture import Atlas
-from rl_tui.lab.pictures.shapes import Box, Disc, Path, Shape, Text, area, text_width
+from rl_tui.lab.pictures.shapes import Disc, Path, Rectangle, Shape, Text, area, text_width
 
 SIZE: Final = 12.0
 _CELL_SIZE: Final = 11.0
@@ -33,11 +33,13 @@ def atlas_shapes(atlas: Atlas, left: float, top: float, width: float) -> tuple[f
     y += _LABEL_LINE
     shapes.append(Text(left, y - 5, atlas.y_label, SIZE, colours.DIM))
     height = min(max(_MOST_HEIGHT / len(atlas.rows), _LOWEST), _TALLEST) * len(atlas.rows)
-    box = Box(left + names, y + 4, width - names - _BAR_GAP - _BAR - _BESIDE - labels, max(height, 120.0))
+    box = Rectangle(
+        left + names, y + 4, width - names - _BAR_GAP - _BAR - _BESIDE - labels, max(height, 120.0)
+    )
     shapes += _cells(atlas, box)
     shapes += _row_names(atlas, box)
     shapes += _column_names(atlas, box)
-    shapes += _colour_bar(atlas, Box(box.right + _BAR_GAP, box.top, _BAR, box.height))
+    shapes += _colour_bar(atlas, Rectangle(box.right + _BAR_GAP, box.top, _BAR, box.height))
     y = box.bottom + 2 * _LABEL_LINE + 4
     shapes.append(Text(box.left + box.width / 2, y - 4, atlas.x_label, SIZE, colours.DIM, anchor="middle"))
     if atlas.best is not None or atlas.marked:
@@ -46,12 +48,12 @@ def atlas_shapes(atlas: Atlas, left: float, top: float, width: float) -> tuple[f
     return y, shapes
 
 
-def _cell(atlas: Atlas, box: Box, row: int, column: int) -> Box:
+def _cell(atlas: Atlas, box: Rectangle, row: int, column: int) -> Rectangle:
     width, height = box.width / len(atlas.columns), box.height / len(atlas.rows)
-    return Box(box.left + column * width, box.bottom - (row + 1) * height, width, height)
+    return Rectangle(box.left + column * width, box.bottom - (row + 1) * height, width, height)
 
 
-def _cells(atlas: Atlas, box: Box) -> Iterator[Shape]:
+def _cells(atlas: Atlas, box: Rectangle) -> Iterator[Shape]:
     texts = [[None if value is None else number_text(value, 3) for value in row] for row in atlas.values]
     widest = max((text_width(text, _CELL_SIZE) for row in texts for text in row if text), default=0.0)
     first = _cell(atlas, box, 0, 0)
@@ -78,28 +80,30 @@ def _cells(atlas: Atlas, box: Box) -> Iterator[Shape]:
         yield from _frame(_cell(atlas, box, *atlas.best))
 
 
-def _dot(cell: Box, colour: str, *, in_corner: bool) -> Disc:
+def _dot(cell: Rectangle, colour: str, *, in_corner: bool) -> Disc:
     radius = min(2.4, cell.width / 4, cell.height / 4)
     if in_corner:
         return Disc(cell.right - radius - 3, cell.top + radius + 3, radius, colour)
     return Disc(cell.left + cell.width / 2, cell.top + cell.height / 2, radius, colour)
 
 
-def _frame(cell: Box) -> Iterator[Shape]:
+def _frame(cell: Rectangle) -> Iterator[Shape]:
     """Yield a frame of black within white, which is seen on any colour."""
     for inset, colour, width in ((0.0, "#ffffff", 4.5), (0.0, "#05080b", 2.2)):
-        inner = Box(cell.left + inset, cell.top + inset, cell.width - 2 * inset, cell.height - 2 * inset)
+        inner = Rectangle(
+            cell.left + inset, cell.top + inset, cell.width - 2 * inset, cell.height - 2 * inset
+        )
         yield Path(inner.corners, stroke=colour, width=width, closed=True)
 
 
-def _row_names(atlas: Atlas, box: Box) -> Iterator[Shape]:
+def _row_names(atlas: Atlas, box: Rectangle) -> Iterator[Shape]:
     height = box.height / len(atlas.rows)
     for row in _thinned(len(atlas.rows), (SIZE + 2) / height):
         y = box.bottom - (row + 0.5) * height + SIZE / 3
         yield Text(box.left - _BESIDE, y, atlas.rows[row], SIZE, colours.TEXT, anchor="end")
 
 
-def _column_names(atlas: Atlas, box: Box) -> Iterator[Shape]:
+def _column_names(atlas: Atlas, box: Rectangle) -> Iterator[Shape]:
     width = box.width / len(atlas.columns)
     widest = max(text_width(name, SIZE) for name in atlas.columns) + _BESIDE
     for column in _thinned(len(atlas.columns), widest / width):
@@ -112,12 +116,12 @@ def _thinned(count: int, room: float) -> Sequence[int]:
     return range(0, count, max(1, math.ceil(room - 1e-9)))
 
 
-def _colour_bar(atlas: Atlas, bar: Box) -> Iterator[Shape]:
+def _colour_bar(atlas: Atlas, bar: Rectangle) -> Iterator[Shape]:
     part = bar.height / _BAR_PARTS
     for place in range(_BAR_PARTS):
         share = (place + 0.5) / _BAR_PARTS
         # down to the end of the bar, so that no line of the background shows between two
-        box = Box(bar.left, bar.top, bar.width, bar.height - place * part)
+        box = Rectangle(bar.left, bar.top, bar.width, bar.height - place * part)
         yield area(box, colours.ramp_colour(share))
     yield Path(bar.corners, stroke=colours.FRAME, closed=True)
     for share, label in zip(atlas.scale.tick_shares, atlas.scale.labels, strict=True):
@@ -129,7 +133,7 @@ def _colour_bar(atlas: Atlas, bar: Box) -> Iterator[Shape]:
 def _key(atlas: Atlas, left: float, y: float) -> Iterator[Shape]:
     """Say what the marks mean."""
     if atlas.best is not None:
-        yield from _frame(Box(left + 1, y - 11, 14, 11))
+        yield from _frame(Rectangle(left + 1, y - 11, 14, 11))
         words = "the best"
         yield Text(left + 22, y - 1, words, SIZE, colours.DIM)
         left += 22 + text_width(words, SIZE) + 18

@@ -17,7 +17,7 @@ _FEWEST_LOG_TICKS: Final = 3
 
 
 @dataclass(frozen=True, slots=True)
-class Axis:
+class ChartAxis:
     """An axis from ``low`` to ``high``, low < high, with ``labels`` at ``ticks``, which ascend."""
 
     label: str
@@ -40,7 +40,9 @@ class Axis:
         return [self.share(tick) for tick in self.ticks]
 
 
-def round_axis(label: str, values: Iterable[float], *, zero: bool = False, most: int = MOST_TICKS) -> Axis:
+def round_axis(
+    label: str, values: Iterable[float], *, zero: bool = False, most: int = MOST_TICKS
+) -> ChartAxis:
     """Return an axis between round numbers that holds ``values``, and 0 if ``zero``.
 
     It has at most ``most`` ticks, at least two of them.
@@ -53,10 +55,10 @@ def round_axis(label: str, values: Iterable[float], *, zero: bool = False, most:
     step = _step((high - low) / max(1, most - 2))
     first, last = math.floor(low / step + 1e-9), math.ceil(high / step - 1e-9)
     ticks = tuple(each * step for each in range(first, last + 1))
-    return Axis(label, ticks[0], ticks[-1], ticks, labels_of(ticks, step))
+    return ChartAxis(label, ticks[0], ticks[-1], ticks, labels_of(ticks, step))
 
 
-def close_axis(label: str, values: Iterable[float], *, logarithmic: bool = False) -> Axis:
+def close_axis(label: str, values: Iterable[float], *, logarithmic: bool = False) -> ChartAxis:
     """Return an axis from the least of ``values`` to the largest, with round ticks between them.
 
     A logarithmic one needs values above 0.
@@ -70,19 +72,19 @@ def close_axis(label: str, values: Iterable[float], *, logarithmic: bool = False
     ticks = tuple(
         each * step for each in range(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)
     )
-    return Axis(label, low, high, ticks, labels_of(ticks, step))
+    return ChartAxis(label, low, high, ticks, labels_of(ticks, step))
 
 
-def fixed_axis(label: str, ticks: Sequence[float]) -> Axis:
+def fixed_axis(label: str, ticks: Sequence[float]) -> ChartAxis:
     """Return an axis from the first of ``ticks`` to the last."""
     step = min(later - earlier for earlier, later in pairwise(ticks))
-    return Axis(label, ticks[0], ticks[-1], tuple(ticks), labels_of(ticks, step))
+    return ChartAxis(label, ticks[0], ticks[-1], tuple(ticks), labels_of(ticks, step))
 
 
-def word_axis(label: str, words: Sequence[str]) -> Axis:
+def word_axis(label: str, words: Sequence[str]) -> ChartAxis:
     """Return an axis on which ``words`` stand at 0, 1, 2 …"""
     ticks = tuple(float(place) for place in range(len(words)))
-    return Axis(label, -0.5, len(words) - 0.5, ticks, tuple(words))
+    return ChartAxis(label, -0.5, len(words) - 0.5, ticks, tuple(words))
 
 
 def labels_of(ticks: Sequence[float], step: float) -> tuple[str, ...]:
@@ -122,7 +124,7 @@ def _step(least: float) -> float:
     return next(step * power for step in _STEPS if step * power >= least * (1.0 - 1e-9))
 
 
-def _logarithmic(label: str, low: float, high: float) -> Axis:
+def _logarithmic(label: str, low: float, high: float) -> ChartAxis:
     for digits in ((1,), (1, 3), (1, 2, 5)):
         powers = range(math.floor(math.log10(low)) - 1, math.ceil(math.log10(high)) + 1)
         ticks = [digit * 10.0**power for power in powers for digit in digits]
@@ -132,4 +134,4 @@ def _logarithmic(label: str, low: float, high: float) -> Axis:
     inside = inside if len(inside) > 1 else [low, high]
     every = math.ceil(len(inside) / MOST_TICKS)
     shown = tuple(inside[::every])
-    return Axis(label, low, high, shown, tuple(number_text(tick) for tick in shown), logarithmic=True)
+    return ChartAxis(label, low, high, shown, tuple(number_text(tick) for tick in shown), logarithmic=True)

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 from rl_tui.lab.pictures import colours
-from rl_tui.lab.pictures.picture import Chart, Curve
-from rl_tui.lab.pictures.shapes import Box, Disc, Path, Point, Shape, Text, fitting, text_width
+from rl_tui.lab.pictures.picture import Chart, ChartCurve
+from rl_tui.lab.pictures.shapes import Disc, Path, Point, Rectangle, Shape, Text, fitting, text_width
 
 SIZE: Final = 12.0
 _TITLE_SIZE: Final = 13.5
@@ -42,7 +42,7 @@ def chart_shapes(chart: Chart, left: float, top: float, width: float) -> tuple[f
         shapes.append(Text(left, y - 5, chart.y.label, SIZE, colours.DIM))
     y += _TICK
     height = max(_HEIGHT, _NAME_LINE * len(names))
-    box = Box(left + values, y, width - values - legend, height)
+    box = Rectangle(left + values, y, width - values - legend, height)
     shapes += _axes(chart, box)
     places = [_points(chart, box, curve) for curve in chart.curves]
     for curve, points in zip(chart.curves, places, strict=True):
@@ -57,7 +57,7 @@ def chart_shapes(chart: Chart, left: float, top: float, width: float) -> tuple[f
     return box.bottom + _TICK + 2 * _LABEL_LINE, shapes
 
 
-def _axes(chart: Chart, box: Box) -> Iterator[Shape]:
+def _axes(chart: Chart, box: Rectangle) -> Iterator[Shape]:
     for share, label in zip(chart.y.tick_shares, chart.y.labels, strict=True):
         y = box.bottom - share * box.height
         yield Path(((box.left - _TICK, y), (box.right, y)), stroke=colours.GRID)
@@ -71,13 +71,13 @@ def _axes(chart: Chart, box: Box) -> Iterator[Shape]:
     yield Text(box.left + box.width / 2, below, chart.x.label, SIZE, colours.DIM, anchor="middle")
 
 
-def _place(chart: Chart, box: Box, x: float, y: float) -> Point:
+def _place(chart: Chart, box: Rectangle, x: float, y: float) -> Point:
     # what lies far outside is cut anyway, and would be a number too long to read
     share = min(max(chart.y.share(y), -9.0), 9.0)
     return box.left + chart.x.share(x) * box.width, box.bottom - share * box.height
 
 
-def _points(chart: Chart, box: Box, curve: Curve) -> list[list[Point]]:
+def _points(chart: Chart, box: Rectangle, curve: ChartCurve) -> list[list[Point]]:
     """Return the points of each stretch of ``curve``."""
     return [
         [
@@ -89,7 +89,7 @@ def _points(chart: Chart, box: Box, curve: Curve) -> list[list[Point]]:
     ]
 
 
-def _band(chart: Chart, box: Box, curve: Curve) -> Iterator[Shape]:
+def _band(chart: Chart, box: Rectangle, curve: ChartCurve) -> Iterator[Shape]:
     for stretch in curve.band_stretches:
         if not chart.connected or len(stretch) == 1:
             yield from _intervals(chart, box, curve, stretch)
@@ -111,7 +111,7 @@ def _band(chart: Chart, box: Box, curve: Curve) -> Iterator[Shape]:
         )
 
 
-def _intervals(chart: Chart, box: Box, curve: Curve, places: range) -> Iterator[Shape]:
+def _intervals(chart: Chart, box: Rectangle, curve: ChartCurve, places: range) -> Iterator[Shape]:
     """Yield the interval of each of these points as a bar."""
     colour = colours.line_colour(curve.colour)
     for place in places:
@@ -123,7 +123,7 @@ def _intervals(chart: Chart, box: Box, curve: Curve, places: range) -> Iterator[
                 yield Path(((x - _MARK, y), (x + _MARK, y)), stroke=colour, width=1.8, clip=box)
 
 
-def _line(curve: Curve, stretches: Sequence[Sequence[Point]], box: Box) -> Iterator[Shape]:
+def _line(curve: ChartCurve, stretches: Sequence[Sequence[Point]], box: Rectangle) -> Iterator[Shape]:
     colour, dash = _look(curve)
     for points in stretches:
         if len(points) > 1:
@@ -134,14 +134,14 @@ def _line(curve: Curve, stretches: Sequence[Sequence[Point]], box: Box) -> Itera
             yield Disc(*points[0], 2.0, colour, clip=box)
 
 
-def _marks(curve: Curve, stretches: Sequence[Sequence[Point]], box: Box) -> Iterator[Shape]:
+def _marks(curve: ChartCurve, stretches: Sequence[Sequence[Point]], box: Rectangle) -> Iterator[Shape]:
     for points in stretches:
         for x, y in points:
             if box.top - 1 <= y <= box.bottom + 1:
                 yield _mark(curve, x, y)
 
 
-def _mark(curve: Curve, x: float, y: float) -> Shape:
+def _mark(curve: ChartCurve, x: float, y: float) -> Shape:
     """Return the mark of ``curve``, whose form goes with its colour; a dashed one's is hollow."""
     colour, _ = _look(curve)
     fill = colours.BACKGROUND if curve.dashed else colour
@@ -154,12 +154,15 @@ def _mark(curve: Curve, x: float, y: float) -> Shape:
     return Path(points, stroke=colour, width=1.2, fill=fill, closed=True)
 
 
-def _look(curve: Curve) -> tuple[str, str]:
+def _look(curve: ChartCurve) -> tuple[str, str]:
     return colours.line_colour(curve.colour), colours.line_dash(curve.colour, dashed=curve.dashed)
 
 
 def _names(
-    curves: Sequence[Curve], names: Sequence[str], places: Sequence[Sequence[Sequence[Point]]], box: Box
+    curves: Sequence[ChartCurve],
+    names: Sequence[str],
+    places: Sequence[Sequence[Sequence[Point]]],
+    box: Rectangle,
 ) -> Iterator[Shape]:
     """Name each curve beside its right end, with a sample of its line, as near as the others let it."""
     ends = [

@@ -8,7 +8,7 @@ from rl_tui.lab.pictures import colours
 from rl_tui.lab.pictures.atlas_layout import atlas_shapes
 from rl_tui.lab.pictures.chart_layout import chart_shapes
 from rl_tui.lab.pictures.picture import Chart, Picture
-from rl_tui.lab.pictures.shapes import Box, Page, Shape, Text, area, wrapped
+from rl_tui.lab.pictures.shapes import DrawnPage, Rectangle, Shape, Text, area, wrapped
 
 WIDTH: Final = 760.0
 MARGIN: Final = 22.0
@@ -17,7 +17,7 @@ _NOTE_SIZE, _NOTE_LINE = 11.5, 16.0
 _BETWEEN: Final = 22.0
 
 
-def laid_out(picture: Picture) -> Page:
+def laid_out(picture: Picture) -> DrawnPage:
     """Return ``picture`` as shapes."""
     shapes: list[Shape] = []
     inside = WIDTH - 2 * MARGIN
@@ -39,5 +39,5 @@ def laid_out(picture: Picture) -> Page:
             y += _NOTE_LINE
             shapes.append(Text(MARGIN, y - 4, line, _NOTE_SIZE, colours.DIM))
     height = y + MARGIN
-    background = area(Box(0.0, 0.0, WIDTH, height), colours.BACKGROUND)
-    return Page(WIDTH, height, picture.title, picture.summary, [background, *shapes])
+    background = area(Rectangle(0.0, 0.0, WIDTH, height), colours.BACKGROUND)
+    return DrawnPage(WIDTH, height, picture.title, picture.summary, [background, *shapes])

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rl_tui.lab.pictures.axis import Axis
+from rl_tui.lab.pictures.axis import ChartAxis
 
 
 @dataclass(frozen=True, slots=True)
-class Curve:
+class ChartCurve:
     """A line through points, in the order of ``x``, with a band around it where ``low`` and ``high`` are.
 
     All are of one length but for ``low`` and ``high``, which may be empty. None is a gap.
@@ -40,9 +40,9 @@ class Chart:
     """Curves over one pair of axes. The title may be empty, and so may the names of all curves."""
 
     title: str
-    x: Axis
-    y: Axis
-    curves: tuple[Curve, ...]
+    x: ChartAxis
+    y: ChartAxis
+    curves: tuple[ChartCurve, ...]
     connected: bool = True
     """Whether lines join the points; if not, each has its interval beside it."""
 
@@ -67,7 +67,7 @@ class Atlas:
     rows: tuple[str, ...]
     """The names of the rows."""
     values: tuple[tuple[float | None, ...], ...]
-    scale: Axis
+    scale: ChartAxis
     """What the colours mean."""
     alike: tuple[tuple[bool, ...], ...]
     """Whether a cell does not differ from the best."""

@@ -10,7 +10,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import printable
 from rl_tui.lab.pictures.layout import laid_out
 from rl_tui.lab.pictures.picture import Picture
-from rl_tui.lab.pictures.shapes import Disc, Page, Path, Text
+from rl_tui.lab.pictures.shapes import Disc, DrawnPage, Path, Text
 
 SCALE: Final = 2
 """Dots of the PNG for each pixel of the layout, so that it is sharp on paper."""
@@ -38,7 +38,7 @@ def png_of(picture: Picture) -> bytes:
         return _drawn(laid_out(picture))
 
 
-def _drawn(page: Page) -> bytes:
+def _drawn(page: DrawnPage) -> bytes:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -18,7 +18,7 @@ _WIDTHS: Final = {
 _CAPITAL, _OTHER = 0.74, 0.64
 
 
-class Box(NamedTuple):
+class Rectangle(NamedTuple):
     """A rectangle."""
 
     left: float
@@ -70,7 +70,7 @@ class Path:
     fill: str = ""
     opacity: float = 1.0
     closed: bool = False
-    clip: Box | None = None
+    clip: Rectangle | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,13 +82,13 @@ class Disc:
     radius: float
     fill: str
     stroke: str = ""
-    clip: Box | None = None
+    clip: Rectangle | None = None
 
 
 Shape = Text | Path | Disc
 
 
-class Page(NamedTuple):
+class DrawnPage(NamedTuple):
     """All shapes of a picture, in the order in which they are drawn, and its size."""
 
     width: float
@@ -98,7 +98,7 @@ class Page(NamedTuple):
     shapes: Sequence[Shape]
 
 
-def area(box: Box, fill: str, stroke: str = "", width: float = 1.0) -> Path:
+def area(box: Rectangle, fill: str, stroke: str = "", width: float = 1.0) -> Path:
     """Return the rectangle ``box``, filled, with a border where ``stroke`` is a colour."""
     return Path(box.corners, stroke=stroke, width=width, fill=fill, closed=True)
 

@@ -9,7 +9,7 @@ from xml.sax.saxutils import escape, quoteattr
 from rl_tui.common.findings import printable
 from rl_tui.lab.pictures.layout import laid_out
 from rl_tui.lab.pictures.picture import Picture
-from rl_tui.lab.pictures.shapes import Box, Disc, Page, Path, Shape, Text
+from rl_tui.lab.pictures.shapes import Disc, DrawnPage, Path, Rectangle, Shape, Text
 
 _FONTS: Final = "'Helvetica Neue', Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif"
 
@@ -34,14 +34,14 @@ def svg_of(picture: Picture) -> str:
     return "\n".join([*lines, "</svg>", ""])
 
 
-def _clips(page: Page) -> dict[Box, str]:
+def _clips(page: DrawnPage) -> dict[Rectangle, str]:
     boxes = dict.fromkeys(
         shape.clip for shape in page.shapes if not isinstance(shape, Text) and shape.clip is not None
     )
     return {box: f"plot-{number}" for number, box in enumerate(boxes, start=1)}
 
 
-def _element(shape: Shape, clips: dict[Box, str]) -> str:
+def _element(shape: Shape, clips: dict[Rectangle, str]) -> str:
     if isinstance(shape, Text):
         return _text_element(shape)
     attributes = dict(_looks(shape))
@@ -84,7 +84,7 @@ def _looks(shape: Path | Disc) -> Iterator[tuple[str, str]]:
         yield "opacity", _number(shape.opacity)
 
 
-def _rectangle(box: Box) -> str:
+def _rectangle(box: Rectangle) -> str:
     place = dict(zip(("x", "y", "width", "height"), map(_number, box), strict=True))
     return f"<rect{_attributes(place)}/>"
 

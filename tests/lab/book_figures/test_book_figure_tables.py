@@ -15,7 +15,7 @@ import pytest
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.lab.book_figures import cliff, dyna_maze, step_sizes, testbed
 from rl_tui.lab.book_figures.catalogue import FIGURES, measure
-from rl_tui.lab.book_figures.figure import Comparison, MeasuredCurve, MeasuredFigure, read_off
+from rl_tui.lab.book_figures.figure import BookComparison, MeasuredCurve, MeasuredFigure, read_off
 from rl_tui.lab.book_figures.files import HEADER, document_of, write_csv
 from rl_tui.lab.book_figures.measuring import Measuring, mean_and_error, recipe_of
 from rl_tui.lab.pictures.picture import Chart
@@ -38,12 +38,12 @@ def curve(name: str, called: str, panel: str = "") -> MeasuredCurve:
     return next(each for each in measured(name).curves if each.name == called and panel in each.panel)
 
 
-def row(name: str, start: str) -> Comparison:
+def row(name: str, start: str) -> BookComparison:
     (found,) = [each for each in measured(name).table if each.what.startswith(start)]
     return found
 
 
-def is_above(comparison: Comparison) -> bool:
+def is_above(comparison: BookComparison) -> bool:
     """Whether a mean of paired differences lies above 0 by more than four standard errors."""
     assert comparison.ours is not None
     assert comparison.stderr is not None
@@ -171,7 +171,7 @@ def test_the_first_episode_is_a_random_walk() -> None:
 
 def test_a_curve_that_never_gets_short_has_no_first_short_episode() -> None:
     assert dyna_maze.first_short({"episode": [1, 2], "length_mean": [90.0, 21.0]}) is None
-    assert not Comparison("", "", "", 0, 1, None).agrees
+    assert not BookComparison("", "", "", 0, 1, None).agrees
 
 
 # The documentation
@@ -243,4 +243,4 @@ def test_numbers_agree_within_what_can_be_read_and_three_standard_errors() -> No
     assert not read_off("", -25, 5, -31.0, 0.3).agrees
     assert read_off("", -25, 5, -21.0, None).agrees
     assert read_off("", -25, 5, -21.0, None).book == "−25 ± 5"
-    assert Comparison("", "", "", 0.0, math.inf, 3.0, 0.0).agrees
+    assert BookComparison("", "", "", 0.0, math.inf, 3.0, 0.0).agrees

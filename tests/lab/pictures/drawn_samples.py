@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from typing import Any
 
 from rl_tui.lab.pictures.axis import close_axis, round_axis
-from rl_tui.lab.pictures.picture import Atlas, Chart, Curve, Picture
+from rl_tui.lab.pictures.picture import Atlas, Chart, ChartCurve, Picture
 
 
-def curve(name: str, y: Sequence[float | None], colour: int = 0, **more: Any) -> Curve:
-    return Curve(name, tuple(float(x) for x in range(1, len(y) + 1)), tuple(y), colour=colour, **more)
+def curve(name: str, y: Sequence[float | None], colour: int = 0, **more: Any) -> ChartCurve:
+    return ChartCurve(name, tuple(float(x) for x in range(1, len(y) + 1)), tuple(y), colour=colour, **more)
 
 
-def chart(*curves: Curve, title: str = "return", **more: Any) -> Chart:
+def chart(*curves: ChartCurve, title: str = "return", **more: Any) -> Chart:
     values = [value for each in curves for value in each.y if value is not None]
     return Chart(
         title,

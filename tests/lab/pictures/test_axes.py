@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from rl_tui.lab.pictures.axis import (
     MOST_TICKS,
-    Axis,
+    ChartAxis,
     close_axis,
     fixed_axis,
     number_text,
@@ -49,7 +49,7 @@ def test_ticks_have_labels_that_differ(values: list[float]) -> None:
         (word_axis("", ["sarsa", "q-learning"]), ("sarsa", "q-learning")),
     ],
 )
-def test_round_numbers(axis: Axis, labels: tuple[str, ...]) -> None:
+def test_round_numbers(axis: ChartAxis, labels: tuple[str, ...]) -> None:
     assert axis.labels == labels
 
 

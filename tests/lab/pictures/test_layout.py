@@ -13,7 +13,7 @@ from rl_tui.lab.pictures import colours
 from rl_tui.lab.pictures.chart_layout import spread
 from rl_tui.lab.pictures.layout import laid_out
 from rl_tui.lab.pictures.picture import Picture
-from rl_tui.lab.pictures.shapes import Box, Disc, Page, Path, Text, fitting, text_width, wrapped
+from rl_tui.lab.pictures.shapes import Disc, DrawnPage, Path, Rectangle, Text, fitting, text_width, wrapped
 
 LONG = "Expected SARSA with a name that is much too long to stand beside a chart, asymptotic"
 MANY = [curve(f"line {place}", [0.0, 1.0 + place / 100], place) for place in range(14)]
@@ -33,18 +33,18 @@ PICTURES = {
 }
 
 
-def box_of(text: Text) -> Box:
+def box_of(text: Text) -> Rectangle:
     """What room a text is given."""
     width = text_width(text.text, text.size)
     left = text.x - {"start": 0.0, "middle": width / 2, "end": width}[text.anchor]
-    return Box(left, text.y - 0.75 * text.size, width, text.size)
+    return Rectangle(left, text.y - 0.75 * text.size, width, text.size)
 
 
-def texts(page: Page) -> list[Text]:
+def texts(page: DrawnPage) -> list[Text]:
     return [shape for shape in page.shapes if isinstance(shape, Text) and shape.text]
 
 
-def overlap(one: Box, other: Box) -> bool:
+def overlap(one: Rectangle, other: Rectangle) -> bool:
     return (
         one.left < other.right
         and other.left < one.right
@@ -75,7 +75,7 @@ def test_the_first_shape_is_the_background() -> None:
     first = page.shapes[0]
     assert isinstance(first, Path)
     assert first.fill == colours.BACKGROUND
-    assert first.points == Box(0.0, 0.0, page.width, page.height).corners
+    assert first.points == Rectangle(0.0, 0.0, page.width, page.height).corners
 
 
 def test_curves_are_cut_at_the_axes_and_named_where_they_end() -> None:

@@ -9,7 +9,7 @@ from result_samples import STEP_SIZES, grid, runs, sweep, written
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.pictures.results.reading import read_results
-from rl_tui.lab.pictures.results.tables import CurveTable, Spread, SweepTable
+from rl_tui.lab.pictures.results.tables import CellSpread, CurveTable, SweepTable
 
 CURVE: dict[str, list[float | None]] = {
     "episode": [1, 2],
@@ -44,14 +44,14 @@ def test_the_cells_of_a_sweep(tmp_path: Path) -> None:
     first = table.cells[0]
     assert first.settings == {"alpha": 0.01, "epsilon": 0.0, "algorithm": "sarsa"}
     assert list(table.bests) == [first.settings]
-    assert first.spreads["area"] == Spread(0.51, 0.51 - 1.0, 1.51)
+    assert first.spreads["area"] == CellSpread(0.51, 0.51 - 1.0, 1.51)
     assert [cell.like_best for cell in table.cells[:3]] == [True, True, False]
 
 
 def test_arrivals_of_which_some_are_not_known_have_the_mean_of_what_was_seen(tmp_path: Path) -> None:
     table = read_results(written(tmp_path, sweep(*grid())))
     assert isinstance(table, SweepTable)
-    assert table.cells[0].spreads["arrival"] == Spread(7.0, 6.0, 8.0, is_restricted=True)
+    assert table.cells[0].spreads["arrival"] == CellSpread(7.0, 6.0, 8.0, is_restricted=True)
 
 
 def test_measures_may_be_names_alone(tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ ChainOf = Callable[[int], PolicyChain]
 """Returns the chain of the policy of a row, for what the kernels leave."""
 
 
-class PolicyValues(NamedTuple):
+class ValuesOfPolicies(NamedTuple):
     """The values of B policies over an unlimited horizon: ``v``, [B, S], and their average ``at_start``, [B].
 
     NaN where there is no value. Where rounding would spoil it, all of a policy is, and it is not ``exact``,
@@ -33,13 +33,13 @@ class PolicyValues(NamedTuple):
     exact: BoolArray
 
 
-def values_of(mdp: TabularMDP, policies: FloatArray, gamma: float, chain_of: ChainOf) -> PolicyValues:
+def values_of(mdp: TabularMDP, policies: FloatArray, gamma: float, chain_of: ChainOf) -> ValuesOfPolicies:
     """Return the values of ``policies``, [B, P], for ``gamma`` in [0, 1].
 
     Each comes out bit for bit as if it were the only one, compiled or not. At γ = 1 an endless part that pays
     nothing adds 0, and one that pays leaves no value.
     """
-    found = PolicyValues(
+    found = ValuesOfPolicies(
         np.zeros((len(policies), mdp.states)),
         np.zeros(len(policies)),
         np.ones(len(policies), dtype=np.bool_),

@@ -8,7 +8,7 @@ from typing import Final
 from rl_tui.common.errors import UserError
 from rl_tui.common.words import counted
 from rl_tui.lab.pictures.axis import close_axis, number_text
-from rl_tui.lab.pictures.picture import Chart, Curve, Picture
+from rl_tui.lab.pictures.picture import Chart, ChartCurve, Picture
 from rl_tui.lab.pictures.results.cut import axis_with_cut
 from rl_tui.lab.pictures.results.reading import EPISODE
 from rl_tui.lab.pictures.results.tables import CurveTable
@@ -71,7 +71,7 @@ def _names(tables: Sequence[CurveTable]) -> list[str]:
     ]
 
 
-def _curve(name: str, table: CurveTable, column: str, place: int) -> Curve:
+def _curve(name: str, table: CurveTable, column: str, place: int) -> ChartCurve:
     means = table.columns[column]
     errors = table.columns.get(_ERRORS[column], [None] * len(means))
     width = _half_width(table.runs)
@@ -83,7 +83,7 @@ def _curve(name: str, table: CurveTable, column: str, place: int) -> Curve:
         )
 
     x = tuple(float(value) for value in table.columns[EPISODE] if value is not None)
-    return Curve(name, x, tuple(means), low=edge(-1.0), high=edge(1.0), colour=place)
+    return ChartCurve(name, x, tuple(means), low=edge(-1.0), high=edge(1.0), colour=place)
 
 
 def _half_width(runs: int | None) -> float:
@@ -101,7 +101,7 @@ def _method(tables: Sequence[CurveTable]) -> str:
     )
 
 
-def _summary(title: str, curves: Sequence[Curve]) -> str:
+def _summary(title: str, curves: Sequence[ChartCurve]) -> str:
     last = (next(value for value in reversed(curve.y) if value is not None) for curve in curves)
     ends = "; ".join(
         f"{curve.name or 'it'} ends at {number_text(value)}"

@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from rl_tui.lab.pictures.axis import Axis, number_text, round_axis
-from rl_tui.lab.pictures.picture import Curve
+from rl_tui.lab.pictures.axis import ChartAxis, number_text, round_axis
+from rl_tui.lab.pictures.picture import ChartCurve
 
 _FAR: Final = 6.0
 """So many times as far from the middle half as that is wide: what lies further does not count."""
@@ -24,7 +24,7 @@ def kept_range(values: Sequence[float]) -> tuple[float, float]:
     return kept[0], kept[-1]
 
 
-def axis_with_cut(label: str, curves: Sequence[Curve]) -> tuple[Axis, str]:
+def axis_with_cut(label: str, curves: Sequence[ChartCurve]) -> tuple[ChartAxis, str]:
     """Return an axis for ``curves`` with their bands, and what to say of values that it leaves out."""
     values = [value for curve in curves for value in curve.y if value is not None]
     low, high = kept_range(values)
@@ -37,10 +37,10 @@ def axis_with_cut(label: str, curves: Sequence[Curve]) -> tuple[Axis, str]:
         if value is not None and 2 * low - high <= value <= 2 * high - low
     ]
     axis = round_axis(label, [low, high, *edges])
-    return axis, told_cut(values, axis)
+    return axis, words_of_cut(values, axis)
 
 
-def told_cut(values: Sequence[float], axis: Axis) -> str:
+def words_of_cut(values: Sequence[float], axis: ChartAxis) -> str:
     """Return that some of ``values`` lie beyond ``axis``; empty if none does."""
     beyond = []
     if min(values) < axis.low:

@@ -14,7 +14,7 @@ from typing import Any, Final, NoReturn
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.lab.pictures.results.stores import document_of, is_store
-from rl_tui.lab.pictures.results.tables import CurveTable, Spread, SweepCell, SweepTable, Value
+from rl_tui.lab.pictures.results.tables import CellSpread, CurveTable, SweepCell, SweepTable, Value
 
 EPISODE: Final = "episode"
 CSV: Final = ".csv"
@@ -169,15 +169,15 @@ def _cell(cell: Mapping[str, Any], names: Iterable[str], measures: Iterable[str]
     )
 
 
-def _spread(figures: object, runs: object, source: str) -> Spread:
+def _spread(figures: object, runs: object, source: str) -> CellSpread:
     if not isinstance(figures, dict):
-        return Spread(None, None, None)
+        return CellSpread(None, None, None)
     is_restricted = figures.get("mean") is None and figures.get(f"{_RESTRICTED}mean") is not None
     of = _RESTRICTED if is_restricted else ""
     mean, low, high = (figures.get(f"{of}{name}") for name in ("mean", "low", "high"))
     if not all(map(_is_number, (mean, low, high))):
         raise _fault(source, "a measure that is no number")
-    return Spread(mean, low, high, figures.get("count", runs) == runs, is_restricted)
+    return CellSpread(mean, low, high, figures.get("count", runs) == runs, is_restricted)
 
 
 def _is_setting(value: object) -> bool:

@@ -9,9 +9,9 @@ from typing import Final
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
 from rl_tui.common.words import counted
-from rl_tui.lab.pictures.axis import Axis, close_axis, number_text, round_axis, word_axis
-from rl_tui.lab.pictures.picture import Atlas, Chart, Curve, Picture
-from rl_tui.lab.pictures.results.cut import axis_with_cut, kept_range, told_cut
+from rl_tui.lab.pictures.axis import ChartAxis, close_axis, number_text, round_axis, word_axis
+from rl_tui.lab.pictures.picture import Atlas, Chart, ChartCurve, Picture
+from rl_tui.lab.pictures.results.cut import axis_with_cut, kept_range, words_of_cut
 from rl_tui.lab.pictures.results.tables import SweepCell, SweepTable, Value
 
 MOST_LINES: Final = 14
@@ -177,10 +177,10 @@ def _curve(
     places: Mapping[Value, float],
     colour: int,
     moved: float,
-) -> Curve:
+) -> ChartCurve:
     ordered = sorted(cells, key=lambda cell: places[cell.settings[wanted.x]])
     spreads = [cell.spreads[wanted.measure] for cell in ordered]
-    return Curve(
+    return ChartCurve(
         name,
         tuple(places[cell.settings[wanted.x]] + moved for cell in ordered),
         tuple(spread.mean for spread in spreads),
@@ -198,7 +198,7 @@ def _atlases(wanted: _Wanted) -> Picture:
             f"vary fewer values of {' and '.join(wanted.others)}"
         )
     scale = round_axis("", kept_range(means))
-    cut = told_cut(means, scale).replace("is cut", "has the colour of that end")
+    cut = words_of_cut(means, scale).replace("is cut", "has the colour of that end")
     return Picture(
         title=wanted.title,
         summary=_summary(wanted, means, f"over {wanted.x} and {wanted.y}, {counted(len(groups), 'panel')}"),
@@ -207,7 +207,7 @@ def _atlases(wanted: _Wanted) -> Picture:
     )
 
 
-def _atlas(wanted: _Wanted, key: Settings, cells: Sequence[SweepCell], scale: Axis) -> Atlas:
+def _atlas(wanted: _Wanted, key: Settings, cells: Sequence[SweepCell], scale: ChartAxis) -> Atlas:
     table, y_name = wanted.table, wanted.y or ""
     columns, rows = _values(table, wanted.x), _values(table, y_name)
     there = {(cell.settings[y_name], cell.settings[wanted.x]): cell for cell in cells}

@@ -21,7 +21,7 @@ class CurveTable:
 
 
 @dataclass(frozen=True, slots=True)
-class Spread:
+class CellSpread:
     """What the runs of a cell come to in one measure; None where that has no value."""
 
     mean: float | None
@@ -39,7 +39,7 @@ class SweepCell:
     """One combination of settings."""
 
     settings: Mapping[str, Value]
-    spreads: Mapping[str, Spread]
+    spreads: Mapping[str, CellSpread]
     """By the names of the measures."""
     like_best: bool | None
     """Whether it could not be told from the best; None where nothing says so."""

@@ -123,7 +123,7 @@ def speed_text(speed: float | None) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Cell:
+class SettingCell:
     """Where a setting stands on its line, from column ``start`` to before ``end``, and how it is written."""
 
     start: int
@@ -134,7 +134,7 @@ class Cell:
     value: str
 
 
-def laid_out(settings: Sequence[Setting], width: int, height: int, glyphs: Glyphs) -> list[list[Cell]]:
+def laid_out(settings: Sequence[Setting], width: int, height: int, glyphs: Glyphs) -> list[list[SettingCell]]:
     """Return the lines of ``settings``, at most ``height``: in columns where they fit, else running on.
 
     Where they do not all fit, those that matter least are left out.
@@ -165,7 +165,7 @@ def _in_short(setting: Setting) -> Texts:
 
 def _in_columns(
     settings: Sequence[tuple[Setting, Texts]], columns: int, width: int, height: int, glyphs: Glyphs
-) -> list[list[Cell]]:
+) -> list[list[SettingCell]]:
     """Return nothing where there are not lines enough, or one setting is too long for its column."""
     lines, room = -(-len(settings) // columns), width // columns
     if height <= 1 or height < lines:
@@ -179,8 +179,8 @@ def _in_columns(
     return [cells[y::lines] for y in range(lines)]
 
 
-def _running_on(settings: Sequence[Setting], width: int, gap: int, glyphs: Glyphs) -> list[list[Cell]]:
-    lines: list[list[Cell]] = [[]]
+def _running_on(settings: Sequence[Setting], width: int, gap: int, glyphs: Glyphs) -> list[list[SettingCell]]:
+    lines: list[list[SettingCell]] = [[]]
     column = 1
     for setting in settings:
         cell = _cell(column, setting, _in_short(setting), glyphs)
@@ -192,9 +192,9 @@ def _running_on(settings: Sequence[Setting], width: int, gap: int, glyphs: Glyph
     return lines
 
 
-def _cell(start: int, setting: Setting, texts: Texts, glyphs: Glyphs) -> Cell:
+def _cell(start: int, setting: Setting, texts: Texts, glyphs: Glyphs) -> SettingCell:
     key, label, value = (to_ascii(text, glyphs) for text in texts)
-    return Cell(start, start + cell_len(key + label + value), setting, key, label, value)
+    return SettingCell(start, start + cell_len(key + label + value), setting, key, label, value)
 
 
 class AgentSettings(Widget):
@@ -241,7 +241,7 @@ class AgentSettings(Widget):
                 await self.screen.run_action(f"do({cell.setting.action!r})")
                 return
 
-    def _line(self, y: int) -> list[Cell]:
+    def _line(self, y: int) -> list[SettingCell]:
         settings = [
             replace(each, key="") if self._taken.intersection(each.key.split()) else each
             for each in self._settings
