@@ -80,7 +80,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Register the kinds, and let hypothesis try the same examples in every run.
+    """Register the kinds, and let hypothesis try the same examples in every run, however long they take.
 
     ``--hypothesis-profile=default`` looks for others. A change is then judged by what it changes.
     Nothing is written down, so the folder may be read-only.
@@ -89,7 +89,7 @@ def pytest_configure(config: pytest.Config) -> None:
         config.addinivalue_line("markers", line)
     from hypothesis import settings
 
-    settings.register_profile("repeatable", derandomize=True, database=None)
+    settings.register_profile("repeatable", derandomize=True, database=None, deadline=None)
     if not config.getoption("--hypothesis-profile"):
         settings.load_profile("repeatable")
 
