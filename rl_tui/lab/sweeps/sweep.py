@@ -184,7 +184,7 @@ class _Runner:
     def take_in(self, seconds: float) -> None:
         """Store the rows that have come, after at most so many ``seconds``."""
         for batch, row in self._workers.finished(seconds):
-            self._store.add(stored(batch.cell), [row])
+            self._store.add(stored(batch.cell), [row], row.machine)
             place = batch.cell.key, row.seed
             self._under_way.discard(place)
             self.progress.steps += int(row.figures.get("steps") or 0)
