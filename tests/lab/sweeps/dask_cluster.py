@@ -14,20 +14,22 @@ from typing import Any, Final
 
 LONGEST_START: Final = 60.0  # seconds; a machine may be busy
 _HERE: Final = Path(__file__).parent
+_ALLOWED_FAILURES: Final = "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES"
 _QUIET: Final = {"DASK_DISTRIBUTED__LOGGING__DISTRIBUTED": "warning"}
 
 
 class Cluster:
     """A scheduler, and the workers that are started; all of them end with the ``with`` block."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, allowed_failures: int | None = None) -> None:
         self._folder = folder
         self._numbers = count()
         self._workers: dict[str, subprocess.Popen[bytes]] = {}
         file = folder / "scheduler.json"
         self._scheduler = self._start(
-            "dask_scheduler", "--port", "0", "--dashboard-address", "127.0.0.1:0", "--scheduler-file", str(file),
-            "--idle-timeout", "120s",
+            "dask_scheduler", "--port", "0", "--dashboard-address", "127.0.0.1:0", "--scheduler-file",
+            str(file), "--idle-timeout", "120s",
+            environment=None if allowed_failures is None else {_ALLOWED_FAILURES: str(allowed_failures)},
         )  # fmt: skip
         from distributed import Client
 
@@ -46,8 +48,13 @@ class Cluster:
         for process in (*self._workers.values(), self._scheduler):
             process.wait()
 
-    def start(self, number: int, environment: Mapping[str, str] | None = None, preload: str = "") -> list[str]:
-        """Start so many workers of one thread, each of which runs ``preload`` first; return their addresses."""
+    def start(
+        self, number: int, environment: Mapping[str, str] | None = None, preload: str = ""
+    ) -> list[str]:
+        """Start so many workers of one thread, each of which runs ``preload`` first; return their addresses.
+
+        ``environment`` is added to theirs.
+        """
         names = [f"worker{next(self._numbers)}" for _ in range(number)]
         options = ["--nthreads", "1", "--no-nanny", "--no-dashboard", "--death-timeout", "20"]
         if preload:
@@ -66,6 +73,16 @@ class Cluster:
         name = next(each for each, where in self._addresses().items() if where == address)
         self._workers[name].send_signal(signal.SIGKILL)
         self._workers[name].wait()
+
+    def clear(self) -> None:
+        """Kill all workers, and wait until the scheduler knows."""
+        for process in self._workers.values():
+            process.kill()
+        for process in self._workers.values():
+            process.wait()
+        self._workers.clear()
+        while self._addresses():
+            pass
 
     def kill_scheduler(self) -> None:
         """Kill the scheduler on the spot."""

@@ -1,4 +1,4 @@
-"""An environment that kills the process that it is in, if its first map has one number and death is allowed."""
+"""An environment that kills the process that it is in, for one seed and where that is allowed."""
 
 from __future__ import annotations
 

@@ -5,6 +5,7 @@ Dask is imported here only, and when a sweep asks for it.
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import pickle
 import queue
@@ -12,10 +13,10 @@ import threading
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar, cast
 
 from rl_tui.common.errors import UserError
-from rl_tui.common.findings import one_line
 from rl_tui.lab.sweeps.cluster.task import Call
 from rl_tui.lab.sweeps.cluster.versions import NO_VERSION, PACKAGES, PYTHON, minor
 
@@ -24,9 +25,11 @@ if TYPE_CHECKING:
 
 MISSING: Final = 'the option --dask needs another package: pip install "rl-tui[dask]"'
 LONGEST_CONNECT: Final = 10.0
+LONGEST_ANSWER: Final = 60.0
 LONGEST_GOODBYE: Final = 2.0
 """Seconds."""
-_LONGEST_REASON: Final = 200
+
+T = TypeVar("T")
 
 
 class Landed(NamedTuple):
@@ -52,10 +55,11 @@ class Connection:
         self._log_level = logging.getLogger("distributed").level
         logging.getLogger("distributed").setLevel(logging.CRITICAL + 1)  # what goes wrong is said in one line
         try:
+            _check_scheduler(address, longest_connect)
             self._client: Client = Client(address, timeout=longest_connect, set_as_default=False)
-        except (OSError, ValueError, RuntimeError, TypeError) as error:
+        except BaseException:
             self._restore_log()
-            raise UserError(_cannot_reach(address, error)) from error
+            raise
         self._futures: dict[str, Future] = {}
         self._done: queue.SimpleQueue[Future | None] = queue.SimpleQueue()
         self._landed: queue.SimpleQueue[Landed] = queue.SimpleQueue()
@@ -66,7 +70,7 @@ class Connection:
     def threads(self) -> dict[str, int]:
         """Return how many threads each worker has, by its address."""
         with self._told():
-            return dict(self._client.nthreads())
+            return dict(within(LONGEST_ANSWER, self._client.nthreads))
 
     def versions(self, workers: Sequence[str]) -> dict[str, dict[str, str]]:
         """Return the versions of Python and of each package of ``PACKAGES`` on ``workers``, by their address.
@@ -82,8 +86,9 @@ class Connection:
             *((name, importlib.metadata.version, (name,)) for name in PACKAGES),
         ]
         for name, function, arguments in asked:
+            run = partial(self._client.run, function, *arguments, workers=list(found), on_error="return")
             with self._told():
-                said = self._client.run(function, *arguments, workers=list(found), on_error="return")
+                said = within(LONGEST_ANSWER, run)
             for address, version in said.items():
                 if isinstance(version, OSError):
                     del found[address]
@@ -136,9 +141,11 @@ class Connection:
             raise UserError(gone(self.address))
 
     def tell(self, function: Callable[[str], None], argument: str, workers: Sequence[str]) -> None:
-        """Have ``function`` called on ``workers``, at once, and wait for nothing."""
+        """Have ``function`` called on ``workers``, beside what they do; nothing comes back."""
         if workers and self._client.status == "running":
-            self._client.run(function, argument, workers=list(workers), wait=False, on_error="ignore")
+            run = partial(self._client.run, function, argument, workers=list(workers), on_error="ignore")
+            with suppress(OSError):
+                within(LONGEST_GOODBYE, run)
 
     def close(self) -> None:
         """Cancel what is not finished, and go."""
@@ -188,6 +195,29 @@ class Connection:
         logging.getLogger("distributed").setLevel(self._log_level)
 
 
+def within(seconds: float, ask: Callable[[], T]) -> T:
+    """Return what ``ask`` does. Raises TimeoutError if that takes longer; it is left alone then.
+
+    A process that was stopped, or speaks no language of Dask's, lets its clients wait for ever.
+    """
+    answers: queue.SimpleQueue[tuple[T | None, BaseException | None]] = queue.SimpleQueue()
+
+    def answer() -> None:
+        try:
+            answers.put((ask(), None))
+        except BaseException as error:
+            answers.put((None, error))
+
+    threading.Thread(target=answer, name="asks the scheduler", daemon=True).start()
+    try:
+        result, error = answers.get(timeout=seconds)
+    except queue.Empty:
+        raise TimeoutError(f"no answer within {seconds:g} s") from None
+    if error is not None:
+        raise error
+    return cast(T, result)
+
+
 def gone(address: str) -> str:
     """Return what is said of a scheduler that has gone away."""
     return (
@@ -196,7 +226,23 @@ def gone(address: str) -> str:
     )
 
 
-def _cannot_reach(address: str, error: Exception) -> str:
-    if isinstance(error, TimeoutError | ConnectionError | OSError):
-        return f"{address}: there is no Dask scheduler; start one (dask scheduler), or give its address"
-    return f"{address}: {one_line(str(error), _LONGEST_REASON)}"
+def _check_scheduler(address: str, longest: float) -> None:
+    """Raise UserError where no scheduler answers at ``address``: a client might wait for one for ever."""
+    from distributed import Security, rpc
+
+    async def kind() -> str:
+        async with rpc(address, connection_args=Security().get_connection_args("client")) as server:
+            return str((await server.identity())["type"])
+
+    try:
+        found = asyncio.run(asyncio.wait_for(kind(), longest))
+    except TypeError as error:  # there is no certificate for it
+        raise UserError(
+            f"{address}: Dask has no certificate for that; its settings distributed.comm.tls name one"
+        ) from error
+    except (OSError, TimeoutError) as error:
+        raise UserError(
+            f"{address}: no Dask scheduler answers; start one (dask scheduler), or give its address"
+        ) from error
+    if found != "Scheduler":
+        raise UserError(f"{address} is a Dask {found.lower()}; give the address of its scheduler")

@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import Final, NamedTuple
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.sweeps.cluster.connection import Connection, Landed, gone
+from rl_tui.lab.sweeps.cluster.connection import LONGEST_CONNECT, Connection, Landed, gone
 from rl_tui.lab.sweeps.cluster.placement import Job, Placement
 from rl_tui.lab.sweeps.cluster.task import Answer, Call, break_off, order_of, train
 from rl_tui.lab.sweeps.cluster.versions import difference, versions_here
@@ -58,7 +58,7 @@ class DaskWorkers:
         self._is_closed = False
         self._looked = -_LOOK_EVERY
         self._without_workers_since = time.monotonic()
-        self._connection = Connection(address)
+        self._connection = Connection(address, min(patience, LONGEST_CONNECT))
         try:
             while not self._placement.workers:
                 self._look()
@@ -85,13 +85,13 @@ class DaskWorkers:
         while True:
             if not self._is_closed:
                 self._connection.check()
-                rows += self._look()
             wait = min(_LOOK_EVERY, end - time.monotonic()) if not rows and not self._is_closed else 0.0
             for landed in self._connection.landed(wait):
                 rows += self._take(landed)
+            if not self._is_closed:
+                rows += self._look()
+                self._send()
             if rows or self._is_closed or time.monotonic() >= end:
-                if not self._is_closed:
-                    self._send()
                 return rows
 
     def close(self) -> None:
@@ -123,7 +123,6 @@ class DaskWorkers:
             self._without_workers_since = now
         elif now - self._without_workers_since >= self._patience or (self._refused and not self._sent):
             raise UserError(self._no_workers())
-        self._send()
         return rows
 
     def _leave(self, address: str) -> Rows:
@@ -154,11 +153,12 @@ class DaskWorkers:
         flight = self._flights.pop(landed.key, None)
         if flight is None or not self._placement.done(*flight):
             return
-        job = flight.job
-        if landed.error is not None:
+        job, answer = flight.job, landed.result
+        if isinstance(landed.error, ImportError):
+            answer = Answer(refusal=f"cannot import rl-tui as it is here ({landed.error})")
+        elif landed.error is not None:
             yield from self._take_error(job, landed.error)
             return
-        answer = landed.result
         assert isinstance(answer, Answer)
         if answer.refusal:
             self._placement.add(job)
@@ -175,11 +175,14 @@ class DaskWorkers:
     def _take_error(self, job: Job, error: BaseException) -> Iterator[tuple[Batch, RunRow]]:
         from distributed.scheduler import KilledWorker, NoValidWorkerError
 
+        if self._is_closed:
+            return
         if isinstance(error, CancelledError):  # not by us: the connection broke, and is there again
             raise UserError(gone(self._connection.address))
         if isinstance(error, NoValidWorkerError):
             self._placement.add(job)
         elif isinstance(error, KilledWorker):
+            self._looked = -_LOOK_EVERY  # before anything else is sent there
             yield from map(_failed, self._placement.killed(job, error.allowed_failures + 1))
         else:
             raise error

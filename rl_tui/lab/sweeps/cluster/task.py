@@ -10,6 +10,7 @@ import threading
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -88,7 +89,7 @@ def train(order: Order) -> Answer:
         return Answer(refusal=f"cannot build the world of {order.recipe.scenario.id}: {said}")
     if content.digest != order.digest:
         return Answer(
-            refusal=f"builds another world of {order.recipe.scenario.id}: is its environment of another version?"
+            refusal=f"builds another world of {order.recipe.scenario.id}: another version of the environment?"
         )
     recipe = replace(order.recipe, scenario=content.scenario)
     return Answer(_rows(Cell(0, {}, recipe, order.goal, content), order))
@@ -106,10 +107,11 @@ def _rows(cell: Cell, order: Order) -> tuple[RunRow, ...]:
 
     end = time.monotonic() + HAND_OVER_AFTER
     rows = list[RunRow]()
-    for row in run_rows(cell, order.seeds, check):
-        rows.append(replace(row, machine=this_machine()))
-        if time.monotonic() >= end:
-            break
+    with suppress(BrokenOffError):
+        for row in run_rows(cell, order.seeds, check):
+            rows.append(replace(row, machine=this_machine()))
+            if time.monotonic() >= end:
+                break
     return tuple(rows)
 
 

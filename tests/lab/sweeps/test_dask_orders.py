@@ -1,0 +1,116 @@
+"""What is sent to the workers of a cluster, and what they make of it."""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import replace
+from pathlib import Path
+from typing import NoReturn
+
+import pytest
+from plans import cell_of, plan_of
+
+from rl_tui.lab.run.library import find
+from rl_tui.lab.sweeps.cell import Cell
+from rl_tui.lab.sweeps.cluster import task
+from rl_tui.lab.sweeps.cluster.task import Answer, Call, Order, break_off, order_of, train
+from rl_tui.lab.sweeps.cluster.versions import PYTHON, difference, versions_here
+from rl_tui.lab.sweeps.runs import run_rows
+from rl_tui.lab.sweeps.storing.machine import this_machine
+from rl_tui.worlds.gym.section import GymnasiumSection
+from rl_tui.worlds.sections.world_section import WorldRefusedError
+
+CELLS = {
+    "a map": ("maze", "alpha=0.5"),
+    "a map of another noise": ("windy", "world.noise=0.2"),
+    "a map that is drawn": ("maze", "scenario=frozenlake-random"),
+    "arms that drift": ("bandit", "world.drift=0.1"),
+    "an environment that is stepped": ("gym:Blackjack-v1", "world.table=false"),
+}
+
+
+def order(cell: Cell, sweep: str = "one") -> Order:
+    return order_of(cell, (3, 4), sweep, versions_here())
+
+
+def sent(call: Call) -> Answer:
+    answer = pickle.loads(call.pickled)
+    assert isinstance(answer, Answer)
+    return answer
+
+
+@pytest.mark.parametrize("words", CELLS.values(), ids=CELLS)
+def test_a_worker_makes_the_rows_that_are_made_here(words: tuple[str, str]) -> None:
+    cell = cell_of(*words)
+    answer = sent(Call(train, order(cell)))
+    assert answer.refusal == ""
+    assert [(row.seed, row.figures) for row in answer.rows] == [
+        (row.seed, row.figures) for row in run_rows(cell, (3, 4))
+    ]
+    assert {row.machine for row in answer.rows} == {this_machine()}
+
+
+def test_a_worker_needs_no_file(tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text(find("maze").text)
+    call = Call(train, order(cell_of(str(file), "alpha=0.5")))
+    text = call.pickled
+    file.unlink()
+    assert len(pickle.loads(text).rows) == 2
+
+
+def test_a_scheduler_needs_no_rl_tui_to_pass_it_on() -> None:
+    passed_on = pickle.dumps((pickle.loads, Call(train, order(cell_of("maze", "alpha=0.5"))).pickled))
+    function, blob = pickle.loads(passed_on)
+    assert function is pickle.loads
+    assert type(blob) is bytes
+
+
+@pytest.mark.parametrize(
+    ("name", "theirs", "said"),
+    [
+        ("numba", "0.1", "has Numba 0.1 where {} is wanted"),
+        ("rl-tui", "", "has no rl-tui where {} is wanted"),
+        (PYTHON, "3.1", "has Python 3.1 where {} is wanted"),
+    ],
+)
+def test_a_worker_of_another_version_makes_none(
+    name: str, theirs: str, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ours = versions_here()
+    monkeypatch.setattr(task, "versions_here", lambda: ours | {name: theirs})
+    assert train(order(cell_of("maze", "alpha=0.5"))) == Answer(refusal=said.format(ours[name]))
+
+
+def test_versions_that_are_alike_are_no_difference() -> None:
+    assert all(versions_here().values())
+    assert difference(versions_here(), versions_here()) == ""
+
+
+def test_a_worker_with_another_world_makes_none() -> None:
+    wrong = replace(order(cell_of("maze", "alpha=0.5")), digest="0" * 64)
+    assert "another world of maze" in train(wrong).refusal
+
+
+def test_a_worker_that_cannot_build_the_world_makes_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    wanted = replace(order(cell_of("gym:Blackjack-v1", "world.table=false")), digest="1" * 64)
+
+    def refused(section: GymnasiumSection, generator: object) -> NoReturn:
+        raise WorldRefusedError(("id",), "an environment that is not here", "one that is")
+
+    monkeypatch.setattr(GymnasiumSection, "build", refused)
+    assert "cannot build the world of gym:Blackjack-v1: " in train(wanted).refusal
+
+
+def test_long_batches_are_handed_over_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(task, "HAND_OVER_AFTER", 0.0)
+    answer = train(order(cell_of("maze", "alpha=0.5")))
+    assert [row.seed for row in answer.rows] == [3]
+
+
+def test_a_sweep_that_is_broken_off_is_trained_no_further() -> None:
+    cell = plan_of("maze", "alpha=0.5", episodes=10**12).cell(0)
+    assert isinstance(cell, Cell)
+    break_off("given up")
+    assert train(order(cell, "given up")).rows == ()
+    assert len(train(order(cell_of("maze", "alpha=0.5"), "another")).rows) == 2
