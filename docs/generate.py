@@ -23,6 +23,8 @@ from rl_tui.lab.lessons.catalogue import shipped_lessons
 from rl_tui.lab.lessons.figures.functions import FUNCTIONS
 from rl_tui.lab.lessons.judging.measures import MEASURES, MeasureKind
 from rl_tui.lab.run.library import listing
+from rl_tui.lab.sweeps.measures import MEASURES as SWEEP_MEASURES
+from rl_tui.lab.sweeps.storing.schema import SCHEMA
 from rl_tui.tui.actions.action import Action, Group, Place
 from rl_tui.tui.actions.registry import ACTIONS
 from rl_tui.tui.glossary.figure_text import figure_text
@@ -256,6 +258,21 @@ def _wrapped(text: str, indent: str = "") -> str:
     return fill(" ".join(text.split()), 110, subsequent_indent=indent, break_on_hyphens=False)
 
 
+def sweep_measures() -> str:
+    """Return the measures of a sweep, with their formulas."""
+    better = {True: "more", False: "less", None: ""}
+    rows = [
+        (f"`{each.id}`", each.unit, better[each.larger_is_better], each.formula.replace("|", "\\|"))
+        for each in SWEEP_MEASURES.values()
+    ]
+    return _table(("id", "in", "better is", "what it is"), rows)
+
+
+def sweep_schema() -> str:
+    """Return the tables of a store, as they stand in it."""
+    return f"```sql\n{SCHEMA.strip()}\n```"
+
+
 def _option(name: str) -> str:
     return f"--{name.replace('_', '-')}"
 
@@ -278,7 +295,7 @@ BLOCKS = {
     made.__name__: made
     for made in (
         *(keys, drawing_keys, glossary, scenarios, lessons, measures, figure_functions),
-        *(algorithms, policies, settings, commands),
+        *(algorithms, policies, settings, commands, sweep_measures, sweep_schema),
     )
 }
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rl_tui.lab.statistics.intervals import interval_of
+from rl_tui.lab.statistics.shrinkage import shrinkage_of
 
 Draw = Callable[[np.random.Generator, tuple[int, int]], npt.NDArray[np.float64]]
 
@@ -59,17 +60,24 @@ HELD: Final = ("normal", "mostly learned")
 """Those for which 93 to 97 % are promised from 30 runs on."""
 
 
-def coverage(kind: str, runs: int, trials: int, seed: int = 1) -> Coverage:
+def coverage_of_mean(kind: str, runs: int, trials: int, seed: int = 1) -> Coverage:
     """Return how often the interval of ``runs`` results of that kind covers, over that many trials."""
-    results = RESULTS[kind].draw(np.random.Generator(np.random.PCG64([seed, runs])), (trials, runs))
-    ends = np.array([interval_of(each) for each in results])
-    below = float(np.mean(ends[:, 1] < RESULTS[kind].mean))
-    above = float(np.mean(ends[:, 0] > RESULTS[kind].mean))
+    ends = [interval_of(each) for each in _trials(kind, runs, trials, seed)]
+    return _coverage(ends, RESULTS[kind].mean)
+
+
+def coverage_of_difference(kind: str, runs: int, trials: int) -> Coverage:
+    """Return the same of the interval of the difference between two cells of that kind, which is 0."""
+    pairs = zip(_trials(kind, runs, trials, 1), _trials(kind, runs, trials, 2), strict=True)
+    found = [shrinkage_of(first, again) for first, again in pairs]
+    return _coverage([(each.low, each.high) for each in found if each], 0.0)
+
+
+def _trials(kind: str, runs: int, trials: int, seed: int) -> npt.NDArray[np.float64]:
+    return RESULTS[kind].draw(np.random.Generator(np.random.PCG64([seed, runs])), (trials, runs))
+
+
+def _coverage(ends: Sequence[tuple[float | None, float | None] | None], truth: float) -> Coverage:
+    low, high = np.array(ends, np.float64).T
+    below, above = float(np.mean(high < truth)), float(np.mean(low > truth))
     return Coverage(1.0 - below - above, below, above)
-
-
-def coverages(trials: int) -> Iterator[tuple[str, int, Coverage]]:
-    """Yield how often it covers for each kind at 30, 50 and 100 runs."""
-    for kind in RESULTS:
-        for runs in (30, 50, 100):
-            yield kind, runs, coverage(kind, runs, trials)

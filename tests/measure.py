@@ -27,6 +27,7 @@ from journeys import journeys
 from player_calls import player_calls
 from pseudo_terminal import RL_TUI, PseudoTerminal
 from seed_study_cost import seed_study_cost
+from statistics_measured import comparison, coverage
 
 import rl_tui
 
@@ -338,7 +339,7 @@ def main() -> None:
         "what",
         nargs="*",
         help="start-up, beginnings, bench, algorithms, sizes, evaluation, frames, edits, first-paint, live, "
-        "travel, player, seeds, memory; default: all",
+        "travel, player, seeds, coverage, comparison, memory; default: all",
     )
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--memory-steps", type=int, default=1_000_000_000)
@@ -358,6 +359,8 @@ def main() -> None:
         "travel": lambda: travel(100_000_000),
         "player": player,
         "seeds": lambda: seeds(options.rounds),
+        "coverage": lambda: coverage(2_000 * options.rounds),
+        "comparison": lambda: comparison(800 * options.rounds),
         "memory": lambda: memory(options.memory_steps),
     }
     for name in options.what or measures:

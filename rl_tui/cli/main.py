@@ -35,7 +35,7 @@ class RlTui(Program):
         if not each.ispkg
     }
     first_in_help = (
-        *("play", "learn", "edit", "train", "watch", "replay", "solve", "evaluate"),
+        *("play", "learn", "edit", "train", "sweep", "watch", "replay", "solve", "evaluate"),
         *("list", "new", "check", "bench", "screenshot", "serve"),
     )
 

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from rl_tui.lab.experiments.training import OnProgress
 
 _PARTS: Final = 1000
-_WORTH_A_FORECAST: Final = 0.5  # seconds
+WORTH_A_FORECAST: Final = 0.5
+"""Seconds after which what was done tells how long the rest will take."""
 _LONGEST_FINISH: Final = 20.0  # seconds
 
 
@@ -32,8 +33,12 @@ class Progress:
     def __call__(self, done: int, wanted: int) -> None:
         """Show that ``done`` of ``wanted`` is done."""
         self._begun = self._begun or (time.monotonic(), done)
+        self.show(done, wanted, _how_far(self._begun, done, wanted))
+
+    def show(self, done: int, wanted: int, text: str) -> None:
+        """Show that ``done`` of ``wanted`` is done, and ``text`` in place of the usual words."""
         before, self._parts = self._parts, min(done, wanted) * _PARTS // max(1, wanted)
-        self._advance_bar(self._parts - before, _how_far(self._begun, done, wanted))
+        self._advance_bar(self._parts - before, text)
 
     def say(self, text: str) -> None:
         """Show ``text`` in place of how much is done, until there is more; a forecast then begins anew."""
@@ -93,6 +98,6 @@ def _how_far(begun: tuple[float, int], done: int, wanted: int) -> str:
     start, before = begun
     seconds = time.monotonic() - start
     words = f"{short_count(done)} of {short_count(wanted)}"
-    if seconds < _WORTH_A_FORECAST or not before < done < wanted:
+    if seconds < WORTH_A_FORECAST or not before < done < wanted:
         return words
     return f"{words}, {lasting((wanted - done) * seconds / (done - before))} left"

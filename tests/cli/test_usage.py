@@ -44,7 +44,7 @@ def test_help_lists_every_command() -> None:
     result = run("--help")
     assert result.exit_code == 0
     listed = re.findall(r"^  ([a-z]+) {2,}", result.stdout.partition("Commands:")[2], re.MULTILINE)
-    assert listed[:9] == ["play", "learn", "edit", "train", "watch", "replay", "solve", "evaluate", "list"]
+    assert listed[:9] == ["play", "learn", "edit", "train", "sweep", "watch", "replay", "solve", "evaluate"]
     assert set(listed) == set(RlTui.modules)
     for name in RlTui.modules:
         assert f"\n  {name} " in result.stdout

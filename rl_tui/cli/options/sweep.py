@@ -23,6 +23,10 @@ class VariationValue(OptionValue):
 
     name = "NAME=FROM:TO[:log]:COUNT|NAME=A,B,C"
 
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        """Return what the help shows in place of a value."""
+        return self.name
+
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Variation:
         """Return the variation; fails naming what is expected."""
         from rl_tui.lab.sweeps.variation import Variation, read_variation

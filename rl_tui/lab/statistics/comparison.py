@@ -39,13 +39,13 @@ def not_different(values: FloatArray, larger_is_better: bool = True) -> Comparis
     are at least ``FEWEST_RUNS``. The best is the first with the best mean among the cells that have as many
     runs, or where none has, among those that have most.
 
-    It is chosen from the same numbers, so a test against it alone, corrected for the number of cells, errs far
-    too often. A cell that is as good as any is called different only if it differs much, seed by seed, from one
-    of the C − 1 others, any of which may be found best. With m such cells that are m (C − 1) pairs, by whose
-    number ``ERROR`` is divided. m is at most C, and at most C − k once k cells were shown to be worse: S. Holm,
-    "A Simple Sequentially Rejective Multiple Test Procedure", 1979. It holds however cells depend on each
-    other. The question is that of J. C. Hsu, "Simultaneous Confidence Intervals for all Distances from the
-    'Best'", 1981.
+    It is chosen from the same numbers, so a test against it alone, corrected for the number of cells, errs
+    far too often. A cell that is as good as any is called different only if it differs much, seed by seed,
+    from one of the C − 1 others, any of which may be found best. With m such cells that are m (C − 1) pairs,
+    by whose number ``ERROR`` is divided. m is at most C, and at most C − k once k cells were shown to be
+    worse: S. Holm, "A Simple Sequentially Rejective Multiple Test Procedure", 1979. It holds however cells
+    depend on each other. The question is that of J. C. Hsu, "Simultaneous Confidence Intervals for all
+    Distances from the 'Best'", 1981.
 
     Raises ValueError if a value is infinite, or ``values`` is no matrix.
     """
@@ -69,7 +69,7 @@ def not_different(values: FloatArray, larger_is_better: bool = True) -> Comparis
 
 
 def _best(results: FloatArray, there: BoolArray) -> int | None:
-    """Return the index of the first row with the largest mean, of those that have enough runs, or the most."""
+    """Return the first row with the largest mean, of those that have enough runs, or else the most."""
     runs = there.sum(axis=1)
     eligible = runs >= min(FEWEST_RUNS, max(1, int(runs.max(initial=0))))
     if not eligible.any():

@@ -9,8 +9,9 @@ from functools import lru_cache
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 
-from rl_tui.worlds.mdp.space import FloatArray, IntArray
+from rl_tui.worlds.mdp.space import FloatArray
 
 CONFIDENCE: Final = 0.95
 FEWEST_RUNS: Final = 10
@@ -63,7 +64,7 @@ def interquartile_mean(values: Iterable[float]) -> float:
 
     Of the sorted values, the i-th of n stands on [i/n, (i+1)/n]; its weight is the part of that in
     [1/4, 3/4]. So no value is dropped by rounding, and 2 values give their mean. For the use of it see
-    Agarwal et al., "Deep Reinforcement Learning at the Edge of the Statistical Precipice", 2021, section 4.2.
+    Agarwal et al., "Deep Reinforcement Learning at the Edge of the Statistical Precipice", 2021.
 
     Raises ValueError if there is no value, or one is not finite.
     """
@@ -107,7 +108,7 @@ def share_interval(successes: int, count: int) -> tuple[float, float]:
     """Return Wilson's 95 % interval, within [0, 1], of the share that ``successes`` of ``count`` estimate.
 
     E. B. Wilson, "Probable Inference, the Law of Succession, and Statistical Inference", 1927; for how it
-    covers see Brown, Cai and DasGupta, "Interval Estimation for a Binomial Proportion", 2001, section 3.1.1.
+    covers see Brown, Cai and DasGupta, "Interval Estimation for a Binomial Proportion", 2001.
 
     Raises ValueError if ``count`` is not positive or ``successes`` not within 0 .. ``count``.
     """
@@ -129,7 +130,7 @@ def _bootstrap_interval(deviations: FloatArray, seed: int) -> tuple[float, float
     of the normal one, which makes up for the spread of n values being n − 1 over n too small (Hesterberg,
     "What Teachers Should Know About the Bootstrap", 2015, on expanded percentiles).
     """
-    means = np.sort(deviations[resamples(deviations.size, seed)].sum(axis=0) / deviations.size)
+    means = np.sort(deviations.take(resamples(deviations.size, seed)).sum(axis=0) / deviations.size)
     return _ends(means, deviations)
 
 
@@ -150,7 +151,7 @@ def _ends(means: FloatArray, deviations: FloatArray) -> tuple[float, float]:
 def _skewness_interval(deviations: FloatArray, seed: int) -> tuple[float, float]:
     """Return Student's interval with what skewness adds to both ends; ``seed`` is not needed.
 
-    To the second order it is what BCa comes to: Efron, 1987, section 7; Johnson, "Modified t Tests and
+    To the second order it is what BCa comes to: N. J. Johnson, "Modified t Tests and
     Confidence Intervals for Asymmetrical Populations", 1978.
     """
     count = deviations.size
@@ -164,8 +165,8 @@ def _skewness(deviations: FloatArray) -> float:
     return float(np.mean(deviations**3) / np.mean(deviations**2) ** 1.5)
 
 
-@lru_cache(maxsize=8)
-def resamples(count: int, seed: int) -> IntArray:
+@lru_cache(maxsize=16)
+def resamples(count: int, seed: int) -> npt.NDArray[np.uint16]:
     """Return which of ``count`` values each resample draws, by rank, [count, RESAMPLES].
 
     All cells of as many runs share it. It is balanced: every value is drawn equally often in all, so the mean
@@ -174,8 +175,9 @@ def resamples(count: int, seed: int) -> IntArray:
     same.
     """
     generator = np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, count])))
-    half = generator.permutation(np.repeat(np.arange(count), RESAMPLES // 2)).reshape(count, RESAMPLES // 2)
-    drawn = np.hstack([half, count - 1 - half])
+    ranks = np.repeat(np.arange(count, dtype=np.uint16), RESAMPLES // 2)
+    half = generator.permutation(ranks).reshape(count, RESAMPLES // 2)
+    drawn = np.hstack([half, np.uint16(count - 1) - half])
     drawn.flags.writeable = False
     return drawn
 

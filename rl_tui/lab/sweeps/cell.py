@@ -62,9 +62,13 @@ class Cell:
 
     @cached_property
     def key(self) -> str:
-        """The sha256, in hexadecimal, of its identity as JSON with sorted keys and no spaces."""
-        text = json.dumps(self.identity, sort_keys=True, separators=(",", ":"), allow_nan=False)
-        return hashlib.sha256(text.encode()).hexdigest()
+        """The sha256, in hexadecimal, of the text of its identity."""
+        return hashlib.sha256(self.identity_text.encode()).hexdigest()
+
+    @cached_property
+    def identity_text(self) -> str:
+        """Its identity as JSON with sorted keys and no spaces."""
+        return json.dumps(self.identity, sort_keys=True, separators=(",", ":"), allow_nan=False)
 
     @property
     def text(self) -> str:

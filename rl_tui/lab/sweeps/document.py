@@ -5,14 +5,22 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Final
 
+import numpy as np
+
+from rl_tui.lab.statistics.shrinkage import shrinkage_of
 from rl_tui.lab.sweeps.cell import Cell
-from rl_tui.lab.sweeps.measures import MEASURES
+from rl_tui.lab.sweeps.measures import MEASURES, Measure
 from rl_tui.lab.sweeps.plan import SweepPlan
-from rl_tui.lab.sweeps.ranking import Ranking
+from rl_tui.lab.sweeps.ranking import Standings
 from rl_tui.lab.sweeps.store import Store
-from rl_tui.lab.sweeps.summaries import CellSummary, mean_of, summarized
+from rl_tui.lab.sweeps.summaries import CellSummary, summarized, values_by_seed
+from rl_tui.lab.sweeps.tuning import sensitivities
+from rl_tui.worlds.mdp.space import FloatArray
+
+Document = dict[str, Any]
+_NOBODY: Final[FloatArray] = np.empty(0)
 
 
 @dataclass(frozen=True)
@@ -23,7 +31,7 @@ class CellResult:
     summary: CellSummary
 
     @property
-    def as_json(self) -> dict[str, Any]:
+    def as_json(self) -> Document:
         """It as a document has it: settings, runs, failed, and each measure."""
         summary = self.summary
         return {**self.cell.settings, "runs": summary.runs, "failed": summary.failed, **summary.figures}
@@ -51,57 +59,76 @@ def fresh_seeds(plan: SweepPlan) -> range:
     return range(plan.first_seed + plan.runs, plan.first_seed + 2 * plan.runs)
 
 
-def best_document(ranking: Ranking, plan: SweepPlan, store: Store, *, again: bool) -> dict[str, Any] | None:
-    """Return the best cell as JSON, and with ``again`` what it came to on fresh seeds.
+def best_documents(standings: Standings, plan: SweepPlan, store: Store, *, again: bool) -> list[Document]:
+    """Return the best cell of each world as JSON, and with ``again`` what it came to on fresh seeds.
 
-    By those nobody chose it: ``shrunk`` is by how much its mean is worse there.
+    By those nobody chose it: ``shrunk`` is by how much its mean is worse there, with a 95 % interval. There
+    is no ``again`` where it was not chosen among several.
     """
-    cell, measure = ranking.best, ranking.measure
-    if cell is None:
-        return None
-    document = CellResult(cell, summarized(store.rows(cell.key, plan.seeds))).as_json
-    if again:
-        fresh = fresh_seeds(plan)
-        before, after = (
-            mean_of(store.rows(cell.key, seeds), measure, seeds) for seeds in (plan.seeds, fresh)
-        )
-        summary = summarized(store.rows(cell.key, fresh))
-        sign = 1.0 if measure.larger_is_better else -1.0
-        document["again"] = {
-            "first_seed": fresh.start,
-            "runs": summary.runs,
-            "failed": summary.failed,
-            **summary.figures,
-            "shrunk": None if before is None or after is None else sign * (before - after),
-        }
-    return document
+    documents, chosen = list[Document](), {cell.index for cell in standings.chosen}
+    for cell in standings.bests:
+        document = CellResult(cell, summarized(store.rows(cell.key, plan.seeds))).as_json
+        if again and cell.index in chosen:
+            document["again"] = _again(plan, store, cell, standings.measure)
+        documents.append(document)
+    return documents
+
+
+def _again(plan: SweepPlan, store: Store, cell: Cell, measure: Measure) -> Document:
+    fresh = fresh_seeds(plan)
+    before, after = (_values(store, cell, measure, seeds) for seeds in (plan.seeds, fresh))
+    shrinkage = shrinkage_of(before, after, larger_is_better=bool(measure.larger_is_better))
+    summary = summarized(store.rows(cell.key, fresh))
+    return {
+        "first_seed": fresh.start,
+        "runs": summary.runs,
+        "failed": summary.failed,
+        **summary.figures,
+        "shrunk": None if shrinkage is None else shrinkage.shrunk,
+        "shrunk_low": None if shrinkage is None else shrinkage.low,
+        "shrunk_high": None if shrinkage is None else shrinkage.high,
+    }
+
+
+def _values(store: Store, cell: Cell, measure: Measure, seeds: range) -> FloatArray:
+    found, _ = values_by_seed(store.rows(cell.key, seeds), measure, seeds)
+    return _NOBODY if found is None else found[~np.isnan(found)]
 
 
 def json_pieces(
-    plan: SweepPlan, store: Store, ranking: Ranking, best: dict[str, Any] | None, **more: Any
+    plan: SweepPlan, store: Store, standings: Standings, bests: list[Document], **more: Any
 ) -> Iterator[str]:
     """Yield the document in pieces, so that it is never in memory as a whole.
 
-    ``best`` is what :func:`best_document` returned, ``more`` what else stands at the end.
+    ``bests`` is what :func:`best_documents` returned, ``more`` what else stands at the end.
     """
     head = {
         "scenario": plan.scenario.id,
         "vary": [each.text for each in plan.variations],
+        "settings": dict(plan.overrides),
+        "episodes": plan.episodes,
         "first_seed": plan.first_seed,
         "runs": plan.runs,
+        "random": plan.random,
         "measures": [asdict(each) for each in MEASURES.values()],
-        "measure": ranking.measure.id,
-        "like_best_by": ranking.method,
+        "measure": standings.measure.id,
+        "like_best_by": standings.method,
     }
     yield f'{_text(head)[:-1]}, "cells": ['
     between = ""
     for each in results(plan, store):
-        yield f"{between}{_text(each.as_json | {'like_best': ranking.verdict(each.cell.index)})}"
+        yield f"{between}{_text(each.as_json | {'like_best': standings.verdict(each.cell)})}"
         between = ", "
-    reasons = [{**each.settings, "reason": each.reason} for each in ranking.reasons]
-    tail = {"skipped": {"cells": ranking.skipped, "first": reasons}, "best": best, **more}
+    reasons = [{**each.settings, "reason": each.reason} for each in standings.reasons]
+    tail = {
+        "skipped": {"cells": standings.skipped, "first": reasons},
+        "best": bests[0] if len(bests) == 1 else None,
+        "bests": bests,
+        "sensitivity": sensitivities(plan, store, standings.measure),
+        **more,
+    }
     yield f"], {_text(tail)[1:]}\n"
 
 
-def _text(document: dict[str, Any]) -> str:
+def _text(document: Document) -> str:
     return json.dumps(document, allow_nan=False)

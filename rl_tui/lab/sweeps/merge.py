@@ -34,12 +34,16 @@ def merge(
     for path in stores:
         if path.resolve() == out.resolve():
             raise UserError(f"{path} is what is merged into: name it once")
+        with Store.to_read(path):  # before anything is made
+            pass
     merged = Merged()
     with Store.to_write(out) as target:
         try:
             for number, path in enumerate(stores):
                 on_progress(number, len(stores))
                 with Store.to_read(path) as source:
+                    for plan in source.plans():
+                        target.note_plan(plan)
                     for cell in source.cells():
                         _take_in(target, source, cell, merged)
             on_progress(len(stores), len(stores))

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from itertools import product
+from dataclasses import dataclass, field, replace
+from itertools import islice, product
 from math import prod
 from typing import Final
 
+from rl_tui.agents.catalogue import POLICY_BY_ID, parameters_of
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.training import Goal
 from rl_tui.lab.run.library import episodes_of, recipe_for
+from rl_tui.lab.run.recipe import Recipe, changed_parameter
 from rl_tui.lab.sweeps.cell import Cell, SkippedCell
-from rl_tui.lab.sweeps.cells.content import Worlds
+from rl_tui.lab.sweeps.cells.content import WorldContent, Worlds
 from rl_tui.lab.sweeps.cells.order import Axis, coarse_first
 from rl_tui.lab.sweeps.variation import ALGORITHM, SCENARIO, Value, Variation, written
 from rl_tui.worlds.editing.edit import PREFIX
@@ -22,6 +24,7 @@ from rl_tui.worlds.files.scenario import Scenario
 
 MOST_CELLS: Final = 10_000_000
 _MOST_TRIED: Final = 2_000
+_MOST_RECIPES: Final = 64
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,9 @@ class SweepPlan:
     random_seed: int = 0
     worlds: Worlds = field(default_factory=Worlds, compare=False, repr=False)
     """The worlds of its cells."""
+    _recipes: dict[tuple[object, ...], Recipe] = field(
+        default_factory=dict, init=False, compare=False, repr=False
+    )
 
     @property
     def seeds(self) -> range:
@@ -78,11 +84,10 @@ class SweepPlan:
 
     def cell_of(self, index: int, settings: Mapping[str, Value]) -> Cell | SkippedCell:
         """Return the cell of these ``settings``, whether the plan has them or not."""
-        world = {name: value for name, value in settings.items() if name.startswith(PREFIX)}
-        own = {name: value for name, value in settings.items() if name == ALGORITHM or name in PARAMETERS}
+        world = {name: value for name, value in world_settings(settings).items() if name != SCENARIO}
         try:
             content = self.worlds.of(self._scenario(settings), world, self.first_seed)
-            recipe = recipe_for(content.scenario, {**self.overrides, **own}, self.first_seed)
+            recipe = self._recipe(content, settings)
             check_compatible(content.example.space, recipe.algorithm, recipe.hyperparameters)
         except UserError as reason:
             return SkippedCell(index, settings, str(reason))
@@ -137,6 +142,19 @@ class SweepPlan:
             for value in _telling(each):
                 self._check_value(each, value)
 
+    def without_effect(self) -> list[str]:
+        """Return which of the settings neither algorithm nor policy uses, whatever else varies."""
+        choices = [each for each in self.variations if each.name in (ALGORITHM, SCENARIO, "policy")]
+        used = {"ties"}  # they decide the greedy policy, whoever acts
+        for chosen in islice(product(*(each.listed for each in choices)), _MOST_TRIED):
+            first = {each.name: _telling(each)[0] for each in self.variations}
+            cell = self.cell_of(
+                0, first | {each.name: value for each, value in zip(choices, chosen, strict=True)}
+            )
+            if isinstance(cell, Cell):
+                used.update(parameters_of(cell.recipe.algorithm, cell.recipe.hyperparameters.policy))
+        return [name for name in (*self.names, *self.overrides) if name in PARAMETERS and name not in used]
+
     def _check_value(self, variation: Variation, value: Value) -> None:
         """Raise UserError where ``value`` of ``variation`` works with nothing that the others may be."""
         others = [each for each in self.variations if each is not variation and _decides(each)]
@@ -153,11 +171,35 @@ class SweepPlan:
     def _scenario(self, settings: Mapping[str, Value]) -> Scenario | str:
         return str(settings[SCENARIO]) if SCENARIO in settings else self.scenario
 
+    def _recipe(self, content: WorldContent, settings: Mapping[str, Value]) -> Recipe:
+        """Return how runs with ``settings`` start; what many cells have in common is made once."""
+        common = {name: value for name, value in settings.items() if name in (ALGORITHM, "policy")}
+        policy = POLICY_BY_ID.get(str(common.get("policy", self.overrides.get("policy"))))
+        if "alpha" in settings and (policy is None or policy.needs_step_size):
+            common["alpha"] = settings["alpha"]  # whether it is given decides what the step size is
+        place = content.scenario, *common.items()
+        known = self._recipes.get(place)
+        if known is None:
+            known = recipe_for(content.scenario, {**self.overrides, **common}, self.first_seed)
+            if len(self._recipes) == _MOST_RECIPES:
+                self._recipes.clear()
+            self._recipes[place] = known
+        values = known.hyperparameters
+        for name, value in settings.items():
+            if name in PARAMETERS and name not in common:
+                values = changed_parameter(values, name, value)
+        return replace(known, hyperparameters=values)
+
     def _drawn(self, index: int) -> dict[str, Value]:
         from numpy.random import PCG64, Generator, SeedSequence
 
         generator = Generator(PCG64(SeedSequence((self.random_seed, index))))
         return {each.name: each.drawn(float(generator.random())) for each in self.variations}
+
+
+def world_settings(settings: Mapping[str, Value]) -> dict[str, Value]:
+    """Return those of ``settings`` that make another world: the scenario, and parameters of its world."""
+    return {name: value for name, value in settings.items() if name == SCENARIO or name.startswith(PREFIX)}
 
 
 def _decides(variation: Variation) -> bool:

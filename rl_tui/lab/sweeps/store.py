@@ -18,8 +18,8 @@ from rl_tui.lab.sweeps.storing.machine import this_machine
 from rl_tui.lab.sweeps.storing.schema import APPLICATION, FIGURES, FORMAT, SCHEMA
 from rl_tui.lab.sweeps.storing.writer_lock import WriterLock
 
-COMMIT_EVERY: Final = 0.25
-"""Seconds after which finished rows are committed: what a kill loses of them, at most."""
+COMMIT_EVERY: Final = 0.1
+"""Seconds after which finished rows are committed, if nobody is busy; a kill loses 0.25 of them at most."""
 _PATIENCE: Final = 5.0  # seconds for which another process may hold the file
 _COLUMNS: Final = ", ".join(("seed", *FIGURES, "failed", "seconds"))
 _INSERT_ROW: Final = (
@@ -124,8 +124,7 @@ class Store:
         latest when the store is closed.
         """
         with _told(self.name):
-            if not self._database.in_transaction:
-                self._database.execute("BEGIN IMMEDIATE")
+            self._begin()
             self._database.execute("INSERT OR IGNORE INTO cells VALUES (?, ?, ?, ?)", cell)
             number, before = self._machine_number(machine or this_machine()), self._database.total_changes
             self._database.executemany(
@@ -137,8 +136,20 @@ class Store:
             )
             return self._database.total_changes - before
 
+    def note_plan(self, plan: str) -> None:
+        """Keep ``plan``, the text of one, if it is not there."""
+        with _told(self.name):
+            self._begin()
+            self._database.execute("INSERT OR IGNORE INTO plans VALUES (?, ?)", (plan, _now()))
+
+    def plans(self) -> list[str]:
+        """Return the texts of all plans that it was filled by, the first one first."""
+        with _told(self.name):
+            found = self._database.execute("SELECT plan FROM plans ORDER BY created, plan").fetchall()
+        return [plan for (plan,) in found]
+
     def commit(self, *, at_once: bool = True) -> None:
-        """Commit what was added; unless ``at_once`` only where the last time is a quarter second ago."""
+        """Commit what was added; unless ``at_once`` only where the last time is a while ago."""
         now = time.monotonic()
         if self._database.in_transaction and (at_once or now - self._committed >= COMMIT_EVERY):
             with _told(self.name):
@@ -187,6 +198,10 @@ class Store:
         with _told(self.name):
             return int(self._database.execute("SELECT COUNT(*) FROM rows").fetchone()[0])
 
+    def _begin(self) -> None:
+        if not self._database.in_transaction:
+            self._database.execute("BEGIN IMMEDIATE")
+
     def _machine_number(self, machine: str) -> int:
         if machine not in self._machines:
             self._database.execute("INSERT OR IGNORE INTO machines (machine) VALUES (?)", (machine,))
@@ -197,8 +212,7 @@ class Store:
 
 def stored(cell: Cell) -> StoredCell:
     """Return ``cell`` as a store names it."""
-    identity = json.dumps(cell.identity, sort_keys=True, separators=(",", ":"))
-    return StoredCell(cell.key, identity, cell.recipe.scenario.id, json.dumps(dict(cell.settings)))
+    return StoredCell(cell.key, cell.identity_text, cell.recipe.scenario.id, json.dumps(dict(cell.settings)))
 
 
 @contextmanager
@@ -236,11 +250,14 @@ def _prepare(database: sqlite3.Connection, name: str) -> None:
 
 
 def _make_tables(database: sqlite3.Connection) -> None:
-    created = time.strftime("%Y-%m-%d %H:%M:%S %z")
     database.executescript(
         f"BEGIN IMMEDIATE; PRAGMA application_id = {APPLICATION}; {SCHEMA}"
-        f"INSERT INTO meta VALUES ('format', '{FORMAT}'), ('created', '{created}'); COMMIT;"
+        f"INSERT INTO meta VALUES ('format', '{FORMAT}'), ('created', '{_now()}'); COMMIT;"
     )
+
+
+def _now() -> str:
+    return time.strftime("%Y-%m-%d %H:%M:%S", time.gmtime())
 
 
 def _check_format(database: sqlite3.Connection, name: str) -> None:

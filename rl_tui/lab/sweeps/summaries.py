@@ -9,12 +9,16 @@ from typing import Any, Final
 
 import numpy as np
 
+from rl_tui.lab.statistics.censored import arrivals_of
 from rl_tui.lab.statistics.intervals import interquartile_mean, summary_of
 from rl_tui.lab.sweeps.measures import ARRIVED, MEASURES, Measure
 from rl_tui.lab.sweeps.runs import RunRow
 from rl_tui.worlds.mdp.space import FloatArray
 
 _EMPTY: Final = dict.fromkeys(("mean", "median", "iqm", "low", "high"))
+_NO_ARRIVALS: Final = dict.fromkeys(
+    ("share_low", "share_high", "restricted_mean", "restricted_low", "restricted_high")
+)
 
 
 @dataclass(frozen=True)
@@ -45,13 +49,6 @@ def values_by_seed(rows: Iterable[RunRow], measure: Measure, seeds: range) -> tu
     return (values if count else None), int((~np.isnan(values)).sum()) == count
 
 
-def mean_of(rows: Iterable[RunRow], measure: Measure, seeds: range) -> float | None:
-    """Return the mean of ``measure`` over ``rows``, which have some of ``seeds``; None where none has it."""
-    values, _ = values_by_seed(rows, measure, seeds)
-    there = [] if values is None else values[~np.isnan(values)].tolist()
-    return math.fsum(there) / len(there) if there else None
-
-
 def summarized(rows: Iterable[RunRow]) -> CellSummary:
     """Return what ``rows``, those of one cell, say together."""
     kept = list(rows)
@@ -79,18 +76,30 @@ def _figure(values: Sequence[float]) -> dict[str, Any]:
 def _arrivals(rows: Sequence[RunRow]) -> dict[str, Any]:
     """Return the summary of arrivals, of which some are only known to be later than the end of training.
 
-    A mean there is only where all have arrived; median and iqm also where the late ones do not matter to
-    them. ``restricted_mean`` is the mean of min(arrival, episodes).
+    Mean, iqm and interval are there only where all have arrived. ``restricted_mean`` is the mean of
+    min(arrival, episodes), with its interval.
     """
     watched = [row for row in rows if row.figures[ARRIVED] is not None]
-    arrived = [row for row in watched if row.figures[ARRIVED]]
-    found = _figure(_values(arrived, "arrival"))
-    if len(arrived) < len(watched):
-        ordered = sorted([*_values(arrived, "arrival"), *[math.inf] * (len(watched) - len(arrived))])
-        found = {**_EMPTY, "median": _median(ordered), "iqm": _iqm(ordered), "count": len(watched)}
-    everybody = [value for value in map(_restricted, watched) if value is not None]
-    mean = math.fsum(everybody) / len(everybody) if everybody else None
-    return {**found, "arrived": len(arrived), "restricted_mean": mean}
+    times = np.array([row.figures["arrival"] if row.figures[ARRIVED] else np.nan for row in watched], float)
+    found = arrivals_of(times, np.array([row.figures["episodes"] for row in watched], float))
+    if found is None:
+        return {**_EMPTY, "count": 0, "arrived": 0, **_NO_ARRIVALS}
+    arrived = times[~np.isnan(times)]
+    have_all = len(arrived) == len(times)
+    return {
+        "mean": found.restricted_mean if have_all else None,
+        "median": found.median,
+        "iqm": interquartile_mean(arrived) if have_all else None,
+        "low": found.low if have_all else None,
+        "high": found.high if have_all else None,
+        "count": found.count,
+        "arrived": len(arrived),
+        "share_low": found.share_low,
+        "share_high": found.share_high,
+        "restricted_mean": found.restricted_mean,
+        "restricted_low": found.low,
+        "restricted_high": found.high,
+    }
 
 
 def _restricted(row: RunRow) -> float | None:
@@ -98,17 +107,3 @@ def _restricted(row: RunRow) -> float | None:
     if row.figures[ARRIVED] is None:
         return None
     return row.figures["arrival"] if row.figures[ARRIVED] else row.figures["episodes"]
-
-
-def _median(ordered: Sequence[float]) -> float | None:
-    middle = (ordered[(len(ordered) - 1) // 2] + ordered[len(ordered) // 2]) / 2
-    return middle if math.isfinite(middle) else None
-
-
-def _iqm(ordered: Sequence[float]) -> float | None:
-    """Return the interquartile mean of ``ordered``; None where an infinite one has a part in it."""
-    weightless = len(ordered) // 4  # so many at the end have none
-    if not math.isfinite(ordered[len(ordered) - 1 - weightless]):
-        return None
-    largest = max(each for each in ordered if math.isfinite(each))
-    return interquartile_mean([min(each, largest) for each in ordered])

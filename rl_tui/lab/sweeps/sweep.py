@@ -5,10 +5,11 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from collections import deque
+from collections import defaultdict, deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from itertools import groupby
 from typing import Final, NamedTuple, Protocol
 
 from rl_tui.lab.experiments.patience import cores
@@ -16,13 +17,14 @@ from rl_tui.lab.sweeps.cell import Cell, SkippedCell
 from rl_tui.lab.sweeps.plan import WHOLE, Shard, SweepPlan
 from rl_tui.lab.sweeps.runs import RunRow, run_rows
 from rl_tui.lab.sweeps.store import COMMIT_EVERY, Store, stored
+from rl_tui.lab.sweeps.storing.plan_text import written_plan
 from rl_tui.lab.sweeps.variation import Variation
 
 LONGEST_GOODBYE: Final = 2.0
 """Seconds for which runs that were broken off are waited for: an environment may not answer."""
 _AHEAD: Final = 2  # batches that wait for each worker
 _MOST_SEEDS: Final = 64  # of a batch
-_LONGEST_LOOK: Final = 0.1  # seconds
+_LONGEST_LOOK: Final = 0.05  # seconds
 _MOST_REASONS: Final = 3
 
 
@@ -64,6 +66,8 @@ class SweepProgress:
     """Rows that are stored, or will never be."""
     known: int = 0
     """Those of ``done`` that were stored before."""
+    trained: int = 0
+    """Those of ``done`` that were not."""
     failed: int = 0
     """Those of ``done`` whose run broke down."""
     steps: int = 0
@@ -115,21 +119,14 @@ def run_sweep(
     Raises UserError where the plan cannot work, or the store cannot be written.
     """
     plan.check()
+    store.note_plan(written_plan(plan))
     own = ThreadWorkers() if workers is None else workers
-    runner = _Runner(plan, store, shard, own, on_progress, on_rows)
-    try:
-        runner.run(is_over)
-    finally:
-        own.close()
-        with suppress(BrokenOffError):
-            runner.take_in(0.0)
-        store.commit()
-    return runner.progress
+    return _run(_Runner(plan, store, shard, own, on_progress, on_rows), is_over)
 
 
 def run_again(
     plan: SweepPlan, cell: Cell, store: Store, workers: Workers | None = None, on_rows: OnRows = no_rows
-) -> None:
+) -> SweepProgress:
     """Have rows of ``cell`` in ``store`` for as many seeds as ``plan`` has, none of them among those.
 
     The rest is as for :func:`run_sweep`.
@@ -140,7 +137,17 @@ def run_again(
         random=None,
         first_seed=plan.first_seed + plan.runs,
     )
-    run_sweep(alone, store, workers=workers, on_rows=on_rows)
+    own = ThreadWorkers() if workers is None else workers
+    return _run(_Runner(alone, store, WHOLE, own, no_progress, on_rows), never)
+
+
+def _run(runner: _Runner, is_over: Callable[[], bool]) -> SweepProgress:
+    """Let ``runner`` run; keep what is finished however that ends."""
+    try:
+        runner.run(is_over)
+    finally:
+        runner.close()
+    return runner.progress
 
 
 class _Runner:
@@ -183,15 +190,30 @@ class _Runner:
 
     def take_in(self, seconds: float) -> None:
         """Store the rows that have come, after at most so many ``seconds``."""
-        for batch, row in self._workers.finished(seconds):
-            self._store.add(stored(batch.cell), [row], row.machine)
-            place = batch.cell.key, row.seed
-            self._under_way.discard(place)
-            self.progress.steps += int(row.figures.get("steps") or 0)
-            for cell in (batch.cell, *self._waiting.pop(place, ())):
-                self._count([row])
-                self._on_rows(cell, [row])
+        for (batch, machine), rows in groupby(self._workers.finished(seconds), key=_origin):
+            self._keep(batch.cell, [row for _, row in rows], machine)
         self._store.commit(at_once=False)
+
+    def _keep(self, cell: Cell, rows: list[RunRow], machine: str | None) -> None:
+        """Store ``rows`` of ``cell``, and tell everybody who waits for them."""
+        self._store.add(stored(cell), rows, machine)
+        self.progress.trained += len(rows)
+        told = defaultdict[Cell, list[RunRow]](list, {cell: rows})
+        for row in rows:
+            self.progress.steps += int(row.figures.get("steps") or 0)
+            place = cell.key, row.seed
+            self._under_way.discard(place)
+            for other in self._waiting.pop(place, ()):
+                told[other].append(row)
+        for each, of_cell in told.items():
+            self._count(of_cell)
+            self._on_rows(each, of_cell)
+
+    def close(self) -> None:
+        """Let the workers go, and keep what is finished."""
+        self._workers.close()
+        self.take_in(0.0)
+        self._store.commit()
 
     def _look_ahead(self) -> None:
         """Go through cells until there is enough to do, but not for long: most may be stored already."""
@@ -246,6 +268,12 @@ class _Runner:
     def _tell(self) -> None:
         self.progress.seconds = time.perf_counter() - self._start
         self._on_progress(self.progress)
+
+
+def _origin(finished: tuple[Batch, RunRow]) -> tuple[Batch, str | None]:
+    """Return of which batch a row is, and where it was made."""
+    batch, row = finished
+    return batch, row.machine
 
 
 class ThreadWorkers:

@@ -13,7 +13,7 @@ import re
 from dataclasses import dataclass
 from decimal import Context, Decimal
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Final
 
 from rl_tui.agents.catalogue import BY_ID
@@ -54,7 +54,7 @@ class Variation:
 
     def value(self, index: int) -> Value:
         """Return the value number ``index``, from 0."""
-        return self.listed[index] if self.spread is None else self.spread.value(index)
+        return self.listed[index] if self.spread is None else _value_of(self.spread, index)
 
     def drawn(self, share: float) -> Value:
         """Return the value at ``share``, in [0, 1), of the way: uniform shares draw it uniformly."""
@@ -132,6 +132,11 @@ class Spread:
 
     def _plain(self, number: Fraction) -> int | float:
         return round(number) if self.whole else plain(number)
+
+
+@lru_cache(maxsize=16_384)  # a grid asks for each many times
+def _value_of(spread: Spread, index: int) -> int | float:
+    return spread.value(index)
 
 
 def plain(number: Fraction) -> int | float:

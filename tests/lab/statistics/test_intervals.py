@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from interval_coverage import HELD, RESULTS, coverage
+from interval_coverage import HELD, RESULTS, coverage_of_mean
 from scipy.stats import binom, binomtest, bootstrap, norm, t, trim_mean
 
 from rl_tui.lab.statistics.intervals import (
@@ -84,7 +84,7 @@ def test_every_value_is_drawn_as_often_as_any_other_and_each_resample_has_its_mi
 @pytest.mark.parametrize("runs", [30, 100])
 def test_it_covers_the_true_mean_in_93_to_97_percent(kind: str, runs: int) -> None:
     trials = 1_000
-    covered = coverage(kind, runs, trials).covered
+    covered = coverage_of_mean(kind, runs, trials).covered
     # Were the truth 93 or 97 %, so few trials would stray further than this once in a thousand times
     assert binom.ppf(0.001, trials, 0.93) <= covered * trials <= binom.ppf(0.999, trials, 0.97)
 

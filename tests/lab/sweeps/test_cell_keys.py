@@ -87,7 +87,10 @@ def test_versions_are_in_the_key(name: str, monkeypatch: pytest.MonkeyPatch) -> 
         (("algorithm=value-iteration", "policy=softmax"), ("algorithm=value-iteration", "policy=ucb")),
         # what changes nothing as things stand
         (("epsilon_min=0.1",), ("epsilon_min=0.2",)),
-        (("algorithm=sarsa-lambda", "lambda=0", "traces=replacing"), ("algorithm=sarsa-lambda", "lambda=0", "traces=accumulating")),
+        (
+            ("algorithm=sarsa-lambda", "lambda=0", "traces=replacing"),
+            ("algorithm=sarsa-lambda", "lambda=0", "traces=accumulating"),
+        ),
         # two ways of saying the same
         (("alpha=sample-average",), ("step_size_schedule=sample-average",)),
         (("alpha=sample-average", "alpha_decay=1"), ("alpha=sample-average", "alpha_decay=2")),

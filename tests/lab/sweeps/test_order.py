@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import islice, product
+from itertools import islice, pairwise, product
 from math import prod
 
 import pytest
@@ -37,7 +37,7 @@ def test_gaps_are_halved_before_any_is_halved_again(count: int) -> None:
     while seen < count:
         seen = min(count, 2 * seen - 1)
         places = sorted(order[:seen])
-        gaps = [after - before for before, after in zip(places, places[1:], strict=False)]
+        gaps = [after - before for before, after in pairwise(places)]
         assert max(gaps[:-1], default=1) <= 2 * min(gaps[:-1], default=1)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 from plans import cell_of
@@ -93,7 +94,12 @@ def test_arrival_is_the_first_mark_within_5_percent(scenario: str, seed: int) ->
 def test_what_nobody_knows_is_null() -> None:
     stepped = next(run_rows(cell_of("gym:Blackjack-v1", "world.table=false"), (0,))).figures
     assert {name for name, value in stepped.items() if value is None} == {
-        "expected_return", "value_at_start", "max_error", "arrival", "arrived", "regret",
+        "expected_return",
+        "value_at_start",
+        "max_error",
+        "arrival",
+        "arrived",
+        "regret",
     }
     planner = next(run_rows(cell_of("maze", "algorithm=value-iteration"), (0,))).figures
     assert {name for name, value in planner.items() if value is None} == {"area", "regret", "return_last_100"}
@@ -104,8 +110,10 @@ def test_what_nobody_knows_is_null() -> None:
 def test_regret_is_what_is_lost_against_the_best_policy() -> None:
     cell = cell_of("maze", "algorithm=q-learning")
     figures = next(run_rows(cell, (0,))).figures
+    best = cell.content.facts.best
     assert figures["area"] is not None
-    assert figures["regret"] == pytest.approx(20 * cell.content.facts.best - 20 * figures["area"])
+    assert best is not None
+    assert figures["regret"] == pytest.approx(20 * best - 20 * figures["area"])
 
 
 def test_a_run_that_breaks_down_is_a_row_that_says_why() -> None:
@@ -122,7 +130,7 @@ def test_marks_are_near_enough() -> None:
         marks = list(marks_up_to(episodes))
         assert marks[0] == 1
         assert marks[-1] == episodes
-        gaps = list(zip(marks, marks[1:], strict=False))
+        gaps = list(pairwise(marks))
         assert all(after == before + 1 or after / before < 1.19 for before, after in gaps)
     assert len(list(marks_up_to(10**9))) < 130
 

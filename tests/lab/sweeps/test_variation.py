@@ -105,7 +105,7 @@ def variations(draw: st.DrawFn) -> Variation:
         return Variation("world.some_key", listed or (1,))
     ends = sorted(draw(st.lists(numbers, min_size=2, max_size=2, unique_by=Fraction)), key=Fraction)
     logarithmic = Fraction(ends[0]) > 0 and draw(st.booleans())
-    return Variation("world.key", spread=Spread(*ends, draw(st.integers(2, 50)), logarithmic))
+    return Variation("world.key", spread=Spread(ends[0], ends[1], draw(st.integers(2, 50)), logarithmic))
 
 
 @given(variations())

@@ -86,7 +86,9 @@ def test_both_at_once() -> None:
         ("frozenlake", "world.kwargs.render_mode", "human", "drawn here"),
     ],
 )
-def test_what_is_refused_names_the_setting(scenario: str, name: str, value: float | str, expected: str) -> None:
+def test_what_is_refused_names_the_setting(
+    scenario: str, name: str, value: float | str, expected: str
+) -> None:
     with pytest.raises(UserError) as fault:
         scenario_with(find(scenario), {name: value})
     assert name in str(fault.value)

@@ -24,8 +24,8 @@ from rl_tui.cli.options.run import (
 )
 from rl_tui.cli.options.sweep import MeasureValue, SchedulerValue, ShardValue, VariationValue
 from rl_tui.cli.output import complain
-from rl_tui.cli.progress import progress
-from rl_tui.common.words import counted
+from rl_tui.cli.progress import WORTH_A_FORECAST, finish_compiling, progress
+from rl_tui.common.words import counted, lasting, short_count
 
 if TYPE_CHECKING:
     from rl_tui.lab.sweeps.measures import Measure
@@ -140,14 +140,10 @@ def command(
     To put stores of several machines together: rl-tui sweep merge --help
     """
     check_targets({"--csv": csv, "--store": store}, as_json)
-    if shard is not None and store is None:
-        raise click.UsageError(
-            "--shard without --store would lose what it trains; give each part a store of its own",
-            click.get_current_context(),
-        )
+    _check_shard(shard, store, has_output=as_json or csv is not None)
     if dask is not None and jobs is not None:
         raise click.UsageError(
-            "--jobs is for this machine: with --dask each worker has as many as its threads",
+            "--jobs is for this machine: with --dask each worker trains as many as it has threads",
             click.get_current_context(),
         )
     from rl_tui.lab.run.library import find
@@ -156,16 +152,41 @@ def command(
 
     plan = SweepPlan(find(scenario), variations, overrides, episodes, runs, seed, random, seed)
     plan.check()
+    for name in plan.without_effect():
+        complain(f"{name} has no effect: nothing that is trained here uses it")
     with Store.without_file() if store is None else Store.to_write(store) as kept:
         workers = partial(_workers, jobs, dask)
         done = _train(plan, kept, shard or WHOLE, workers, is_kept=store is not None)
         if shard is None:
             _report(plan, kept, done, measure, workers, csv, again=not no_again, as_json=as_json)
         else:
-            _say_shard(shard, done, store)
+            click.echo(
+                f"part {shard.number} of {shard.parts} is done: {counted(done.done, 'run')} in {store}; "
+                f"rl-tui sweep merge puts all parts together"
+            )
+    if store is not None and shard is None and not as_json:
+        click.echo(f"\n{store} has the runs: rl-tui plot draws them", err=is_stdout(csv))
+    finish_compiling()
+
+
+def _check_shard(shard: Shard | None, store: Path | None, *, has_output: bool) -> None:
+    """Refuse what does not go with a part of a sweep. Raises click.UsageError."""
+    if shard is None:
+        return
+    if store is None:
+        raise click.UsageError(
+            "--shard without --store would lose what it trains; give each part a store of its own",
+            click.get_current_context(),
+        )
+    if has_output:
+        raise click.UsageError(
+            "--shard trains a part: print what came of all parts after sweep merge, without it",
+            click.get_current_context(),
+        )
 
 
 def _workers(jobs: int | None, dask: str | None) -> Workers:
+    """Return who trains: threads here, or the workers of a cluster."""
     if dask is not None:
         from rl_tui.lab.sweeps.cluster.dask_workers import DaskWorkers
 
@@ -178,6 +199,7 @@ def _workers(jobs: int | None, dask: str | None) -> Workers:
 def _train(
     plan: SweepPlan, store: Store, shard: Shard, workers: Callable[[], Workers], *, is_kept: bool
 ) -> SweepProgress:
+    """Train what is not stored, and say how far it has come."""
     from rl_tui.lab.sweeps.sweep import SweepProgress, run_sweep
 
     latest = SweepProgress(plan.size_of(shard) * plan.runs)
@@ -186,16 +208,24 @@ def _train(
         def on_progress(now: SweepProgress) -> None:
             nonlocal latest
             latest = now
-            bar(now.done, now.planned)
+            bar.show(now.done, now.planned, _how_far(now))
 
         try:
             return run_sweep(plan, store, shard=shard, workers=workers(), on_progress=on_progress)
         except KeyboardInterrupt:
-            where = (
-                f"kept in {store.name}: the same line goes on" if is_kept else "lost; --store would keep them"
-            )
+            kept = f"kept in {store.name}: the same line goes on"
+            where = kept if is_kept else "lost; --store would keep them"
             complain(f"interrupted: {latest.done:,} of {counted(latest.planned, 'run')} are {where}")
             raise
+
+
+def _how_far(now: SweepProgress) -> str:
+    """Return ``1.2k of 3.0k runs, 41M steps/s, 12 s left``."""
+    parts = [f"{short_count(now.done)} of {short_count(now.planned)} runs"]
+    if now.seconds >= WORTH_A_FORECAST and now.trained and now.done < now.planned:
+        parts.append(f"{short_count(int(now.steps / now.seconds))} steps/s")
+        parts.append(f"{lasting((now.planned - now.done) * now.seconds / now.trained)} left")
+    return ", ".join(parts)
 
 
 def _report(
@@ -212,29 +242,28 @@ def _report(
     """Train the best cell once more, and print what came of the whole."""
     from rl_tui.lab.experiments.whole_file import file_or_stream
     from rl_tui.lab.sweeps.csv_rows import write_csv
-    from rl_tui.lab.sweeps.document import best_document, json_pieces
-    from rl_tui.lab.sweeps.ranking import ranking_of
+    from rl_tui.lab.sweeps.document import best_documents, json_pieces
+    from rl_tui.lab.sweeps.ranking import standings_of
     from rl_tui.lab.sweeps.sweep import run_again
 
-    found = ranking_of(plan, store, measure)
-    if again and found.best is not None:
-        run_again(plan, found.best, store, workers())
-    best = best_document(found, plan, store, again=again)
+    standings = standings_of(plan, store, measure)
+    if again:
+        for cell in standings.chosen:
+            run_again(plan, cell, store, workers())
+    bests = best_documents(standings, plan, store, again=again)
     if csv is not None:
         with file_or_stream(csv) as stream:
             write_csv(stream, plan, store)
-    rate = done.steps / done.seconds if done.steps and done.seconds else None
     if as_json:
-        for piece in json_pieces(plan, store, found, best, steps_per_second=rate):
+        rate = done.steps / done.seconds if done.steps and done.seconds else None
+        for piece in json_pieces(plan, store, standings, bests, seconds=done.seconds, steps_per_second=rate):
             click.echo(piece, nl=False)
         return
-    from rl_tui.cli.reports.sweep import sweep_report
+    from rl_tui.cli.reports.sweep import sensitivity_report, sweep_report
+    from rl_tui.lab.sweeps.tuning import sensitivities
 
-    click.echo(sweep_report(plan, store, found, best, done), err=is_stdout(csv))
-
-
-def _say_shard(shard: Shard, done: SweepProgress, store: Path | None) -> None:
-    click.echo(
-        f"part {shard.number} of {shard.parts} is done: {counted(done.done, 'run')} in {store}; once all "
-        f"parts are, rl-tui sweep merge puts them together"
+    reports = (
+        sweep_report(plan, store, standings, bests, done.failed),
+        sensitivity_report(sensitivities(plan, store, standings.measure)),
     )
+    click.echo("\n\n".join(filter(None, reports)), err=is_stdout(csv))

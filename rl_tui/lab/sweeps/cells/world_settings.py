@@ -18,7 +18,7 @@ from rl_tui.lab.run.edited_world import edited_draft
 from rl_tui.lab.sweeps.variation import Value, written
 from rl_tui.worlds.editing.drafts import first_draft
 from rl_tui.worlds.editing.edit import PREFIX, Edit, read_edits
-from rl_tui.worlds.editing.toml_text import section_text
+from rl_tui.worlds.editing.toml_text import section_text, value_text
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.sections.schema import parsed
 from rl_tui.worlds.sections.world_section import WorldSection
@@ -41,6 +41,20 @@ def scenario_with(scenario: Scenario, settings: Mapping[str, Value]) -> Scenario
 def raw_table(section: WorldSection) -> dict[str, Any]:
     """Return the table that ``section`` was read from, in the types of TOML."""
     return section.model_dump(mode="json", by_alias=True, exclude_unset=True)
+
+
+def plain_text(scenario: Scenario) -> str:
+    """Return a scenario file with the world and the defaults of ``scenario``, whatever its own file says."""
+    parts = [
+        f"title = {value_text(scenario.title)}\n",
+        section_text(scenario.kind, raw_table(scenario.section)),
+    ]
+    return "\n".join([*parts, section_text("defaults", scenario.defaults)])
+
+
+def _with_section(scenario: Scenario, kind: str, section: WorldSection) -> Scenario:
+    changed = replace(scenario, kind=kind, section=section)
+    return replace(changed, text=plain_text(changed))
 
 
 def _is_key(name: str, section: WorldSection) -> bool:
@@ -67,7 +81,7 @@ def _with_keys(scenario: Scenario, settings: Mapping[str, Value]) -> Scenario:
         raise UserError(
             f"{scenario.id}: {said}: {where} is {findings[0].found}; expected {findings[0].expected}"
         )
-    return replace(scenario, section=section, text=section_text(scenario.kind, table))
+    return _with_section(scenario, scenario.kind, section)
 
 
 def _raw(value: Value) -> Any:
@@ -87,16 +101,14 @@ def _edited(scenario: Scenario, settings: Mapping[str, Value]) -> Scenario:
             f"it is drawn from, such as {_some_key(scenario.section)}"
         )
     edits = tuple(edit for name, value in settings.items() for edit in _read_edit(scenario, name, value))
-    # what the draft begins from is what the section says, whatever has become of the file
-    own = replace(scenario, text=section_text(scenario.kind, raw_table(scenario.section)))
     try:
-        draft = edited_draft(first_draft(own, 0), edits)
+        draft = edited_draft(first_draft(replace(scenario, text=plain_text(scenario)), 0), edits)
         section = draft.section
     except UserError as reason:
         keys = type(scenario.section).model_fields
         hint = near(first.removeprefix(PREFIX), keys) if "[" not in first else ""
         raise UserError(f"{scenario.id}: {first}={written(settings[first])}: {reason}{hint}") from reason
-    return replace(scenario, section=section, kind=draft.kind, text=section_text(draft.kind, draft.table))
+    return _with_section(scenario, draft.kind, section)
 
 
 def _read_edit(scenario: Scenario, name: str, value: Value) -> tuple[Edit, ...]:

@@ -27,10 +27,10 @@ def _figure_columns() -> str:
 SCHEMA: Final = f"""
 CREATE TABLE meta ( -- what the file is
     name TEXT PRIMARY KEY, -- format, created
-    value TEXT NOT NULL
+    value TEXT NOT NULL -- its number, and when, in UTC
 );
 CREATE TABLE machines ( -- where rows were made
-    id INTEGER PRIMARY KEY,
+    id INTEGER PRIMARY KEY, -- counted
     machine TEXT NOT NULL UNIQUE -- JSON: system, kind of machine, versions
 );
 CREATE TABLE cells ( -- what was trained, once for all of its seeds
@@ -39,13 +39,17 @@ CREATE TABLE cells ( -- what was trained, once for all of its seeds
     scenario TEXT NOT NULL, -- the id of its scenario when it was first trained; not part of the key
     settings TEXT NOT NULL -- JSON: what varied when it was first trained; not part of the key
 ) WITHOUT ROWID;
+CREATE TABLE plans ( -- what was asked for; rows do not depend on it
+    plan TEXT PRIMARY KEY, -- JSON: scenario with the text of its file, vary, settings, runs, seeds
+    created TEXT NOT NULL -- when it was begun, in UTC
+) WITHOUT ROWID;
 CREATE TABLE rows ( -- one run each
-    key TEXT NOT NULL REFERENCES cells (key),
-    seed INTEGER NOT NULL,
+    key TEXT NOT NULL REFERENCES cells (key), -- its cell
+    seed INTEGER NOT NULL, -- its seed
 {_figure_columns()}
     {ARRIVED} INTEGER, -- 1: arrival is known; 0: training ended before; null: no exact answer
     failed TEXT, -- why the run broke down; all figures are null then
-    machine INTEGER NOT NULL REFERENCES machines (id),
+    machine INTEGER NOT NULL REFERENCES machines (id), -- where it was made
     seconds REAL NOT NULL, -- training and figures
     PRIMARY KEY (key, seed)
 ) WITHOUT ROWID;
