@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import pickle
 from dataclasses import replace
 from pathlib import Path
@@ -114,3 +115,18 @@ def test_a_sweep_that_is_broken_off_is_trained_no_further() -> None:
     break_off("given up")
     assert train(order(cell, "given up")).rows == ()
     assert len(train(order(cell_of("maze", "alpha=0.5"), "another")).rows) == 2
+
+
+def test_a_row_says_on_what_it_was_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("platform.libc_ver", lambda: ("glibc", "2.99"))
+    monkeypatch.setattr("platform.processor", lambda: "abacus")
+    monkeypatch.setattr(
+        "pathlib.Path.read_text", lambda *_, **__: "flags : a\nmodel name\t: Analytical Engine\n"
+    )
+    this_machine.cache_clear()
+    said = json.loads(this_machine())
+    assert (said["libc"], said["processor"]) == ("glibc 2.99", "Analytical Engine")
+    monkeypatch.setattr("pathlib.Path.read_text", lambda *_, **__: "")
+    this_machine.cache_clear()
+    assert json.loads(this_machine())["processor"] == "abacus"
+    this_machine.cache_clear()
