@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Final
 
 _PACKAGES: Final = ("numpy", "numba", "scipy", "gymnasium")
+_MODELS: Final = ("model name", "CPU part", "cpu")  # of Intel's kind, ARM's, POWER's
 
 
 @cache
@@ -39,8 +40,8 @@ def _processor() -> str:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:
         return platform.processor()
-    models = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
-    return next(models, platform.processor())
+    said = dict(reversed([[part.strip() for part in line.split(":", 1)] for line in lines if ":" in line]))
+    return next((said[name] for name in _MODELS if said.get(name)), "")
 
 
 def _version(package: str) -> str:
