@@ -30,8 +30,12 @@ CELLS = {
 }
 
 
-def order(cell: Cell, sweep: str = "one") -> Order:
-    return order_of(cell, (3, 4), sweep, versions_here())
+def order(*cells: Cell, sweep: str = "one") -> Order:
+    return order_of([(cell, (3, 4)) for cell in cells], sweep, versions_here())
+
+
+def with_digest(wanted: Order, digest: str) -> Order:
+    return replace(wanted, parts=(*wanted.parts[:-1], replace(wanted.parts[-1], digest=digest)))
 
 
 def sent(call: Call) -> Answer:
@@ -45,10 +49,11 @@ def test_a_worker_makes_the_rows_that_are_made_here(words: tuple[str, str]) -> N
     cell = cell_of(*words)
     answer = sent(Call(train, order(cell)))
     assert answer.refusal == ""
-    assert [(row.seed, row.figures) for row in answer.rows] == [
+    (rows,) = answer.rows
+    assert [(row.seed, row.figures) for row in rows] == [
         (row.seed, row.figures) for row in run_rows(cell, (3, 4))
     ]
-    assert {row.machine for row in answer.rows} == {this_machine()}
+    assert {row.machine for row in rows} == {this_machine()}
 
 
 def test_a_worker_needs_no_file(tmp_path: Path) -> None:
@@ -57,7 +62,7 @@ def test_a_worker_needs_no_file(tmp_path: Path) -> None:
     call = Call(train, order(cell_of(str(file), "alpha=0.5")))
     text = call.pickled
     file.unlink()
-    assert len(pickle.loads(text).rows) == 2
+    assert len(pickle.loads(text).rows[0]) == 2
 
 
 def test_a_scheduler_needs_no_rl_tui_to_pass_it_on() -> None:
@@ -88,13 +93,20 @@ def test_versions_that_are_alike_are_no_difference() -> None:
     assert difference(versions_here(), versions_here()) == ""
 
 
+def test_a_worker_with_other_kernels_makes_none() -> None:
+    other = replace(order(cell_of("maze", "alpha=0.5")), kernels="others")
+    assert "has kernels of rl-tui whose sources" in train(other).refusal
+
+
 def test_a_worker_with_another_world_makes_none() -> None:
-    wrong = replace(order(cell_of("maze", "alpha=0.5")), digest="0" * 64)
-    assert "another world of maze" in train(wrong).refusal
+    maze = cell_of("maze", "alpha=0.5")
+    answer = train(with_digest(order(maze, maze), "0" * 64))
+    assert "another world of maze" in answer.refusal
+    assert [len(rows) for rows in answer.rows] == [2], "what it could make is handed over"
 
 
 def test_a_worker_that_cannot_build_the_world_makes_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    wanted = replace(order(cell_of("gym:Blackjack-v1", "world.table=false")), digest="1" * 64)
+    wanted = with_digest(order(cell_of("gym:Blackjack-v1", "world.table=false")), "1" * 64)
 
     def refused(section: GymnasiumSection, generator: object) -> NoReturn:
         raise WorldRefusedError(("id",), "an environment that is not here", "one that is")
@@ -105,16 +117,16 @@ def test_a_worker_that_cannot_build_the_world_makes_none(monkeypatch: pytest.Mon
 
 def test_long_batches_are_handed_over_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(task, "HAND_OVER_AFTER", 0.0)
-    answer = train(order(cell_of("maze", "alpha=0.5")))
-    assert [row.seed for row in answer.rows] == [3]
+    maze = cell_of("maze", "alpha=0.5")
+    assert [[row.seed for row in rows] for rows in train(order(maze, maze)).rows] == [[3]]
 
 
 def test_a_sweep_that_is_broken_off_is_trained_no_further() -> None:
     cell = plan_of("maze", "alpha=0.5", episodes=10**12).cell(0)
     assert isinstance(cell, Cell)
     break_off("given up")
-    assert train(order(cell, "given up")).rows == ()
-    assert len(train(order(cell_of("maze", "alpha=0.5"), "another")).rows) == 2
+    assert train(order(cell, sweep="given up")).rows == ((),)
+    assert len(train(order(cell_of("maze", "alpha=0.5"), sweep="another")).rows[0]) == 2
 
 
 @pytest.mark.parametrize(

@@ -6,12 +6,11 @@ import time
 import uuid
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
-from dataclasses import replace
 from typing import Final, NamedTuple
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.sweeps.cluster.connection import LONGEST_CONNECT, Connection, Landed, gone
-from rl_tui.lab.sweeps.cluster.placement import Job, Placement
+from rl_tui.lab.sweeps.cluster.placement import MOST_KILLED, Job, Part, Placement
 from rl_tui.lab.sweeps.cluster.task import Answer, Call, break_off, order_of, train
 from rl_tui.lab.sweeps.cluster.versions import difference, versions_here
 from rl_tui.lab.sweeps.runs import NO_FIGURES, RunRow
@@ -75,8 +74,7 @@ class DaskWorkers:
 
     def submit(self, batch: Batch) -> None:
         """Take ``batch`` on."""
-        self._placement.add(Job(batch, batch.seeds))
-        self._send()
+        self._placement.add(batch)
 
     def finished(self, seconds: float) -> Rows:
         """Return rows that have come, and of which batch; wait for so many ``seconds`` for the first."""
@@ -85,12 +83,12 @@ class DaskWorkers:
         while True:
             if not self._is_closed:
                 self._connection.check()
+                self._send()
             wait = min(_LOOK_EVERY, end - time.monotonic()) if not rows and not self._is_closed else 0.0
             for landed in self._connection.landed(wait):
                 rows += self._take(landed)
             if not self._is_closed:
                 rows += self._look()
-                self._send()
             if rows or self._is_closed or time.monotonic() >= end:
                 return rows
 
@@ -133,18 +131,18 @@ class DaskWorkers:
         self._connection.forget(keys)
         for key in keys:
             del self._flights[key]
-        return [_failed(job) for job in self._placement.leave(address, innocent)]
+        return [_failed(part) for part in self._placement.leave(address, innocent)]
 
     def _refuse(self, address: str, why: str) -> None:
         self._refused[address] = why
         self._on_refused(f"{address} gets no work: it {why}")
 
     def _send(self) -> None:
+        """Send what workers have room for. It waits for :meth:`finished`, so that batches go together."""
         for job, address in self._placement.starts():
             self._sent += 1
-            seeds = f"{job.seeds[0]}-{job.seeds[-1]}"
-            key = f"rl-tui-{job.batch.cell.key[:16]}-seeds-{seeds}-{self._sweep}-{self._sent}"
-            order = order_of(job.batch.cell, job.seeds, self._sweep, self._versions)
+            key = f"rl-tui-{_name(job)}-{self._sweep}-{self._sent}"
+            order = order_of(((batch.cell, seeds) for batch, seeds in job.parts), self._sweep, self._versions)
             self._flights[key] = Flight(job, address)
             self._connection.submit(key, Call(train, order), address)
 
@@ -154,23 +152,23 @@ class DaskWorkers:
         if flight is None or not self._placement.done(*flight):
             return
         job, answer = flight.job, landed.result
-        if isinstance(landed.error, ImportError):
+        if isinstance(landed.error, ImportError) or _is_of_unpickling(landed.error):
             answer = Answer(refusal=f"cannot import rl-tui as it is here ({landed.error})")
         elif landed.error is not None:
             yield from self._take_error(job, landed.error)
             return
         assert isinstance(answer, Answer)
-        if answer.refusal:
-            self._placement.add(job)
-            if flight.worker not in self._refused:
-                self._placement.leave(flight.worker, self._jobs_on(flight.worker))
-                self._refuse(flight.worker, answer.refusal)
-            return
-        for row in answer.rows:
-            yield job.batch, row
-        rest = job.seeds[len(answer.rows) :]
-        if rest:
-            self._placement.add(replace(job, seeds=rest))
+        for part, rows in zip(job.parts, answer.rows, strict=False):
+            for row in rows:
+                yield part.batch, row
+        rest = _rest(job, answer)
+        if rest is not None:
+            self._placement.add_again(rest)
+        if not answer.refusal:
+            self._placement.took(len(answer.rows), answer.seconds)
+        elif flight.worker not in self._refused:
+            self._placement.leave(flight.worker, self._jobs_on(flight.worker))
+            self._refuse(flight.worker, answer.refusal)
 
     def _take_error(self, job: Job, error: BaseException) -> Iterator[tuple[Batch, RunRow]]:
         from distributed.scheduler import KilledWorker, NoValidWorkerError
@@ -180,7 +178,7 @@ class DaskWorkers:
         if isinstance(error, CancelledError):  # not by us: the connection broke, and is there again
             raise UserError(gone(self._connection.address))
         if isinstance(error, NoValidWorkerError):
-            self._placement.add(job)
+            self._placement.add_again(job)
         elif isinstance(error, KilledWorker):
             self._looked = -_LOOK_EVERY  # before anything else is sent there
             yield from map(_failed, self._placement.killed(job, error.allowed_failures + 1))
@@ -200,6 +198,31 @@ class DaskWorkers:
         return f"{address}: none of its workers can be used: {text}"
 
 
-def _failed(job: Job) -> tuple[Batch, RunRow]:
-    why = f"its worker died {job.killed} times of {job.killed}: out of memory, or a crash of the environment"
-    return job.batch, RunRow(job.seeds[0], NO_FIGURES, why)
+def _is_of_unpickling(error: BaseException | None) -> bool:
+    """Return whether ``error`` says that something of ours is not there by that name."""
+    return isinstance(error, AttributeError) and str(error).startswith("Can't get attribute")
+
+
+def _name(job: Job) -> str:
+    """Return which cell and seeds ``job`` has, as a part of a key."""
+    batch, seeds = job.parts[0]
+    more = f"-and-{len(job.parts) - 1}-more" if len(job.parts) > 1 else ""
+    return f"{batch.cell.key[:16]}-seeds-{seeds[0]}-{seeds[-1]}{more}"
+
+
+def _rest(job: Job, answer: Answer) -> Job | None:
+    """Return what ``answer`` leaves of ``job``; None: nothing."""
+    done = [*map(len, answer.rows), *[0] * (len(job.parts) - len(answer.rows))]
+    parts = [
+        part._replace(seeds=part.seeds[count:])
+        for part, count in zip(job.parts, done, strict=True)
+        if count < len(part.seeds)
+    ]
+    return Job(tuple(parts), job.killed) if parts else None
+
+
+def _failed(part: Part) -> tuple[Batch, RunRow]:
+    why = (
+        f"its worker died {MOST_KILLED} times of {MOST_KILLED}: out of memory, or a crash of the environment"
+    )
+    return part.batch, RunRow(part.seeds[0], NO_FIGURES, why)

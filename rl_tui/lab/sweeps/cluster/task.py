@@ -1,4 +1,4 @@
-"""What a batch is on its way: the order that is sent to a worker, and the answer that comes back.
+"""What batches are on their way: the order that is sent to a worker, and the answer that comes back.
 
 All of it is data, so that a worker needs no file of a scenario.
 """
@@ -9,11 +9,13 @@ import pickle
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from functools import cache
+from typing import Final
 
+from rl_tui.agents.compiling.cache_key import cache_key
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.lab.experiments.training import Goal
@@ -26,37 +28,54 @@ from rl_tui.lab.sweeps.storing.machine import this_machine
 from rl_tui.worlds.files.scenario import Scenario
 
 HAND_OVER_AFTER: Final = 2.0
-"""Seconds after which a worker hands over what it has of a batch: so much a kill costs, or one run."""
+"""Seconds after which a worker hands over what it has: so much a kill costs, or one run."""
 _LONGEST_REASON: Final = 300
 
 
 @dataclass(frozen=True)
+class OrderPart:
+    """Some seeds of one cell."""
+
+    recipe: Recipe
+    goal: Goal
+    digest: str
+    """The digest of the cell's world: what the worker builds has to be the same."""
+    seeds: tuple[int, ...]
+
+
+@dataclass(frozen=True)
 class Order:
-    """Some seeds of one cell, to be trained on a worker."""
+    """What a worker is to train at a time."""
 
     sweep: str
     """A name of the sweep, by which all of its orders can be broken off."""
-    recipe: Recipe
-    goal: Goal
-    seeds: tuple[int, ...]
-    digest: str
-    """The digest of the cell's world: what the worker builds has to be the same."""
+    parts: tuple[OrderPart, ...]
     versions: Mapping[str, str]
     """The versions that rows have to be made with."""
+    kernels: str
+    """What the kernels are: of one version they may differ where somebody develops rl-tui."""
     modules: tuple[str, ...] = ()
     """Modules that the person who started the sweep allowed environments to import."""
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What came of an order: rows of the first of its seeds, or why this worker can make none."""
+    """What came of an order: rows of the first seeds of its first parts, and why there are no more.
 
-    rows: tuple[RunRow, ...] = ()
+    ``refusal`` says why this worker can make none of the rest; without one there was no more time.
+    """
+
+    rows: tuple[tuple[RunRow, ...], ...] = ()
     refusal: str = ""
+    seconds: float = 0.0
 
 
 class BrokenOffError(Exception):
     """Nobody waits for the rows any more."""
+
+
+class RefusedError(Exception):
+    """The rows that are wanted cannot be made in this process."""
 
 
 class Call:
@@ -77,22 +96,30 @@ class Call:
         return pickle.dumps(self, protocol=pickle.HIGHEST_PROTOCOL)
 
 
+def order_of(parts: Iterable[tuple[Cell, tuple[int, ...]]], sweep: str, versions: Mapping[str, str]) -> Order:
+    """Return the order for some seeds each of some cells."""
+    from rl_tui.worlds.gym.modules import ALLOWED
+
+    wanted = tuple(OrderPart(cell.recipe, cell.goal, cell.content.digest, seeds) for cell, seeds in parts)
+    return Order(sweep, wanted, versions, _kernels(), tuple(sorted(ALLOWED)))
+
+
 def train(order: Order) -> Answer:
     """Train the runs of ``order``, until it has taken a while; at least one. It runs on a worker."""
-    said = difference(versions_here(), order.versions)
-    if said:
-        return Answer(refusal=said)
+    start = time.monotonic()
+    rows: list[tuple[RunRow, ...]] = []
     try:
-        content = _CONTENTS.of(order)
-    except UserError as reason:
-        said = one_line(str(reason), _LONGEST_REASON)
-        return Answer(refusal=f"cannot build the world of {order.recipe.scenario.id}: {said}")
-    if content.digest != order.digest:
-        return Answer(
-            refusal=f"builds another world of {order.recipe.scenario.id}: another version of the environment?"
-        )
-    recipe = replace(order.recipe, scenario=content.scenario)
-    return Answer(_rows(Cell(0, {}, recipe, order.goal, content), order))
+        if said := difference(versions_here(), order.versions):
+            raise RefusedError(said)
+        if order.kernels != _kernels():
+            raise RefusedError("has kernels of rl-tui whose sources are not those here")
+        for part in order.parts:
+            rows.append(_rows(_cell(part, order.modules), part.seeds, order.sweep, start + HAND_OVER_AFTER))
+            if len(rows[-1]) < len(part.seeds) or time.monotonic() - start >= HAND_OVER_AFTER:
+                break
+    except RefusedError as refusal:
+        return Answer(tuple(rows), str(refusal))
+    return Answer(tuple(rows), seconds=time.monotonic() - start)
 
 
 def break_off(sweep: str) -> None:
@@ -100,15 +127,34 @@ def break_off(sweep: str) -> None:
     _BROKEN_OFF.add(sweep)
 
 
-def _rows(cell: Cell, order: Order) -> tuple[RunRow, ...]:
-    def check() -> None:
-        if order.sweep in _BROKEN_OFF:
-            raise BrokenOffError(order.sweep)
+@cache
+def _kernels() -> str:
+    return cache_key()
 
-    end = time.monotonic() + HAND_OVER_AFTER
+
+def _cell(part: OrderPart, modules: tuple[str, ...]) -> Cell:
+    """Return the cell of ``part``. Raises RefusedError where its world is another one here."""
+    name = part.recipe.scenario.id
+    try:
+        content = _CONTENTS.of(part, modules)
+    except UserError as reason:
+        said = one_line(str(reason), _LONGEST_REASON)
+        raise RefusedError(f"cannot build the world of {name}: {said}") from reason
+    if content.digest != part.digest:
+        raise RefusedError(f"builds another world of {name}: another version of the environment?")
+    return Cell(0, {}, replace(part.recipe, scenario=content.scenario), part.goal, content)
+
+
+def _rows(cell: Cell, seeds: tuple[int, ...], sweep: str, end: float) -> tuple[RunRow, ...]:
+    """Return the rows of ``seeds``, or of the first of them, if they take until ``end``; at least one."""
+
+    def check() -> None:
+        if sweep in _BROKEN_OFF:
+            raise BrokenOffError
+
     rows = list[RunRow]()
     with suppress(BrokenOffError):
-        for row in run_rows(cell, order.seeds, check):
+        for row in run_rows(cell, seeds, check):
             rows.append(replace(row, machine=this_machine()))
             if time.monotonic() >= end:
                 break
@@ -123,38 +169,20 @@ class _Contents:
         self._worlds = Worlds()
         self._lock = threading.Lock()
 
-    def of(self, order: Order) -> WorldContent:
-        """Return the world of ``order``. Raises UserError where it cannot be built here."""
+    def of(self, part: OrderPart, modules: tuple[str, ...]) -> WorldContent:
+        """Return the world of ``part``. Raises UserError where it cannot be built here."""
         with self._lock:
-            scenario = self._scenarios.setdefault(order.digest, order.recipe.scenario)
-            self._scenarios.move_to_end(order.digest)
+            scenario = self._scenarios.setdefault(part.digest, part.recipe.scenario)
+            self._scenarios.move_to_end(part.digest)
             if len(self._scenarios) > MOST_WORLDS:
                 self._scenarios.popitem(last=False)
-        allow(order.modules)
-        return self._worlds.of(scenario, {}, order.recipe.seed)
+        if modules:
+            from rl_tui.worlds.gym.modules import allow_module
+
+            for name in modules:
+                allow_module(name)
+        return self._worlds.of(scenario, {}, part.recipe.seed)
 
 
-def allow(modules: tuple[str, ...]) -> None:
-    """Let environments import ``modules``. Raises UserError where this process never imports any."""
-    if modules:
-        from rl_tui.worlds.gym.modules import allow_module
-
-        for name in modules:
-            allow_module(name)
-
-
-def order_of(cell: Cell, seeds: tuple[int, ...], sweep: str, versions: Mapping[str, str]) -> Order:
-    """Return the order for ``seeds`` of ``cell``."""
-    return Order(
-        sweep, cell.recipe, cell.goal, seeds, cell.content.digest, versions, tuple(sorted(_allowed_modules()))
-    )
-
-
-def _allowed_modules() -> set[str]:
-    from rl_tui.worlds.gym.modules import ALLOWED
-
-    return ALLOWED
-
-
-_CONTENTS: Final[Any] = _Contents()
+_CONTENTS: Final = _Contents()
 _BROKEN_OFF: Final = set[str]()
