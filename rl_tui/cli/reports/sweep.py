@@ -70,7 +70,8 @@ def sensitivity_report(sensitivities: Sequence[Document] | None) -> str:
 def _cells(plan: SweepPlan, store: Store, standings: Standings, ranking: Ranking) -> str:
     """Return the best cells of one world, a row each."""
     shown = _there(plan, store, standings.first(ranking, SHOWN))
-    verdicts = [_LIKE_BEST if ranking.verdict(each.cell.index) else "" for each in shown]
+    tells = np.count_nonzero(ranking.compared) > 1
+    verdicts = [_LIKE_BEST if tells and ranking.verdict(each.cell.index) else "" for each in shown]
     text = _table(plan, standings.measure, shown, ("", verdicts))
     more = len(ranking.indexes) - len(shown)
     return f"{text}\n... and {more:,} more: --json and --csv have all" if more else text

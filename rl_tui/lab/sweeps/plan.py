@@ -23,6 +23,8 @@ from rl_tui.worlds.editing.edit import PREFIX
 from rl_tui.worlds.files.scenario import Scenario
 
 MOST_CELLS: Final = 10_000_000
+LARGEST_SEED: Final = 9 * 10**18
+"""What a whole number of a database, and of a kernel, can hold."""
 _MOST_TRIED: Final = 2_000
 _MOST_RECIPES: Final = 64
 
@@ -134,6 +136,10 @@ class SweepPlan:
                 raise UserError(
                     f"--vary {each.text}: how many values? Expected {each.text}:COUNT, or --random N"
                 )
+        if self.first_seed + 2 * self.runs > LARGEST_SEED:
+            raise UserError(
+                f"--seed {self.first_seed} is too large here; expected less than {LARGEST_SEED:.0e}"
+            )
         if self.count > MOST_CELLS:
             raise UserError(
                 f"{self.count:,} cells are more than {MOST_CELLS:,}; vary less, or take --random N"

@@ -15,7 +15,7 @@ from rl_tui.lab.run.figures import greedy_figures
 from rl_tui.lab.run.recipe import begin
 from rl_tui.lab.run.run import Run
 from rl_tui.lab.sweeps.cell import Cell
-from rl_tui.lab.sweeps.exact_facts import ExactFacts
+from rl_tui.lab.sweeps.cells.exact_facts import ExactFacts
 from rl_tui.lab.sweeps.machine_code import DEMAND
 from rl_tui.lab.sweeps.measures import ARRIVED, MEASURES, NEAR
 

@@ -54,6 +54,8 @@ class Store:
     @classmethod
     def to_write(cls, path: Path) -> Store:
         """Return the store at ``path``, made where there is none; nobody else can write it meanwhile."""
+        if not path.name:
+            raise UserError(f"{path}: is no name of a file; expected one such as sweep.sqlite")
         if not path.absolute().parent.is_dir():
             raise UserError(f"{path}: there is no folder {path.parent}; make it first")
         lock = WriterLock(path)

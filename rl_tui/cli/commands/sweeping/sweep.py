@@ -140,6 +140,12 @@ def command(
     To put stores of several machines together: rl-tui sweep merge --help
     """
     check_targets({"--csv": csv, "--store": store}, as_json)
+    for each in variations:
+        if each.name in overrides:
+            raise click.UsageError(
+                f"--vary {each.name} and --{each.name.replace('_', '-')} exclude each other",
+                click.get_current_context(),
+            )
     _check_shard(shard, store, has_output=as_json or csv is not None)
     if dask is not None and jobs is not None:
         raise click.UsageError(
@@ -165,7 +171,10 @@ def command(
                 f"rl-tui sweep merge puts all parts together"
             )
     if store is not None and shard is None and not as_json:
-        click.echo(f"\n{store} has the runs: rl-tui plot draws them", err=is_stdout(csv))
+        click.echo(
+            f"\n{store} keeps the runs. To draw them: the same with --json > F.json, then rl-tui plot F.json",
+            err=is_stdout(csv),
+        )
     finish_compiling()
 
 

@@ -14,8 +14,8 @@ from rl_tui.agents.compatibility import is_bandit
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
 from rl_tui.lab.run.library import find
+from rl_tui.lab.sweeps.cells.exact_facts import ExactFacts
 from rl_tui.lab.sweeps.cells.world_settings import scenario_with
-from rl_tui.lab.sweeps.exact_facts import ExactFacts
 from rl_tui.lab.sweeps.variation import Value
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.files.scenario import Scenario
