@@ -74,6 +74,15 @@ class Cluster:
         self._workers[name].send_signal(signal.SIGKILL)
         self._workers[name].wait()
 
+    def hold_a_busy_one(self) -> str:
+        """Stop a worker that has something to do, so that it keeps it; return its address, if any."""
+        for name, address in self._addresses().items():
+            self._workers[name].send_signal(signal.SIGSTOP)
+            if self.client.processing().get(address):
+                return address
+            self._workers[name].send_signal(signal.SIGCONT)
+        return ""
+
     def clear(self) -> None:
         """Kill all workers, and wait until the scheduler knows."""
         for process in self._workers.values():

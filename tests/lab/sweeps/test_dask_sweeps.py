@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import json
 import socket
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Final
 
@@ -87,32 +87,40 @@ def rows_of(plan: SweepPlan, store: Store) -> dict[tuple[int, int], RunRow]:
     return {(cell.index, row.seed): row for cell in cells(plan) for row in store.rows(cell.key, plan.seeds)}
 
 
-class After:
-    """Does something once so many rows have come, and counts them all."""
+class OnceBusy:
+    """Does something to a worker that has work, and is held at it, once so many rows are stored."""
 
-    def __init__(self, wanted: int, action: Callable[[], object]) -> None:
-        self._wanted, self._action = wanted, action
-        self.rows = 0
+    def __init__(self, cluster: Cluster, wanted: int, action: Callable[[str], object]) -> None:
+        self._cluster, self._wanted, self._action = cluster, wanted, action
+        self.held = ""
 
-    def __call__(self, cell: Cell, rows: Sequence[RunRow]) -> None:
-        before, self.rows = self.rows, self.rows + len(rows)
-        if before < self._wanted <= self.rows:
-            self._action()
+    def __call__(self, progress: SweepProgress) -> None:
+        if not self.held and progress.done >= self._wanted:
+            self.held = self._cluster.hold_a_busy_one()
+            if self.held:
+                self._action(self.held)
 
 
 def test_a_worker_that_is_killed_half_way_changes_no_byte(
     cluster: Cluster, plan: SweepPlan, expected: str
 ) -> None:
-    killed, _ = cluster.start(2)
-    wanted = plan.count * plan.runs
-    half_way = After(wanted // 2, lambda: cluster.kill(killed))
+    cluster.start(2)
+    wanted, told = plan.count * plan.runs, list[int]()
+    half_way = OnceBusy(cluster, wanted // 2, cluster.kill)
     with Store.without_file() as store:
-        done = run_sweep(plan, store, workers=DaskWorkers(cluster.address), on_rows=half_way)
+        done = run_sweep(
+            plan,
+            store,
+            workers=DaskWorkers(cluster.address),
+            on_progress=half_way,
+            on_rows=lambda _, rows: told.append(len(rows)),
+        )
         assert csv_of(plan, store) == expected
         assert store.count() == wanted
-    left = [each for each in cluster.events(killed) if each.get("action") == "remove-worker"]
-    assert left[0]["processing-tasks"], "it had nothing to do when it was killed"
-    assert (half_way.rows, done.done, done.failed) == (wanted, wanted, 0)
+    assert cluster.dead() == 1, "nothing was left to do half-way"
+    left = [each for each in cluster.events(half_way.held) if each.get("action") == "remove-worker"]
+    assert left[0]["processing-tasks"]
+    assert (sum(told), done.done, done.failed) == (wanted, wanted, 0)
 
 
 @pytest.mark.parametrize("allowed_failures", [0, 3])
@@ -203,9 +211,9 @@ def test_what_is_finished_stays_when_the_scheduler_goes_and_the_rest_can_follow(
 ) -> None:
     with Cluster(tmp_path) as cluster, Store.without_file() as store:
         cluster.start(1)
-        workers = DaskWorkers(cluster.address)
+        gone = OnceBusy(cluster, 20, lambda _: cluster.kill_scheduler())
         with pytest.raises(UserError, match=f"^{cluster.address}: the scheduler has gone away; .* goes on"):
-            run_sweep(plan, store, workers=workers, on_rows=After(20, cluster.kill_scheduler))
+            run_sweep(plan, store, workers=DaskWorkers(cluster.address), on_progress=gone)
         assert 20 <= store.count() < 120
         run_sweep(plan, store)
         assert csv_of(plan, store) == expected
