@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.sweeps.variation import Variation
 
 MOST_SHARDS: Final = 100_000
+_ADDRESS: Final = re.compile(r"(?:tcp|tls)://(?:[\w.-]+|\[[0-9a-fA-F:.]+\]):\d{1,5}", re.ASCII)
 
 
 class VariationValue(OptionValue):
@@ -71,3 +72,15 @@ class MeasureValue(OptionValue):
             return measure_called(str(value))
         except ValueError as fault:
             self.fail(str(fault), param, ctx)
+
+
+class SchedulerValue(OptionValue):
+    """The address of a Dask scheduler."""
+
+    name = "ADDRESS"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Return the address; fails naming what is expected."""
+        if not _ADDRESS.fullmatch(str(value)):
+            self.fail(f"{value} is no address of a Dask scheduler, such as tcp://node1:8786", param, ctx)
+        return str(value)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 from rl_tui.common.errors import UserError
@@ -43,6 +43,8 @@ class RunRow:
     figures: Figures
     failed: str | None = None
     seconds: float = 0.0
+    machine: str | None = field(default=None, compare=False)
+    """Where it was made; None: here."""
 
 
 NO_FIGURES: Final[Figures] = dict.fromkeys((*MEASURES, ARRIVED))

@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import groupby
-from operator import itemgetter
 from typing import Final, NamedTuple, Protocol
 
 from rl_tui.lab.experiments.patience import cores
@@ -191,13 +190,13 @@ class _Runner:
 
     def take_in(self, seconds: float) -> None:
         """Store the rows that have come, after at most so many ``seconds``."""
-        for batch, rows in groupby(self._workers.finished(seconds), key=itemgetter(0)):
-            self._keep(batch.cell, [row for _, row in rows])
+        for (batch, machine), rows in groupby(self._workers.finished(seconds), key=_origin):
+            self._keep(batch.cell, [row for _, row in rows], machine)
         self._store.commit(at_once=False)
 
-    def _keep(self, cell: Cell, rows: list[RunRow]) -> None:
+    def _keep(self, cell: Cell, rows: list[RunRow], machine: str | None) -> None:
         """Store ``rows`` of ``cell``, and tell everybody who waits for them."""
-        self._store.add(stored(cell), rows)
+        self._store.add(stored(cell), rows, machine)
         self.progress.trained += len(rows)
         told = defaultdict[Cell, list[RunRow]](list, {cell: rows})
         for row in rows:
@@ -269,6 +268,12 @@ class _Runner:
     def _tell(self) -> None:
         self.progress.seconds = time.perf_counter() - self._start
         self._on_progress(self.progress)
+
+
+def _origin(finished: tuple[Batch, RunRow]) -> tuple[Batch, str | None]:
+    """Return of which batch a row is, and where it was made."""
+    batch, row = finished
+    return batch, row.machine
 
 
 class ThreadWorkers:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -20,7 +22,7 @@ from rl_tui.cli.options.run import (
     seed_option,
     target_option,
 )
-from rl_tui.cli.options.sweep import MeasureValue, ShardValue, VariationValue
+from rl_tui.cli.options.sweep import MeasureValue, SchedulerValue, ShardValue, VariationValue
 from rl_tui.cli.output import complain
 from rl_tui.cli.progress import WORTH_A_FORECAST, finish_compiling, progress
 from rl_tui.common.words import counted, lasting, short_count
@@ -29,7 +31,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.sweeps.measures import Measure
     from rl_tui.lab.sweeps.plan import Shard, SweepPlan
     from rl_tui.lab.sweeps.store import Store
-    from rl_tui.lab.sweeps.sweep import SweepProgress
+    from rl_tui.lab.sweeps.sweep import SweepProgress, Workers
     from rl_tui.lab.sweeps.variation import Variation
 
 MOST: Final = 10**15
@@ -95,6 +97,12 @@ class SweepCommand(SectionedCommand):
 @click.option("--episodes", type=Whole(1, MOST), help="train so many episodes  [default: the scenario's]")
 @click.option("--store", type=_STORE, help="keep the runs in FILE.sqlite, and train only those not there yet")
 @click.option("--jobs", type=Whole(1, 4096), help="train so many at once  [default: one a core]")
+@click.option(
+    "--dask",
+    type=SchedulerValue(),
+    help="train on the workers of the Dask scheduler at tcp://HOST:PORT; never in a network that you do not "
+    "trust: Dask unpickles, and so runs, whatever it is sent",
+)
 @click.option("--shard", type=ShardValue(), help="do part I of N only, as other machines do the others")
 @click.option(
     "--measure", type=MeasureValue(), help="compare by this figure of a run, such as area or arrival"
@@ -113,6 +121,7 @@ def command(
     episodes: int | None,
     store: Path | None,
     jobs: int | None,
+    dask: str | None,
     shard: Shard | None,
     measure: Measure | None,
     no_again: bool,
@@ -138,6 +147,11 @@ def command(
                 click.get_current_context(),
             )
     _check_shard(shard, store, has_output=as_json or csv is not None)
+    if dask is not None and jobs is not None:
+        raise click.UsageError(
+            "--jobs is for this machine: with --dask each worker trains as many as it has threads",
+            click.get_current_context(),
+        )
     from rl_tui.lab.run.library import find
     from rl_tui.lab.sweeps.plan import WHOLE, SweepPlan
     from rl_tui.lab.sweeps.store import Store
@@ -147,9 +161,10 @@ def command(
     for name in plan.without_effect():
         complain(f"{name} has no effect: nothing that is trained here uses it")
     with Store.without_file() if store is None else Store.to_write(store) as kept:
-        done = _train(plan, kept, shard or WHOLE, jobs, is_kept=store is not None)
+        workers = partial(_workers, jobs, dask)
+        done = _train(plan, kept, shard or WHOLE, workers, is_kept=store is not None)
         if shard is None:
-            _report(plan, kept, done, measure, jobs, csv, again=not no_again, as_json=as_json)
+            _report(plan, kept, done, measure, workers, csv, again=not no_again, as_json=as_json)
         else:
             click.echo(
                 f"part {shard.number} of {shard.parts} is done: {counted(done.done, 'run')} in {store}; "
@@ -179,9 +194,22 @@ def _check_shard(shard: Shard | None, store: Path | None, *, has_output: bool) -
         )
 
 
-def _train(plan: SweepPlan, store: Store, shard: Shard, jobs: int | None, *, is_kept: bool) -> SweepProgress:
+def _workers(jobs: int | None, dask: str | None) -> Workers:
+    """Return who trains: threads here, or the workers of a cluster."""
+    if dask is not None:
+        from rl_tui.lab.sweeps.cluster.dask_workers import DaskWorkers
+
+        return DaskWorkers(dask, on_refused=complain)
+    from rl_tui.lab.sweeps.sweep import ThreadWorkers
+
+    return ThreadWorkers(jobs)
+
+
+def _train(
+    plan: SweepPlan, store: Store, shard: Shard, workers: Callable[[], Workers], *, is_kept: bool
+) -> SweepProgress:
     """Train what is not stored, and say how far it has come."""
-    from rl_tui.lab.sweeps.sweep import SweepProgress, ThreadWorkers, run_sweep
+    from rl_tui.lab.sweeps.sweep import SweepProgress, run_sweep
 
     latest = SweepProgress(plan.size_of(shard) * plan.runs)
     with progress(f"{plan.scenario.id}, {counted(plan.count, 'cell')}") as bar:
@@ -192,7 +220,7 @@ def _train(plan: SweepPlan, store: Store, shard: Shard, jobs: int | None, *, is_
             bar.show(now.done, now.planned, _how_far(now))
 
         try:
-            return run_sweep(plan, store, shard=shard, workers=ThreadWorkers(jobs), on_progress=on_progress)
+            return run_sweep(plan, store, shard=shard, workers=workers(), on_progress=on_progress)
         except KeyboardInterrupt:
             kept = f"kept in {store.name}: the same line goes on"
             where = kept if is_kept else "lost; --store would keep them"
@@ -214,7 +242,7 @@ def _report(
     store: Store,
     done: SweepProgress,
     measure: Measure | None,
-    jobs: int | None,
+    workers: Callable[[], Workers],
     csv: CsvTarget,
     *,
     again: bool,
@@ -225,12 +253,12 @@ def _report(
     from rl_tui.lab.sweeps.csv_rows import write_csv
     from rl_tui.lab.sweeps.document import best_documents, json_pieces
     from rl_tui.lab.sweeps.ranking import standings_of
-    from rl_tui.lab.sweeps.sweep import ThreadWorkers, run_again
+    from rl_tui.lab.sweeps.sweep import run_again
 
     standings = standings_of(plan, store, measure)
     if again:
         for cell in standings.chosen:
-            run_again(plan, cell, store, ThreadWorkers(jobs))
+            run_again(plan, cell, store, workers())
     bests = best_documents(standings, plan, store, again=again)
     if csv is not None:
         with file_or_stream(csv) as stream:

@@ -31,7 +31,7 @@ CREATE TABLE meta ( -- what the file is
 );
 CREATE TABLE machines ( -- where rows were made
     id INTEGER PRIMARY KEY, -- counted
-    machine TEXT NOT NULL UNIQUE -- JSON: system, kind of machine, versions
+    machine TEXT NOT NULL UNIQUE -- JSON: system, processor, C library, versions
 );
 CREATE TABLE cells ( -- what was trained, once for all of its seeds
     key TEXT PRIMARY KEY, -- sha256 of identity

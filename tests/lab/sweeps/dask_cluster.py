@@ -1,0 +1,125 @@
+"""A Dask cluster on this machine for tests: a scheduler and workers, each a process of its own."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Mapping
+from itertools import count
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Final
+
+LONGEST_START: Final = 60.0  # seconds; a machine may be busy
+_HERE: Final = Path(__file__).parent
+_ALLOWED_FAILURES: Final = "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES"
+_QUIET: Final = {"DASK_DISTRIBUTED__LOGGING__DISTRIBUTED": "warning"}
+
+
+class Cluster:
+    """A scheduler, and the workers that are started; all of them end with the ``with`` block."""
+
+    def __init__(self, folder: Path, allowed_failures: int | None = None) -> None:
+        self._folder = folder
+        self._numbers = count()
+        self._workers: dict[str, subprocess.Popen[bytes]] = {}
+        file = folder / "scheduler.json"
+        self._scheduler = self._start(
+            "dask_scheduler", "--port", "0", "--dashboard-address", "127.0.0.1:0", "--scheduler-file",
+            str(file), "--idle-timeout", "120s",
+            environment=None if allowed_failures is None else {_ALLOWED_FAILURES: str(allowed_failures)},
+        )  # fmt: skip
+        from distributed import Client
+
+        self.client = Client(scheduler_file=str(file), timeout=LONGEST_START, set_as_default=False)
+        self.address = str(self.client.scheduler.address)
+
+    def __enter__(self) -> Cluster:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self.client.close(timeout=2)
+        for process in (*self._workers.values(), self._scheduler):
+            process.kill()
+        for process in (*self._workers.values(), self._scheduler):
+            process.wait()
+
+    def start(
+        self, number: int, environment: Mapping[str, str] | None = None, preload: str = ""
+    ) -> list[str]:
+        """Start so many workers of one thread, each of which runs ``preload`` first; return their addresses.
+
+        ``environment`` is added to theirs.
+        """
+        names = [f"worker{next(self._numbers)}" for _ in range(number)]
+        options = ["--nthreads", "1", "--no-nanny", "--no-dashboard", "--death-timeout", "20"]
+        if preload:
+            script = self._folder / f"{names[0]}.py"
+            script.write_text(preload)
+            options += ["--preload", str(script)]
+        for name in names:
+            own = ["--name", name, "--local-directory", str(self._folder / name), *options]
+            self._workers[name] = self._start("dask_worker", self.address, *own, environment=environment)
+        self.client.wait_for_workers(len(self._addresses()) + number, timeout=LONGEST_START)
+        found = self._addresses()
+        return [found[name] for name in names]
+
+    def kill(self, address: str) -> None:
+        """Kill the worker at ``address`` on the spot."""
+        name = next(each for each, where in self._addresses().items() if where == address)
+        self._workers[name].send_signal(signal.SIGKILL)
+        self._workers[name].wait()
+
+    def hold_a_busy_one(self) -> str:
+        """Stop a worker that has something to do, so that it keeps it; return its address, if any."""
+        for name, address in self._addresses().items():
+            self._workers[name].send_signal(signal.SIGSTOP)
+            if self.client.processing().get(address):
+                return address
+            self._workers[name].send_signal(signal.SIGCONT)
+        return ""
+
+    def clear(self) -> None:
+        """Kill all workers, and wait until the scheduler knows."""
+        for process in self._workers.values():
+            process.kill()
+        for process in self._workers.values():
+            process.wait()
+        self._workers.clear()
+        while self._addresses():
+            pass
+
+    def kill_scheduler(self) -> None:
+        """Kill the scheduler on the spot."""
+        self._scheduler.send_signal(signal.SIGKILL)
+        self._scheduler.wait()
+
+    def dead(self) -> int:
+        """Return how many workers have ended."""
+        return sum(process.poll() is not None for process in self._workers.values())
+
+    def events(self, worker: str) -> list[Mapping[str, Any]]:
+        """Return what the scheduler notes of ``worker``."""
+        return [event for _, event in self.client.get_events(worker)]
+
+    def _addresses(self) -> dict[str, str]:
+        workers = self.client.scheduler_info(n_workers=-1)["workers"]
+        return {str(each["name"]): address for address, each in workers.items()}
+
+    def _start(
+        self, command: str, *options: str, environment: Mapping[str, str] | None = None
+    ) -> subprocess.Popen[bytes]:
+        paths = os.pathsep.join([str(_HERE), *filter(None, [os.environ.get("PYTHONPATH")])])
+        with (self._folder / f"{command}{next(self._numbers)}.log").open("wb") as log:
+            return subprocess.Popen(
+                [sys.executable, "-m", f"distributed.cli.{command}", "--host", "127.0.0.1", *options],
+                env={**os.environ, **_QUIET, "PYTHONPATH": paths, **(environment or {})},
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=log,
+                cwd=self._folder,
+            )
