@@ -1,8 +1,8 @@
-"""Where cells stand: their places on the axes of settings, and slices through more than two of them."""
+"""Where cells stand: their places on the axes of settings."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
 
@@ -56,12 +56,3 @@ class CellGrid:
         for axis, step in steps.items():
             places[axis] = max(0, min(self.counts[axis] - 1, places[axis] + step))
         return self.index(places)
-
-    def slice_at(self, index: int, axes: Sequence[int]) -> Iterator[int]:
-        """Yield the cells that differ from cell ``index`` on ``axes`` alone; the last of those runs fastest."""
-        places = list(self.places(index))
-        inner = CellGrid(tuple(self.variations[axis] for axis in axes))
-        for number in range(inner.count):
-            for axis, place in zip(axes, inner.places(number), strict=True):
-                places[axis] = place
-            yield self.index(places)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from itertools import product
 from statistics import median
-from typing import Final
+from typing import Any, Final
 
 from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.agents.compiling.cache_folder import was_compiled
@@ -69,7 +69,7 @@ class AtlasWork:
             self._end(plan, store, AtlasState.DONE if is_done else AtlasState.OUT_OF_TIME)
 
     def _episodes(self) -> int:
-        """Return how many episodes each run has: those asked for, or a round number that there is time for."""
+        """Return how many episodes each run has: those asked for, or as many as there is time for."""
         request = self._request
         corners = (
             request.cells.index(corner)
@@ -135,8 +135,8 @@ def standings(plan: SweepPlan, store: Store) -> dict[str, AtlasStandings]:
 def cell_of(rows: Iterable[RunRow]) -> AtlasCell:
     """Return what ``rows``, those of one cell, say together."""
     summary = summarized(rows)
-    figures = {
-        name: {each: found[each] for each in _FIGURES if each in found}
+    figures: dict[str, dict[str, Any]] = {
+        name: {each: value for each, value in found.items() if each in _FIGURES}
         for name, found in summary.figures.items()
         if found["count"]
     }
@@ -151,4 +151,4 @@ def _impossible(plan: SweepPlan) -> dict[int, str]:
 def _round_number(number: float) -> int:
     """Return the largest of 1, 2, 5, 10, 20 … that is not above ``number``, at least 1."""
     digits = len(str(int(max(1.0, number)))) - 1
-    return max(each * 10**digits for each in (1, 2, 5) if each == 1 or each * 10**digits <= number)
+    return max(int(each * 10**digits) for each in (1, 2, 5) if each == 1 or each * 10**digits <= number)

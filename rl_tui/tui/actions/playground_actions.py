@@ -278,6 +278,16 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         not_for_program=DECIDES,
     ),
     Action(
+        "scenario.map_settings",
+        "S",
+        "atlas",
+        "Map the settings around those in force: each cell many seeds; enter opens the run of a cell.",
+        Group.AGENT,
+        needs_world=True,
+        aliases="map settings sweep surroundings hyper-parameters sensitivity heatmap",
+        not_for_program=DECIDES,
+    ),
+    Action(
         "why.explain",
         "Y",
         "why",

@@ -44,6 +44,13 @@ class ScenarioActions(Subject):
         """Go to the next scenario of the catalogue."""
         self.go_by(1)
 
+    def map_settings(self) -> None:
+        """Show how the run would do with other settings; one of those runs may be opened in its place."""
+        # it brings much that the first paint has no need of
+        from rl_tui.tui.screens.atlas.opening import open_atlas
+
+        open_atlas(self, self.take)
+
     def begin_with_old_or_new(self, start_again: Callable[[], None]) -> None:
         """Ask whether the run is to begin anew with the new content, if there is any.
 
