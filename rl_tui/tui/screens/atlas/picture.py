@@ -131,8 +131,7 @@ class MapPlan:
 def plan_of(scene: AtlasScene, width: int, height: int) -> MapPlan:
     """Return where the cells of ``scene`` stand in so much room; a line above and one below are for names."""
     names = [] if scene.rows is None else [value_name(scene.rows, row) for row in range(scene.rows.count)]
-    title = "" if scene.rows is None else setting_name(scene.rows)
-    label = max(map(cell_len, (*names, title, "")), default=0) + 1
+    label = max(map(cell_len, names), default=0) + 1
     rows = 1 if scene.rows is None else scene.rows.count
     field = max(LEAST_FIELD, min(MOST_FIELD, (width - label) // scene.columns.count))
     tall = max(1, min(_TALL, (height - 2) // rows))
@@ -144,8 +143,9 @@ def draw_map(plan: MapPlan) -> Canvas:
     scene, look = plan.scene, plan.scene.look
     palette = look.palette
     canvas = Canvas(plan.width, plan.height, palette.text)
-    if scene.rows is not None:
-        canvas.put(0, 0, to_ascii(f"{setting_name(scene.rows)}", look.glyphs), palette.dim)
+    upwards = "" if scene.rows is None else f"{setting_name(scene.rows)} ↑  "
+    names = to_ascii(f"{upwards}{setting_name(scene.columns)} →", look.glyphs)
+    canvas.put(0, 0, names, palette.dim)
     bottom = 1 + plan.row_count * plan.tall
     in_force = scene.cells.places(scene.in_force)
     for index in range(scene.cells.count):
@@ -159,9 +159,6 @@ def draw_map(plan: MapPlan) -> Canvas:
         style = palette.strong if column == in_force[-1] else palette.dim
         text = centred(value_name(scene.columns, column), plan.field)
         canvas.put(plan.label + column * plan.field, bottom, text, style)
-    name = to_ascii(setting_name(scene.columns), look.glyphs)
-    right = plan.label + plan.column_count * plan.field + 1
-    canvas.put(min(right, plan.width - cell_len(name)), bottom, name, palette.dim)
     return canvas
 
 
@@ -173,7 +170,7 @@ def _draw_cell(canvas: Canvas, plan: MapPlan, index: int) -> None:
     for line in range(plan.tall):
         canvas.put(left, top + line, " " * plan.field, style)
     brackets = _BRACKETS if index == scene.in_force else ("", "")
-    room = plan.field - 2 * _MARKS - sum(map(len, brackets))
+    room = plan.field - _MARKS - (sum(map(len, brackets)) or _MARKS)
     text = f"{brackets[0]}{scene.text(index, room)}{scene.mark(index)}{brackets[1]}"
     middle = top + (plan.tall - 1) // 2
     canvas.put(left, middle, centred(text, plan.field), style)

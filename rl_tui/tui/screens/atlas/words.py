@@ -10,7 +10,7 @@ from rl_tui.lab.atlas.figures import Atlas, AtlasState
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.screens.atlas.picture import ALIKE, BEST, AtlasScene, setting_name, value_name
 
-_ROOM: Final = 8
+_ROOM: Final = 6
 _STARTING: Final = "the first cell is being trained"
 
 
@@ -41,7 +41,7 @@ def legend(scene: AtlasScene) -> str:
     glyphs, ends = scene.look.glyphs, scene.ends
     if ends is None:
         return ""
-    first, last = (numbers.brief(end, glyphs, decimals=3) for end in ends)
+    first, last = (numbers.value(end, _ROOM, glyphs) for end in ends)
     names = ("least", "greatest") if scene.measure.larger_is_better is None else ("worst", "best")
     marks = f"{BEST} best  {ALIKE} not different from it  " if scene.standings.best is not None else ""
     return f"{marks}[ ] in force  {names[0]} {first}, {names[1]} {last}"

@@ -1,0 +1,151 @@
+"""The key S maps the settings around those in force; enter opens the run of a cell."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from conftest import MakeApp
+from seams import notes, playground, press, screen_text, snapshot
+
+from rl_tui.lab.atlas import axes
+from rl_tui.lab.atlas import request as atlas_request
+from rl_tui.lab.atlas.cells import CellGrid
+from rl_tui.lab.atlas.figures import Atlas, AtlasCell, AtlasStandings, AtlasState
+from rl_tui.lab.sweeps.measures import MEASURES
+from rl_tui.lab.sweeps.variation import Variation
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.screens.atlas.atlas_dialog import AtlasDialog
+from rl_tui.tui.screens.atlas.picture import AtlasScene, draw_map, plan_of
+from rl_tui.tui.screens.atlas.words import cell_line, head, legend
+from rl_tui.tui.theme.glyphs import ASCII, UNICODE
+from rl_tui.tui.theme.look import Look
+from rl_tui.tui.theme.palette import palette_for
+
+GRID = CellGrid((Variation("epsilon", (0.0, 0.1)), Variation("alpha", (0.1, 0.5, 1.0))))
+LOOK = Look(UNICODE, palette_for("truecolor", dark=True))
+
+
+def cell(mean: float) -> AtlasCell:
+    figures = {"mean": mean, "median": mean, "low": mean - 0.1, "high": mean + 0.1, "count": 10}
+    return AtlasCell(10, figures={"area": figures})
+
+
+def scene(atlas: Atlas, look: Look = LOOK, cursor: int = 0) -> AtlasScene:
+    return AtlasScene(look, GRID, atlas, MEASURES["area"], cursor, in_force=4)
+
+
+PART = Atlas(
+    AtlasState.RUNNING,
+    {1: cell(0.25), 4: cell(0.75), 5: cell(0.5), 2: AtlasCell(10, 10, failure="it ran away")},
+    {3: "that cannot be"},
+    {"area": AtlasStandings(4, frozenset({4, 5}))},
+    episodes=50,
+    done=40,
+    planned=60,
+    seconds=2.0,
+)
+
+
+def lines(drawn: AtlasScene, width: int = 40, height: int = 8) -> list[str]:
+    return [strip.text.rstrip() for strip in draw_map(plan_of(drawn, width, height)).strips()]
+
+
+def test_the_map_has_a_number_or_a_sign_in_every_cell() -> None:
+    text = lines(scene(PART))
+    assert text[0].split() == ["ε", "↑", "α", "→"]
+    assert "×" in text[2]
+    assert "[0.750*]" in text[2]
+    assert "0.500'" in text[2]
+    assert "·" in text[5]
+    assert "0.250" in text[5]
+    assert "fails" in text[5]
+    assert text[7].split() == ["0.1", "0.5", "1"]
+
+
+def test_in_ascii_it_is_ascii() -> None:
+    drawn = scene(PART, Look(ASCII, palette_for("none", dark=True)))
+    assert all(line.isascii() for line in lines(drawn))
+
+
+def test_colours_go_from_the_worst_to_the_best() -> None:
+    drawn, palette = scene(PART), LOOK.palette
+    assert drawn.style(4) == palette.value(1.0)
+    assert drawn.style(1) == palette.value(0.0)
+    assert drawn.style(0) == palette.unvisited
+    lower_is_better = replace(drawn, measure=MEASURES["regret"])
+    assert lower_is_better.ends is None
+
+
+@pytest.mark.parametrize(("width", "height"), [(76, 15), (116, 22), (40, 8)])
+def test_each_cell_is_found_where_it_is_drawn(width: int, height: int) -> None:
+    plan = plan_of(scene(PART), width, height)
+    for index in range(GRID.count):
+        x = plan.label + (index % 3) * plan.field
+        y = 1 + plan.row_of(index) * plan.tall
+        assert plan.cell_at(x, y) == plan.cell_at(x + plan.field - 1, y + plan.tall - 1) == index
+    assert plan.cell_at(0, 1) is None
+
+
+def test_words_say_what_a_cell_is_and_how_far_all_is() -> None:
+    drawn = scene(PART, cursor=4)
+    assert "10 seeds of 50 episodes" in head(drawn, 10)
+    assert "40 of 60 runs" in head(drawn, 10)
+    assert "mean 0.750 (95 %: 0.650 to 0.850)" in cell_line(drawn, 7)
+    assert cell_line(drawn, 7).endswith("seed 7")
+    assert "not done yet" in cell_line(scene(PART), 0)
+    assert "cannot be" in cell_line(scene(PART, cursor=3), 0)
+    assert "it ran away" in cell_line(scene(PART, cursor=2), 0)
+    assert "worst 0.250" in legend(drawn)
+    assert legend(scene(Atlas())) == ""
+
+
+@pytest.fixture
+def small_atlas(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(atlas_request, "RUNS", 2)
+    monkeypatch.setattr(atlas_request, "episodes_of", lambda scenario: 10)
+    monkeypatch.setattr(axes, "MOST_COLUMNS", 3)
+    monkeypatch.setattr(axes, "MOST_ROWS", 3)
+
+
+@pytest.mark.process
+@pytest.mark.usefixtures("small_atlas")
+async def test_enter_opens_the_run_of_a_cell(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "S")
+        await settle(pilot)
+        assert isinstance(app.screen, AtlasDialog)
+        text = screen_text(app)
+        assert "Atlas of ε × α" in text
+        assert "runs done" in text
+        first = snapshot(app).recipe
+        await press(pilot, "m", "right", "up", "n", "enter")
+        await settle(pilot)
+        opened = playground(app).recipe
+        assert opened.seed == first.seed + 1
+        assert opened.hyperparameters.alpha != first.hyperparameters.alpha
+        assert opened.hyperparameters.epsilon != first.hyperparameters.epsilon
+        assert opened.scenario is first.scenario
+
+
+@pytest.mark.process
+@pytest.mark.usefixtures("small_atlas")
+async def test_escape_leaves_the_run_as_it_is(make_app: MakeApp) -> None:
+    app = make_app("student")
+    async with app.run_test(size=(120, 40), notifications=True) as pilot:
+        await settle(pilot)
+        before = playground(app)
+        await press(pilot, "S", "left", "escape")
+        await settle(pilot)
+        assert playground(app) is before
+
+
+@pytest.mark.screen
+async def test_where_there_is_none_it_says_why(make_app: MakeApp) -> None:
+    app = make_app("blackjack")
+    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+        await settle(pilot)
+        await press(pilot, "S")
+        assert any("stepped for real" in note for note in notes(app))
