@@ -23,6 +23,7 @@ from rl_tui.cli.commands.sweeping.sweep import command
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
 from rl_tui.lab.sweeps.cell import Cell
+from rl_tui.lab.sweeps.cluster import connection
 from rl_tui.lab.sweeps.cluster.dask_workers import DaskWorkers
 from rl_tui.lab.sweeps.csv_rows import write_csv
 from rl_tui.lab.sweeps.merge import merge
@@ -159,7 +160,7 @@ def test_a_worker_of_another_version_gets_nothing_whenever_it_comes(
     (good,) = cluster.start(1)
     cluster.client.get_task_stream()  # from now on
     said: list[str] = []
-    workers = DaskWorkers(cluster.address, on_refused=said.append)
+    workers = DaskWorkers(cluster.address, tell=said.append)
     assert [line.split(": it has Numba 0.1.2 where ")[0] for line in said] == [f"{other} gets no work"]
     room = workers.room
     (late,) = cluster.start(1, preload=ANOTHER_NUMBA)
@@ -233,8 +234,37 @@ def test_a_sweep_that_is_interrupted_leaves_its_workers_free(cluster: Cluster) -
 
 
 def test_a_cluster_without_workers_is_a_line(cluster: Cluster) -> None:
+    said: list[str] = []
     with pytest.raises(UserError, match=f"^{cluster.address}: .* no workers; start some: dask worker"):
-        DaskWorkers(cluster.address, patience=0.5)
+        DaskWorkers(cluster.address, patience=0.5, tell=said.append)
+    assert said == [f"{cluster.address}: no workers; waiting 0.5 s for some"]
+
+
+def test_workers_are_waited_for(cluster: Cluster, plan: SweepPlan, expected: str) -> None:
+    workers = list[str]()
+
+    def start(line: str) -> None:
+        """Start one where there is none, at the beginning and after the first has gone."""
+        workers.extend(cluster.start(1))
+
+    gone = OnceBusy(cluster, plan.runs, cluster.kill)
+    with Store.without_file() as store:
+        run_sweep(plan, store, workers=DaskWorkers(cluster.address, tell=start), on_progress=gone)
+        assert csv_of(plan, store) == expected
+    assert (len(workers), cluster.dead()) == (2, 1)
+
+
+def test_a_worker_that_does_not_answer_gets_nothing(
+    cluster: Cluster, monkeypatch: pytest.MonkeyPatch, plan: SweepPlan, expected: str
+) -> None:
+    monkeypatch.setattr(connection, "LONGEST_LOOK", 2.0)
+    silent, _ = cluster.start(2)
+    cluster.hold(silent)
+    said: list[str] = []
+    with Store.without_file() as store:
+        run_sweep(plan, store, workers=DaskWorkers(cluster.address, tell=said.append))
+        assert csv_of(plan, store) == expected
+    assert said == [f"{silent} gets no work: it does not answer"]
 
 
 def test_no_scheduler_is_a_line() -> None:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 MISSING: Final = 'the option --dask needs another package: pip install "rl-tui[dask]"'
 LONGEST_CONNECT: Final = 10.0
 LONGEST_ANSWER: Final = 60.0
+LONGEST_LOOK: Final = 5.0
 LONGEST_GOODBYE: Final = 2.0
 """Seconds."""
 
@@ -75,8 +76,19 @@ class Connection:
     def versions(self, workers: Sequence[str]) -> dict[str, dict[str, str]]:
         """Return the versions of Python and of each package of ``PACKAGES`` on ``workers``, by their address.
 
-        Nothing of ours is sent for that. A worker that has gone meanwhile is left out.
+        Nothing of ours is sent for that. A worker that has gone meanwhile is left out; of one that does not
+        answer nothing is known.
         """
+        try:
+            return self._versions(workers, LONGEST_LOOK)
+        except TimeoutError:
+            if len(workers) == 1:
+                return {workers[0]: {}}
+            return {address: said for each in workers for address, said in self.versions([each]).items()}
+        except OSError as error:
+            raise UserError(gone(self.address)) from error
+
+    def _versions(self, workers: Sequence[str], longest: float) -> dict[str, dict[str, str]]:
         import importlib.metadata
         import platform
 
@@ -86,10 +98,11 @@ class Connection:
             *((name, importlib.metadata.version, (name,)) for name in PACKAGES),
         ]
         for name, function, arguments in asked:
+            if not found:
+                break
+            self.check()
             run = partial(self._client.run, function, *arguments, workers=list(found), on_error="return")
-            with self._told():
-                said = within(LONGEST_ANSWER, run)
-            for address, version in said.items():
+            for address, version in within(longest, run).items():
                 if isinstance(version, OSError):
                     del found[address]
                 elif isinstance(version, Exception):
@@ -188,8 +201,10 @@ class Connection:
         self.check()
         try:
             yield
-        except OSError as error:
-            raise UserError(gone(self.address)) from error
+        except Exception as error:  # what is asked of a client that is being closed may raise anything
+            if isinstance(error, OSError) or self._client.status != "running":
+                raise UserError(gone(self.address)) from error
+            raise
 
     def _restore_log(self) -> None:
         logging.getLogger("distributed").setLevel(self._log_level)
