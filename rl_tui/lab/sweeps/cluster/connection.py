@@ -34,7 +34,10 @@ T = TypeVar("T")
 
 
 class Landed(NamedTuple):
-    """What came of a future: its result, or the error that it ended with."""
+    """What came of a future: its result, or the error that it ended with.
+
+    A CancelledError says that the connection was lost.
+    """
 
     key: str
     result: Any = None
@@ -53,14 +56,9 @@ class Connection:
         except ImportError as error:
             raise UserError(MISSING) from error
         self.address = address
-        self._log_level = logging.getLogger("distributed").level
-        logging.getLogger("distributed").setLevel(logging.CRITICAL + 1)  # what goes wrong is said in one line
-        try:
-            _check_scheduler(address, longest_connect)
-            self._client: Client = Client(address, timeout=longest_connect, set_as_default=False)
-        except BaseException:
-            self._restore_log()
-            raise
+        _silence()
+        _check_scheduler(address, longest_connect)
+        self._client: Client = Client(address, timeout=longest_connect, set_as_default=False)
         self._futures: dict[str, Future] = {}
         self._done: queue.SimpleQueue[Future | None] = queue.SimpleQueue()
         self._landed: queue.SimpleQueue[Landed] = queue.SimpleQueue()
@@ -171,7 +169,6 @@ class Connection:
         finally:
             self._done.put(None)
             self._collector.join(LONGEST_GOODBYE)
-            self._restore_log()
 
     def _collect(self) -> None:
         """Get the results of futures that are done, all at once that there are: each costs a request."""
@@ -184,8 +181,9 @@ class Connection:
             try:
                 results = self._client.gather(futures, errors="skip")
             except Exception as error:  # whatever a connection that breaks may raise
+                is_lost = isinstance(error, OSError) or self._client.status != "running"
                 for key in futures:
-                    self._landed.put(Landed(key, error=error))
+                    self._landed.put(Landed(key, error=CancelledError(key) if is_lost else error))
                 continue
             for key, each in futures.items():
                 if each.status == "error":
@@ -205,9 +203,6 @@ class Connection:
             if isinstance(error, OSError) or self._client.status != "running":
                 raise UserError(gone(self.address)) from error
             raise
-
-    def _restore_log(self) -> None:
-        logging.getLogger("distributed").setLevel(self._log_level)
 
 
 def within(seconds: float, ask: Callable[[], T]) -> T:
@@ -239,6 +234,16 @@ def gone(address: str) -> str:
         f"{address}: the scheduler has gone away; once it is there again, the same line goes on from what is "
         "in the store"
     )
+
+
+def _silence() -> None:
+    """Let Dask log nothing from now on: what goes wrong is one line of ours.
+
+    A client that was given up logs tracebacks even after it was closed, in a thread of its own.
+    """
+    for name in [*logging.root.manager.loggerDict]:
+        if name.split(".")[0] == "distributed":
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
 
 
 def _check_scheduler(address: str, longest: float) -> None:

@@ -187,7 +187,7 @@ class DaskWorkers:
 
         if self._is_closed:
             return
-        if isinstance(error, CancelledError):  # not by us: the connection broke, and is there again
+        if isinstance(error, CancelledError):
             raise UserError(gone(self._connection.address))
         if isinstance(error, NoValidWorkerError):
             self._placement.add_again(job)
