@@ -68,6 +68,11 @@ class Cluster:
         found = self._addresses()
         return [found[name] for name in names]
 
+    @property
+    def workers(self) -> list[str]:
+        """The addresses of the workers that are there."""
+        return list(self._addresses().values())
+
     def kill(self, address: str) -> None:
         """Kill the worker at ``address`` on the spot."""
         self._signal(address, signal.SIGKILL).wait()
@@ -76,14 +81,9 @@ class Cluster:
         """Stop the worker at ``address``: it is there, but does nothing."""
         self._signal(address, signal.SIGSTOP)
 
-    def hold_a_busy_one(self) -> str:
-        """Stop a worker that has something to do, so that it keeps it; return its address, if any."""
-        for address in self._addresses().values():
-            self._signal(address, signal.SIGSTOP)
-            if self.client.processing().get(address):
-                return address
-            self._signal(address, signal.SIGCONT)
-        return ""
+    def is_busy(self, address: str) -> bool:
+        """Return whether the worker at ``address`` has something to do."""
+        return bool(self.client.processing().get(address))
 
     def clear(self) -> None:
         """Kill all workers, and wait until the scheduler knows."""

@@ -60,11 +60,8 @@ class Connection:
         _check_scheduler(address, longest_connect)
         self._client: Client = Client(address, timeout=longest_connect, set_as_default=False)
         self._futures: dict[str, Future] = {}
-        self._done: queue.SimpleQueue[Future | None] = queue.SimpleQueue()
+        self._done: dict[str, queue.SimpleQueue[Future | None]] = {}
         self._landed: queue.SimpleQueue[Landed] = queue.SimpleQueue()
-        # A result whose worker died meanwhile is waited for: the thread that stores rows has no time for that
-        self._collector = threading.Thread(target=self._collect, name="collects results", daemon=True)
-        self._collector.start()
 
     def threads(self) -> dict[str, int]:
         """Return how many threads each worker has, by its address."""
@@ -116,7 +113,13 @@ class Connection:
                 pickle.loads, call.pickled, key=key, workers=[worker], allow_other_workers=False, pure=False
             )
         self._futures[key] = future
-        future.add_done_callback(self._done.put)
+        if worker not in self._done:
+            self._done[worker] = queue.SimpleQueue()
+            # Dask tries for half a minute to reach a worker that died with a result: nobody else is to wait
+            threading.Thread(
+                target=self._collect, args=(self._done[worker],), name="collects results", daemon=True
+            ).start()
+        future.add_done_callback(self._done[worker].put)
 
     def landed(self, seconds: float) -> Iterator[Landed]:
         """Yield what has come; wait for so many ``seconds`` for the first."""
@@ -137,8 +140,10 @@ class Connection:
     def running_when_left(self, worker: str) -> Collection[str] | None:
         """Return the keys that ``worker``, which has gone, had when it died; none if it said goodbye.
 
-        None where the scheduler does not say.
+        None where the scheduler does not say. What it had finished is collected no more.
         """
+        if worker in self._done:
+            self._done.pop(worker).put(None)
         with self._told():
             events = self._client.get_events(worker)
         for _, event in reversed(events or ()):
@@ -167,17 +172,17 @@ class Connection:
             with suppress(OSError, RuntimeError):
                 self._client.close(timeout=LONGEST_GOODBYE)
         finally:
-            self._done.put(None)
-            self._collector.join(LONGEST_GOODBYE)
+            for done in self._done.values():
+                done.put(None)
 
-    def _collect(self) -> None:
-        """Get the results of futures that are done, all at once that there are: each costs a request."""
-        while (future := self._done.get()) is not None:
+    def _collect(self, done: queue.SimpleQueue[Future | None]) -> None:
+        """Get the results of futures that are ``done``, all at once that there are: each costs a request."""
+        while (future := done.get()) is not None:
             futures = {future.key: future}
             with suppress(queue.Empty):
-                while (more := self._done.get_nowait()) is not None:
+                while (more := done.get_nowait()) is not None:
                     futures[more.key] = more
-                self._done.put(None)
+                done.put(None)
             try:
                 results = self._client.gather(futures, errors="skip")
             except Exception as error:  # whatever a connection that breaks may raise
