@@ -68,20 +68,22 @@ class Cluster:
         found = self._addresses()
         return [found[name] for name in names]
 
+    @property
+    def workers(self) -> list[str]:
+        """The addresses of the workers that are there."""
+        return list(self._addresses().values())
+
     def kill(self, address: str) -> None:
         """Kill the worker at ``address`` on the spot."""
-        name = next(each for each, where in self._addresses().items() if where == address)
-        self._workers[name].send_signal(signal.SIGKILL)
-        self._workers[name].wait()
+        self._signal(address, signal.SIGKILL).wait()
 
-    def hold_a_busy_one(self) -> str:
-        """Stop a worker that has something to do, so that it keeps it; return its address, if any."""
-        for name, address in self._addresses().items():
-            self._workers[name].send_signal(signal.SIGSTOP)
-            if self.client.processing().get(address):
-                return address
-            self._workers[name].send_signal(signal.SIGCONT)
-        return ""
+    def hold(self, address: str) -> None:
+        """Stop the worker at ``address``: it is there, but does nothing."""
+        self._signal(address, signal.SIGSTOP)
+
+    def is_busy(self, address: str) -> bool:
+        """Return whether the worker at ``address`` has something to do."""
+        return bool(self.client.processing().get(address))
 
     def clear(self) -> None:
         """Kill all workers, and wait until the scheduler knows."""
@@ -105,6 +107,11 @@ class Cluster:
     def events(self, worker: str) -> list[Mapping[str, Any]]:
         """Return what the scheduler notes of ``worker``."""
         return [event for _, event in self.client.get_events(worker)]
+
+    def _signal(self, address: str, number: signal.Signals) -> subprocess.Popen[bytes]:
+        name = next(each for each, where in self._addresses().items() if where == address)
+        self._workers[name].send_signal(number)
+        return self._workers[name]
 
     def _addresses(self) -> dict[str, str]:
         workers = self.client.scheduler_info(n_workers=-1)["workers"]

@@ -17,6 +17,7 @@ from rl_tui.lab.sweeps.cluster import task
 from rl_tui.lab.sweeps.cluster.task import Answer, Call, Order, break_off, order_of, train
 from rl_tui.lab.sweeps.cluster.versions import PYTHON, difference, versions_here
 from rl_tui.lab.sweeps.runs import run_rows
+from rl_tui.lab.sweeps.storing import machine
 from rl_tui.lab.sweeps.storing.machine import this_machine
 from rl_tui.worlds.gym.section import GymnasiumSection
 from rl_tui.worlds.sections.world_section import WorldRefusedError
@@ -140,9 +141,12 @@ def test_a_sweep_that_is_broken_off_is_trained_no_further() -> None:
         ("nothing\n", ""),
     ],
 )
-def test_a_row_says_on_what_it_was_made(said: str, processor: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_row_says_on_what_it_was_made(
+    said: str, processor: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "processors").write_text(said)
+    monkeypatch.setattr(machine, "PROCESSORS", tmp_path / "processors")
     monkeypatch.setattr("platform.libc_ver", lambda: ("glibc", "2.99"))
-    monkeypatch.setattr("pathlib.Path.read_text", lambda *_, **__: said)
     this_machine.cache_clear()
     found = json.loads(this_machine())
     this_machine.cache_clear()

@@ -23,6 +23,7 @@ from rl_tui.cli.commands.sweeping.sweep import command
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
 from rl_tui.lab.sweeps.cell import Cell
+from rl_tui.lab.sweeps.cluster import connection, placement
 from rl_tui.lab.sweeps.cluster.dask_workers import DaskWorkers
 from rl_tui.lab.sweeps.csv_rows import write_csv
 from rl_tui.lab.sweeps.merge import merge
@@ -51,6 +52,11 @@ platform.machine = lambda: "abacus"
 def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
     with Cluster(tmp_path_factory.mktemp("cluster")) as started:
         yield started
+
+
+@pytest.fixture(autouse=True)
+def _each_batch_goes_by_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(placement, "USUAL_TIME", 0.0)
 
 
 @pytest.fixture
@@ -87,26 +93,28 @@ def rows_of(plan: SweepPlan, store: Store) -> dict[tuple[int, int], RunRow]:
     return {(cell.index, row.seed): row for cell in cells(plan) for row in store.rows(cell.key, plan.seeds)}
 
 
-class OnceBusy:
-    """Does something to a worker that has work, and is held at it, once so many rows are stored."""
+class OnceHeld:
+    """Holds a worker once so many rows are stored, and does something to it when it has work."""
 
-    def __init__(self, cluster: Cluster, wanted: int, action: Callable[[str], object]) -> None:
-        self._cluster, self._wanted, self._action = cluster, wanted, action
-        self.held = ""
+    def __init__(self, cluster: Cluster, worker: str, wanted: int, action: Callable[[str], object]) -> None:
+        self._cluster, self._worker, self._wanted, self._action = cluster, worker, wanted, action
+        self._is_held = self._is_done = False
 
     def __call__(self, progress: SweepProgress) -> None:
-        if not self.held and progress.done >= self._wanted:
-            self.held = self._cluster.hold_a_busy_one()
-            if self.held:
-                self._action(self.held)
+        if not self._is_held and progress.done >= self._wanted:
+            self._is_held = True
+            self._cluster.hold(self._worker)
+        if self._is_held and not self._is_done and self._cluster.is_busy(self._worker):
+            self._is_done = True
+            self._action(self._worker)
 
 
 def test_a_worker_that_is_killed_half_way_changes_no_byte(
     cluster: Cluster, plan: SweepPlan, expected: str
 ) -> None:
-    cluster.start(2)
+    killed, _ = cluster.start(2)
     wanted, told = plan.count * plan.runs, list[int]()
-    half_way = OnceBusy(cluster, wanted // 2, cluster.kill)
+    half_way = OnceHeld(cluster, killed, wanted // 2, cluster.kill)
     with Store.without_file() as store:
         done = run_sweep(
             plan,
@@ -117,8 +125,8 @@ def test_a_worker_that_is_killed_half_way_changes_no_byte(
         )
         assert csv_of(plan, store) == expected
         assert store.count() == wanted
-    assert cluster.dead() == 1, "nothing was left to do half-way"
-    left = [each for each in cluster.events(half_way.held) if each.get("action") == "remove-worker"]
+    assert cluster.dead() == 1
+    left = [each for each in cluster.events(killed) if each.get("action") == "remove-worker"]
     assert left[0]["processing-tasks"]
     assert (sum(told), done.done, done.failed) == (wanted, wanted, 0)
 
@@ -159,7 +167,7 @@ def test_a_worker_of_another_version_gets_nothing_whenever_it_comes(
     (good,) = cluster.start(1)
     cluster.client.get_task_stream()  # from now on
     said: list[str] = []
-    workers = DaskWorkers(cluster.address, on_refused=said.append)
+    workers = DaskWorkers(cluster.address, tell=said.append)
     assert [line.split(": it has Numba 0.1.2 where ")[0] for line in said] == [f"{other} gets no work"]
     room = workers.room
     (late,) = cluster.start(1, preload=ANOTHER_NUMBA)
@@ -210,8 +218,8 @@ def test_what_is_finished_stays_when_the_scheduler_goes_and_the_rest_can_follow(
     tmp_path: Path, plan: SweepPlan, expected: str
 ) -> None:
     with Cluster(tmp_path) as cluster, Store.without_file() as store:
-        cluster.start(1)
-        gone = OnceBusy(cluster, 20, lambda _: cluster.kill_scheduler())
+        (worker,) = cluster.start(1)
+        gone = OnceHeld(cluster, worker, 20, lambda _: cluster.kill_scheduler())
         with pytest.raises(UserError, match=f"^{cluster.address}: the scheduler has gone away; .* goes on"):
             run_sweep(plan, store, workers=DaskWorkers(cluster.address), on_progress=gone)
         assert 20 <= store.count() < 120
@@ -233,8 +241,39 @@ def test_a_sweep_that_is_interrupted_leaves_its_workers_free(cluster: Cluster) -
 
 
 def test_a_cluster_without_workers_is_a_line(cluster: Cluster) -> None:
+    said: list[str] = []
     with pytest.raises(UserError, match=f"^{cluster.address}: .* no workers; start some: dask worker"):
-        DaskWorkers(cluster.address, patience=0.5)
+        DaskWorkers(cluster.address, patience=0.5, tell=said.append)
+    assert said == [f"{cluster.address}: no workers; waiting 0.5 s for some"]
+
+
+def test_workers_are_waited_for(cluster: Cluster, plan: SweepPlan, expected: str) -> None:
+    gone = list[SweepProgress]()
+
+    def lose(progress: SweepProgress) -> None:
+        if not gone and progress.done >= plan.runs:
+            gone.append(progress)
+            cluster.kill(cluster.workers[0])
+
+    with Store.without_file() as store:
+        # one is started when it is said that there is none: at first, and after it has gone
+        workers = DaskWorkers(cluster.address, tell=lambda _: cluster.start(1))
+        run_sweep(plan, store, workers=workers, on_progress=lose)
+        assert csv_of(plan, store) == expected
+    assert (len(cluster.workers), cluster.dead()) == (1, 1)
+
+
+def test_a_worker_that_does_not_answer_gets_nothing(
+    cluster: Cluster, monkeypatch: pytest.MonkeyPatch, plan: SweepPlan, expected: str
+) -> None:
+    monkeypatch.setattr(connection, "LONGEST_LOOK", 2.0)
+    silent, _ = cluster.start(2)
+    cluster.hold(silent)
+    said: list[str] = []
+    with Store.without_file() as store:
+        run_sweep(plan, store, workers=DaskWorkers(cluster.address, tell=said.append))
+        assert csv_of(plan, store) == expected
+    assert said == [f"{silent} gets no work: it does not answer"]
 
 
 def test_no_scheduler_is_a_line() -> None:

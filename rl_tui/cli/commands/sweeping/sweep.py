@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
     from rl_tui.lab.sweeps.store import Store
     from rl_tui.lab.sweeps.sweep import SweepProgress, Workers
     from rl_tui.lab.sweeps.variation import Variation
+
+    MakeWorkers = Callable[[Callable[[str], None]], Workers]
 
 MOST: Final = 10**15
 MOST_RUNS: Final = 100_000
@@ -194,19 +197,23 @@ def _check_shard(shard: Shard | None, store: Path | None, *, has_output: bool) -
         )
 
 
-def _workers(jobs: int | None, dask: str | None) -> Workers:
-    """Return who trains: threads here, or the workers of a cluster."""
+def _workers(jobs: int | None, dask: str | None, tell: Callable[[str], None]) -> Workers:
+    """Return who trains: threads here, or the workers of a cluster, of which ``tell`` says what is wrong."""
     if dask is not None:
         from rl_tui.lab.sweeps.cluster.dask_workers import DaskWorkers
 
-        return DaskWorkers(dask, on_refused=complain)
+        return DaskWorkers(dask, tell=tell)
     from rl_tui.lab.sweeps.sweep import ThreadWorkers
 
     return ThreadWorkers(jobs)
 
 
+def _complain_below_bar(message: str) -> None:
+    complain(f"\n{message}" if sys.stderr.isatty() else message)
+
+
 def _train(
-    plan: SweepPlan, store: Store, shard: Shard, workers: Callable[[], Workers], *, is_kept: bool
+    plan: SweepPlan, store: Store, shard: Shard, workers: MakeWorkers, *, is_kept: bool
 ) -> SweepProgress:
     """Train what is not stored, and say how far it has come."""
     from rl_tui.lab.sweeps.sweep import SweepProgress, run_sweep
@@ -220,11 +227,15 @@ def _train(
             bar.show(now.done, now.planned, _how_far(now))
 
         try:
-            return run_sweep(plan, store, shard=shard, workers=workers(), on_progress=on_progress)
+            return run_sweep(
+                plan, store, shard=shard, workers=workers(_complain_below_bar), on_progress=on_progress
+            )
         except KeyboardInterrupt:
             kept = f"kept in {store.name}: the same line goes on"
             where = kept if is_kept else "lost; --store would keep them"
-            complain(f"interrupted: {latest.done:,} of {counted(latest.planned, 'run')} are {where}")
+            _complain_below_bar(
+                f"interrupted: {latest.done:,} of {counted(latest.planned, 'run')} are {where}"
+            )
             raise
 
 
@@ -242,7 +253,7 @@ def _report(
     store: Store,
     done: SweepProgress,
     measure: Measure | None,
-    workers: Callable[[], Workers],
+    workers: MakeWorkers,
     csv: CsvTarget,
     *,
     again: bool,
@@ -258,7 +269,7 @@ def _report(
     standings = standings_of(plan, store, measure)
     if again:
         for cell in standings.chosen:
-            run_again(plan, cell, store, workers())
+            run_again(plan, cell, store, workers(complain))
     bests = best_documents(standings, plan, store, again=again)
     if csv is not None:
         with file_or_stream(csv) as stream:

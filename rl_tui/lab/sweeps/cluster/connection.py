@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 MISSING: Final = 'the option --dask needs another package: pip install "rl-tui[dask]"'
 LONGEST_CONNECT: Final = 10.0
 LONGEST_ANSWER: Final = 60.0
+LONGEST_LOOK: Final = 5.0
 LONGEST_GOODBYE: Final = 2.0
 """Seconds."""
 
@@ -33,7 +34,10 @@ T = TypeVar("T")
 
 
 class Landed(NamedTuple):
-    """What came of a future: its result, or the error that it ended with."""
+    """What came of a future: its result, or the error that it ended with.
+
+    A CancelledError says that the connection was lost.
+    """
 
     key: str
     result: Any = None
@@ -52,20 +56,12 @@ class Connection:
         except ImportError as error:
             raise UserError(MISSING) from error
         self.address = address
-        self._log_level = logging.getLogger("distributed").level
-        logging.getLogger("distributed").setLevel(logging.CRITICAL + 1)  # what goes wrong is said in one line
-        try:
-            _check_scheduler(address, longest_connect)
-            self._client: Client = Client(address, timeout=longest_connect, set_as_default=False)
-        except BaseException:
-            self._restore_log()
-            raise
+        _silence()
+        _check_scheduler(address, longest_connect)
+        self._client: Client = Client(address, timeout=longest_connect, set_as_default=False)
         self._futures: dict[str, Future] = {}
-        self._done: queue.SimpleQueue[Future | None] = queue.SimpleQueue()
+        self._done: dict[str, queue.SimpleQueue[Future | None]] = {}
         self._landed: queue.SimpleQueue[Landed] = queue.SimpleQueue()
-        # A result whose worker died meanwhile is waited for: the thread that stores rows has no time for that
-        self._collector = threading.Thread(target=self._collect, name="collects results", daemon=True)
-        self._collector.start()
 
     def threads(self) -> dict[str, int]:
         """Return how many threads each worker has, by its address."""
@@ -75,8 +71,19 @@ class Connection:
     def versions(self, workers: Sequence[str]) -> dict[str, dict[str, str]]:
         """Return the versions of Python and of each package of ``PACKAGES`` on ``workers``, by their address.
 
-        Nothing of ours is sent for that. A worker that has gone meanwhile is left out.
+        Nothing of ours is sent for that. A worker that has gone meanwhile is left out; of one that does not
+        answer nothing is known.
         """
+        try:
+            return self._versions(workers, LONGEST_LOOK)
+        except TimeoutError:
+            if len(workers) == 1:
+                return {workers[0]: {}}
+            return {address: said for each in workers for address, said in self.versions([each]).items()}
+        except OSError as error:
+            raise UserError(gone(self.address)) from error
+
+    def _versions(self, workers: Sequence[str], longest: float) -> dict[str, dict[str, str]]:
         import importlib.metadata
         import platform
 
@@ -86,10 +93,11 @@ class Connection:
             *((name, importlib.metadata.version, (name,)) for name in PACKAGES),
         ]
         for name, function, arguments in asked:
+            if not found:
+                break
+            self.check()
             run = partial(self._client.run, function, *arguments, workers=list(found), on_error="return")
-            with self._told():
-                said = within(LONGEST_ANSWER, run)
-            for address, version in said.items():
+            for address, version in within(longest, run).items():
                 if isinstance(version, OSError):
                     del found[address]
                 elif isinstance(version, Exception):
@@ -105,7 +113,13 @@ class Connection:
                 pickle.loads, call.pickled, key=key, workers=[worker], allow_other_workers=False, pure=False
             )
         self._futures[key] = future
-        future.add_done_callback(self._done.put)
+        if worker not in self._done:
+            self._done[worker] = queue.SimpleQueue()
+            # Dask tries for half a minute to reach a worker that died with a result: nobody else is to wait
+            threading.Thread(
+                target=self._collect, args=(self._done[worker],), name="collects results", daemon=True
+            ).start()
+        future.add_done_callback(self._done[worker].put)
 
     def landed(self, seconds: float) -> Iterator[Landed]:
         """Yield what has come; wait for so many ``seconds`` for the first."""
@@ -126,8 +140,10 @@ class Connection:
     def running_when_left(self, worker: str) -> Collection[str] | None:
         """Return the keys that ``worker``, which has gone, had when it died; none if it said goodbye.
 
-        None where the scheduler does not say.
+        None where the scheduler does not say. What it had finished is collected no more.
         """
+        if worker in self._done:
+            self._done.pop(worker).put(None)
         with self._told():
             events = self._client.get_events(worker)
         for _, event in reversed(events or ()):
@@ -156,23 +172,23 @@ class Connection:
             with suppress(OSError, RuntimeError):
                 self._client.close(timeout=LONGEST_GOODBYE)
         finally:
-            self._done.put(None)
-            self._collector.join(LONGEST_GOODBYE)
-            self._restore_log()
+            for done in self._done.values():
+                done.put(None)
 
-    def _collect(self) -> None:
-        """Get the results of futures that are done, all at once that there are: each costs a request."""
-        while (future := self._done.get()) is not None:
+    def _collect(self, done: queue.SimpleQueue[Future | None]) -> None:
+        """Get the results of futures that are ``done``, all at once that there are: each costs a request."""
+        while (future := done.get()) is not None:
             futures = {future.key: future}
             with suppress(queue.Empty):
-                while (more := self._done.get_nowait()) is not None:
+                while (more := done.get_nowait()) is not None:
                     futures[more.key] = more
-                self._done.put(None)
+                done.put(None)
             try:
                 results = self._client.gather(futures, errors="skip")
             except Exception as error:  # whatever a connection that breaks may raise
+                is_lost = isinstance(error, OSError) or self._client.status != "running"
                 for key in futures:
-                    self._landed.put(Landed(key, error=error))
+                    self._landed.put(Landed(key, error=CancelledError(key) if is_lost else error))
                 continue
             for key, each in futures.items():
                 if each.status == "error":
@@ -188,11 +204,10 @@ class Connection:
         self.check()
         try:
             yield
-        except OSError as error:
-            raise UserError(gone(self.address)) from error
-
-    def _restore_log(self) -> None:
-        logging.getLogger("distributed").setLevel(self._log_level)
+        except Exception as error:  # what is asked of a client that is being closed may raise anything
+            if isinstance(error, OSError) or self._client.status != "running":
+                raise UserError(gone(self.address)) from error
+            raise
 
 
 def within(seconds: float, ask: Callable[[], T]) -> T:
@@ -224,6 +239,16 @@ def gone(address: str) -> str:
         f"{address}: the scheduler has gone away; once it is there again, the same line goes on from what is "
         "in the store"
     )
+
+
+def _silence() -> None:
+    """Let Dask log nothing from now on: what goes wrong is one line of ours.
+
+    A client that was given up logs tracebacks even after it was closed, in a thread of its own.
+    """
+    for name in [*logging.root.manager.loggerDict]:
+        if name.split(".")[0] == "distributed":
+            logging.getLogger(name).setLevel(logging.CRITICAL + 1)
 
 
 def _check_scheduler(address: str, longest: float) -> None:

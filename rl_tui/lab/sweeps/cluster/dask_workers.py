@@ -20,6 +20,7 @@ PATIENCE: Final = 30.0
 """Seconds for which workers are waited for while there are none."""
 _LOOK_EVERY: Final = 0.5  # seconds; a worker that a nanny starts again takes longer
 _MOST_NAMED: Final = 3
+_SILENT: Final = "does not answer"
 
 Rows = Sequence[tuple[Batch, RunRow]]
 
@@ -38,25 +39,27 @@ def no_word(text: str) -> None:
 class DaskWorkers:
     """The workers of the Dask cluster whose scheduler is at ``address``; they come and go as they like.
 
-    A worker whose versions are not those here gets no work; ``on_refused`` is called once with a line that
-    names it. What a worker that died had not handed over is trained by others, and a run that killed three
-    of them is a row that has failed. Raises UserError, naming the address, where the scheduler cannot be
-    reached or has gone, and where for ``patience`` seconds there is no worker that can be used.
+    A worker whose versions are not those here gets no work. What a worker that died had not handed over is
+    trained by others, and a run that killed three of them is a row that has failed. ``tell`` is called with
+    a line that names a worker that gets nothing, and with one where there are no workers.
+
+    Raises UserError, naming the address, where the scheduler cannot be reached or has gone, and where for
+    ``patience`` seconds there is no worker that can be used.
     """
 
     def __init__(
-        self, address: str, *, patience: float = PATIENCE, on_refused: Callable[[str], None] = no_word
+        self, address: str, *, patience: float = PATIENCE, tell: Callable[[str], None] = no_word
     ) -> None:
         self._sweep = uuid.uuid4().hex[:8]
         self._versions = versions_here()
-        self._patience, self._on_refused = patience, on_refused
+        self._patience, self._tell = patience, tell
         self._placement = Placement()
         self._refused: dict[str, str] = {}
         self._flights: dict[str, Flight] = {}
         self._sent = 0
         self._is_closed = False
         self._looked = -_LOOK_EVERY
-        self._without_workers_since = time.monotonic()
+        self._without_workers_since: float | None = None
         self._connection = Connection(address, min(patience, LONGEST_CONNECT))
         try:
             while not self._placement.workers:
@@ -113,15 +116,24 @@ class DaskWorkers:
             del self._refused[address]
         new = [each for each in threads if each not in self._placement.workers and each not in self._refused]
         for address, versions in self._connection.versions(new).items() if new else ():
-            if said := difference(versions, self._versions):
+            if said := difference(versions, self._versions) if versions else _SILENT:
                 self._refuse(address, said)
             else:
                 self._placement.come(address, threads[address])
-        if self._placement.workers:
-            self._without_workers_since = now
-        elif now - self._without_workers_since >= self._patience or (self._refused and not self._sent):
-            raise UserError(self._no_workers())
+        self._check_workers(now)
         return rows
+
+    def _check_workers(self, now: float) -> None:
+        """Raise UserError where there have been no workers for too long; say when it begins."""
+        if self._placement.workers:
+            self._without_workers_since = None
+            return
+        if self._without_workers_since is None:
+            self._without_workers_since = now
+            if not self._refused and self._patience:
+                self._tell(f"{self._connection.address}: no workers; waiting {self._patience:g} s for some")
+        if now - self._without_workers_since >= self._patience or (self._refused and not self._sent):
+            raise UserError(self._no_workers())
 
     def _leave(self, address: str) -> Rows:
         """Let the worker at ``address``, which has gone, go; return the rows of runs that have failed."""
@@ -135,7 +147,7 @@ class DaskWorkers:
 
     def _refuse(self, address: str, why: str) -> None:
         self._refused[address] = why
-        self._on_refused(f"{address} gets no work: it {why}")
+        self._tell(f"{address} gets no work: it {why}")
 
     def _send(self) -> None:
         """Send what workers have room for. It waits for :meth:`finished`, so that batches go together."""
@@ -175,7 +187,7 @@ class DaskWorkers:
 
         if self._is_closed:
             return
-        if isinstance(error, CancelledError):  # not by us: the connection broke, and is there again
+        if isinstance(error, CancelledError):
             raise UserError(gone(self._connection.address))
         if isinstance(error, NoValidWorkerError):
             self._placement.add_again(job)

@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import Final
 
 _PACKAGES: Final = ("numpy", "numba", "scipy", "gymnasium")
+PROCESSORS: Final = Path("/proc/cpuinfo")
+"""Where Linux says what it runs on."""
 _MODELS: Final = ("model name", "CPU part", "cpu")  # of Intel's kind, ARM's, POWER's
 
 
@@ -37,7 +39,7 @@ def this_machine() -> str:
 def _processor() -> str:
     """Return the model of the processor, as far as the system says."""
     try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
+        lines = PROCESSORS.read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:
         return platform.processor()
     said = dict(reversed([[part.strip() for part in line.split(":", 1)] for line in lines if ":" in line]))
