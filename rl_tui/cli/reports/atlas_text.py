@@ -10,7 +10,7 @@ from rich.cells import cell_len
 from rich.color import ColorSystem
 
 from rl_tui.lab.pictures.axis import number_text
-from rl_tui.lab.pictures.picture import Atlas
+from rl_tui.lab.pictures.picture import AtlasChart
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.theme.palette import palette_for
 
@@ -30,7 +30,7 @@ _MOST_BLOCKS: Final = 2
 _SCALE: Final = 20  # columns of the scale that says what colours mean
 
 
-def atlas_lines(atlas: Atlas, columns: int, depth: Depth) -> Iterator[str]:
+def atlas_lines(atlas: AtlasChart, columns: int, depth: Depth) -> Iterator[str]:
     """Yield the lines of ``atlas``, the highest row first.
 
     Where ``columns`` has no room for the numbers of all cells side by side, they come in blocks below one
@@ -59,7 +59,7 @@ def atlas_lines(atlas: Atlas, columns: int, depth: Depth) -> Iterator[str]:
 class _Cells:
     """The cells of an atlas as texts with colours."""
 
-    def __init__(self, atlas: Atlas, depth: Depth) -> None:
+    def __init__(self, atlas: AtlasChart, depth: Depth) -> None:
         self.atlas = atlas
         self.depth: Depth = depth
         self.marked = atlas.marked

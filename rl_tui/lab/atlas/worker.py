@@ -29,13 +29,13 @@ def _work(request: AtlasRequest, tell: Callable[[dict[str, Any]], None]) -> None
     from rl_tui.worlds.gym.modules import ALLOWED
 
     ALLOWED.update(request.modules)
-    told = Atlas()
+    sent = Atlas()
 
     def tell_news(atlas: Atlas) -> None:
-        nonlocal told
-        is_first = not told.cells
-        tell(news(told, atlas))
-        told = atlas
+        nonlocal sent
+        is_first = not sent.cells
+        tell(news(sent, atlas))
+        sent = atlas
         if is_first and atlas.cells and not request.is_awaited:
             let_others_go_first()  # from here on there is something to look at
 
@@ -44,4 +44,4 @@ def _work(request: AtlasRequest, tell: Callable[[dict[str, Any]], None]) -> None
     except Exception as error:  # whatever a world may do to this process
         name = "" if isinstance(error, UserError) else f"{type(error).__name__}: "
         why = one_line(f"{name}{error}", _LONGEST_REASON)
-        tell(news(told, replace(told, state=AtlasState.FAILED, message=why)))
+        tell(news(sent, replace(sent, state=AtlasState.FAILED, message=why)))

@@ -8,7 +8,7 @@ from typing import Final
 
 from rl_tui.lab.pictures import colours
 from rl_tui.lab.pictures.axis import number_text
-from rl_tui.lab.pictures.picture import Atlas
+from rl_tui.lab.pictures.picture import AtlasChart
 from rl_tui.lab.pictures.shapes import Disc, Path, Rectangle, Shape, Text, area, text_width
 
 SIZE: Final = 12.0
@@ -21,7 +21,7 @@ _BAR_PARTS: Final = 64
 _BESIDE: Final = 6.0  # pixels between names and cells
 
 
-def atlas_shapes(atlas: Atlas, left: float, top: float, width: float) -> tuple[float, list[Shape]]:
+def atlas_shapes(atlas: AtlasChart, left: float, top: float, width: float) -> tuple[float, list[Shape]]:
     """Return where the atlas ends below, and its shapes; it is ``width`` wide."""
     names = max(text_width(name, SIZE) for name in atlas.rows) + _BESIDE
     labels = max(text_width(label, SIZE) for label in atlas.scale.labels)
@@ -48,12 +48,12 @@ def atlas_shapes(atlas: Atlas, left: float, top: float, width: float) -> tuple[f
     return y, shapes
 
 
-def _cell(atlas: Atlas, box: Rectangle, row: int, column: int) -> Rectangle:
+def _cell(atlas: AtlasChart, box: Rectangle, row: int, column: int) -> Rectangle:
     width, height = box.width / len(atlas.columns), box.height / len(atlas.rows)
     return Rectangle(box.left + column * width, box.bottom - (row + 1) * height, width, height)
 
 
-def _cells(atlas: Atlas, box: Rectangle) -> Iterator[Shape]:
+def _cells(atlas: AtlasChart, box: Rectangle) -> Iterator[Shape]:
     texts = [[None if value is None else number_text(value, 3) for value in row] for row in atlas.values]
     widest = max((text_width(text, _CELL_SIZE) for row in texts for text in row if text), default=0.0)
     first = _cell(atlas, box, 0, 0)
@@ -96,14 +96,14 @@ def _frame(cell: Rectangle) -> Iterator[Shape]:
         yield Path(inner.corners, stroke=colour, width=width, closed=True)
 
 
-def _row_names(atlas: Atlas, box: Rectangle) -> Iterator[Shape]:
+def _row_names(atlas: AtlasChart, box: Rectangle) -> Iterator[Shape]:
     height = box.height / len(atlas.rows)
     for row in _thinned(len(atlas.rows), (SIZE + 2) / height):
         y = box.bottom - (row + 0.5) * height + SIZE / 3
         yield Text(box.left - _BESIDE, y, atlas.rows[row], SIZE, colours.TEXT, anchor="end")
 
 
-def _column_names(atlas: Atlas, box: Rectangle) -> Iterator[Shape]:
+def _column_names(atlas: AtlasChart, box: Rectangle) -> Iterator[Shape]:
     width = box.width / len(atlas.columns)
     widest = max(text_width(name, SIZE) for name in atlas.columns) + _BESIDE
     for column in _thinned(len(atlas.columns), widest / width):
@@ -116,7 +116,7 @@ def _thinned(count: int, room: float) -> Sequence[int]:
     return range(0, count, max(1, math.ceil(room - 1e-9)))
 
 
-def _colour_bar(atlas: Atlas, bar: Rectangle) -> Iterator[Shape]:
+def _colour_bar(atlas: AtlasChart, bar: Rectangle) -> Iterator[Shape]:
     part = bar.height / _BAR_PARTS
     for place in range(_BAR_PARTS):
         share = (place + 0.5) / _BAR_PARTS
@@ -130,7 +130,7 @@ def _colour_bar(atlas: Atlas, bar: Rectangle) -> Iterator[Shape]:
         yield Text(bar.right + _BESIDE, y + SIZE / 3, label, SIZE, colours.TEXT)
 
 
-def _key(atlas: Atlas, left: float, y: float) -> Iterator[Shape]:
+def _key(atlas: AtlasChart, left: float, y: float) -> Iterator[Shape]:
     """Say what the marks mean."""
     if atlas.best is not None:
         yield from _frame(Rectangle(left + 1, y - 11, 14, 11))

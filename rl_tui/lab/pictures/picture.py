@@ -53,7 +53,7 @@ class Chart:
 
 
 @dataclass(frozen=True, slots=True)
-class Atlas:
+class AtlasChart:
     """A measure over two settings, a cell for each pair of values. The title may be empty.
 
     ``values`` and ``alike`` are [rows][columns]; the first row is the lowest. None is a cell without a value.
@@ -95,7 +95,7 @@ class Picture:
 
     title: str
     summary: str
-    panels: tuple[Chart | Atlas, ...]
+    panels: tuple[Chart | AtlasChart, ...]
     notes: tuple[str, ...] = ()
     band: str = ""
     """What the bands around curves mean; said where they are drawn."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from rl_tui.lab.pictures.axis import close_axis, round_axis
-from rl_tui.lab.pictures.picture import Atlas, Chart, ChartCurve, Picture
+from rl_tui.lab.pictures.picture import AtlasChart, Chart, ChartCurve, Picture
 
 
 def curve(name: str, y: Sequence[float | None], colour: int = 0, **more: Any) -> ChartCurve:
@@ -24,7 +24,7 @@ def chart(*curves: ChartCurve, title: str = "return", **more: Any) -> Chart:
     )
 
 
-def atlas(values: Sequence[Sequence[float | None]], title: str = "", **more: Any) -> Atlas:
+def atlas(values: Sequence[Sequence[float | None]], title: str = "", **more: Any) -> AtlasChart:
     """An atlas of these rows, the lowest first."""
     known = [value for row in values for value in row if value is not None]
     settings: dict[str, Any] = {
@@ -33,7 +33,7 @@ def atlas(values: Sequence[Sequence[float | None]], title: str = "", **more: Any
         "alike": tuple(tuple(False for _ in row) for row in values),
         "best": None,
     }
-    return Atlas(
+    return AtlasChart(
         title,
         "ε",
         "n",
@@ -43,5 +43,5 @@ def atlas(values: Sequence[Sequence[float | None]], title: str = "", **more: Any
     )
 
 
-def picture(*panels: Chart | Atlas, **more: Any) -> Picture:
+def picture(*panels: Chart | AtlasChart, **more: Any) -> Picture:
     return Picture("Of a test", "What is seen.", panels, **more)

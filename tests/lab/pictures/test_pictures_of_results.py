@@ -7,7 +7,7 @@ import pytest
 from result_samples import EPSILONS, STEP_SIZES, grid, runs, sweep
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.pictures.picture import Atlas, Chart, Picture
+from rl_tui.lab.pictures.picture import AtlasChart, Chart, Picture
 from rl_tui.lab.pictures.results.cut import kept_range
 from rl_tui.lab.pictures.results.picture import picture_of
 from rl_tui.lab.pictures.results.reading import results_of
@@ -31,9 +31,9 @@ def chart_of(picture: Picture) -> Chart:
     return chart
 
 
-def atlas_of(picture: Picture) -> Atlas:
+def atlas_of(picture: Picture) -> AtlasChart:
     (atlas,) = picture.panels
-    assert isinstance(atlas, Atlas)
+    assert isinstance(atlas, AtlasChart)
     return atlas
 
 
@@ -110,8 +110,8 @@ def test_a_third_setting_has_a_panel_for_each_value_on_one_scale() -> None:
     picture = drawn(sweep(*grid("sarsa", "q-learning")))
     assert [panel.title for panel in picture.panels] == ["sarsa", "q-learning"]
     first, second = picture.panels
-    assert isinstance(first, Atlas)
-    assert isinstance(second, Atlas)
+    assert isinstance(first, AtlasChart)
+    assert isinstance(second, AtlasChart)
     assert first.scale == second.scale
     assert (first.best, second.best) == ((0, 0), None)
     assert second.marked == {(0, 0)}
@@ -126,7 +126,7 @@ def test_axes_and_measure_can_be_chosen() -> None:
     words = drawn(document, x="alpha", y="algorithm")
     assert [panel.title for panel in words.panels] == ["ε = 0", "ε = 0.1"]
     arrival = drawn(document, measure="arrival").panels[0]
-    assert isinstance(arrival, Atlas)
+    assert isinstance(arrival, AtlasChart)
     assert {value for row in arrival.values for value in row} == {7.0}
     # cells are compared by another measure, and so nothing is marked
     assert (arrival.best, arrival.marked) == (None, set())
@@ -139,8 +139,8 @@ def test_each_world_has_a_best_cell_of_its_own() -> None:
     picture = drawn(document)
     assert picture.title == "return per episode"
     first, second = picture.panels
-    assert isinstance(first, Atlas)
-    assert isinstance(second, Atlas)
+    assert isinstance(first, AtlasChart)
+    assert isinstance(second, AtlasChart)
     assert (first.title, second.title) == ("cliff", "maze")
     assert (first.best, second.best) == ((1, 0), (1, 2))
 

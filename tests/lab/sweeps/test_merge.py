@@ -67,7 +67,7 @@ def test_two_results_of_one_run_on_one_kind_of_machine_are_an_error(tmp_path: Pa
         assert [row.seed for row in store.rows(cell_of("maze", "alpha=0.1").key, range(9))] == [0]
 
 
-def test_of_two_kinds_of_machine_the_first_result_is_kept(tmp_path: Path, row: RunRow) -> None:
+def test_of_two_sorts_of_machine_the_first_result_is_kept(tmp_path: Path, row: RunRow) -> None:
     one = write(tmp_path / "one.sqlite", row)
     two = write(tmp_path / "two.sqlite", other(row), json.dumps({"machine": "another"}))
     merged = merge(tmp_path / "out.sqlite", [one, two])

@@ -10,7 +10,7 @@ from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
 from rl_tui.common.words import counted
 from rl_tui.lab.pictures.axis import ChartAxis, close_axis, number_text, round_axis, word_axis
-from rl_tui.lab.pictures.picture import Atlas, Chart, ChartCurve, Picture
+from rl_tui.lab.pictures.picture import AtlasChart, Chart, ChartCurve, Picture
 from rl_tui.lab.pictures.results.cut import axis_with_cut, kept_range, words_of_cut
 from rl_tui.lab.pictures.results.tables import SweepCell, SweepTable, Value
 
@@ -207,14 +207,14 @@ def _atlases(wanted: _Wanted) -> Picture:
     )
 
 
-def _atlas(wanted: _Wanted, key: Settings, cells: Sequence[SweepCell], scale: ChartAxis) -> Atlas:
+def _atlas(wanted: _Wanted, key: Settings, cells: Sequence[SweepCell], scale: ChartAxis) -> AtlasChart:
     table, y_name = wanted.table, wanted.y or ""
     columns, rows = _values(table, wanted.x), _values(table, y_name)
     there = {(cell.settings[y_name], cell.settings[wanted.x]): cell for cell in cells}
     is_judged = wanted.measure == table.judged_by
     grid = [[there.get((row, column)) for column in columns] for row in rows]
     bests = table.bests if is_judged else ()
-    return Atlas(
+    return AtlasChart(
         title=_said(wanted.others, key),
         x_label=setting_label(wanted.x),
         y_label=setting_label(y_name),
