@@ -11,7 +11,7 @@ import numpy as np
 
 from rl_tui.lab.statistics.shrinkage import shrinkage_of
 from rl_tui.lab.sweeps.cell import Cell
-from rl_tui.lab.sweeps.measures import MEASURES, Measure
+from rl_tui.lab.sweeps.measures import MEASURES, SweepMeasure
 from rl_tui.lab.sweeps.plan import SweepPlan
 from rl_tui.lab.sweeps.ranking import Standings
 from rl_tui.lab.sweeps.store import Store
@@ -74,7 +74,7 @@ def best_documents(standings: Standings, plan: SweepPlan, store: Store, *, again
     return documents
 
 
-def _again(plan: SweepPlan, store: Store, cell: Cell, measure: Measure) -> Document:
+def _again(plan: SweepPlan, store: Store, cell: Cell, measure: SweepMeasure) -> Document:
     fresh = fresh_seeds(plan)
     before, after = (_values(store, cell, measure, seeds) for seeds in (plan.seeds, fresh))
     shrinkage = shrinkage_of(before, after, larger_is_better=bool(measure.larger_is_better))
@@ -90,7 +90,7 @@ def _again(plan: SweepPlan, store: Store, cell: Cell, measure: Measure) -> Docum
     }
 
 
-def _values(store: Store, cell: Cell, measure: Measure, seeds: range) -> FloatArray:
+def _values(store: Store, cell: Cell, measure: SweepMeasure, seeds: range) -> FloatArray:
     found, _ = values_by_seed(store.rows(cell.key, seeds), measure, seeds)
     return _NOBODY if found is None else found[~np.isnan(found)]
 

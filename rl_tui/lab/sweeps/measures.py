@@ -10,7 +10,7 @@ NEAR: Final = 0.05
 
 
 @dataclass(frozen=True, slots=True)
-class Measure:
+class SweepMeasure:
     """One figure of a run. It is null where it has no exact value, and in a run that broke down.
 
     ``larger_is_better`` is None where it is neither. ``may_never_arrive``: what it counts to may not
@@ -26,7 +26,7 @@ class Measure:
 
 
 _MEASURES: Final = (
-    Measure(
+    SweepMeasure(
         "expected_return",
         "expected return",
         "exact expected undiscounted return of the greedy policy of the final estimates, from the start, "
@@ -34,21 +34,21 @@ _MEASURES: Final = (
         "return",
         larger_is_better=True,
     ),
-    Measure(
+    SweepMeasure(
         "value_at_start",
         "value at the start",
         "exact expected discounted return of that policy from the start, without a time limit",
         "discounted return",
         larger_is_better=True,
     ),
-    Measure(
+    SweepMeasure(
         "max_error",
         "largest error of Q",
         "max over all pairs of |Q(s, a) - Q*(s, a)|",
         "discounted return",
         larger_is_better=False,
     ),
-    Measure(
+    SweepMeasure(
         "area",
         "return per episode over all of training",
         "sum of the returns of all finished episodes / their number: the area under the learning curve, a "
@@ -56,7 +56,7 @@ _MEASURES: Final = (
         "return",
         larger_is_better=True,
     ),
-    Measure(
+    SweepMeasure(
         "arrival",
         "episodes to 5 % from the best",
         "first mark at which best - g <= 0.05 (best - random); g is the exact expected return of the greedy "
@@ -67,7 +67,7 @@ _MEASURES: Final = (
         larger_is_better=False,
         may_never_arrive=True,
     ),
-    Measure(
+    SweepMeasure(
         "regret",
         "regret",
         "episodes x best - sum of their returns; of a bandit the sum over all pulls of max q* - "
@@ -75,9 +75,9 @@ _MEASURES: Final = (
         "return",
         larger_is_better=False,
     ),
-    Measure("steps", "steps", "steps taken in all", "steps"),
-    Measure("episodes", "episodes", "finished episodes; sweeps of a planner", "episodes"),
-    Measure(
+    SweepMeasure("steps", "steps", "steps taken in all", "steps"),
+    SweepMeasure("episodes", "episodes", "finished episodes; sweeps of a planner", "episodes"),
+    SweepMeasure(
         "return_last_100",
         "return, last 100 episodes",
         "mean undiscounted return of the last 100 finished episodes, or of as many as there are",
@@ -94,7 +94,7 @@ JUDGED_BY: Final = ("area", "expected_return")
 """By the first of these that its runs have a sweep is judged, where nobody says by which."""
 
 
-def measure_called(name: str) -> Measure:
+def measure_called(name: str) -> SweepMeasure:
     """Return the measure of that id. Raises ValueError, naming all, where there is none."""
     if name not in MEASURES:
         raise ValueError(f"there is no measure {name}; expected one of {', '.join(MEASURES)}")

@@ -64,7 +64,7 @@ class Store:
         except OSError as error:
             raise UserError(f"{path}: cannot be written ({error.strerror or error})") from error
         try:
-            with _told(str(path)):
+            with _in_one_line(str(path)):
                 database = sqlite3.connect(path, timeout=_PATIENCE, isolation_level=None)
                 try:
                     _prepare(database, str(path))
@@ -81,7 +81,7 @@ class Store:
         """Return the store at ``path``, which somebody may be writing, to be read only."""
         if not path.is_file():
             raise UserError(f"{path}: there is no such file")
-        with _told(str(path)):
+        with _in_one_line(str(path)):
             database = _opened_to_read(path)
             try:
                 _check_format(database, str(path))
@@ -112,7 +112,7 @@ class Store:
         """Commit what was added and let the file go."""
         try:
             if self._database.in_transaction:
-                with _told(self.name):
+                with _in_one_line(self.name):
                     self._database.execute("COMMIT")
         finally:
             self._database.close()
@@ -125,7 +125,7 @@ class Store:
         ``machine`` is where they were made, None for here. They are committed by :meth:`commit`, and at the
         latest when the store is closed.
         """
-        with _told(self.name):
+        with _in_one_line(self.name):
             self._begin()
             self._database.execute("INSERT OR IGNORE INTO cells VALUES (?, ?, ?, ?)", cell)
             number, before = self._machine_number(machine or this_machine()), self._database.total_changes
@@ -140,13 +140,13 @@ class Store:
 
     def note_plan(self, plan: str) -> None:
         """Keep ``plan``, the text of one, if it is not there."""
-        with _told(self.name):
+        with _in_one_line(self.name):
             self._begin()
             self._database.execute("INSERT OR IGNORE INTO plans VALUES (?, ?)", (plan, _now()))
 
     def plans(self) -> list[str]:
         """Return the texts of all plans that it was filled by, the first one first."""
-        with _told(self.name):
+        with _in_one_line(self.name):
             found = self._database.execute("SELECT plan FROM plans ORDER BY created, plan").fetchall()
         return [plan for (plan,) in found]
 
@@ -154,20 +154,20 @@ class Store:
         """Commit what was added; unless ``at_once`` only where the last time is a while ago."""
         now = time.monotonic()
         if self._database.in_transaction and (at_once or now - self._committed >= COMMIT_EVERY):
-            with _told(self.name):
+            with _in_one_line(self.name):
                 self._database.execute("COMMIT")
             self._committed = now
 
     def roll_back(self) -> None:
         """Forget what was added and is not committed."""
-        with _told(self.name):
+        with _in_one_line(self.name):
             if self._database.in_transaction:
                 self._database.execute("ROLLBACK")
 
     def rows(self, key: str, seeds: range) -> Iterator[RunRow]:
         """Yield the rows of the cell of ``key`` that have one of ``seeds``, ascending by 1."""
         wanted = f"SELECT {_COLUMNS} FROM rows WHERE key = ? AND seed >= ? AND seed < ? ORDER BY seed"
-        with _told(self.name):
+        with _in_one_line(self.name):
             for seed, *figures, failed, seconds in self._database.execute(
                 wanted, (key, seeds.start, seeds.stop)
             ):
@@ -176,13 +176,13 @@ class Store:
     def missing(self, key: str, seeds: range) -> list[int]:
         """Return those of ``seeds``, ascending by 1, of which the cell of ``key`` has no row."""
         wanted = "SELECT seed FROM rows WHERE key = ? AND seed >= ? AND seed < ?"
-        with _told(self.name):
+        with _in_one_line(self.name):
             there = {seed for (seed,) in self._database.execute(wanted, (key, seeds.start, seeds.stop))}
         return [seed for seed in seeds if seed not in there]
 
     def cells(self) -> Iterator[StoredCell]:
         """Yield every cell that there are rows of, by its key."""
-        with _told(self.name):
+        with _in_one_line(self.name):
             yield from map(StoredCell._make, self._database.execute("SELECT * FROM cells ORDER BY key"))
 
     def rows_by_machine(self, key: str) -> Iterator[tuple[str, RunRow]]:
@@ -191,13 +191,13 @@ class Store:
             f"SELECT machines.machine, {_COLUMNS} FROM rows JOIN machines ON machines.id = rows.machine "
             "WHERE key = ? ORDER BY seed"
         )
-        with _told(self.name):
+        with _in_one_line(self.name):
             for machine, seed, *figures, failed, seconds in self._database.execute(wanted, (key,)):
                 yield machine, RunRow(seed, dict(zip(FIGURES, figures, strict=True)), failed, seconds)
 
     def count(self) -> int:
         """Return how many rows there are."""
-        with _told(self.name):
+        with _in_one_line(self.name):
             return int(self._database.execute("SELECT COUNT(*) FROM rows").fetchone()[0])
 
     def _begin(self) -> None:
@@ -218,7 +218,7 @@ def stored(cell: Cell) -> StoredCell:
 
 
 @contextmanager
-def _told(name: str) -> Iterator[None]:
+def _in_one_line(name: str) -> Iterator[None]:
     """Let what SQLite complains of be one line that names the file."""
     try:
         yield

@@ -11,7 +11,7 @@ import numpy as np
 
 from rl_tui.lab.statistics.censored import arrivals_of
 from rl_tui.lab.statistics.intervals import interquartile_mean, summary_of
-from rl_tui.lab.sweeps.measures import ARRIVED, MEASURES, Measure
+from rl_tui.lab.sweeps.measures import ARRIVED, MEASURES, SweepMeasure
 from rl_tui.lab.sweeps.runs import RunRow
 from rl_tui.worlds.mdp.space import FloatArray
 
@@ -35,7 +35,9 @@ class CellSummary:
     """Why the first of them broke down."""
 
 
-def values_by_seed(rows: Iterable[RunRow], measure: Measure, seeds: range) -> tuple[FloatArray | None, bool]:
+def values_by_seed(
+    rows: Iterable[RunRow], measure: SweepMeasure, seeds: range
+) -> tuple[FloatArray | None, bool]:
     """Return ``measure`` of each of ``seeds``, [N], NaN where there is none, and whether every row has it.
 
     None where there is no row. Runs that never arrive have the number of episodes that they had.

@@ -97,7 +97,7 @@ def never() -> bool:
     return False
 
 
-class BrokenOffError(Exception):
+class SweepEndedError(Exception):
     """A run need not go on."""
 
 
@@ -198,14 +198,14 @@ class _Runner:
         """Store ``rows`` of ``cell``, and tell everybody who waits for them."""
         self._store.add(stored(cell), rows, machine)
         self.progress.trained += len(rows)
-        told = defaultdict[Cell, list[RunRow]](list, {cell: rows})
+        by_cell = defaultdict[Cell, list[RunRow]](list, {cell: rows})
         for row in rows:
             self.progress.steps += int(row.figures.get("steps") or 0)
             place = cell.key, row.seed
             self._under_way.discard(place)
             for other in self._waiting.pop(place, ()):
-                told[other].append(row)
-        for each, of_cell in told.items():
+                by_cell[other].append(row)
+        for each, of_cell in by_cell.items():
             self._count(of_cell)
             self._on_rows(each, of_cell)
 
@@ -330,7 +330,7 @@ class ThreadWorkers:
             try:
                 for row in run_rows(batch.cell, batch.seeds, self._check):
                     self._rows.put((batch, row))
-            except BrokenOffError:
+            except SweepEndedError:
                 return
             except BaseException as error:
                 self._rows.put(error)
@@ -340,4 +340,4 @@ class ThreadWorkers:
 
     def _check(self) -> None:
         if self._is_closed.is_set():
-            raise BrokenOffError
+            raise SweepEndedError

@@ -9,7 +9,7 @@ import numpy as np
 
 from rl_tui.lab.statistics.sensitivity import Sensitivity, sensitivity_of
 from rl_tui.lab.sweeps.cell import Cell
-from rl_tui.lab.sweeps.measures import Measure
+from rl_tui.lab.sweeps.measures import SweepMeasure
 from rl_tui.lab.sweeps.plan import SweepPlan
 from rl_tui.lab.sweeps.store import Store
 from rl_tui.lab.sweeps.summaries import values_by_seed
@@ -22,7 +22,7 @@ SCORES: Final = ("expected_return", "area")
 _Settings = tuple[tuple[str, Value], ...]
 
 
-def sensitivities(plan: SweepPlan, store: Store, measure: Measure) -> list[dict[str, Any]] | None:
+def sensitivities(plan: SweepPlan, store: Store, measure: SweepMeasure) -> list[dict[str, Any]] | None:
     """Return, as JSON, how sensitive each algorithm of ``plan`` is to the settings that vary.
 
     None where nothing can be said: fewer than two scenarios, points at random, a measure without a scale, or

@@ -14,7 +14,7 @@ from plans import cell_of, plan_of
 from rl_tui.lab.run.library import find
 from rl_tui.lab.sweeps.cell import Cell
 from rl_tui.lab.sweeps.cluster import task
-from rl_tui.lab.sweeps.cluster.task import Answer, Call, Order, break_off, order_of, train
+from rl_tui.lab.sweeps.cluster.task import Call, Order, TaskAnswer, break_off, order_of, train
 from rl_tui.lab.sweeps.cluster.versions import PYTHON, difference, versions_here
 from rl_tui.lab.sweeps.runs import run_rows
 from rl_tui.lab.sweeps.storing import machine
@@ -39,9 +39,9 @@ def with_digest(wanted: Order, digest: str) -> Order:
     return replace(wanted, parts=(*wanted.parts[:-1], replace(wanted.parts[-1], digest=digest)))
 
 
-def sent(call: Call) -> Answer:
+def sent(call: Call) -> TaskAnswer:
     answer = pickle.loads(call.pickled)
-    assert isinstance(answer, Answer)
+    assert isinstance(answer, TaskAnswer)
     return answer
 
 
@@ -86,7 +86,7 @@ def test_a_worker_of_another_version_makes_none(
 ) -> None:
     ours = versions_here()
     monkeypatch.setattr(task, "versions_here", lambda: ours | {name: theirs})
-    assert train(order(cell_of("maze", "alpha=0.5"))) == Answer(refusal=said.format(ours[name]))
+    assert train(order(cell_of("maze", "alpha=0.5"))) == TaskAnswer(refusal=said.format(ours[name]))
 
 
 def test_versions_that_are_alike_are_no_difference() -> None:

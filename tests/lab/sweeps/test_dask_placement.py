@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from plans import cell_of
 
-from rl_tui.lab.sweeps.cluster.placement import AHEAD, MOST_KILLED, USUAL_TIME, Job, Part, Placement
+from rl_tui.lab.sweeps.cluster.placement import AHEAD, MOST_KILLED, USUAL_TIME, BatchPart, Job, Placement
 from rl_tui.lab.sweeps.sweep import Batch
 
 
@@ -31,7 +31,7 @@ def start(placement: Placement, *waiting: Batch | Job) -> dict[Job, str]:
 
 
 def run(batch: Batch, *seeds: int, killed: int = 0) -> Job:
-    return Job((Part(batch, seeds),), killed)
+    return Job((BatchPart(batch, seeds),), killed)
 
 
 def seeds_of(jobs: dict[Job, str]) -> list[int]:
@@ -130,7 +130,7 @@ def test_a_suspect_is_alone_on_its_worker_and_others_wait_or_go_elsewhere(batch:
 
 
 def test_one_that_kills_has_failed_at_its_third_worker_whatever_was_beside_it(batch: Batch) -> None:
-    deadly, deaths, failed, finished = 11, 0, list[Part](), list[int]()
+    deadly, deaths, failed, finished = 11, 0, list[BatchPart](), list[int]()
     others = Batch(batch.cell, tuple(range(100, 120)))
     placement = placement_of(first=1)
     running = start(placement, others, batch, others)
@@ -145,7 +145,7 @@ def test_one_that_kills_has_failed_at_its_third_worker_whatever_was_beside_it(ba
             finished += seeds_of({job: running.pop(job)})
             placement.done(job, address)
         running |= dict(placement.starts())
-    assert (failed, deaths) == ([Part(batch, (deadly,))], MOST_KILLED)
+    assert (failed, deaths) == ([BatchPart(batch, (deadly,))], MOST_KILLED)
     assert sorted(finished) == sorted({*batch.seeds} - {deadly}) + sorted(2 * others.seeds)
 
 

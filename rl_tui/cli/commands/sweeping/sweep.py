@@ -29,7 +29,7 @@ from rl_tui.cli.progress import WORTH_A_FORECAST, finish_compiling, progress
 from rl_tui.common.words import counted, lasting, short_count
 
 if TYPE_CHECKING:
-    from rl_tui.lab.sweeps.measures import Measure
+    from rl_tui.lab.sweeps.measures import SweepMeasure
     from rl_tui.lab.sweeps.plan import Shard, SweepPlan
     from rl_tui.lab.sweeps.store import Store
     from rl_tui.lab.sweeps.sweep import SweepProgress, Workers
@@ -126,7 +126,7 @@ def command(
     jobs: int | None,
     dask: str | None,
     shard: Shard | None,
-    measure: Measure | None,
+    measure: SweepMeasure | None,
     no_again: bool,
     csv: CsvTarget,
     overrides: dict[str, object],
@@ -252,7 +252,7 @@ def _report(
     plan: SweepPlan,
     store: Store,
     done: SweepProgress,
-    measure: Measure | None,
+    measure: SweepMeasure | None,
     workers: MakeWorkers,
     csv: CsvTarget,
     *,

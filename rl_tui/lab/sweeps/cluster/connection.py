@@ -65,7 +65,7 @@ class Connection:
 
     def threads(self) -> dict[str, int]:
         """Return how many threads each worker has, by its address."""
-        with self._told():
+        with self._in_one_line():
             return dict(within(LONGEST_ANSWER, self._client.nthreads))
 
     def versions(self, workers: Sequence[str]) -> dict[str, dict[str, str]]:
@@ -108,7 +108,7 @@ class Connection:
 
     def submit(self, key: str, call: Call, worker: str) -> None:
         """Have ``call`` made on ``worker``, and no other; :meth:`landed` will have what comes of it."""
-        with self._told():
+        with self._in_one_line():
             future = self._client.submit(
                 pickle.loads, call.pickled, key=key, workers=[worker], allow_other_workers=False, pure=False
             )
@@ -134,7 +134,7 @@ class Connection:
         """Cancel the futures of these ``keys``: nobody waits for them any more."""
         futures = [future for key in keys if (future := self._futures.pop(key, None)) is not None]
         if futures:
-            with self._told():
+            with self._in_one_line():
                 self._client.cancel(futures)
 
     def running_when_left(self, worker: str) -> Collection[str] | None:
@@ -144,7 +144,7 @@ class Connection:
         """
         if worker in self._done:
             self._done.pop(worker).put(None)
-        with self._told():
+        with self._in_one_line():
             events = self._client.get_events(worker)
         for _, event in reversed(events or ()):
             if isinstance(event, Mapping) and event.get("action") == "remove-worker":
@@ -199,7 +199,7 @@ class Connection:
                     self._landed.put(Landed(key, results[key]))
 
     @contextmanager
-    def _told(self) -> Iterator[None]:
+    def _in_one_line(self) -> Iterator[None]:
         """Let a connection that is lost be one line."""
         self.check()
         try:

@@ -10,8 +10,8 @@ from typing import Final, NamedTuple
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.sweeps.cluster.connection import LONGEST_CONNECT, Connection, Landed, gone
-from rl_tui.lab.sweeps.cluster.placement import MOST_KILLED, Job, Part, Placement
-from rl_tui.lab.sweeps.cluster.task import Answer, Call, break_off, order_of, train
+from rl_tui.lab.sweeps.cluster.placement import MOST_KILLED, BatchPart, Job, Placement
+from rl_tui.lab.sweeps.cluster.task import Call, TaskAnswer, break_off, order_of, train
 from rl_tui.lab.sweeps.cluster.versions import difference, versions_here
 from rl_tui.lab.sweeps.runs import NO_FIGURES, RunRow
 from rl_tui.lab.sweeps.sweep import Batch
@@ -165,11 +165,11 @@ class DaskWorkers:
             return
         job, answer = flight.job, landed.result
         if isinstance(landed.error, ImportError) or _is_of_unpickling(landed.error):
-            answer = Answer(refusal=f"cannot import rl-tui as it is here ({landed.error})")
+            answer = TaskAnswer(refusal=f"cannot import rl-tui as it is here ({landed.error})")
         elif landed.error is not None:
             yield from self._take_error(job, landed.error)
             return
-        assert isinstance(answer, Answer)
+        assert isinstance(answer, TaskAnswer)
         for part, rows in zip(job.parts, answer.rows, strict=False):
             for row in rows:
                 yield part.batch, row
@@ -222,7 +222,7 @@ def _name(job: Job) -> str:
     return f"{batch.cell.key[:16]}-seeds-{seeds[0]}-{seeds[-1]}{more}"
 
 
-def _rest(job: Job, answer: Answer) -> Job | None:
+def _rest(job: Job, answer: TaskAnswer) -> Job | None:
     """Return what ``answer`` leaves of ``job``; None: nothing."""
     done = [*map(len, answer.rows), *[0] * (len(job.parts) - len(answer.rows))]
     parts = [
@@ -233,7 +233,7 @@ def _rest(job: Job, answer: Answer) -> Job | None:
     return Job(tuple(parts), job.killed) if parts else None
 
 
-def _failed(part: Part) -> tuple[Batch, RunRow]:
+def _failed(part: BatchPart) -> tuple[Batch, RunRow]:
     why = (
         f"its worker died {MOST_KILLED} times of {MOST_KILLED}: out of memory, or a crash of the environment"
     )

@@ -28,7 +28,7 @@ _MOST_PARTS: Final = 256
 _NEWEST: Final = 0.3  # how much the last job weighs in what is known of the time that a batch takes
 
 
-class Part(NamedTuple):
+class BatchPart(NamedTuple):
     """Seeds of a batch that are trained together."""
 
     batch: Batch
@@ -39,7 +39,7 @@ class Part(NamedTuple):
 class Job:
     """Parts that are sent together."""
 
-    parts: tuple[Part, ...]
+    parts: tuple[BatchPart, ...]
     killed: int = 0
     """So many workers died while they had them."""
 
@@ -55,7 +55,7 @@ class Placement:
     def __init__(self) -> None:
         self._threads: dict[str, int] = {}
         self._jobs: dict[str, list[Job]] = {}
-        self._fresh = deque[Part]()
+        self._fresh = deque[BatchPart]()
         self._again = deque[Job]()
         self._suspects = deque[Job]()
         self._parts_at_once = 1.0
@@ -80,7 +80,7 @@ class Placement:
 
     def add(self, batch: Batch) -> None:
         """Let ``batch`` wait for a worker."""
-        self._fresh.append(Part(batch, batch.seeds))
+        self._fresh.append(BatchPart(batch, batch.seeds))
 
     def add_again(self, job: Job) -> None:
         """Let ``job``, which was sent before, wait for a worker."""
@@ -112,7 +112,7 @@ class Placement:
         wanted = min(_MOST_PARTS, USUAL_TIME * parts / max(seconds, 1e-9))
         self._parts_at_once += _NEWEST * (max(1.0, wanted) - self._parts_at_once)
 
-    def killed(self, job: Job, times: int = 1) -> list[Part]:
+    def killed(self, job: Job, times: int = 1) -> list[BatchPart]:
         """Blame ``job`` for so many workers; return its parts if they have failed, else they go out again."""
         killed = job.killed + times
         if job.alone and killed >= MOST_KILLED:
@@ -121,10 +121,10 @@ class Placement:
         size = 1 if killed == _ALONE_FROM else _PIECE
         for batch, seeds in job.parts:
             for first in range(0, len(seeds), size):
-                self.add_again(Job((Part(batch, seeds[first : first + size]),), killed))
+                self.add_again(Job((BatchPart(batch, seeds[first : first + size]),), killed))
         return []
 
-    def leave(self, address: str, innocent: Collection[Job] = ()) -> list[Part]:
+    def leave(self, address: str, innocent: Collection[Job] = ()) -> list[BatchPart]:
         """Let the worker at ``address`` go, and blame its jobs but for those that cannot have killed it.
 
         Returns what has failed.

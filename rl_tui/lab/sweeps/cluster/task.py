@@ -59,7 +59,7 @@ class Order:
 
 
 @dataclass(frozen=True)
-class Answer:
+class TaskAnswer:
     """What came of an order: rows of the first seeds of its first parts, and why there are no more.
 
     ``refusal`` says why this worker can make none of the rest; without one there was no more time.
@@ -70,7 +70,7 @@ class Answer:
     seconds: float = 0.0
 
 
-class BrokenOffError(Exception):
+class TaskEndedError(Exception):
     """Nobody waits for the rows any more."""
 
 
@@ -104,7 +104,7 @@ def order_of(parts: Iterable[tuple[Cell, tuple[int, ...]]], sweep: str, versions
     return Order(sweep, wanted, versions, _kernels(), tuple(sorted(ALLOWED)))
 
 
-def train(order: Order) -> Answer:
+def train(order: Order) -> TaskAnswer:
     """Train the runs of ``order``, until it has taken a while; at least one. It runs on a worker."""
     start = time.monotonic()
     rows: list[tuple[RunRow, ...]] = []
@@ -118,8 +118,8 @@ def train(order: Order) -> Answer:
             if len(rows[-1]) < len(part.seeds) or time.monotonic() - start >= HAND_OVER_AFTER:
                 break
     except RefusedError as refusal:
-        return Answer(tuple(rows), str(refusal))
-    return Answer(tuple(rows), seconds=time.monotonic() - start)
+        return TaskAnswer(tuple(rows), str(refusal))
+    return TaskAnswer(tuple(rows), seconds=time.monotonic() - start)
 
 
 def break_off(sweep: str) -> None:
@@ -150,10 +150,10 @@ def _rows(cell: Cell, seeds: tuple[int, ...], sweep: str, end: float) -> tuple[R
 
     def check() -> None:
         if sweep in _BROKEN_OFF:
-            raise BrokenOffError
+            raise TaskEndedError
 
     rows = list[RunRow]()
-    with suppress(BrokenOffError):
+    with suppress(TaskEndedError):
         for row in run_rows(cell, seeds, check):
             rows.append(replace(row, machine=this_machine()))
             if time.monotonic() >= end:

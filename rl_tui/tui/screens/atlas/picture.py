@@ -11,7 +11,7 @@ from rich.style import Style
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.lab.atlas.cells import CellGrid
 from rl_tui.lab.atlas.figures import Atlas, AtlasStandings
-from rl_tui.lab.sweeps.measures import Measure
+from rl_tui.lab.sweeps.measures import SweepMeasure
 from rl_tui.lab.sweeps.variation import Variation
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import Canvas, centred
@@ -37,7 +37,7 @@ class AtlasScene:
     look: Look
     cells: CellGrid
     atlas: Atlas
-    measure: Measure
+    measure: SweepMeasure
     cursor: int
     in_force: int
 
