@@ -40,7 +40,7 @@ def test_every_agent_that_learns_in_a_table_has_a_batch() -> None:
     assert all(loop.batching and loop.policy and not loop.stepped for loop in found)
 
 
-@given(st.lists(st.integers(0, MOST_SEED), min_size=1, max_size=5))
+@given(st.lists(st.integers(0, MOST_SEED) | st.integers(MOST_SEED + 1, 2**70), min_size=1, max_size=5))
 def test_streams_are_those_that_numpy_seeds(seeds: list[int]) -> None:
     memory, address = streams_of(seeds)
     for index, seed in enumerate(seeds):

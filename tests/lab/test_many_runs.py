@@ -3,6 +3,8 @@ from __future__ import annotations
 import io
 import json
 import math
+from collections.abc import Sequence
+from concurrent.futures import Future, wait
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +12,19 @@ import numpy as np
 import pytest
 from recipes import one_run, recipe
 
+from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.common.errors import UserError
+from rl_tui.lab.experiments import batched_runs
+from rl_tui.lab.experiments import many_runs as experiments_many_runs
+from rl_tui.lab.experiments.batched_runs import (
+    LONG_CALL,
+    MOST_STEPS_AT_ONCE,
+    SHORT_CALL,
+    BatchedRuns,
+    steps_of_next_call,
+)
 from rl_tui.lab.experiments.many_runs import many_runs
-from rl_tui.lab.experiments.seeded_runs import FIGURES
+from rl_tui.lab.experiments.seeded_runs import FIGURES, SeededRuns
 from rl_tui.lab.experiments.training import Goal
 from rl_tui.lab.run.figures import BANDIT_FIGURES, summary
 from rl_tui.lab.run.run import Run
@@ -140,6 +152,44 @@ def test_a_run_that_breaks_down_is_named_by_its_seed(tmp_path: Path) -> None:
     )
     with pytest.raises(UserError, match=r"seed 3: .* at step 2"):
         many_runs(recipe(str(file), seed=3), 4, Goal(steps=100))
+
+
+def test_the_next_call_takes_as_many_steps_as_fit_the_time_that_the_last_one_took() -> None:
+    assert steps_of_next_call(1_000, SHORT_CALL / 2) == 2_000
+    assert steps_of_next_call(1_000, (SHORT_CALL + LONG_CALL) / 2) == 1_000
+    assert steps_of_next_call(1_000, 2 * LONG_CALL) == 500
+    assert steps_of_next_call(MOST_STEPS_AT_ONCE, 0.0) == MOST_STEPS_AT_ONCE
+    assert steps_of_next_call(1, math.inf) == 1
+
+
+def test_policies_of_a_batch_may_be_evaluated_a_few_at_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    seeded = SeededRuns(recipe("frozenlake-slippery"))
+    assert seeded.batched_loop is not None
+    BACKGROUND.get(seeded.batched_loop)
+    runs = BatchedRuns(seeded, range(5), Goal(episodes=300))
+    runs.train()
+    at_once = runs.rows()
+    monkeypatch.setattr(batched_runs, "STATES_AT_ONCE", 2 * seeded.first.world.space.states)
+    checks = list[None]()
+    assert runs.rows(lambda: checks.append(None)) == at_once
+    assert len(checks) == 3
+
+
+def test_ctrl_c_does_not_wait_for_runs_that_never_began(monkeypatch: pytest.MonkeyPatch) -> None:
+    left = []
+
+    def wait_and_note(futures: Sequence[Future[Any]], timeout: float | None = None) -> Any:
+        found = wait(futures, timeout)
+        left.append(len(found.not_done))
+        return found
+
+    def interrupt(done: int, wanted: int) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(experiments_many_runs, "wait", wait_and_note)
+    with pytest.raises(KeyboardInterrupt):
+        many_runs(recipe("student"), 20, Goal(episodes=3), workers=1, on_progress=interrupt)
+    assert left[-1] == 0
 
 
 class Interrupted(io.StringIO):

@@ -18,7 +18,7 @@ from rl_tui.agents.batches.four_actions import (
     with_four_actions,
 )
 from rl_tui.agents.batches.rows import stacked
-from rl_tui.agents.batches.seeding import WordArray, streams_of
+from rl_tui.agents.batches.seeding import WordArray, copy_streams, streams_of
 from rl_tui.agents.batches.turns import SEATS, advance_in_turn, new_seats
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
@@ -237,9 +237,5 @@ def _streams_of(seeds: Sequence[int], drawn: Sequence[Streams]) -> tuple[WordArr
     """Return memory and addresses of the streams of ``seeds``; those ``drawn`` from are taken as they are."""
     memory, address = streams_of(seeds)
     for index, both in enumerate(drawn):
-        for stream, generator in enumerate(both):
-            state = generator.bit_generator.state["state"]
-            for place, number in ((0, state["state"]), (2, state["inc"])):
-                memory[index, stream, place] = number & (2**64 - 1)
-                memory[index, stream, place + 1] = number >> 64
+        copy_streams(both, memory[index])
     return memory, address

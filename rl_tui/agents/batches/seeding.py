@@ -15,13 +15,14 @@ import numpy.typing as npt
 
 from rl_tui.agents.kernels.compiled import compiled_for, for_kernels
 from rl_tui.agents.kernels.machine_code import fastest
+from rl_tui.common.streams import Streams, streams
 from rl_tui.worlds.mdp.space import IntArray
 
 WordArray = npt.NDArray[np.uint64]
 
 STREAMS: Final = 2
 MOST_SEED: Final = 2**63 - 1
-"""The largest seed that a kernel takes."""
+"""The largest seed that a kernel takes; NumPy seeds those beyond."""
 # A generator's memory, in words: state and increment, low word first, then what NumPy's C code keeps: where
 # these are, and half a draw that is never in use here
 WORDS: Final = 6
@@ -39,12 +40,23 @@ def streams_of(seeds: Sequence[int]) -> tuple[WordArray, WordArray]:
     of theirs, good as long as the memory is there.
     """
     memory = _aligned(len(seeds))
-    fastest(seed_streams)(
-        np.array(seeds, np.int64), np.zeros(_POOL, np.int64), np.zeros((3, _LIMBS), np.int64), memory
-    )
+    seeded = np.array([min(seed, MOST_SEED) for seed in seeds], np.int64)
+    fastest(seed_streams)(seeded, np.zeros(_POOL, np.int64), np.zeros((3, _LIMBS), np.int64), memory)
+    for index, seed in enumerate(seeds):
+        if seed > MOST_SEED:
+            copy_streams(streams(seed), memory[index])
     places = memory.ctypes.data + np.arange(memory.size // WORDS, dtype=np.uint64) * np.uint64(8 * WORDS)
     memory.reshape(-1, WORDS)[:, 4] = places
     return memory, (places + np.uint64(32)).reshape(len(seeds), STREAMS)
+
+
+def copy_streams(origin: Streams, memory: WordArray) -> None:
+    """Write state and increment of both streams of ``origin``, as they are now, into ``memory``, [2, 6]."""
+    for stream, generator in enumerate(origin):
+        state = generator.bit_generator.state["state"]
+        for place, number in ((0, state["state"]), (2, state["inc"])):
+            memory[stream, place] = number & (2**64 - 1)
+            memory[stream, place + 1] = number >> 64
 
 
 def _aligned(seeds: int) -> WordArray:

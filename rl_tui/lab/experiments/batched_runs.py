@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, Final
@@ -26,8 +27,16 @@ MOST_RUNS: Final = 256
 """Runs of one batch: what Python does for it is then little for each."""
 MOST_BYTES: Final = 64_000_000
 """Of the estimates of a batch, and all else that its runs remember."""
-STEPS_AT_ONCE: Final = 2_000_000
-"""Steps of a call, after which the caller is asked whether to go on."""
+FIRST_STEPS: Final = 20_000
+"""Steps of the first call, after each of which it is asked whether to go on."""
+MOST_STEPS_AT_ONCE: Final = 2_000_000
+SHORT_CALL: Final = 0.05
+"""Seconds of a call below which the next one takes more steps."""
+LONG_CALL: Final = 0.1
+"""Seconds of a call above which the next one takes fewer."""
+
+STATES_AT_ONCE: Final = 10_000
+"""States of all the policies that are evaluated before it is asked again whether to go on: some 0.5 s."""
 
 
 def runs_at_once(seeded: SeededRuns, marks: int = 0) -> int:
@@ -39,6 +48,13 @@ def runs_at_once(seeded: SeededRuns, marks: int = 0) -> int:
     if seeded.batched_loop not in COMPILED_LOOPS:
         return 0
     return min(MOST_RUNS, MOST_BYTES // (learner.nbytes + 8 * marks * learner.space.pairs))
+
+
+def steps_of_next_call(steps: int, seconds: float) -> int:
+    """Return how many steps to take after so many took ``seconds``: some take a thousand times others."""
+    if seconds < SHORT_CALL:
+        return min(2 * steps, MOST_STEPS_AT_ONCE)
+    return max(1, steps // 2) if seconds > LONG_CALL else steps
 
 
 class BatchedRuns:
@@ -98,8 +114,11 @@ class BatchedRuns:
 
     def advance(self, check: Callable[[], None]) -> None:
         """Train all of them to the goal, but for those that break down; ``check`` may raise to end it."""
-        while self.batch.advance(STEPS_AT_ONCE):
+        steps, start = FIRST_STEPS, time.perf_counter()
+        while self.batch.advance(steps):
+            steps = steps_of_next_call(steps, time.perf_counter() - start)
             check()
+            start = time.perf_counter()
 
     @property
     def _done(self) -> int:
@@ -156,12 +175,13 @@ class BatchedRuns:
     def _exact(self, check: Callable[[], None]) -> FloatArray:
         """Return value at the start, expected return and greatest error of each, [3, B]; NaN for none."""
         q, shared = self.batch.q, self._seeded.shared
+        at_once = 1
         if shared is not None and not self._drifts:
-            return self._exact_in(shared.world.mdp, q)
+            at_once = max(1, STATES_AT_ONCE // shared.world.space.states)
         found = []
-        for index in range(len(q)):
+        for index in range(0, len(q), at_once):
             check()
-            found.append(self._exact_in(self._table_now(index), q[index : index + 1]))
+            found.append(self._exact_in(self._table_now(index), q[index : index + at_once]))
         return np.concatenate(found, axis=1)
 
     def _exact_in(self, mdp: TabularMDP | None, q: FloatArray) -> FloatArray:

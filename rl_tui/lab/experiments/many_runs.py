@@ -203,7 +203,8 @@ class _Experiment(Generic[RunT]):
         except BaseException as error:
             self._given_up = True
             pool.shutdown(wait=False, cancel_futures=True)
-            wait(futures, LONGEST_GOODBYE)  # an environment that does not answer is not waited for
+            running = [future for future in futures if not future.cancelled()]  # to wait, those are not done
+            wait(running, LONGEST_GOODBYE)  # an environment that does not answer is not waited for
             is_waiting = handed_on == len(results) < len(futures)  # or it was in the middle of handing on
             if isinstance(error, KeyboardInterrupt) and is_waiting and futures[handed_on].done():
                 on_done(handed_on)
@@ -220,7 +221,9 @@ class _Experiment(Generic[RunT]):
 
     def _rows_of_part(self, part: int) -> list[dict[str, Any]]:
         trained = self._train(part)
-        return trained.rows() if isinstance(trained, BatchedRuns) else [finite(self._runs.row(trained))]
+        if isinstance(trained, BatchedRuns):
+            return trained.rows(self._check)
+        return [finite(self._runs.row(trained))]
 
     def _train(self, part: int) -> RunT | BatchedRuns:
         indices = self._parts[part]
@@ -249,9 +252,12 @@ class _Experiment(Generic[RunT]):
             self._curves[part] = curve.points
         return run
 
-    def _note_progress(self, part: int, done: int, _: int) -> None:
+    def _check(self) -> None:
         if self._given_up:
             raise _GivenUpError
+
+    def _note_progress(self, part: int, done: int, _: int) -> None:
+        self._check()
         with self._lock:
             self._done[part] = done
             wanted = (self._goal.steps or self._goal.episodes or 0) * self._count
