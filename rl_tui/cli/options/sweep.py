@@ -10,7 +10,7 @@ import click
 from rl_tui.cli.options.numbers import OptionValue
 
 if TYPE_CHECKING:
-    from rl_tui.lab.sweeps.measures import Measure
+    from rl_tui.lab.sweeps.measures import SweepMeasure
     from rl_tui.lab.sweeps.plan import Shard
     from rl_tui.lab.sweeps.variation import Variation
 
@@ -62,11 +62,13 @@ class MeasureValue(OptionValue):
 
     name = "MEASURE"
 
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Measure:
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> SweepMeasure:
         """Return the measure; fails naming those there are."""
-        from rl_tui.lab.sweeps.measures import Measure, measure_called
+        from rl_tui.lab.sweeps.measures import SweepMeasure, measure_called
 
-        if isinstance(value, Measure):
+        if isinstance(value, SweepMeasure):
             return value
         try:
             return measure_called(str(value))

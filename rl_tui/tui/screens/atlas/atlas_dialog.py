@@ -105,7 +105,7 @@ class AtlasDialog(Dialog[Recipe]):
         for name, text in texts.items():
             self.query_one(name, Static).update(to_ascii(text, glyphs))
 
-    def on_atlas_map_cursor_moved(self, event: AtlasMap.CursorMoved) -> None:
+    def on_atlas_map_cell_pointed(self, event: AtlasMap.CellPointed) -> None:
         """Let the cursor stand there."""
         self._change(cursor=event.cell)
 

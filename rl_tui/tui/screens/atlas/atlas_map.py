@@ -25,7 +25,7 @@ class AtlasMap(Widget, can_focus=True):
     ]
 
     @dataclass
-    class CursorMoved(Message):
+    class CellPointed(Message):
         """The cursor is to stand at another cell."""
 
         cell: int
@@ -57,10 +57,10 @@ class AtlasMap(Widget, can_focus=True):
         """Move the cursor so many rows up and columns to the right; at the edges it stays."""
         axes = len(self.scene.cells.variations)
         steps = {axes - 1: columns} | ({0: rows} if axes > 1 else {})
-        self.post_message(self.CursorMoved(self.scene.cells.moved(self.scene.cursor, steps)))
+        self.post_message(self.CellPointed(self.scene.cells.moved(self.scene.cursor, steps)))
 
     def on_click(self, event: Click) -> None:
         """Put the cursor where the click was."""
         cell = plan_of(self.scene, *self.size).cell_at(event.x, event.y)
         if cell is not None:
-            self.post_message(self.CursorMoved(cell))
+            self.post_message(self.CellPointed(cell))
