@@ -24,6 +24,7 @@ PLAYGROUND_KEYS = {
     "T",
     "W",
     "Y",
+    "S",
     "s",
     "e",
     "E",
