@@ -11,7 +11,7 @@ from rich.cells import cell_len
 
 from rl_tui.cli.reports.picture_text import ROWS, picture_text
 from rl_tui.lab.pictures.axis import fixed_axis, round_axis
-from rl_tui.lab.pictures.picture import Atlas, Chart, Curve, Picture
+from rl_tui.lab.pictures.picture import AtlasChart, Chart, Curve, Picture
 
 
 def chart(*curves: Curve, **more: Any) -> Picture:
@@ -30,7 +30,7 @@ def atlas(values: Sequence[Sequence[float | None]], **more: Any) -> Picture:
     alike = more.pop("alike", tuple(tuple(False for _ in row) for row in values))
     best = more.pop("best", None)
     scale = round_axis("", known)
-    panel = Atlas("", "x", "y", names, rows, tuple(map(tuple, values)), scale, alike, best)
+    panel = AtlasChart("", "x", "y", names, rows, tuple(map(tuple, values)), scale, alike, best)
     return Picture("title", "", (panel,))
 
 
