@@ -11,16 +11,16 @@ from rich.cells import cell_len
 
 from rl_tui.cli.reports.picture_text import ROWS, picture_text
 from rl_tui.lab.pictures.axis import fixed_axis, round_axis
-from rl_tui.lab.pictures.picture import AtlasChart, Chart, Curve, Picture
+from rl_tui.lab.pictures.picture import AtlasChart, Chart, ChartCurve, Picture
 
 
-def chart(*curves: Curve, **more: Any) -> Picture:
+def chart(*curves: ChartCurve, **more: Any) -> Picture:
     axes = fixed_axis("episodes", [0, 50, 100]), fixed_axis("", [0, 5, 10])
     return Picture("title", "", (Chart("panel", *axes, curves, **more),), ("a note",), band="bands")
 
 
-def curve(name: str, *points: tuple[float, float | None], **more: Any) -> Curve:
-    return Curve(name, tuple(x for x, _ in points), tuple(y for _, y in points), **more)
+def curve(name: str, *points: tuple[float, float | None], **more: Any) -> ChartCurve:
+    return ChartCurve(name, tuple(x for x, _ in points), tuple(y for _, y in points), **more)
 
 
 def atlas(values: Sequence[Sequence[float | None]], **more: Any) -> Picture:
