@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import pickle
 from dataclasses import replace
 from pathlib import Path
@@ -29,6 +30,12 @@ CELLS = {
     "arms that drift": ("bandit", "world.drift=0.1"),
     "an environment that is stepped": ("gym:Blackjack-v1", "world.table=false"),
 }
+
+
+@pytest.fixture(autouse=True)
+def _takes_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let a worker hand over all at once, however long it takes; a test may say otherwise."""
+    monkeypatch.setattr(task, "HAND_OVER_AFTER", math.inf)
 
 
 def order(*cells: Cell, sweep: str = "one") -> Order:
