@@ -2,7 +2,7 @@
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: check test test-quick snapshots docs run measure
+.PHONY: check test test-all test-quick snapshots docs run measure
 
 $(VENV)/ready: pyproject.toml
 	python3 -m venv $(VENV)
@@ -19,6 +19,10 @@ check: $(VENV)/ready
 test: $(VENV)/ready
 	$(BIN)/python -m pytest
 
+# Also every combination, size and damaged file
+test-all: $(VENV)/ready
+	$(BIN)/python -m pytest --all
+
 # In a minute or so: what needs neither an app nor a child process, and a picture of each screen.
 # With FOR=dyna-q the tests about that, slow ones too: the id of an algorithm, a policy or a
 # scenario, a panel, or a module
@@ -28,7 +32,7 @@ test-quick: $(VENV)/ready
 # Look at every picture that changed before you keep it: CONTRIBUTING.md says how.
 # Only one process alone deletes pictures that no test draws any more
 snapshots: $(VENV)/ready
-	$(BIN)/python -m pytest tests/tui --snapshot-update -n 0
+	$(BIN)/python -m pytest tests/tui --all --snapshot-update -n 0
 
 # What the documentation takes from the program: keys, commands, scenarios, agents
 docs: $(VENV)/ready

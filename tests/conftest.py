@@ -14,10 +14,11 @@ import time
 from collections.abc import Iterator
 from contextlib import suppress
 from itertools import count
+from pathlib import Path
 from typing import Final, NoReturn
 
 import pytest
-from kinds import INTERPRETED, KINDS, SLOW, about, is_quick, kind_of
+from kinds import EXHAUSTIVE, INTERPRETED, KINDS, SLOW, about, is_everyday, is_quick, kind_of, may_be_about
 
 from rl_tui.agents.compiling.loops import compile_what_all_share
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS
@@ -73,8 +74,9 @@ def _sessions_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pyte
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add what ``make test-quick`` asks for."""
+    """Add the options that choose among the tests."""
     group = parser.getgroup("rl-tui")
+    group.addoption("--all", action="store_true", help="exhaustive tests too")
     group.addoption("--quick", action="store_true", help="unit tests, and a picture of each screen")
     group.addoption("--for", dest="subject", default="", help="tests about an id, a panel or a module")
 
@@ -85,7 +87,7 @@ def pytest_configure(config: pytest.Config) -> None:
     ``--hypothesis-profile=default`` looks for others. A change is then judged by what it changes.
     Nothing is written down, so the folder may be read-only.
     """
-    for line in (*(f"{kind}: {meaning}" for kind, meaning in KINDS.items()), SLOW, INTERPRETED):
+    for line in (*(f"{kind}: {meaning}" for kind, meaning in KINDS.items()), SLOW, EXHAUSTIVE, INTERPRETED):
         config.addinivalue_line("markers", line)
     from hypothesis import settings
 
@@ -142,6 +144,13 @@ def _is_compiled_first(request: pytest.FixtureRequest, monkeypatch: pytest.Monke
         monkeypatch.setattr(Learner, "is_compiled", property(is_compiled))
 
 
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leave out the files without tests about the subject: collecting all of them takes many seconds."""
+    subject = config.option.subject
+    is_test = collection_path.name.startswith("test_") and collection_path.suffix == ".py"
+    return True if subject and is_test and not may_be_about(collection_path, subject) else None
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Mark each test with its kind, leave out what was not asked for, and say which share a process.
@@ -153,6 +162,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         if not any(item.get_closest_marker(kind) for kind in KINDS):
             item.add_marker(kind_of(item))
     wanted = about(items, config.option.subject) if config.option.subject else items
+    if not config.option.all:
+        wanted = [item for item in wanted if is_everyday(item, config.args)]
     if config.option.quick:
         wanted = [item for item in wanted if is_quick(item)]
     if len(wanted) < len(items):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import fields, is_dataclass
 from difflib import get_close_matches
 from functools import cache
@@ -13,13 +13,17 @@ from typing import Any, Final
 
 import pytest
 
+from rl_tui.agents.catalogue import BY_ID as ALGORITHM_BY_ID
+from rl_tui.agents.catalogue import POLICY_BY_ID
+
 TESTS: Final = Path(__file__).parent
 KINDS: Final = {
     "unit": "starts neither an app nor a child process",
     "screen": "plays an app by a pilot",
     "process": "starts a real program: in a terminal, in a browser, or alone",
 }
-SLOW: Final = "slow: takes seconds, and is left out of the quick tests"
+SLOW: Final = "slow: takes seconds; left out of the quick tests"
+EXHAUSTIVE: Final = "exhaustive(reason): left out of the everyday tests; --all runs it too"
 INTERPRETED: Final = "interpreted: runs go on interpreted until machine code comes, as they do for people"
 
 
@@ -35,19 +39,45 @@ def kind_of(item: pytest.Item) -> str:
     return "screen" if room == "tui" and plays else "unit"
 
 
-def about(items: list[pytest.Item], subject: str) -> list[pytest.Item]:
-    """Return the tests that are about ``subject``: an id, a panel, a module. Raises UsageError without any.
+def may_be_about(path: Path, subject: str) -> bool:
+    """Return whether the file at ``path`` can have tests about ``subject``, by its text alone.
 
-    Tests of real programs, which take long, only where there are no others.
+    It names the subject, or its tests go through the catalogue that the subject is in.
+    """
+    text = path.read_text(encoding="utf-8")
+    if _plain(subject) in _plain(f"{path.stem} {text}"):
+        return True
+    return any(
+        re.search(rf'parametrize\(\s*\(?"[^)\]]*\b{parameter}\b|\.{parameter}\b', text)
+        for parameter, ids in _ids().items()
+        if _plain(subject) in ids
+    )
+
+
+def about(items: list[pytest.Item], subject: str) -> list[pytest.Item]:
+    """Return the tests that are about ``subject``: an id, a panel, a module.
+
+    Tests of real programs, which take long, are returned only where there are no others. Raises
+    UsageError, with the names that are near, where there is no test.
     """
     wanted = _plain(subject)
     found = [item for item in items if wanted in _names(item) or _stands_in(wanted, _title(item))]
     if not found:
-        known = {name for item in items for name in _names(item) if re.fullmatch("[a-z0-9-]+", name)}
-        near = get_close_matches(wanted, known, n=3)
+        modules = {_plain(path.stem) for path in (TESTS.parent / "rl_tui").rglob("*.py")}
+        near = get_close_matches(wanted, modules.union(*_ids().values()), n=3)
         hint = f"did you mean {' or '.join(near)}?" if near else "see rl-tui list, and the modules of rl_tui"
         raise pytest.UsageError(f"no test is about {subject!r}: {hint}")
     return [item for item in found if kind_of(item) != "process"] or found
+
+
+@cache
+def _ids() -> dict[str, frozenset[str]]:
+    """Return the ids of each catalogue, by the name of the parameter that takes them."""
+    return {
+        "algorithm": frozenset(ALGORITHM_BY_ID),
+        "policy": frozenset(POLICY_BY_ID),
+        "scenario": frozenset(path.stem for path in (TESTS.parent / "scenarios").glob("*.toml")),
+    }
 
 
 def _plain(name: str) -> str:
@@ -85,6 +115,11 @@ def _imported(path: Path) -> frozenset[str]:
     modules = {module.rpartition(".")[2] for module, _ in lines}
     within = {name for _, names in lines for name in re.findall(r"\b[a-z_]+\b", names)}
     return frozenset(map(_plain, modules | within))
+
+
+def is_everyday(item: pytest.Item, named: Collection[str]) -> bool:
+    """Return whether a test runs without ``--all``: it is not exhaustive, or the command line names tests."""
+    return item.get_closest_marker("exhaustive") is None or any("::" in name for name in named)
 
 
 def is_quick(item: pytest.Item) -> bool:
