@@ -13,6 +13,7 @@ from contextlib import redirect_stdout
 from inspect import cleandoc
 from io import StringIO
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from textwrap import fill
 
 import click
@@ -57,15 +58,21 @@ PICTURES = {
 
 
 def main() -> None:
-    """Draw the pictures, and write every page anew whose blocks are no longer what the program says."""
+    """Write what the program would now write otherwise, and print its path; pictures are for looking at."""
     for name in PICTURES:
-        draw(name, FOLDER / name)
+        if _write(FOLDER / name, drawn(name)):
+            print(f"{FOLDER / name}: the picture changed; look at it before you keep it")
     for path in sorted(FOLDER.glob("*.md")):
-        before = path.read_text(encoding="utf-8")
-        after = renewed(before)
-        if after != before:
-            path.write_text(after, encoding="utf-8")
+        if _write(path, renewed(path.read_text(encoding="utf-8"))):
             print(path)
+
+
+def _write(path: Path, text: str) -> bool:
+    """Write ``text`` unless the file has it already; return whether it was written."""
+    if path.exists() and path.read_text(encoding="utf-8") == text:
+        return False
+    path.write_text(text, encoding="utf-8")
+    return True
 
 
 def renewed(text: str) -> str:
@@ -73,10 +80,12 @@ def renewed(text: str) -> str:
     return BLOCK.sub(lambda block: f"{block[1]}\n{BLOCKS[block[2]]()}\n\n{block[3]}", text)
 
 
-def draw(picture: str, path: Path) -> None:
-    """Draw that one of ``PICTURES`` into ``path``."""
-    with redirect_stdout(StringIO()):  # what a command says besides is for people
+def drawn(picture: str) -> str:
+    """Return that one of ``PICTURES`` as SVG."""
+    with TemporaryDirectory() as folder, redirect_stdout(StringIO()):  # what a command says is for people
+        path = Path(folder, picture)
         program([*PICTURES[picture], "--out", str(path)], standalone_mode=False)
+        return path.read_text(encoding="utf-8")
 
 
 def keys() -> str:

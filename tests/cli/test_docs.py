@@ -37,9 +37,28 @@ def test_all_that_is_generated_stands_somewhere_once() -> None:
 
 @pytest.mark.screen
 @pytest.mark.parametrize("picture", GENERATOR["PICTURES"])
-def test_a_picture_is_what_the_program_draws(picture: str, tmp_path: Path) -> None:
-    GENERATOR["draw"](picture, tmp_path / picture)
-    assert (tmp_path / picture).read_bytes() == (ROOT / "docs" / picture).read_bytes(), "run make docs"
+def test_a_picture_is_what_the_program_draws(picture: str) -> None:
+    assert GENERATOR["drawn"](picture) == (ROOT / "docs" / picture).read_text(encoding="utf-8"), (
+        "run make docs"
+    )
+
+
+def test_make_docs_writes_and_names_only_what_changed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    main = GENERATOR["main"]
+    monkeypatch.setitem(main.__globals__, "FOLDER", tmp_path)
+    monkeypatch.setitem(main.__globals__, "drawn", "drawn {}".format)
+    for name in ("keys.md", "runs.md"):
+        (tmp_path / name).write_bytes((ROOT / "docs" / name).read_bytes())
+    main()
+    assert [Path(line.split(": ")[0]).name for line in capsys.readouterr().out.splitlines()] == list(
+        GENERATOR["PICTURES"]
+    )
+    (tmp_path / "playground.svg").write_text("another", encoding="utf-8")
+    main()
+    assert capsys.readouterr().out.startswith(f"{tmp_path / 'playground.svg'}: ")
+    assert (tmp_path / "playground.svg").read_text(encoding="utf-8") == "drawn playground.svg"
 
 
 @pytest.mark.parametrize("path", PAGES, ids=named)
