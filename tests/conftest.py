@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import suppress
 from itertools import count
@@ -18,13 +19,28 @@ from pathlib import Path
 from typing import Final, NoReturn
 
 import pytest
-from kinds import EXHAUSTIVE, INTERPRETED, KINDS, SLOW, about, is_everyday, is_quick, kind_of, may_be_about
+from kinds import (
+    COMPILED,
+    EXHAUSTIVE,
+    INTERPRETED,
+    KINDS,
+    SLOW,
+    about,
+    is_everyday,
+    is_quick,
+    kind_of,
+    may_be_about,
+)
 
+from rl_tui.agents.compiling.cache_folder import was_compiled
 from rl_tui.agents.compiling.loops import compile_what_all_share
-from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS
-from rl_tui.agents.learner import Learner
+from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, Loop
+from rl_tui.agents.kernels.stop import Stop
+from rl_tui.agents.learner import UNLIMITED, Learner
 
 _TESTS = count()
+_INTERPRETED = Counter[Loop]()
+_STEPS_INTERPRETED: Final = 100_000
 _OF_THE_PROGRAM: Final = re.compile("RL_TUI_.*|TEXTUAL.*|ESCDELAY")
 _KEPT: Final = re.compile("RL_TUI_CACHE_DIR|TEXTUAL_SNAPSHOT_.*")  # compiled code, and what pytest sets
 _OF_A_PERSON: Final = re.compile(  # their terminal, language, shell and login
@@ -87,7 +103,13 @@ def pytest_configure(config: pytest.Config) -> None:
     ``--hypothesis-profile=default`` looks for others. A change is then judged by what it changes.
     Nothing is written down, so the folder may be read-only.
     """
-    for line in (*(f"{kind}: {meaning}" for kind, meaning in KINDS.items()), SLOW, EXHAUSTIVE, INTERPRETED):
+    for line in (
+        *(f"{kind}: {meaning}" for kind, meaning in KINDS.items()),
+        SLOW,
+        EXHAUSTIVE,
+        INTERPRETED,
+        COMPILED,
+    ):
         config.addinivalue_line("markers", line)
     from hypothesis import settings
 
@@ -129,19 +151,36 @@ def _what_all_share_is_compiled() -> None:
 
 
 @pytest.fixture(autouse=True)
-def _is_compiled_first(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Have a loop compiled, or read from the cache, before its first step, unless a test says otherwise.
+def _is_compiled_where_it_pays(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have a loop compiled once it has taken many steps, unless a test says otherwise; read it if it can be.
 
-    Interpreted the tests would take hours. Child processes do as the program does.
+    To compile one takes as long as some 300,000 interpreted steps, and the bits are the same. Child processes
+    do as the program does.
     """
+    if request.node.get_closest_marker("interpreted"):
+        return
+    most = 0 if request.node.get_closest_marker("compiled") else _STEPS_INTERPRETED
+    take = Learner._advance
 
-    def is_compiled(learner: Learner) -> bool:
-        if learner.loop not in COMPILED_LOOPS:
-            learner.compile()
-        return True
+    def advance(self: Learner, steps: int, episodes: int, *, compiled: bool) -> int:
+        loop = self.loop
+        if not compiled or not steps or loop in COMPILED_LOOPS:
+            return take(self, steps, episodes, compiled=compiled)
+        first = min(steps, most - _INTERPRETED[loop])
+        if was_compiled(loop) or first <= 0:
+            self.compile()
+            return take(self, steps, episodes, compiled=True)
+        before, finished = self.step, self.episodes
+        stop = take(self, first, episodes, compiled=False)
+        taken = self.step - before
+        _INTERPRETED[loop] += taken
+        rest = episodes if episodes == UNLIMITED else episodes - (self.episodes - finished)
+        if stop == Stop.DONE and taken == first < steps and rest:
+            return advance(self, steps - taken, rest, compiled=True)
+        return stop
 
-    if not request.node.get_closest_marker("interpreted"):
-        monkeypatch.setattr(Learner, "is_compiled", property(is_compiled))
+    monkeypatch.setattr(Learner, "_advance", advance)
+    monkeypatch.setattr(Learner, "is_compiled", True)
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
@@ -162,7 +201,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         if not any(item.get_closest_marker(kind) for kind in KINDS):
             item.add_marker(kind_of(item))
     wanted = about(items, config.option.subject) if config.option.subject else items
-    if not config.option.all:
+    if not (config.option.all or config.option.subject):
         wanted = [item for item in wanted if is_everyday(item, config.args)]
     if config.option.quick:
         wanted = [item for item in wanted if is_quick(item)]

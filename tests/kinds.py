@@ -25,6 +25,7 @@ KINDS: Final = {
 SLOW: Final = "slow: takes seconds; left out of the quick tests"
 EXHAUSTIVE: Final = "exhaustive(reason): left out of the everyday tests; --all runs it too"
 INTERPRETED: Final = "interpreted: runs go on interpreted until machine code comes, as they do for people"
+COMPILED: Final = "compiled: loops run as machine code from their first step"
 
 
 def kind_of(item: pytest.Item) -> str:

@@ -30,6 +30,7 @@ WHY: Final = {
     "_get_jit_decorator": "the same",
     # The program
     "_LOCK": "an environment is closed while another thread is between two calls",
+    "_advance": "a loop is compiled only where that pays",
     "_draw": "a snapshot made by hand is drawn without a player",
     "_only_typed": "a Numba that knows nothing of it",
     "_pasted": "a paste without end is held in few pieces",

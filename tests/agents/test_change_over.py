@@ -28,6 +28,7 @@ def fitting(loop: Loop, hyperparameters: Hyperparameters) -> Hyperparameters:
     return replace(fit, policy=loop.policy, temperature=0.3)
 
 
+@pytest.mark.compiled
 @EVERY_LOOP
 @examples(5)
 @given(st.data(), any_hyperparameters, st.integers(0, 1000), CUTS, st.booleans())
@@ -54,6 +55,8 @@ def test_changes_at_any_step_leave_no_trace(
     assert all_bits(as_machine_code) == all_bits(as_python) == all_bits(changing)
 
 
+@pytest.mark.exhaustive("compiles many loops")
+@pytest.mark.compiled
 @pytest.mark.parametrize("seed", range(4))
 def test_nor_do_they_where_algorithms_change_too(seed: int) -> None:
     generator = np.random.default_rng(seed)

@@ -97,6 +97,8 @@ def test_the_kernel_does_what_the_box_says_bit_for_bit(
     assert list(zip(episodes.returns.tolist(), episodes.lengths.tolist(), strict=True)) == world.finished
 
 
+@pytest.mark.exhaustive("compiles the loop of every algorithm; test_change_over.py does some of them")
+@pytest.mark.compiled
 @pytest.mark.parametrize("algorithm", EVERY)
 @examples(15)
 @given(worlds(), any_hyperparameters, SEEDS, st.integers(0, 150))

@@ -36,6 +36,11 @@ EVERY_RULE = [
     for mdp in (TESTBED, COINS)
     for hyperparameters in (*(Hyperparameters(policy=policy) for policy in POLICY_BY_ID), *SPECIAL)
 ]
+EVERYDAY = "epsilon-greedy", "ucb"
+SOME_RULES_COMPILED = [
+    pytest.param(*each, marks=() if each[1].policy in EVERYDAY else pytest.mark.exhaustive("compiles a loop"))
+    for each in EVERY_RULE
+]
 
 
 def assert_same(one: Learner, other: Learner) -> None:
@@ -48,7 +53,8 @@ def assert_same(one: Learner, other: Learner) -> None:
         assert mine.bit_generator.state == yours.bit_generator.state
 
 
-@pytest.mark.parametrize(("mdp", "hyperparameters"), EVERY_RULE)
+@pytest.mark.compiled
+@pytest.mark.parametrize(("mdp", "hyperparameters"), SOME_RULES_COMPILED)
 def test_interpreted_and_compiled_give_the_same_bits(
     mdp: TabularMDP, hyperparameters: Hyperparameters
 ) -> None:
@@ -58,6 +64,8 @@ def test_interpreted_and_compiled_give_the_same_bits(
     assert_same(ours, interpreted)
 
 
+@pytest.mark.exhaustive("compiles two loops")
+@pytest.mark.compiled
 @given(worlds(), st.sampled_from(["softmax", "ucb"]), st.integers(0, 100))
 @settings(max_examples=40, deadline=None)
 def test_the_same_bits_in_any_world(mdp: TabularMDP, policy: str, seed: int) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from test_change_over import fitting
@@ -44,6 +45,7 @@ def stretched(mdp: TabularMDP, scale: float, std: float) -> TabularMDP:
     return replace(mdp, reward=mdp.reward * scale, reward_std=mdp.reward_std * std)
 
 
+@pytest.mark.compiled
 @EVERY_LOOP
 @examples(6)
 @given(

@@ -34,6 +34,7 @@ from rl_tui.lab.experiments.learning_curve import RunCurve
 from rl_tui.lab.run.history import History
 from rl_tui.worlds.world import World
 
+pytestmark = pytest.mark.compiled
 STEPS: Final = 12
 Types = tuple[Any, ...]
 

@@ -97,6 +97,7 @@ def go(learner: Learner, steps: int) -> list[list[float]]:
 HYPERPARAMETERS = Hyperparameters(alpha=0.3, epsilon=0.8, epsilon_min=0.1, epsilon_decay=0.05, initial_q=0.5)
 
 
+@pytest.mark.compiled
 def test_a_stepped_table_gives_the_bits_of_the_compiled_loop() -> None:
     mdp = lake()
     by_table = Learner(mdp, "q-learning", HYPERPARAMETERS, streams(7))

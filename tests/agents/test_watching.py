@@ -125,7 +125,8 @@ def test_a_stepped_environment_is_watched_alike(algorithm: str, seed: int, watch
     assert facts(watched) == facts(unwatched)
 
 
-@pytest.mark.parametrize("algorithm", ["q-lambda", "value-iteration"])
+@pytest.mark.compiled
+@pytest.mark.parametrize("algorithm", ["q-learning", "value-iteration"])
 @examples(10)
 @given(worlds(), any_hyperparameters, watchings)
 def test_interpreted_watches_as_compiled_does(

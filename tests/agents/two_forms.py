@@ -29,9 +29,19 @@ from rl_tui.lab.experiments import learning_curve
 from rl_tui.lab.run import history
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP
 
+EVERYDAY: Final = {
+    Loop("q-learning", "epsilon-greedy", stepped=False),
+    Loop("q-learning", "epsilon-greedy", stepped=True),
+    Loop("n-step-sarsa", "softmax", stepped=False),
+    Loop("q-learning", "ucb", stepped=False),
+    Loop("value-iteration", "", stepped=False),
+}
+_EXHAUSTIVE: Final = pytest.mark.exhaustive("compiles the loop of every algorithm and policy")
 EVERY_LOOP: Final = pytest.mark.parametrize(
-    ("algorithm", "policy", "stepped"), [loop[:3] for loop in all_loops()]
+    ("algorithm", "policy", "stepped"),
+    [pytest.param(*loop[:3], marks=() if loop in EVERYDAY else _EXHAUSTIVE) for loop in all_loops()],
 )
+"""Every loop of the catalogue; every day only some, since all take a quarter of an hour to compile."""
 
 
 def examples(count: int) -> Callable[[Any], Any]:
