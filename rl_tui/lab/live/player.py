@@ -69,7 +69,8 @@ class Player:
         self._wanted = False
         self._outdated = True
         self._put_off = False
-        self._latest: Snapshot | None = None
+        self._latest: Snapshot | None = None  # which the reader has not taken yet
+        self._newest: Snapshot | None = None
         self._failure: BaseException | None = None
         self._closing = False
         self._thread: threading.Thread | None = None
@@ -105,7 +106,7 @@ class Player:
     async def carried_out(self) -> Snapshot:
         """Wait until all that was sent is done, episodes and training included; return the run then.
 
-        The reader of the snapshots gets the same one next, if no newer one.
+        The reader of the snapshots has the same one, or gets it next, if no newer one.
         Raises PlayerClosedError if the player is closed before, or what made it end.
         """
         question = _Question()
@@ -219,9 +220,11 @@ class Player:
                     return
                 item = self._commands.popleft()
             if isinstance(item, _Question):
-                snapshot = self._snapshot()
+                snapshot = self._newest
+                if snapshot is None or self._playback.changed or self._outdated:
+                    snapshot = self._snapshot()
+                    self._hand_over(snapshot)
                 item.reply(snapshot)
-                self._hand_over(snapshot)
             elif isinstance(item, Restart) and self._record_sink is not None:
                 self._offer_record(self._record_sink, ends=True)
                 self._playback.handle(item)
@@ -258,7 +261,7 @@ class Player:
     def _hand_over(self, snapshot: Snapshot) -> None:
         """Let the reader have ``snapshot`` next."""
         with self._changed:
-            self._latest = snapshot
+            self._latest = self._newest = snapshot
             self._wanted = False
             if self._reader is not None:
                 self._reader.wake()

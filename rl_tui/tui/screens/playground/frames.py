@@ -48,7 +48,7 @@ class Frames:
                 return
             self._pacer.begin()
             draw(snapshot)
-            await self._painted()
+            await self.painted()
             self._pacer.end()
             note_frame()
             await self._pacer.wait()
@@ -57,7 +57,8 @@ class Frames:
         if isinstance(self._screen.app, LinkedApp):
             await self._screen.app.arrived()
 
-    async def _painted(self) -> None:
+    async def painted(self) -> None:
+        """Wait until what was drawn is on screen, or the screen is left."""
         painted = asyncio.Event()
         # the screen on top is asked to tell, and a dialog that closes forgets what it was asked
         while not painted.is_set() and self._screen.call_after_refresh(painted.set):

@@ -157,7 +157,9 @@ class Playground(ActionScreen):
         self._left_after: int | None = None  # the last deed when escape was pressed, None where it was not
         self._watches = watches
         self.frames = Frames(self, fps)
-        self._settling = Settling(self.link, self.board, self.view.look_at, self.session.named)
+        self._settling = Settling(
+            self.link, self.board, self.view.look_at, self.session.named, self.frames.painted
+        )
         needing_world = (action for action in self.known_actions if action.needs_world)
         self.early_keys = EarlyKeys(key for action in needing_world for key in action.keys)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from typing import Final
 
 from rl_tui.common.errors import UserError
@@ -19,7 +19,7 @@ class Settling:
     """Waits for a picture that shows everything.
 
     ``look_at`` has those parts of a large world copied that are in view, ``named`` says of which session a
-    fault is.
+    fault is, ``painted`` waits until all that was drawn is on screen.
     """
 
     def __init__(
@@ -28,11 +28,13 @@ class Settling:
         board: Board,
         look_at: Callable[[], None],
         named: Callable[[UserError], UserError],
+        painted: Callable[[], Awaitable[None]],
     ) -> None:
         self._link = link
         self._board = board
         self._look_at = look_at
         self._named = named
+        self._painted = painted
         self._framed = asyncio.Event()
         self._is_over = False
 
@@ -58,6 +60,8 @@ class Settling:
             done = await self._carried_out()
             if self._link.snapshot is not done:
                 await self._framed.wait()  # it comes to be drawn too, or a newer one
+            else:
+                await self._painted()
             if self._link.snapshot is done and not lacks_exact(done) and self._board.is_complete:
                 return
             while not self._is_over and self._link.snapshot and lacks_exact(self._link.snapshot):
