@@ -30,6 +30,7 @@ from kinds import (
     is_quick,
     kind_of,
     may_be_about,
+    take_few_examples,
 )
 
 from rl_tui.agents.compiling.cache_folder import was_compiled
@@ -179,7 +180,7 @@ def _is_compiled_where_it_pays(request: pytest.FixtureRequest, monkeypatch: pyte
             return advance(self, steps - taken, rest, compiled=True)
         return stop
 
-    monkeypatch.setattr(Learner, "_advance", advance)
+    monkeypatch.setattr(Learner, take.__name__, advance)
     monkeypatch.setattr(Learner, "is_compiled", True)
 
 
@@ -203,6 +204,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     wanted = about(items, config.option.subject) if config.option.subject else items
     if not (config.option.all or config.option.subject):
         wanted = [item for item in wanted if is_everyday(item, config.args)]
+        for test in {item.obj for item in wanted if hasattr(item.obj, "hypothesis")}:
+            take_few_examples(test)
     if config.option.quick:
         wanted = [item for item in wanted if is_quick(item)]
     if len(wanted) < len(items):

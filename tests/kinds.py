@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import pytest
+from hypothesis import settings
 
 from rl_tui.agents.catalogue import BY_ID as ALGORITHM_BY_ID
 from rl_tui.agents.catalogue import POLICY_BY_ID
@@ -121,6 +122,13 @@ def _imported(path: Path) -> frozenset[str]:
 def is_everyday(item: pytest.Item, named: Collection[str]) -> bool:
     """Return whether a test runs without ``--all``: it is not exhaustive, or the command line names tests."""
     return item.get_closest_marker("exhaustive") is None or any("::" in name for name in named)
+
+
+def take_few_examples(test: Any) -> None:
+    """Let a property test try a fifth of its examples, which is enough to notice what is always wrong."""
+    asked_for = test._hypothesis_internal_use_settings
+    fewer = settings(asked_for, max_examples=max(3, asked_for.max_examples // 5))
+    test._hypothesis_internal_use_settings = fewer
 
 
 def is_quick(item: pytest.Item) -> bool:
