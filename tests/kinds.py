@@ -24,7 +24,9 @@ KINDS: Final = {
     "process": "starts a real program: in a terminal, in a browser, or alone",
 }
 SLOW: Final = "slow: takes seconds; left out of the quick tests"
-EXHAUSTIVE: Final = "exhaustive(reason): left out of the everyday tests; --all runs it too"
+EXHAUSTIVE: Final = (
+    "exhaustive(reason, but=()): runs with --all only; every day its cases with the ids in but"
+)
 INTERPRETED: Final = "interpreted: runs go on interpreted until machine code comes, as they do for people"
 COMPILED: Final = "compiled: loops run as machine code from their first step"
 
@@ -121,7 +123,10 @@ def _imported(path: Path) -> frozenset[str]:
 
 def is_everyday(item: pytest.Item, named: Collection[str]) -> bool:
     """Return whether a test runs without ``--all``: it is not exhaustive, or the command line names tests."""
-    return item.get_closest_marker("exhaustive") is None or any("::" in name for name in named)
+    mark = item.get_closest_marker("exhaustive")
+    if mark is None or any("::" in name for name in named):
+        return True
+    return hasattr(item, "callspec") and item.callspec.id in mark.kwargs.get("but", ())
 
 
 def take_few_examples(test: Any) -> None:

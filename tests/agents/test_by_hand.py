@@ -141,6 +141,7 @@ def test_a_trace_of_sarsa_lambda_leads_beyond_whatever_is_done(algorithm: str) -
     assert ours.q.tolist() == [1.5, 0.5, 1.0, 0.0]
 
 
+@pytest.mark.exhaustive("compiles loops", but=["q-learning"])
 @pytest.mark.parametrize("algorithm", ["q-learning", "sarsa", "q-lambda"])
 def test_a_stepped_environment_is_acted_in_alike(algorithm: str) -> None:
     mdp = lake()

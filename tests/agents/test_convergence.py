@@ -49,6 +49,7 @@ def exploration_matters(mdp: TabularMDP) -> float:
     return float(np.abs(v - solve(mdp, GAMMA).v).max())
 
 
+@pytest.mark.exhaustive("trains for 300,000 episodes", but=["q-learning"])
 @pytest.mark.parametrize("algorithm", written("q-learning", "double-q-learning", "q-lambda"))
 def test_off_policy_whatever_is_explored(algorithm: str) -> None:
     # With α nearly 0 in the end, an estimate averages what its pair saw within some 1/decay episodes: several
@@ -66,6 +67,7 @@ def test_sample_averages(algorithm: str) -> None:
     assert error_after(mdp, algorithm, hyperparameters, 100_000) < 0.25 < exploration_matters(mdp) / 5
 
 
+@pytest.mark.exhaustive("trains for 300,000 episodes", but=["sarsa"])
 @pytest.mark.parametrize(
     "algorithm", written("sarsa", "expected-sarsa", "n-step-sarsa", "sarsa-lambda", "monte-carlo")
 )
@@ -80,6 +82,9 @@ def test_on_policy_as_exploration_fades(algorithm: str) -> None:
     assert error_after(mdp, algorithm, hyperparameters, 300_000) < 0.33 < exploration_matters(mdp) / 5
 
 
+@pytest.mark.exhaustive(
+    "one world says nearly all", but=["q-learning-1", "q-lambda-1", "dyna-q-1", "prioritized-sweeping-1"]
+)
 @pytest.mark.parametrize("seed", [1, 2, 3])
 @pytest.mark.parametrize("algorithm", written("q-learning", "q-lambda", "dyna-q", "prioritized-sweeping"))
 def test_where_nothing_is_left_to_chance_the_answer_is_exact(algorithm: str, seed: int) -> None:

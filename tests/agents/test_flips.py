@@ -131,6 +131,7 @@ def test_what_is_earned_is_that_of_the_best_actions_shared_evenly() -> None:
     )
 
 
+@pytest.mark.exhaustive("ten worlds each", but=["0", "10", "20", "30"])
 @pytest.mark.parametrize("tens", range(0, 200, 10))
 def test_small_worlds_in_fractions(tens: int) -> None:
     for seed in range(tens, tens + 10):

@@ -30,6 +30,7 @@ def document(*arguments: str) -> dict[str, Any]:
     return found | {"exit": result.exit_code}
 
 
+@pytest.mark.exhaustive("trains under many seeds")
 def test_the_evening_has_its_known_figures() -> None:
     found = document("student")
     assert (found["best_return"], found["shortest_way"]) == (7.5, 2)

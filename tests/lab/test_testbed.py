@@ -100,6 +100,7 @@ def test_figure_2_4_ucb_spikes_at_the_eleventh_pull() -> None:
     assert paid[10] > np.mean(paid[11:16]) + 0.15
 
 
+@pytest.mark.exhaustive("trains 2,000 bandits of its own")
 def test_figure_2_5_the_baseline_makes_the_gradient_bandit(tmp_path: Path) -> None:
     file = tmp_path / "shifted.toml"
     file.write_text(
@@ -118,6 +119,7 @@ def test_figure_2_5_the_baseline_makes_the_gradient_bandit(tmp_path: Path) -> No
     assert rates["mean", 0.1] > max(rate for values, rate in rates.items() if values != ("mean", 0.1))
 
 
+@pytest.mark.exhaustive("trains 2,000 bandits of its own")
 def test_thompson_sampling_regrets_less_than_epsilon_greedy() -> None:
     gaussian = [column(of_runs(400, **values), "regret") for values in (TENTH, THOMPSON)]
     assert margin(gaussian[0], gaussian[1]) > 3

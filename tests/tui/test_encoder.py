@@ -208,6 +208,7 @@ def pens_alive() -> int:
     return sum(type(thing) is Pen for thing in gc.get_objects())
 
 
+@pytest.mark.exhaustive("draws hundreds of thousands of cells")
 def test_pens_that_no_cell_has_are_forgotten(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rl_tui.terminal.pens.MOST_KEPT", 100)
     pens = Pens(ColorSystem.TRUECOLOR)

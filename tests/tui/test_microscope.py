@@ -342,6 +342,7 @@ def test_what_does_not_fit_is_scrolled_with_a_bar_and_a_hint() -> None:
     assert widget.footing == "d: close"
 
 
+@pytest.mark.exhaustive("every algorithm at every size", but=["q-learning", "n-step-sarsa"])
 @pytest.mark.parametrize("algorithm", [each.id for each in BY_ID.values() if not each.planner])
 def test_every_algorithm_is_told_at_any_size(algorithm: str) -> None:
     assert LAKE.counters.last_step is not None

@@ -49,6 +49,7 @@ def chi_squared(observed, expected):
     return statistic, len(expected) - 1
 
 
+@pytest.mark.exhaustive("steps for hundreds of thousands of times")
 @pytest.mark.parametrize(
     "lakes", ["frozenlake", "frozenlake-slippery", "frozenlake-8x8", "frozenlake-8x8-slippery"], indirect=True
 )

@@ -80,6 +80,7 @@ def test_every_value_is_drawn_as_often_as_any_other_and_each_resample_has_its_mi
     assert counts == sorted(each[::-1] for each in counts)
 
 
+@pytest.mark.exhaustive("thousands of samples")
 @pytest.mark.parametrize("kind", HELD)
 @pytest.mark.parametrize("runs", [30, 100])
 def test_it_covers_the_true_mean_in_93_to_97_percent(kind: str, runs: int) -> None:
@@ -176,6 +177,7 @@ def test_the_order_of_runs_makes_no_difference_to_a_bit(values: list[float], ran
     assert summary_of(mixed) == summary_of(values)
 
 
+@pytest.mark.exhaustive("draws many resamples")
 @given(values=MANY)
 def test_asked_again_after_others_it_gives_the_same_bits(values: list[float]) -> None:
     before = summary_of(values)

@@ -114,6 +114,7 @@ def test_shards_are_the_whole_and_share_no_cell(parts: int) -> None:
     assert [len(shard) for shard in shards] == [plan.size_of(Shard(n, parts)) for n in range(1, parts + 1)]
 
 
+@pytest.mark.exhaustive("plans a million cells")
 def test_a_million_cells_take_neither_memory_nor_time() -> None:
     plan = SweepPlan(
         find("maze"), (read_variation("alpha=0.001:1:log:1000"), read_variation("epsilon=0:1:1000"))

@@ -69,6 +69,7 @@ def test_a_row_does_not_depend_on_those_beside_it() -> None:
     assert together == {seed: next(run_rows(cell, (seed,))).figures for seed in (4, 2, 0, 1, 3)}
 
 
+@pytest.mark.exhaustive("compiles batches")
 @pytest.mark.parametrize(
     ("scenario", "setting"),
     [
@@ -92,6 +93,7 @@ def test_rows_of_a_batch_are_those_of_each_seed_alone(
     assert in_batches == {row.seed: row.figures for row in run_rows(cell, range(5, 12))}
 
 
+@pytest.mark.exhaustive("compiles a batch")
 def test_a_run_of_a_batch_that_breaks_down_says_why() -> None:
     cell = cell_of("windy", "algorithm=sarsa-lambda", overrides=DIVERGING)
     loop = loop_in_batches(cell)

@@ -254,6 +254,7 @@ class Null(io.StringIO):
 NULL = Null()
 
 
+@pytest.mark.exhaustive("writes many rows")
 def test_memory_does_not_grow_with_the_rows(tmp_path: Path) -> None:
     few, many = peak_of(200, tmp_path / "few.sqlite"), peak_of(2_000, tmp_path / "many.sqlite")
     assert many < few + 1_000_000

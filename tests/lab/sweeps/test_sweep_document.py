@@ -172,6 +172,7 @@ def test_the_document_has_each_cell_with_the_summary_of_its_runs() -> None:
     assert document["skipped"] == {"cells": 0, "first": []}
 
 
+@pytest.mark.exhaustive("compiles loops")
 def test_the_document_says_what_cannot_work() -> None:
     plan = plan_of("bandit", "scenario=bandit,maze", "policy=ucb,gradient")
     with Store.without_file() as store:
