@@ -275,13 +275,22 @@ def _pipe(reading: ExitStack, writing: ExitStack) -> tuple[int, int]:
 
 
 def _memory_file(closing: ExitStack) -> int:
-    """Return a descriptor of a page of memory that two processes can share."""
+    """Return a descriptor of a page of memory that two processes can share.
+
+    On Linux neither can make it smaller, which would end the other as soon as it reads there.
+    """
     if hasattr(os, "memfd_create"):
-        descriptor = os.memfd_create("rl-tui")
+        descriptor = os.memfd_create("rl-tui", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
         closing.callback(os.close, descriptor)
     else:
         descriptor = closing.enter_context(tempfile.TemporaryFile()).fileno()  # noqa: SIM115
     os.ftruncate(descriptor, mmap.PAGESIZE)
+    if hasattr(os, "memfd_create"):
+        import fcntl  # not on Windows
+
+        fcntl.fcntl(
+            descriptor, fcntl.F_ADD_SEALS, fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW | fcntl.F_SEAL_SEAL
+        )
     return descriptor
 
 

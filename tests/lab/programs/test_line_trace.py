@@ -6,11 +6,13 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 from textwrap import dedent
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from watched_scripts import LOOP, script_in, wait_until, watched
 
+from rl_tui.lab.programs.child.faults import line_of
 from rl_tui.lab.programs.child.line_trace import MOST_LINES, TRACED_AT_FIRST, LineTrace, Place
 from rl_tui.lab.programs.program_log import ProgramLog
 from rl_tui.lab.programs.program_process import ProgramProcess, ProgramRequest
@@ -188,3 +190,16 @@ def test_a_debugger_is_left_alone(tmp_path: Path) -> None:
     finally:
         sys.settrace(before)
     assert traced.told == []
+
+
+@pytest.mark.parametrize("line", [2, 3, 4, 5])
+def test_an_instruction_without_a_line_is_at_the_line_before_it(line: int) -> None:
+    scope: dict[str, Any] = {}
+    lines = "best = 0", "for each in numbers:", "    if each > best:", "        best = each"
+    exec(compile("\n    ".join(("def scan(numbers):", *lines)), "script.py", "exec"), scope)
+    code = scope["scan"].__code__
+    first, _, _ = next(each for each in code.co_lines() if each[2] == line)
+    frame: Any = SimpleNamespace(f_lineno=None, f_code=code, f_lasti=first)
+    assert line_of(frame) == line
+    unplaced: Any = SimpleNamespace(f_lineno=None, f_code=code, f_lasti=-1)
+    assert line_of(unplaced) == code.co_firstlineno

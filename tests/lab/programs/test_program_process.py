@@ -69,6 +69,10 @@ def test_nothing_is_imported_from_the_current_folder(tmp_path: Path, monkeypatch
         "import re; re.match('(a+)+$', 'a' * 60 + 'b')",
         "import signal; signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGTERM, signal.SIGINT])\ninput",
         "import subprocess; subprocess.run(['sleep', '600'])",
+        pytest.param(
+            "import signal, time; signal.signal(signal.SIGIO, signal.SIG_IGN); time.sleep(600)",
+            marks=pytest.mark.skipif(sys.platform != "linux", reason="only Linux has a signal for it"),
+        ),
         "import sys\nwhile True: print('flood'); print('flood', file=sys.stderr)",
     ],
 )
@@ -103,6 +107,26 @@ def test_it_ends_with_the_process_that_watches(tmp_path: Path, code: str, how: s
         watcher.send_signal(how)
         watcher.wait()
     wait_until(lambda: not any(map(lives, processes)))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux can seal memory")
+def test_what_both_sides_share_cannot_be_taken_away(tmp_path: Path) -> None:
+    path = script_in(
+        tmp_path,
+        """\
+        import os
+        refused = 0
+        for descriptor in map(int, os.listdir("/proc/self/fd")):
+            try:
+                refused += os.readlink(f"/proc/self/fd/{descriptor}").startswith("/memfd:")
+                os.ftruncate(descriptor, 0)
+            except OSError:
+                pass
+        print(refused > 0)
+        """,
+    )
+    log = watched(path)
+    assert (lines_of(log), log.error) == (["True"], None)
 
 
 def test_its_children_end_with_it(tmp_path: Path) -> None:

@@ -28,6 +28,26 @@ def is_users_file(file: str) -> bool:
     return not (file.startswith((_OURS, *_LIBRARIES)) or "site-packages" in file or "dist-packages" in file)
 
 
+def users_place(frame: FrameType | None) -> tuple[str, int] | None:
+    """Return file and line of the user's code that runs in ``frame`` or led to it, None without any."""
+    while frame is not None:
+        if is_users_file(frame.f_code.co_filename):
+            return frame.f_code.co_filename, line_of(frame)
+        frame = frame.f_back
+    return None
+
+
+def line_of(frame: FrameType) -> int:
+    """Return the line that ``frame`` is at.
+
+    Some instructions have none, such as the jump back to the head of a loop: then it is the line before them.
+    """
+    if frame.f_lineno is not None:
+        return frame.f_lineno
+    before = [line for start, _, line in frame.f_code.co_lines() if line and start <= frame.f_lasti]
+    return before[-1] if before else frame.f_code.co_firstlineno
+
+
 def described(error: BaseException) -> dict[str, Any]:
     """Return what is told of ``error``: type, text, file, line and traceback, without frames of ours.
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from types import CodeType, FrameType
 from typing import Any, Final
 
-from rl_tui.lab.programs.child.faults import is_users_file
+from rl_tui.lab.programs.child.faults import is_users_file, line_of
 from rl_tui.lab.programs.child.source import parsed
 
 Place = tuple[str, int]
@@ -96,7 +96,7 @@ class LineTrace:
     def _place_of(self, frame: FrameType | None) -> Place | None:
         while frame is not None and not self.is_users(frame.f_code):
             frame = frame.f_back
-        return None if frame is None else (frame.f_code.co_filename, frame.f_lineno)
+        return None if frame is None else (frame.f_code.co_filename, line_of(frame))
 
 
 class _Tracing:

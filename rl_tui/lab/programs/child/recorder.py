@@ -14,7 +14,7 @@ import numpy as np
 from rl_tui.lab.programs.child.channel import Channel
 from rl_tui.lab.programs.child.code_numbers import numbers_in
 from rl_tui.lab.programs.child.environments.numbering import Numbering
-from rl_tui.lab.programs.child.faults import is_users_file
+from rl_tui.lab.programs.child.faults import users_place
 from rl_tui.lab.programs.child.gate import Gate
 from rl_tui.lab.programs.child.line_trace import TRACED_AT_FIRST, LineTrace, Place
 from rl_tui.lab.programs.child.stopping import StepSeen, StopConditions
@@ -236,12 +236,9 @@ class Recorder:
 
     def _tell_caller(self, frame: FrameType | None, method: str) -> None:
         self._called.add(method)
-        while frame is not None:
-            if is_users_file(frame.f_code.co_filename):
-                file, line = frame.f_code.co_filename, frame.f_lineno
-                self.channel.message(MessageKind.CALLED, method=method, file=file, line=line)
-                return
-            frame = frame.f_back
+        place = users_place(frame)
+        if place is not None:
+            self.channel.message(MessageKind.CALLED, method=method, file=place[0], line=place[1])
 
     def _content(self) -> object:
         return None if self._tracker is None else self._tracker.changes_seen(self._recent)

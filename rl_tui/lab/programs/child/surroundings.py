@@ -35,11 +35,13 @@ _OLD_GYM: Final = (
 def end_with(life: int) -> None:
     """Let the system end this process and its group as soon as the other end of the pipe ``life`` is closed.
 
-    That needs neither a thread nor Python's attention: it works while C code computes. Nothing may ever be
-    written to that pipe.
+    That needs neither a thread nor Python's attention: it works while C code computes. On Linux the signal is
+    one that a program cannot ignore. Nothing may ever be written to that pipe.
     """
     signal.signal(signal.SIGIO, signal.SIG_DFL)  # which ends a process; whoever started us may ignore it
     fcntl.fcntl(life, fcntl.F_SETOWN, -os.getpgrp())
+    if hasattr(fcntl, "F_SETSIG"):
+        fcntl.fcntl(life, fcntl.F_SETSIG, signal.SIGKILL)
     fcntl.fcntl(life, fcntl.F_SETFL, fcntl.fcntl(life, fcntl.F_GETFL) | os.O_ASYNC)
     if select.select([life], [], [], 0.0)[0]:  # it is closed already
         os.killpg(0, signal.SIGKILL)

@@ -7,11 +7,10 @@ import sys
 import threading
 import warnings
 from time import sleep  # the script may put another one in its place
-from types import FrameType
 from typing import Any, Final
 
 from rl_tui.lab.programs.child.channel import Channel
-from rl_tui.lab.programs.child.faults import is_users_file
+from rl_tui.lab.programs.child.faults import users_place
 from rl_tui.lab.programs.child.gate import Gate
 from rl_tui.lab.programs.child.recorder import Recorder
 from rl_tui.lab.programs.messages import MessageKind
@@ -48,7 +47,7 @@ class Watchman:
             if not silent:
                 last_place = None
             if silent and silent % _SILENT == 0:
-                place = _place_of(sys._current_frames().get(self._program))
+                place = users_place(sys._current_frames().get(self._program))
                 if place is not None and place != last_place:
                     last_place = place
                     self._channel.message(MessageKind.STANDS, file=place[0], line=place[1])
@@ -66,12 +65,3 @@ def flush_at_exit(recorder: Recorder) -> None:
             leave(status)
 
     os._exit = tell_and_leave
-
-
-def _place_of(frame: FrameType | None) -> tuple[str, int] | None:
-    """Return the file and the line of the user's code that runs, None where none does."""
-    while frame is not None:
-        if is_users_file(frame.f_code.co_filename):
-            return frame.f_code.co_filename, frame.f_lineno
-        frame = frame.f_back
-    return None
