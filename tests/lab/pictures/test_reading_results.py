@@ -89,7 +89,7 @@ FAULTY: dict[str, tuple[str | Callable[[], object], str]] = {
     "a list": (list, "no JSON object"),
     "something else": (lambda: {"a": 1}, "neither a curve nor cells"),
     "one run": (lambda: {"q": [], "policy": []}, "one run, which has no curve"),
-    "a curve of words": (lambda: runs({"episode": ["one"]}), "no lists of numbers"),  # type: ignore[list-item]
+    "a curve of words": (lambda: runs({"episode": ["one"]}), "not lists of numbers"),  # type: ignore[list-item]
     "lists of different lengths": (
         lambda: runs({"episode": [1], "return_mean": []}),
         "no curve over episodes",
@@ -103,7 +103,7 @@ FAULTY: dict[str, tuple[str | Callable[[], object], str]] = {
     "a setting that is a list": (lambda: sweep({"alpha": 0.1}, {"epsilon": 0.2}), "settings that vary"),
     "a mean that is a word": (
         lambda: sweep({"alpha": 0.1}, cells=[{"alpha": 0.1, "area": {"mean": "much"}}]),
-        "no number",
+        "not a number",
     ),
 }
 
@@ -134,7 +134,7 @@ def test_a_csv_that_is_no_curve_is_told_in_one_line(tmp_path: Path, content: byt
 
 
 def test_a_file_that_is_not_there(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="cannot be read"):
+    with pytest.raises(UserError, match="no such file"):
         read_results(tmp_path / "no.json")
-    with pytest.raises(UserError, match="cannot be read"):
+    with pytest.raises(UserError, match="a folder"):
         read_results(tmp_path)
