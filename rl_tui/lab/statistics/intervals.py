@@ -16,7 +16,7 @@ from rl_tui.worlds.mdp.space import FloatArray
 CONFIDENCE: Final = 0.95
 FEWEST_RUNS: Final = 10
 """Below this many runs nothing is claimed of the mean."""
-RESAMPLES: Final = 5_000
+RESAMPLES: Final = 20_000
 MOST_RESAMPLED: Final = 300
 """Above this many runs a formula takes the place of resamples: other resamples would differ as much."""
 EQUAL: Final = 1e-9
