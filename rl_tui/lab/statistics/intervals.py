@@ -170,7 +170,7 @@ def _skewness(deviations: FloatArray) -> float:
     return float(np.mean(deviations**3) / np.mean(deviations**2) ** 1.5)
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=4)  # each takes up to 12 MB
 def resamples(count: int, seed: int) -> npt.NDArray[np.uint16]:
     """Return which of ``count`` values each resample draws, by rank, [count, RESAMPLES].
 

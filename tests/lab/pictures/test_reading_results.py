@@ -98,6 +98,18 @@ FAULTY: dict[str, tuple[str | Callable[[], object], str]] = {
     "no names of episodes": (lambda: runs({"return_mean": [1.0]}), "no curve over episodes"),
     "no cells": (lambda: sweep({"alpha": 0.1}, cells=[]), "without a cell"),
     "cells that are numbers": (lambda: sweep({"alpha": 0.1}, cells=[1, 2]), "no JSON objects"),
+    "a mean that is too large": (
+        lambda: sweep({"alpha": 0.1}, cells=[{"alpha": 0.1, "area": {"mean": -1e308}}]),
+        "numbers within",
+    ),
+    "a setting of hundreds of digits": (
+        lambda: sweep({"alpha": 0.1}, cells=[{"alpha": 10**400, "area": {"mean": 1.0}}]),
+        "settings that vary",
+    ),
+    "a curve of hundreds of digits": (
+        lambda: runs({"episode": [1], "return_mean": [10**400]}),
+        "numbers within",
+    ),
     "no measures": (lambda: sweep({"alpha": 0.1}, measures=[]), "without measures"),
     "other measures": (lambda: sweep({"alpha": 0.1}, measures=["regret"]), "without a measure"),
     "a setting that is a list": (lambda: sweep({"alpha": 0.1}, {"epsilon": 0.2}), "settings that vary"),
