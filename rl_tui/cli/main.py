@@ -23,6 +23,8 @@ from rl_tui.common.findings import one_line
 from rl_tui.common.interrupts import INTERRUPTED, leave_when_interrupted, note_interrupts
 
 _THREADS: Final = "NUMBA_NUM_THREADS"
+_COLOURS: Final = "TEXTUAL_COLOR_SYSTEM"
+_COLOUR_SYSTEMS: Final = ("auto", "standard", "256", "truecolor", "windows")
 _LONGEST_NUMBER: Final = 40
 
 
@@ -53,6 +55,7 @@ def program(context: click.Context, /, **display: object) -> None:
     """
     enter_kiosk(context.invoked_subcommand)
     leave_out_bad_threads()
+    leave_out_bad_colours()
     if context.invoked_subcommand is None:
         from rl_tui.cli.screen import run_app
 
@@ -119,6 +122,20 @@ def leave_out_bad_threads() -> None:
         f"{_THREADS}={one_line(number, _LONGEST_NUMBER)} is left out: expected a whole number, 1 or more"
     )
     del os.environ[_THREADS]
+
+
+def leave_out_bad_colours() -> None:
+    """Say that ``TEXTUAL_COLOR_SYSTEM`` is none of Rich's where it is not, and go on without it.
+
+    Textual reads it when it is imported, and fails at any other word when an app is made.
+    """
+    wanted = os.environ.get(_COLOURS, "auto")
+    if wanted not in _COLOUR_SYSTEMS:
+        complain(
+            f"{_COLOURS}={one_line(wanted, _LONGEST_NUMBER)} is left out: "
+            f"expected {', '.join(_COLOUR_SYSTEMS[:-1])} or {_COLOUR_SYSTEMS[-1]}"
+        )
+        del os.environ[_COLOURS]
 
 
 def leave_at_once(status: int) -> NoReturn:

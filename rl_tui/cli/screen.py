@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from rl_tui.tui.theme.glyphs import Glyphs
 
 
+FEWEST_FILES: Final = 64
+"""So many files may be open at once, or more: screen, sockets, workers and modules that are imported."""
 WORTH_TELLING: Final = 3.0  # seconds without an environment
 _ARENA_MAX: Final = -8  # M_ARENA_MAX in glibc's malloc.h
 
@@ -59,6 +61,22 @@ def require_terminal(instead: str = "rl-tui train and rl-tui screenshot do witho
     else:
         return
     raise NoTerminalError(f"{problem}; {instead}")
+
+
+def require_open_files() -> None:
+    """Raise UserError where so few files may be open that no screen, or no worker, could start."""
+    if sys.platform == "win32":
+        return
+    import resource
+
+    allowed, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if not 0 <= allowed < FEWEST_FILES:  # below 0: without a limit
+        return
+    if 0 <= most < FEWEST_FILES:
+        raise UserError(
+            f"only {most} files may be open at once (ulimit -n); the playground needs {FEWEST_FILES}"
+        )
+    resource.setrlimit(resource.RLIMIT_NOFILE, (FEWEST_FILES, most))
 
 
 def run_app(display: Display, start: Start | ProgramRequest = None) -> None:
@@ -128,6 +146,7 @@ def refuse_where_served() -> None:
 
 def _run_app(display: Display, start: Start) -> None:
     require_terminal()
+    require_open_files()
     _stand_somewhere()
     _share_heap()
     with _nothing_collected():

@@ -11,9 +11,18 @@ from typing import Final
 LARGEST_SCREEN: Final = (400, 150)
 """Columns and lines that are drawn, of a terminal or a browser that says it is larger."""
 
-# Of a scenario file
+# Of files that people name, in bytes
 LARGEST_FILE: Final = 10_000_000
-"""Bytes of a scenario file, or of a file of choices."""
+"""Of a scenario, a lesson, a policy or a script."""
+LARGEST_SESSION: Final = 64_000_000
+LARGEST_RESULTS: Final = 100_000_000
+"""Of results that are plotted: JSON takes ten times as much memory."""
+LARGEST_DRAWN: Final = 1e100
+"""Numbers of results lie within ± this: sums and ratios of them are numbers too."""
+LARGEST_SOURCE: Final = 1_000_000
+"""Of a script whose text is shown, or whose syntax tree is kept."""
+
+# Of a scenario file
 MOST_VALUES: Final = 1_000_000
 """Values in a scenario file: keys, and entries of lists."""
 MOST_TABLES: Final = 320_000
@@ -75,3 +84,13 @@ MOST_EDGES: Final = 10_000
 """Edges of the bins of one dimension, where they are written out."""
 LARGEST_ARGUMENTS: Final = 10_000
 """Characters and values in all arguments of an environment: what it makes of them is its own affair."""
+
+# Of a sweep
+MOST_SWEEP_CELLS: Final = 10_000_000
+"""Combinations of settings."""
+MOST_SWEEP_RUNS: Final = 100_000
+"""Runs of one cell."""
+MOST_SWEEP_EPISODES: Final = 10**15
+"""Episodes of one run."""
+MOST_SWEEP_ROWS: Final = 20_000_000
+"""Runs of a stored plan that is drawn: to compare them takes some 40 bytes each."""

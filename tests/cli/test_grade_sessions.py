@@ -108,7 +108,7 @@ def test_what_does_not_go_together(args: tuple[str, ...], message: str, folder: 
     ("args", "message"),
     [
         (("{all}", "no-such-lesson"), "no lesson is called"),
-        (("{folder}/nowhere.json", "{lesson}"), "there is no such file"),
+        (("{folder}/nowhere.json", "{lesson}"), "no such file"),
         (("{lesson}", "{lesson}"), "is not JSON"),
         (("{empty}", "{lesson}"), "found no session in this folder"),
     ],

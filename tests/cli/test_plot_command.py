@@ -82,7 +82,7 @@ def test_a_sweep_is_an_atlas_or_lines(tmp_path: Path) -> None:
         (("--out", "x.pdf"), 2, "does not end in .svg or .png"),
         (("--x", "alpha"), 1, "for sweeps"),
         (("--measure", "regret"), 1, "choose --measure"),
-        (("no.json",), 1, "cannot be read"),
+        (("no.json",), 1, "no such file"),
     ],
 )
 def test_faults_are_one_line(curve: str, more: tuple[str, ...], status: int, said: str) -> None:

@@ -14,6 +14,9 @@ from click.testing import CliRunner, Result
 
 from rl_tui.cli import main as main_module
 from rl_tui.cli.main import program
+from rl_tui.cli.screen import FEWEST_FILES, require_open_files
+from rl_tui.common.errors import UserError
+from rl_tui.terminal.driver_choice import driver_class
 
 SMALL = ("screenshot", "--size", "40x10", "--out", "-")
 
@@ -73,6 +76,39 @@ def test_a_number_of_threads_stays(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NUMBA_NUM_THREADS", "2")
     main_module.leave_out_bad_threads()
     assert os.environ["NUMBA_NUM_THREADS"] == "2"
+
+
+@pytest.mark.parametrize(("said", "stays"), [("zz", False), ("none", False), ("", False), ("256", True)])
+def test_a_number_of_colours_that_is_none_is_left_out(
+    said: str, stays: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("TEXTUAL_COLOR_SYSTEM", said)
+    main_module.leave_out_bad_colours()
+    assert ("TEXTUAL_COLOR_SYSTEM" in os.environ) == stays
+    assert capsys.readouterr().err.count("\n") == (0 if stays else 1)
+
+
+@pytest.mark.parametrize("named", ["os:system", "os:path", "nowhere:Driver", ":", "os", "x" * 5_000])
+def test_what_is_not_a_driver_is_refused_in_a_line(named: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TEXTUAL_DRIVER", named)
+    with pytest.raises(UserError, match=r"^TEXTUAL_DRIVER=.{1,60} is not a driver of Textual; unset it$"):
+        driver_class()
+
+
+def test_a_driver_of_textual_is_left_to_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TEXTUAL_DRIVER", "textual.drivers.web_driver:WebDriver")
+    assert driver_class() is None
+
+
+def test_few_open_files_are_raised_or_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    limits = [(8, 1_000)]
+    monkeypatch.setattr("resource.getrlimit", lambda kind: limits[-1])
+    monkeypatch.setattr("resource.setrlimit", lambda kind, wanted: limits.append(wanted))
+    require_open_files()
+    assert limits[-1] == (FEWEST_FILES, 1_000)
+    limits.append((8, 8))
+    with pytest.raises(UserError, match="only 8 files"):
+        require_open_files()
 
 
 @pytest.mark.process

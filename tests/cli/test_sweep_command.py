@@ -96,6 +96,12 @@ def test_the_report_names_the_best_and_what_is_like_it() -> None:
     assert re.search(r"The best, epsilon=0\.1, again on fresh seeds 10 to 19: ", text)
 
 
+def test_the_report_writes_settings_as_people_do() -> None:
+    said = run("maze", "--vary", "alpha=0.1:0.5:4", "--runs", "1", "--episodes", "1").stdout
+    assert "0.233333" in said
+    assert "0.2333333" not in said
+
+
 def test_the_winner_is_kept_like_any_other_run(tmp_path: Path) -> None:
     path = tmp_path / "sweep.sqlite"
     assert run(*SWEEP, "--runs", "2", "--store", str(path)).exit_code == 0

@@ -12,8 +12,9 @@ import pytest
 from fuzz_seeds import session_seeds, signed
 
 from rl_tui.common.errors import UserError
+from rl_tui.common.limits import LARGEST_SESSION
 from rl_tui.lab.sessions.replay import replay_target, replayed
-from rl_tui.lab.sessions.session import LARGEST_FILE, SessionError, read_session
+from rl_tui.lab.sessions.session import SessionError, read_session
 
 
 def changed(place: str = "", value: Any = None) -> str:
@@ -93,7 +94,7 @@ REFUSED = {
     "a table without Q": (lambda: changed("table", {"visits": [0] * 5, "episodes": 0, "state": 0}), "table.q"),
     "a table with more": (lambda: changed("table", {**TABLE, "v": [0.0]}), "table.v"),
     "a table that is none": (lambda: changed("table", [0.0] * 5), "table"),
-    "bytes": (lambda: "x" * (LARGEST_FILE + 1), "at most 64 MB"),
+    "bytes": (lambda: "x" * (LARGEST_SESSION + 1), "at most 64 MB"),
 }  # fmt: skip
 
 

@@ -17,13 +17,13 @@ from recipes import recipe
 from session_samples import after, fresh, records
 
 from rl_tui.common.errors import UserError
+from rl_tui.common.limits import LARGEST_SESSION
 from rl_tui.lab.live.record import LearnedTable, Record
 from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.lab.sessions import atomic_file
 from rl_tui.lab.sessions.atomic_file import write_atomically
 from rl_tui.lab.sessions.document import MOST_PAIRS_KEPT
 from rl_tui.lab.sessions.session import (
-    LARGEST_FILE,
     SessionError,
     StoredSession,
     checksum_of,
@@ -198,15 +198,15 @@ def test_a_file_that_is_no_session(tmp_path: Path, content: bytes, line: str) ->
 
 
 def test_a_file_that_is_not_there(tmp_path: Path) -> None:
-    assert "there is no such file" in fault(tmp_path / "a.json")
-    assert "is a folder" in fault(tmp_path)
+    assert "no such file" in fault(tmp_path / "a.json")
+    assert "a folder" in fault(tmp_path)
 
 
 def test_a_file_that_is_too_large(tmp_path: Path) -> None:
     path = tmp_path / "a.json"
     with path.open("wb") as stream:
-        stream.truncate(LARGEST_FILE + 1)
-    with pytest.raises(SessionError, match="too large"):
+        stream.truncate(LARGEST_SESSION + 1)
+    with pytest.raises(SessionError, match="at most 64 MB"):
         read_session(path)
 
 

@@ -10,13 +10,12 @@ import numpy as np
 
 from rl_tui.cli.output import alike, columns, number
 from rl_tui.common.words import counted
-from rl_tui.lab.sweeps.cell import settings_text
 from rl_tui.lab.sweeps.document import CellResult, Document, result_of
 from rl_tui.lab.sweeps.measures import SweepMeasure
 from rl_tui.lab.sweeps.plan import SweepPlan
 from rl_tui.lab.sweeps.ranking import Ranking, Standings
 from rl_tui.lab.sweeps.store import Store
-from rl_tui.lab.sweeps.variation import written
+from rl_tui.lab.sweeps.variation import Value, written
 
 SHOWN: Final = 10
 MOST_WORLDS: Final = 20
@@ -59,7 +58,7 @@ def sensitivity_report(sensitivities: Sequence[Document] | None) -> str:
     rows = [("algorithm", "own settings", "in common", "sensitivity", "held out", "best in common")]
     for each in sensitivities:
         scores = alike([each[name] for name in ("tuned", "in_common", "value", "held_out")])
-        rows.append((each["algorithm"], *scores, settings_text(each["common"])))
+        rows.append((each["algorithm"], *scores, _settings(each["common"])))
     said = (
         "How sensitive an algorithm is to its settings: its mean score with the best ones for each scenario, "
         "less that with those that are best for all in common; 0 is the random policy, 1 the best one."
@@ -102,11 +101,20 @@ def _table(
     failed = [str(each.summary.failed or "") for each in shown]
     has_failed = any(failed)
     rows = [
-        (*map(written, each.cell.settings.values()), *more)
+        (*map(_setting, each.cell.settings.values()), *more)
         for each, *more in zip(shown, *numbers, *([failed] if has_failed else []), last[1], strict=False)
     ]
     head = (*plan.names, measure.id, "from", "to", "median", *(["failed"] if has_failed else []), last[0])
     return columns([head, *rows], right=range(len(plan.names), len(head) - 1))
+
+
+def _setting(value: Value) -> str:
+    """Return ``value`` as people write it: six digits say which of the values it is."""
+    return f"{value:.6g}" if isinstance(value, float) else written(value)
+
+
+def _settings(values: Mapping[str, Value]) -> str:
+    return " ".join(f"{name}={_setting(value)}" for name, value in values.items())
 
 
 def _notes(standings: Standings, rankings: Sequence[Ranking], failed: int) -> list[str]:
@@ -134,7 +142,7 @@ def _again(plan: SweepPlan, measure: SweepMeasure, best: Mapping[str, Any]) -> s
     again = best["again"]
     mean, low, high = (again[measure.id][name] for name in _means(measure))
     seeds = f"seeds {again['first_seed']} to {again['first_seed'] + again['runs'] - 1}"
-    settings = settings_text({name: best[name] for name in plan.names})
+    settings = _settings({name: best[name] for name in plan.names})
     said = f"The best, {settings}, again on fresh {seeds}: {number(mean)}"
     if low is not None and high is not None:
         said += f" ({number(low)} to {number(high)})"

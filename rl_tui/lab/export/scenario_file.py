@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
-from rl_tui.common.text_file import UnreadableError, read_text
+from rl_tui.common.text_file import UnreadableError, open_plain, read_text
 from rl_tui.lab.export.files import new_path, write_text
 from rl_tui.lab.run.exact_answers import LIVE_STATES
 from rl_tui.lab.sessions.atomic_file import write_atomically
@@ -72,8 +72,8 @@ class ScenarioFile:
                 if path.parent == user_folder():
                     path.parent.mkdir(parents=True, exist_ok=True)
                 write_text(path, text)
-        except OSError as error:
-            reason = error.strerror or error
+        except (OSError, UnreadableError) as error:
+            reason = getattr(error, "strerror", None) or error
             raise UserError(f"{path} cannot be written ({reason}): save it under another name") from error
         return replace(self, path=path, text=text)
 
@@ -149,7 +149,7 @@ def _write_over(path: Path, text: str) -> None:
     if not path.is_file() or path.parent == shipped_folder().resolve():
         raise UserError(f"{path} is no file of yours any more: save it under another name")
     content = text.encode()
-    with path.open("rb") as stream:
+    with open_plain(path, "a scenario file") as stream:
         mark = codecs.BOM_UTF8 if stream.read(len(codecs.BOM_UTF8)) == codecs.BOM_UTF8 else b""
     with path.open("r+b"):
         pass  # a file that may not be written stays as it is, whatever its folder allows

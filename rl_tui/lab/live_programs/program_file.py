@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Final
 
 from rl_tui.common.errors import UserError
+from rl_tui.common.limits import LARGEST_SOURCE
+from rl_tui.common.text_file import UnreadableError, open_plain
 from rl_tui.lab.programs.child.source import check_script
 
 LOOKS: Final = 0.1
 """Seconds between two looks at the file."""
 SETTLED: Final = 0.3
 """So many seconds after it was saved last it counts."""
-_MOST_BYTES: Final = 1_000_000
 
 
 class ProgramFile:
@@ -65,7 +66,7 @@ def _stamp(path: Path) -> tuple[int, int] | None:
 
 def _lines(path: Path) -> tuple[str, ...]:
     try:
-        with path.open("rb") as file:
-            return tuple(file.read(_MOST_BYTES).decode("utf-8", "replace").splitlines())
-    except OSError:
+        with open_plain(path, "a Python file") as file:
+            return tuple(file.read(LARGEST_SOURCE).decode("utf-8", "replace").splitlines())
+    except (OSError, UnreadableError):
         return ()

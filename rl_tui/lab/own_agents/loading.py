@@ -16,6 +16,7 @@ from typing import Final, NamedTuple
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
+from rl_tui.common.text_file import UnreadableError, read_bytes
 from rl_tui.lab.own_agents.binding import role_of
 from rl_tui.lab.own_agents.shapes import OF_FUNCTION, SHAPE_OF, Style, shapes_in_words, style_of_methods
 
@@ -164,8 +165,8 @@ def _class_called(
 
 def _parsed(path: Path) -> ast.Module | None:
     try:
-        return ast.parse(path.read_bytes())
-    except (OSError, SyntaxError, ValueError, RecursionError, MemoryError):
+        return ast.parse(read_bytes(path, "a Python file")[0])
+    except (UnreadableError, SyntaxError, ValueError, RecursionError, MemoryError):
         return None  # what is wrong with it is said when it is imported
 
 

@@ -9,7 +9,7 @@ from typing import Final
 from rl_tui.lab.pictures import colours
 from rl_tui.lab.pictures.axis import number_text
 from rl_tui.lab.pictures.picture import AtlasChart
-from rl_tui.lab.pictures.shapes import Disc, Path, Rectangle, Shape, Text, area, text_width
+from rl_tui.lab.pictures.shapes import Disc, Path, Rectangle, Shape, Text, area, fitting, text_width
 
 SIZE: Final = 12.0
 _CELL_SIZE: Final = 11.0
@@ -29,7 +29,9 @@ def atlas_shapes(atlas: AtlasChart, left: float, top: float, width: float) -> tu
     shapes: list[Shape] = []
     if atlas.title:
         y += _TITLE_LINE
-        shapes.append(Text(left, y - 5, atlas.title, _TITLE_SIZE, colours.TEXT, bold=True))
+        shapes.append(
+            Text(left, y - 5, fitting(atlas.title, _TITLE_SIZE, width), _TITLE_SIZE, colours.TEXT, bold=True)
+        )
     y += _LABEL_LINE
     shapes.append(Text(left, y - 5, atlas.y_label, SIZE, colours.DIM))
     height = min(max(_MOST_HEIGHT / len(atlas.rows), _LOWEST), _TALLEST) * len(atlas.rows)

@@ -32,7 +32,8 @@ class ChartAxis:
         if not self.logarithmic:
             return (value - self.low) / (self.high - self.low)
         low = math.log(self.low)
-        return (math.log(value) - low) / (math.log(self.high) - low) if value > 0.0 else -math.inf
+        width = math.log(self.high) - low or 1.0  # numbers may lie closer than their logarithms tell
+        return (math.log(value) - low) / width if value > 0.0 else -math.inf
 
     @property
     def tick_shares(self) -> list[float]:

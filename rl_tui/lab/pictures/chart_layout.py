@@ -36,10 +36,12 @@ def chart_shapes(chart: Chart, left: float, top: float, width: float) -> tuple[f
     shapes: list[Shape] = []
     if chart.title:
         y += _TITLE_LINE
-        shapes.append(Text(left, y - 5, chart.title, _TITLE_SIZE, colours.TEXT, bold=True))
+        shapes.append(
+            Text(left, y - 5, fitting(chart.title, _TITLE_SIZE, width), _TITLE_SIZE, colours.TEXT, bold=True)
+        )
     if chart.y.label:
         y += _LABEL_LINE
-        shapes.append(Text(left, y - 5, chart.y.label, SIZE, colours.DIM))
+        shapes.append(Text(left, y - 5, fitting(chart.y.label, SIZE, width), SIZE, colours.DIM))
     y += _TICK
     height = max(_HEIGHT, _NAME_LINE * len(names))
     box = Rectangle(left + values, y, width - values - legend, height)
@@ -68,7 +70,14 @@ def _axes(chart: Chart, box: Rectangle) -> Iterator[Shape]:
         yield Text(x, box.bottom + _TICK + SIZE, label, SIZE, colours.TEXT, anchor="middle")
     yield Path(((box.left, box.top), (box.left, box.bottom), (box.right, box.bottom)), stroke=colours.FRAME)
     below = box.bottom + _TICK + _LABEL_LINE + SIZE
-    yield Text(box.left + box.width / 2, below, chart.x.label, SIZE, colours.DIM, anchor="middle")
+    yield Text(
+        box.left + box.width / 2,
+        below,
+        fitting(chart.x.label, SIZE, box.width),
+        SIZE,
+        colours.DIM,
+        anchor="middle",
+    )
 
 
 def _place(chart: Chart, box: Rectangle, x: float, y: float) -> Point:

@@ -114,15 +114,20 @@ def fitting(text: str, size: float, width: float) -> str:
     """Return ``text``, cut and ended by an ellipsis where it may be wider than ``width``."""
     if text_width(text, size) <= width:
         return text
-    while text and text_width(text + "…", size) > width:
-        text = text[:-1]
-    return text.rstrip() + "…"
+    room = width - text_width("…", size)
+    kept = 0
+    for character in text:
+        room -= text_width(character, size)
+        if room < 0.0:
+            break
+        kept += 1
+    return text[:kept].rstrip() + "…"
 
 
 def wrapped(text: str, size: float, width: float) -> list[str]:
-    """Return ``text`` in lines of at most ``width``; a word that is wider has a line of its own."""
+    """Return ``text`` in lines of at most ``width``; a word that is wider is cut."""
     lines = [""]
-    for word in text.split():
+    for word in (fitting(each, size, width) for each in text.split()):
         longer = f"{lines[-1]} {word}".strip()
         if lines[-1] and text_width(longer, size) > width:
             lines.append(word)

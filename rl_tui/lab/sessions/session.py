@@ -19,6 +19,8 @@ from pydantic import ValidationError
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line, place
 from rl_tui.common.kiosk import in_kiosk
+from rl_tui.common.limits import LARGEST_SESSION
+from rl_tui.common.text_file import UnreadableError, read_bytes
 from rl_tui.lab.sessions.atomic_file import signature
 
 if TYPE_CHECKING:
@@ -29,7 +31,6 @@ if TYPE_CHECKING:
     from rl_tui.worlds.mdp.space import FloatArray
 
 SUFFIX: Final = ".json"
-LARGEST_FILE: Final = 64_000_000
 MOST_PAIRS_DIGESTED: Final = 100_000
 OTHER_BITS: Final = (
     "Q does not come out as it was saved: the program, NumPy or Numba is another version now, and so the run "
@@ -117,23 +118,9 @@ def read_session(path: Path) -> StoredSession:
     if in_kiosk():
         raise SessionError(path, "kiosk mode opens no files: only the shipped scenarios")
     try:
-        if path.is_dir():
-            raise SessionError(path, "is a folder; give the .json file of a session")
-        status = path.stat()
-        if not path.is_file():
-            raise SessionError(path, "is not a plain file; give the .json file of a session")
-        if status.st_size > LARGEST_FILE:
-            size = f"{status.st_size / 1e6:,.0f} MB"
-            raise SessionError(
-                path, f"is too large for a session ({size}; at most {LARGEST_FILE // 10**6} MB)"
-            )
-        content = path.read_bytes()
-    except FileNotFoundError:
-        raise SessionError(
-            path, "there is no such file; rl-tui without a command lists the sessions"
-        ) from None
-    except (OSError, ValueError) as error:
-        raise SessionError(path, f"cannot be read ({getattr(error, 'strerror', None) or error})") from error
+        content, status = read_bytes(path, "the .json file of a session", LARGEST_SESSION)
+    except UnreadableError as reason:
+        raise SessionError(path, str(reason)) from reason
     return StoredSession(path, _document(path, content), signature(status))
 
 
@@ -151,8 +138,8 @@ def encoded(record: Record, *, title: str = "", kept: bool = False, digest: str 
         content = json.dumps({**fields, _CHECKSUM: checksum_of(fields)}, allow_nan=False).encode()
     except ValueError as error:
         raise UserError(f"it holds a number that cannot be written ({error})") from error
-    if len(content) > LARGEST_FILE:
-        raise UserError(f"it is larger than {LARGEST_FILE // 10**6} MB")
+    if len(content) > LARGEST_SESSION:
+        raise UserError(f"it is larger than {LARGEST_SESSION // 10**6} MB")
     return content
 
 

@@ -16,7 +16,7 @@ from rl_tui.worlds.mdp.space import FloatArray
 CONFIDENCE: Final = 0.95
 FEWEST_RUNS: Final = 10
 """Below this many runs nothing is claimed of the mean."""
-RESAMPLES: Final = 5_000
+RESAMPLES: Final = 20_000
 MOST_RESAMPLED: Final = 300
 """Above this many runs a formula takes the place of resamples: other resamples would differ as much."""
 EQUAL: Final = 1e-9
@@ -170,7 +170,7 @@ def _skewness(deviations: FloatArray) -> float:
     return float(np.mean(deviations**3) / np.mean(deviations**2) ** 1.5)
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=4)  # each takes up to 12 MB
 def resamples(count: int, seed: int) -> npt.NDArray[np.uint16]:
     """Return which of ``count`` values each resample draws, by rank, [count, RESAMPLES].
 

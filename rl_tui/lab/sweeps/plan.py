@@ -12,6 +12,7 @@ from rl_tui.agents.catalogue import POLICY_BY_ID, parameters_of
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
+from rl_tui.common.limits import MOST_SWEEP_CELLS
 from rl_tui.lab.experiments.training import Goal
 from rl_tui.lab.run.library import episodes_of, recipe_for
 from rl_tui.lab.run.recipe import Recipe, changed_parameter
@@ -22,7 +23,6 @@ from rl_tui.lab.sweeps.variation import ALGORITHM, SCENARIO, Value, Variation, w
 from rl_tui.worlds.editing.edit import PREFIX
 from rl_tui.worlds.files.scenario import Scenario
 
-MOST_CELLS: Final = 10_000_000
 LARGEST_SEED: Final = 9 * 10**18
 """What a whole number of a database, and of a kernel, can hold."""
 _MOST_TRIED: Final = 2_000
@@ -140,9 +140,9 @@ class SweepPlan:
             raise UserError(
                 f"--seed {self.first_seed} is too large here; expected less than {LARGEST_SEED:.0e}"
             )
-        if self.count > MOST_CELLS:
+        if self.count > MOST_SWEEP_CELLS:
             raise UserError(
-                f"{self.count:,} cells are more than {MOST_CELLS:,}; vary less, or take --random N"
+                f"{self.count:,} cells are more than {MOST_SWEEP_CELLS:,}; vary less, or take --random N"
             )
         for each in self.variations:
             for value in _telling(each):

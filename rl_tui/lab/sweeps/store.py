@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 import json
+import math
 import sqlite3
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Final, NamedTuple
 
 from rl_tui.common.errors import UserError
+from rl_tui.common.findings import shown
+from rl_tui.common.text_file import UnreadableError, check_plain
+from rl_tui.common.words import counted
 from rl_tui.lab.sweeps.cell import Cell
 from rl_tui.lab.sweeps.runs import RunRow
 from rl_tui.lab.sweeps.storing.machine import this_machine
-from rl_tui.lab.sweeps.storing.schema import APPLICATION, FIGURES, FORMAT, SCHEMA
+from rl_tui.lab.sweeps.storing.schema import APPLICATION, FIGURES, FORMAT, SCHEMA, check_schema
 from rl_tui.lab.sweeps.storing.writer_lock import WriterLock
 
 COMMIT_EVERY: Final = 0.1
 """Seconds after which finished rows are committed, if nobody is busy; a kill loses 0.25 of them at most."""
+_KIND: Final = "a store of sweeps"
+_LONGEST_VALUE: Final = 100_000_000  # bytes; a plan holds the text of its scenario
 _PATIENCE: Final = 5.0  # seconds for which another process may hold the file
 _COLUMNS: Final = ", ".join(("seed", *FIGURES, "failed", "seconds"))
 _INSERT_ROW: Final = (
@@ -58,6 +64,7 @@ class Store:
             raise UserError(f"{path}: is no name of a file; expected one such as sweep.sqlite")
         if not path.absolute().parent.is_dir():
             raise UserError(f"{path}: there is no folder {path.parent}; make it first")
+        _check_kind(path)
         lock = WriterLock(path)
         try:
             lock.acquire()
@@ -79,12 +86,14 @@ class Store:
     @classmethod
     def to_read(cls, path: Path) -> Store:
         """Return the store at ``path``, which somebody may be writing, to be read only."""
-        if not path.is_file():
-            raise UserError(f"{path}: there is no such file")
+        _check_kind(path)
+        if not path.exists():
+            raise UserError(f"{path}: found no such file; expected {_KIND}")
         with _in_one_line(str(path)):
             database = _opened_to_read(path)
             try:
-                _check_format(database, str(path))
+                _distrust(database)
+                check_schema(database, str(path))
             except BaseException:
                 database.close()
                 raise
@@ -129,14 +138,27 @@ class Store:
             self._begin()
             self._database.execute("INSERT OR IGNORE INTO cells VALUES (?, ?, ?, ?)", cell)
             number, before = self._machine_number(machine or this_machine()), self._database.total_changes
+            given = list(rows)
             self._database.executemany(
                 _INSERT_ROW,
                 (
                     (cell.key, row.seed, *map(row.figures.get, FIGURES), row.failed, row.seconds, number)
-                    for row in rows
+                    for row in given
                 ),
             )
-            return self._database.total_changes - before
+            added = self._database.total_changes - before
+        self._verify(cell.key, {row.seed for row in given})
+        return added
+
+    def _verify(self, key: str, seeds: set[int]) -> None:
+        """Raise UserError unless there is a row of each of ``seeds``, which were written."""
+        if not seeds:
+            return
+        lost = seeds.intersection(self.missing(key, range(min(seeds), max(seeds) + 1)))
+        if lost:
+            raise UserError(
+                f"{self.name}: {counted(len(lost), 'run')} did not stay in it; use another --store"
+            )
 
     def note_plan(self, plan: str) -> None:
         """Keep ``plan``, the text of one, if it is not there."""
@@ -148,7 +170,7 @@ class Store:
         """Return the texts of all plans that it was filled by, the first one first."""
         with _in_one_line(self.name):
             found = self._database.execute("SELECT plan FROM plans ORDER BY created, plan").fetchall()
-        return [plan for (plan,) in found]
+        return [self._text(plan) for (plan,) in found]
 
     def commit(self, *, at_once: bool = True) -> None:
         """Commit what was added; unless ``at_once`` only where the last time is a while ago."""
@@ -168,10 +190,8 @@ class Store:
         """Yield the rows of the cell of ``key`` that have one of ``seeds``, ascending by 1."""
         wanted = f"SELECT {_COLUMNS} FROM rows WHERE key = ? AND seed >= ? AND seed < ? ORDER BY seed"
         with _in_one_line(self.name):
-            for seed, *figures, failed, seconds in self._database.execute(
-                wanted, (key, seeds.start, seeds.stop)
-            ):
-                yield RunRow(seed, dict(zip(FIGURES, figures, strict=True)), failed, seconds)
+            for row in self._database.execute(wanted, (key, seeds.start, seeds.stop)):
+                yield self._run(row)
 
     def missing(self, key: str, seeds: range) -> list[int]:
         """Return those of ``seeds``, ascending by 1, of which the cell of ``key`` has no row."""
@@ -183,7 +203,8 @@ class Store:
     def cells(self) -> Iterator[StoredCell]:
         """Yield every cell that there are rows of, by its key."""
         with _in_one_line(self.name):
-            yield from map(StoredCell._make, self._database.execute("SELECT * FROM cells ORDER BY key"))
+            for texts in self._database.execute("SELECT * FROM cells ORDER BY key"):
+                yield StoredCell._make(map(self._text, texts))
 
     def rows_by_machine(self, key: str) -> Iterator[tuple[str, RunRow]]:
         """Yield every row of the cell of ``key`` by its seed, and the machine that it was made on."""
@@ -192,13 +213,34 @@ class Store:
             "WHERE key = ? ORDER BY seed"
         )
         with _in_one_line(self.name):
-            for machine, seed, *figures, failed, seconds in self._database.execute(wanted, (key,)):
-                yield machine, RunRow(seed, dict(zip(FIGURES, figures, strict=True)), failed, seconds)
+            for machine, *row in self._database.execute(wanted, (key,)):
+                yield self._text(machine), self._run(row)
 
     def count(self) -> int:
         """Return how many rows there are."""
         with _in_one_line(self.name):
             return int(self._database.execute("SELECT COUNT(*) FROM rows").fetchone()[0])
+
+    def _run(self, row: Sequence[object]) -> RunRow:
+        """Return a run as it was stored: SQLite keeps text in a column of numbers."""
+        seed, *figures, failed, seconds = row
+        for each in (seed, *figures, seconds):
+            if each is not None and not (isinstance(each, int | float) and math.isfinite(each)):
+                raise self._damaged(each, "a number")
+        if failed is not None:
+            self._text(failed)
+        return RunRow(seed, dict(zip(FIGURES, figures, strict=True)), failed, seconds)  # type: ignore[arg-type]
+
+    def _text(self, value: object) -> str:
+        if not isinstance(value, str):
+            raise self._damaged(value, "text")
+        return value
+
+    def _damaged(self, found: object, expected: str) -> UserError:
+        return UserError(
+            f"{self.name}: is damaged (found {shown(found)}, not {expected}); "
+            "go on from a copy, or in a new file"
+        )
 
     def _begin(self) -> None:
         if not self._database.in_transaction:
@@ -241,10 +283,25 @@ def _reason(code: int, said: str) -> str:
             return said
 
 
+def _check_kind(path: Path) -> None:
+    """Raise UserError where ``path`` is a pipe, a device or the like, which SQLite would wait for."""
+    try:
+        check_plain(path, _KIND)
+    except UnreadableError as reason:
+        raise UserError(f"{path}: {reason}") from reason
+
+
+def _distrust(database: sqlite3.Connection) -> None:
+    """Let nothing in the file of ``database`` call functions, nor any value in it take all memory."""
+    database.execute("PRAGMA trusted_schema = OFF")
+    database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _LONGEST_VALUE)
+
+
 def _prepare(database: sqlite3.Connection, name: str) -> None:
+    _distrust(database)
     is_new = database.execute("SELECT COUNT(*) FROM sqlite_master").fetchone()[0] == 0
     if not is_new:
-        _check_format(database, name)
+        check_schema(database, name)
     database.execute("PRAGMA journal_mode = WAL")
     database.execute("PRAGMA synchronous = NORMAL")
     if is_new:
@@ -260,16 +317,6 @@ def _make_tables(database: sqlite3.Connection) -> None:
 
 def _now() -> str:
     return time.strftime("%Y-%m-%d %H:%M:%S", time.gmtime())
-
-
-def _check_format(database: sqlite3.Connection, name: str) -> None:
-    """Raise UserError where the file of that ``name`` is no store, or one of another version."""
-    if database.execute("PRAGMA application_id").fetchone()[0] != APPLICATION:
-        raise UserError(f"{name}: is a database, but no store of a sweep; give another --store")
-    (said,) = database.execute("SELECT value FROM meta WHERE name = 'format'").fetchone()
-    if int(said) != FORMAT:
-        older = "a newer" if int(said) > FORMAT else "an older"
-        raise UserError(f"{name}: was written by {older} rl-tui (format {said}, this one has {FORMAT})")
 
 
 def _opened_to_read(path: Path) -> sqlite3.Connection:

@@ -7,11 +7,13 @@ import pytest
 from result_samples import EPSILONS, STEP_SIZES, grid, runs, sweep
 
 from rl_tui.common.errors import UserError
+from rl_tui.lab.pictures.layout import laid_out
 from rl_tui.lab.pictures.picture import AtlasChart, Chart, Picture
 from rl_tui.lab.pictures.results.cut import kept_range
 from rl_tui.lab.pictures.results.picture import picture_of
 from rl_tui.lab.pictures.results.reading import results_of
 from rl_tui.lab.pictures.results.tables import CurveTable
+from rl_tui.lab.pictures.shapes import Text
 
 CURVE = {
     "episode": [1.0, 2.0, 3.0],
@@ -216,3 +218,24 @@ def test_what_lies_far_off_does_not_count() -> None:
     assert kept_range([1.0, 2.0, 3.0, 4.0, 9.0]) == (1.0, 9.0)
     assert kept_range([5.0, 5.0, 5.0, 6.0]) == (5.0, 6.0)
     assert math.isclose(sum(kept_range([2.0])), 4.0)
+
+
+@pytest.mark.parametrize("measure", ["area", "V" * 100_000], ids=["short", "long"])
+def test_words_of_100_000_letters_are_cut(measure: str) -> None:
+    word = "W" * 100_000
+    cells = [
+        {word: word + end, "alpha": each, measure: {"mean": each}} for end in "ab" for each in (0.1, 0.2)
+    ]
+    document = {"scenario": word, "measures": [measure], "cells": cells}
+    for x in ("alpha", word):
+        for y in (None, word if x == "alpha" else "alpha"):
+            page = laid_out(picture_of([results_of(document, "a.json")], x=x, y=y))
+            texts = [each.text for each in page.shapes if isinstance(each, Text)]
+            assert sum(text.count("W") + text.count("w") for text in texts) > 20
+            assert max(map(len, texts)) < 250
+
+
+def test_numbers_closer_than_their_logarithms_have_an_axis() -> None:
+    cells = [{"alpha": 1e16 + each, "area": {"mean": each}} for each in (0.0, 2.0, 4.0)]
+    table = results_of({"measures": ["area"], "cells": cells}, "a.json")
+    assert laid_out(picture_of([table])).height > 0

@@ -89,7 +89,7 @@ FAULTY: dict[str, tuple[str | Callable[[], object], str]] = {
     "a list": (list, "no JSON object"),
     "something else": (lambda: {"a": 1}, "neither a curve nor cells"),
     "one run": (lambda: {"q": [], "policy": []}, "one run, which has no curve"),
-    "a curve of words": (lambda: runs({"episode": ["one"]}), "no lists of numbers"),  # type: ignore[list-item]
+    "a curve of words": (lambda: runs({"episode": ["one"]}), "not lists of numbers"),  # type: ignore[list-item]
     "lists of different lengths": (
         lambda: runs({"episode": [1], "return_mean": []}),
         "no curve over episodes",
@@ -98,12 +98,24 @@ FAULTY: dict[str, tuple[str | Callable[[], object], str]] = {
     "no names of episodes": (lambda: runs({"return_mean": [1.0]}), "no curve over episodes"),
     "no cells": (lambda: sweep({"alpha": 0.1}, cells=[]), "without a cell"),
     "cells that are numbers": (lambda: sweep({"alpha": 0.1}, cells=[1, 2]), "no JSON objects"),
+    "a mean that is too large": (
+        lambda: sweep({"alpha": 0.1}, cells=[{"alpha": 0.1, "area": {"mean": -1e308}}]),
+        "numbers within",
+    ),
+    "a setting of hundreds of digits": (
+        lambda: sweep({"alpha": 0.1}, cells=[{"alpha": 10**400, "area": {"mean": 1.0}}]),
+        "settings that vary",
+    ),
+    "a curve of hundreds of digits": (
+        lambda: runs({"episode": [1], "return_mean": [10**400]}),
+        "numbers within",
+    ),
     "no measures": (lambda: sweep({"alpha": 0.1}, measures=[]), "without measures"),
     "other measures": (lambda: sweep({"alpha": 0.1}, measures=["regret"]), "without a measure"),
     "a setting that is a list": (lambda: sweep({"alpha": 0.1}, {"epsilon": 0.2}), "settings that vary"),
     "a mean that is a word": (
         lambda: sweep({"alpha": 0.1}, cells=[{"alpha": 0.1, "area": {"mean": "much"}}]),
-        "no number",
+        "not a number",
     ),
 }
 
@@ -134,7 +146,7 @@ def test_a_csv_that_is_no_curve_is_told_in_one_line(tmp_path: Path, content: byt
 
 
 def test_a_file_that_is_not_there(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="cannot be read"):
+    with pytest.raises(UserError, match="no such file"):
         read_results(tmp_path / "no.json")
-    with pytest.raises(UserError, match="cannot be read"):
+    with pytest.raises(UserError, match="a folder"):
         read_results(tmp_path)

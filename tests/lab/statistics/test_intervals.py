@@ -230,3 +230,9 @@ def test_the_interquartile_mean_counts_what_a_quartile_cuts_by_its_part() -> Non
     assert interquartile_mean([4, 6]) == 5
     with pytest.raises(ValueError, match="no value"):
         interquartile_mean([])
+
+
+def test_of_nearly_binary_results_the_ends_do_not_depend_on_the_resamples() -> None:
+    results = [0.0] * 5 + [0.5] + [1.0] * 24
+    for seed in range(10):
+        assert interval_of(results, seed) == pytest.approx(interval_of(results))

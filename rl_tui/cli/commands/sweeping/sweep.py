@@ -26,6 +26,7 @@ from rl_tui.cli.options.run import (
 from rl_tui.cli.options.sweep import MeasureValue, SchedulerValue, ShardValue, VariationValue
 from rl_tui.cli.output import complain
 from rl_tui.cli.progress import WORTH_A_FORECAST, finish_compiling, progress
+from rl_tui.common.limits import MOST_SWEEP_CELLS, MOST_SWEEP_EPISODES, MOST_SWEEP_RUNS
 from rl_tui.common.words import counted, lasting, short_count
 
 if TYPE_CHECKING:
@@ -37,9 +38,6 @@ if TYPE_CHECKING:
 
     MakeWorkers = Callable[[Callable[[str], None]], Workers]
 
-MOST: Final = 10**15
-MOST_RUNS: Final = 100_000
-MOST_POINTS: Final = 10_000_000
 _STORE: Final = click.Path(dir_okay=False, path_type=Path)
 
 
@@ -91,13 +89,15 @@ class SweepCommand(SectionedCommand):
 )
 @click.option(
     "--runs",
-    type=Whole(1, MOST_RUNS),
+    type=Whole(1, MOST_SWEEP_RUNS),
     default=10,
     show_default=True,
     help="train each combination so often, with the seed and those that follow it",
 )
-@click.option("--random", type=Whole(1, MOST_POINTS), help="draw so many combinations in place of all")
-@click.option("--episodes", type=Whole(1, MOST), help="train so many episodes  [default: the scenario's]")
+@click.option("--random", type=Whole(1, MOST_SWEEP_CELLS), help="draw so many combinations in place of all")
+@click.option(
+    "--episodes", type=Whole(1, MOST_SWEEP_EPISODES), help="train so many episodes  [default: the scenario's]"
+)
 @click.option("--store", type=_STORE, help="keep the runs in FILE.sqlite, and train only those not there yet")
 @click.option("--jobs", type=Whole(1, 4096), help="train so many at once  [default: one a core]")
 @click.option(

@@ -9,8 +9,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Final, TypeVar
 
-_LARGEST: Final = 1_000_000
-"""Bytes of a file that is read."""
+from rl_tui.common.limits import LARGEST_SOURCE
+from rl_tui.common.text_file import UnreadableError, read_bytes
+
 _MAGIC: Final = re.compile(r"^([ \t]*)[!%].*$", re.MULTILINE)
 """A line that only notebooks understand."""
 _WRITING: Final = frozenset({"itemset", "put", "update", "__setitem__", "setdefault"})
@@ -22,18 +23,15 @@ def parsed_file(file: str) -> ast.Module | None:
     """Return the tree of ``file``; None where there is none that can be read."""
     try:
         path = Path(file)
-        said = path.stat()
-        if said.st_size > _LARGEST or not path.is_file():
-            return None
-        return _parsed(path, said.st_mtime_ns)
-    except (OSError, ValueError):
+        return _parsed(path, path.stat().st_mtime_ns)
+    except (OSError, ValueError, UnreadableError):
         return None
 
 
 @lru_cache(maxsize=32)
 def _parsed(path: Path, changed: int) -> ast.Module | None:
     del changed  # another key where the file was saved again
-    text = path.read_bytes()
+    text, _ = read_bytes(path, "a Python file", LARGEST_SOURCE)
     try:
         return ast.parse(text)
     except (SyntaxError, ValueError, RecursionError, MemoryError):

@@ -5,14 +5,15 @@ from __future__ import annotations
 import csv
 import io
 import json
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final, NoReturn
 
-from rl_tui.common.errors import UserError
-from rl_tui.common.findings import one_line
+from rl_tui.common.errors import Fault, UserError
+from rl_tui.common.findings import one_line, printable
+from rl_tui.common.limits import LARGEST_DRAWN, LARGEST_RESULTS
+from rl_tui.common.text_file import UnreadableError, read_text
 from rl_tui.lab.pictures.results.stores import document_of, is_store
 from rl_tui.lab.pictures.results.tables import CellSpread, CurveTable, SweepCell, SweepTable, Value
 
@@ -22,6 +23,8 @@ _NOT_SETTINGS: Final = ("runs", "failed", "like_best")
 _LONGEST: Final = 60
 _RESTRICTED: Final = "restricted_"  # begins what is known of arrivals where some runs never arrived
 _FEWEST_FOR_A_RATIO: Final = 3
+_LONGEST_TITLE: Final = 200
+_DRAWABLE: Final = f"numbers within ±{LARGEST_DRAWN:g}"
 _WANTED: Final = "the JSON of train --runs or of sweep, a store of sweeps, or the CSV of train --curve"
 
 
@@ -33,11 +36,11 @@ def read_results(path: Path, measure: str | None = None) -> CurveTable | SweepTa
     if is_store(path):
         return results_of(document_of(path, measure), str(path))
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise UserError(f"{path}: cannot be read ({error.strerror or error})") from error
-    except ValueError as error:  # no UTF-8, or a null character in the path
-        raise UserError(f"{path}: is no text; expected {_WANTED}") from error
+        text = read_text(path, _WANTED, LARGEST_RESULTS)
+    except UnreadableError as reason:
+        raise UserError(
+            str(Fault(printable(str(path)), reason.place, reason.found, reason.expected))
+        ) from reason
     if path.suffix.lower() == CSV:
         return _curve_of_csv(path, text)
     try:
@@ -85,12 +88,14 @@ def _curve_of_csv(path: Path, text: str) -> CurveTable:
 def _curve(document: Mapping[str, Any], source: str) -> CurveTable:
     columns = document["curve"]
     if not all(isinstance(values, list) and all(map(_is_number, values)) for values in columns.values()):
-        raise _fault(source, "a curve that is no lists of numbers")
+        raise _fault(source, "a curve that is not lists of numbers", _DRAWABLE)
     runs = document.get("runs")
     words = [document[name] for name in ("scenario", "algorithm") if isinstance(document.get(name), str)]
     return _checked(
         CurveTable(
-            ", ".join(words) or Path(source).stem, columns, len(runs) if isinstance(runs, list) else None
+            one_line(", ".join(words) or Path(source).stem, _LONGEST_TITLE),
+            columns,
+            len(runs) if isinstance(runs, list) else None,
         ),
         source,
     )
@@ -104,13 +109,15 @@ def _checked(table: CurveTable, source: str) -> CurveTable:
         raise _fault(source, "no curve over episodes")
     if not episodes:
         raise _fault(source, "a curve without episodes", "runs that finish some")
-    if any(value is not None and not math.isfinite(value) for row in table.columns.values() for value in row):
-        raise _fault(source, "a curve with what is no finite number")
+    if not all(_is_number(value) for row in table.columns.values() for value in row):
+        raise _fault(source, "a curve with a number that cannot be drawn", _DRAWABLE)
     return table
 
 
 def _is_number(value: object) -> bool:
-    return value is None or (isinstance(value, int | float) and not isinstance(value, bool))
+    return value is None or (
+        isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST_DRAWN
+    )
 
 
 def _sweep(document: Mapping[str, Any], source: str) -> SweepTable:
@@ -129,7 +136,7 @@ def _sweep(document: Mapping[str, Any], source: str) -> SweepTable:
         raise _fault(source, "cells without the settings that vary")
     judged_by = document.get("measure")
     return SweepTable(
-        scenario="" if "scenario" in names else str(document.get("scenario", "")),
+        scenario="" if "scenario" in names else one_line(str(document.get("scenario", "")), _LONGEST_TITLE),
         names=names,
         logarithmic=frozenset(
             name
@@ -152,9 +159,9 @@ def _measures(found: object, source: str) -> dict[str, str]:
     measures: dict[str, str] = {}
     for each in found if isinstance(found, list) else ():
         if isinstance(each, str):
-            measures[each] = each.replace("_", " ")
+            measures[each] = one_line(each.replace("_", " "), _LONGEST_TITLE)
         elif isinstance(each, dict) and isinstance(each.get("id"), str):
-            measures[each["id"]] = str(each.get("title", each["id"]))
+            measures[each["id"]] = one_line(str(each.get("title", each["id"])), _LONGEST_TITLE)
     if not measures:
         raise _fault(source, "a sweep without measures")
     return measures
@@ -176,12 +183,12 @@ def _spread(figures: object, runs: object, source: str) -> CellSpread:
     of = _RESTRICTED if is_restricted else ""
     mean, low, high = (figures.get(f"{of}{name}") for name in ("mean", "low", "high"))
     if not all(map(_is_number, (mean, low, high))):
-        raise _fault(source, "a measure that is no number")
+        raise _fault(source, "a measure that is not a number", _DRAWABLE)
     return CellSpread(mean, low, high, figures.get("count", runs) == runs, is_restricted)
 
 
 def _is_setting(value: object) -> bool:
-    return isinstance(value, bool | int | float | str)
+    return isinstance(value, bool | str) or (value is not None and _is_number(value))
 
 
 def _settings_in(found: object, names: Iterable[str]) -> dict[str, Value] | None:

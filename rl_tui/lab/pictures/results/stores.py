@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from rl_tui.common.errors import UserError
+from rl_tui.common.text_file import UnreadableError, open_plain
 from rl_tui.lab.sweeps.document import best_documents, json_pieces
 from rl_tui.lab.sweeps.measures import MEASURES
 from rl_tui.lab.sweeps.ranking import standings_of
@@ -19,9 +20,9 @@ _HEAD: Final = b"SQLite format 3\0"
 def is_store(path: Path) -> bool:
     """Return whether the file is an SQLite database, as stores are; False where it cannot be read."""
     try:
-        with path.open("rb") as file:
+        with open_plain(path, "a store") as file:
             return file.read(len(_HEAD)) == _HEAD
-    except (OSError, ValueError):
+    except (OSError, UnreadableError):
         return False
 
 

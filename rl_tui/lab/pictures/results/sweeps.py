@@ -8,6 +8,7 @@ from typing import Final
 
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line
 from rl_tui.common.words import counted
 from rl_tui.lab.pictures.axis import ChartAxis, close_axis, number_text, round_axis, word_axis
 from rl_tui.lab.pictures.picture import AtlasChart, Chart, ChartCurve, Picture
@@ -17,6 +18,7 @@ from rl_tui.lab.pictures.results.tables import SweepCell, SweepTable, Value
 MOST_LINES: Final = 14
 MOST_PANELS: Final = 12
 _NAME_DIGITS: Final = 3
+_LONGEST_WORD: Final = 40  # characters of a word on an axis, or in the name of a line
 _APART: Final = 0.3  # of the way from one word to the next, between the first and the last of its points
 _INTERVAL: Final = "the interval of the mean that the sweep gives."
 _RESTRICTED: Final = "Runs that had not arrived when training ended count with the episodes that they had."
@@ -108,27 +110,31 @@ def _values(table: SweepTable, name: str) -> list[Value]:
 
 def value_text(value: Value, digits: int = 4) -> str:
     """Return how a value of a setting is written, a number with at most so many digits after zeros."""
-    return number_text(value, digits) if not isinstance(value, bool | str) else str(value).lower()
+    return number_text(value, digits) if not isinstance(value, bool | str) else _word(value)
+
+
+def _word(value: bool | str) -> str:
+    return one_line(str(value).lower(), _LONGEST_WORD)
 
 
 def setting_label(name: str) -> str:
     """Return how a setting is called on an axis: its sign and its name."""
     parameter = PARAMETERS.get(name)
     if parameter is None or parameter.symbol == name:
-        return name.replace("_", " ")
+        return one_line(name.replace("_", " "), _LONGEST_WORD)
     return f"{parameter.symbol} ({name.replace('_', ' ')})"
 
 
 def _said(names: Sequence[str], values: Settings) -> str:
     """Return settings as people read them: words alone, numbers with their names."""
     return ", ".join(
-        value if isinstance(value, str) else f"{_sign(name)} = {value_text(value)}"
+        one_line(value, _LONGEST_WORD) if isinstance(value, str) else f"{_sign(name)} = {value_text(value)}"
         for name, value in zip(names, values, strict=True)
     )
 
 
 def _sign(name: str) -> str:
-    return PARAMETERS[name].symbol if name in PARAMETERS else name
+    return PARAMETERS[name].symbol if name in PARAMETERS else one_line(name, _LONGEST_WORD)
 
 
 def _chart(wanted: _Wanted) -> Picture:

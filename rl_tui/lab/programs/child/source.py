@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line, printable, shown
-from rl_tui.common.limits import LARGEST_FILE
+from rl_tui.common.text_file import UnreadableError, read_bytes
 
 _LONGEST_REASON: Final = 120
 _MOST_NOTEBOOK_LINES: Final = 500
@@ -54,21 +54,14 @@ def check_script(path: Path) -> None:
 
 def _text(path: Path) -> str:
     name = printable(str(path))
+    if path.suffix == ".ipynb":
+        raise UserError(
+            f"{name}: is a notebook; expected a Python file: jupyter nbconvert --to script writes one"
+        )
     try:
-        if path.is_dir():
-            raise UserError(f"{name}: is a folder; expected a Python file")
-        if path.suffix == ".ipynb":
-            raise UserError(
-                f"{name}: is a notebook; expected a Python file: jupyter nbconvert --to script writes one"
-            )
-        if not path.exists():
-            raise UserError(f"{name}: no such file; expected a Python file")
-        if not path.is_file() or path.stat().st_size > LARGEST_FILE:
-            raise UserError(f"{name}: expected a Python file of at most {LARGEST_FILE // 10**6} MB")
-        content = path.read_bytes()
-    except (OSError, ValueError) as error:  # ValueError: a null character in the path
-        reason = getattr(error, "strerror", None) or str(error)
-        raise UserError(f"{name}: cannot be read ({one_line(reason, _LONGEST_REASON)})") from error
+        content, _ = read_bytes(path, "a Python file")
+    except UnreadableError as reason:
+        raise UserError(f"{name}: {reason}") from reason
     try:
         return io.IncrementalNewlineDecoder(None, translate=True).decode(_decoded(content))
     except UnicodeDecodeError as error:

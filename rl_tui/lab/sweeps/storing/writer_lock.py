@@ -7,13 +7,15 @@ import os
 import socket
 import time
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.file_lock import FileLock
 from rl_tui.common.findings import one_line
+from rl_tui.common.text_file import UnreadableError, read_text
 
-_ELSEWHERE = "let each machine write a store of its own (--shard), then rl-tui sweep merge"
+_LONGEST_NOTE: Final = 10_000
+_ELSEWHERE: Final = "let each machine write a store of its own (--shard), then rl-tui sweep merge"
 
 
 class WriterLock:
@@ -44,6 +46,7 @@ class WriterLock:
             "host": socket.gethostname(),
             "since": time.strftime("%Y-%m-%d %H:%M:%S %z"),
         }
+        self._note.unlink(missing_ok=True)  # whatever was put there in its place
         self._note.write_text(json.dumps(said), encoding="utf-8")
 
     def release(self) -> None:
@@ -53,8 +56,8 @@ class WriterLock:
 
     def _holder(self) -> dict[str, Any]:
         try:
-            said = json.loads(self._note.read_text(encoding="utf-8"))
-        except (OSError, ValueError):
+            said = json.loads(read_text(self._note, "a note of the writer", _LONGEST_NOTE))
+        except (UnreadableError, ValueError, RecursionError):
             return {}
         return said if isinstance(said, dict) else {}
 

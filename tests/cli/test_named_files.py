@@ -1,0 +1,155 @@
+"""Every file that a command is given: a pipe is not waited for, and nothing without an end is read."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Final
+
+import click
+import pytest
+
+from rl_tui.cli.main import program
+from rl_tui.common.errors import UserError
+from rl_tui.lab.course.check import is_lesson_file
+from rl_tui.lab.lessons.lesson import read_lesson
+from rl_tui.lab.pictures.results.reading import read_results
+from rl_tui.lab.programs.child.source import check_script
+from rl_tui.lab.run.library import checked, find
+from rl_tui.lab.run.policy_file import read_policy
+from rl_tui.lab.sessions.session import read_session
+from rl_tui.lab.sweeps.store import Store
+from rl_tui.worlds.mdp.space import FiniteSpace
+
+SPARSE: Final = 30 * 10**9
+
+
+def scenario(path: Path) -> None:
+    find(str(path))
+
+
+def to_check(path: Path) -> None:
+    """Read ``path`` as ``check`` does: a lesson, or else a scenario."""
+    assert not is_lesson_file(path)
+    _, faults = checked(path)
+    raise UserError("\n".join(map(str, faults)))
+
+
+def policy(path: Path) -> None:
+    from rl_tui.lab.run.library import recipe_named
+    from rl_tui.lab.run.recipe import begin
+
+    space = begin(recipe_named("student")).world.space
+    assert isinstance(space, FiniteSpace)
+    read_policy(str(path), space)
+
+
+def written_store(path: Path) -> None:
+    Store.to_write(path).close()
+
+
+Kind = tuple[str, Callable[[Path], object]]
+SCENARIO: Final[Kind] = (".toml", scenario)
+LESSON: Final[Kind] = (".toml", read_lesson)
+SESSION: Final[Kind] = (".json", read_session)
+SCRIPT: Final[Kind] = (".py", check_script)
+KINDS: Final[dict[str, tuple[Kind, ...]]] = {
+    "SCENARIO|FILE.toml|gym:ENV_ID": (SCENARIO,),
+    "[SCENARIO|FILE.toml|gym:ENV_ID]": (SCENARIO,),
+    "[SCENARIO|FILE.toml|gym:ENV_ID]...": (SCENARIO,),
+    "[SCENARIO|FILE.toml|gym:ENV_ID|SESSION.json]": (SCENARIO, SESSION),
+    "[SCENARIO|FILE.toml]": (SCENARIO,),
+    "ID|FILE.toml": (SCENARIO, LESSON),
+    "[ID|FILE.toml]": (LESSON,),
+    "FILE.toml ...": ((".toml", to_check),),
+    "uniform|optimal|greedy|FILE.json": ((".json", policy),),
+    "SESSION.json": (SESSION,),
+    "FILE.py[:NAME]|SESSION.json|FOLDER": (SCRIPT, SESSION),
+    "SCRIPT.py": (SCRIPT,),
+    "FILE.py[:NAME]": (SCRIPT,),
+    "RESULTS...": ((".json", read_results), (".csv", read_results), (".sqlite", read_results)),
+    "IN.sqlite...": ((".sqlite", Store.to_read),),
+    "FILE.sqlite": ((".sqlite", written_store),),
+}
+"""By what help calls a file: how its name ends, and what reads it."""
+NAMES_FILE: Final = re.compile(r"FILE|FOLDER|SCRIPT|RESULTS|SESSION|\.(toml|json|sqlite|py)\b")
+WRITTEN: Final = {"csv", "curve", "out"}
+"""Parameters that name a file to be written alone."""
+
+
+def commands() -> Iterator[tuple[str, click.Command]]:
+    from rl_tui.cli.commands.sweeping.sweep import merge_command
+
+    context = click.Context(program)
+    for name in program.list_commands(context):
+        command = program.get_command(context, name)
+        assert command is not None
+        yield name, command
+    yield "sweep merge", merge_command
+
+
+def named_files() -> Iterator[tuple[str, str]]:
+    """Yield each command and parameter that names a file to read, and what help calls that file."""
+    for name, command in commands():
+        for each in command.params:
+            said = each.metavar or (each.name == "store" and "FILE.sqlite") or ""
+            names_file = isinstance(each.type, click.Path) or NAMES_FILE.search(said)
+            if names_file and each.name not in WRITTEN:
+                yield f"{name} {each.name}", said
+
+
+def test_every_parameter_that_names_a_file_has_its_reader() -> None:
+    found = dict(named_files())
+    assert len(found) > 20
+    unknown = {where: said for where, said in found.items() if said not in KINDS}
+    assert not unknown, (
+        f"{unknown}: read such a file by rl_tui/common/text_file.py, and add what help calls it, with what "
+        "reads it, to KINDS here; a file that is only written belongs in WRITTEN"
+    )
+    assert set(KINDS) == set(found.values())  # else a row is for nothing
+
+
+def pipe(path: Path) -> None:
+    os.mkfifo(path)
+
+
+def device(path: Path) -> None:
+    path.symlink_to("/dev/zero")
+
+
+def folder(path: Path) -> None:
+    path.mkdir()
+
+
+def damaged(path: Path) -> None:
+    path.write_bytes(b"SQLite format 3\0 \xff\xfe\0")
+
+
+def sparse(path: Path) -> None:
+    with path.open("wb") as stream:
+        stream.truncate(SPARSE)
+
+
+READERS: Final = sorted(
+    {(suffix, read) for kinds in KINDS.values() for suffix, read in kinds}, key=lambda kind: str(kind)
+)
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [(pipe, "a pipe"), (device, "a device"), (folder, "a folder"), (damaged, ""), (sparse, "")],
+)
+@pytest.mark.parametrize(("suffix", "read"), READERS)
+def test_what_is_no_such_file_is_refused_in_a_line(
+    tmp_path: Path, suffix: str, read: Callable[[Path], object], make: Callable[[Path], None], said: str
+) -> None:
+    path = tmp_path / f"named{suffix}"
+    make(path)
+    with pytest.raises(UserError) as told:
+        read(path)
+    line = str(told.value)
+    assert path.name in line
+    assert said in line
+    assert "\n" not in line
