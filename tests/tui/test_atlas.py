@@ -87,6 +87,13 @@ def test_each_cell_is_found_where_it_is_drawn(width: int, height: int) -> None:
     assert plan.cell_at(0, 1) is None
 
 
+def test_it_can_be_drawn_at_any_size() -> None:
+    for width in range(1, 70, 3):
+        for height in (*range(1, 12), 40):
+            for cursor in range(GRID.count):
+                assert len(lines(scene(PART, cursor=cursor), width, height)) == height
+
+
 def test_words_say_what_a_cell_is_and_how_far_all_is() -> None:
     drawn = scene(PART, cursor=4)
     assert "10 seeds of 50 episodes" in head(drawn, 10)
