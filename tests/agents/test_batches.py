@@ -12,9 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from two_forms import examples, worlds_for
 
+from rl_tui.agents.batches import seeding
 from rl_tui.agents.batches.batch import DrawnWorld, RunBatch
 from rl_tui.agents.batches.rows import row, stacked
-from rl_tui.agents.batches.seeding import MOST_SEED, seed_streams, streams_of
+from rl_tui.agents.batches.seeding import MOST_SEED, has_low_word_first, seed_streams, streams_of
 from rl_tui.agents.compiling.loops import all_batches, compile_here
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.machine_code import Batching, Loop, interpreted, machine_code
@@ -56,6 +57,14 @@ def test_streams_are_those_that_numpy_seeds(seeds: list[int]) -> None:
             assert words[2] | words[3] << 64 == state["inc"]
             assert int(address[index, stream]) == memory[index, stream, 4:].ctypes.data
     assert memory.ctypes.data % 16 == 0
+
+
+def test_where_numpy_keeps_the_high_word_first_so_do_we(monkeypatch: pytest.MonkeyPatch) -> None:
+    seeds = [3, MOST_SEED + 5]
+    as_here = streams_of(seeds)[0]
+    monkeypatch.setattr(seeding, "has_low_word_first", lambda: not has_low_word_first())
+    swapped = streams_of(seeds)[0]
+    assert swapped[:, :, [1, 0, 3, 2]].tolist() == as_here[:, :, :4].tolist()
 
 
 @pytest.mark.parametrize("form", [interpreted, machine_code])

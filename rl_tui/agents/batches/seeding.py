@@ -7,11 +7,14 @@ take a tenth of a millisecond a seed, which is a third of what training a thousa
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Sequence
+from functools import cache
 from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
+from numpy.random import PCG64
 
 from rl_tui.agents.kernels.compiled import compiled_for, for_kernels
 from rl_tui.agents.kernels.machine_code import fastest
@@ -23,10 +26,11 @@ WordArray = npt.NDArray[np.uint64]
 STREAMS: Final = 2
 MOST_SEED: Final = 2**63 - 1
 """The largest seed that a kernel takes; NumPy seeds those beyond."""
-# A generator's memory, in words: state and increment, low word first, then what NumPy's C code keeps: where
-# these are, and half a draw that is never in use here
+# A generator's memory, in words: state and increment, then what else NumPy's C code keeps: where these are,
+# and half a draw that is never in use here
 WORDS: Final = 6
 _MASK: Final = 0xFFFFFFFF
+_WORD: Final = 2**64 - 1
 _POOL: Final = 4
 _LIMBS: Final = 8
 # 0x2360ED051FC65DA44385DF649FCCF645 in parts of 16 bits, low part first
@@ -42,6 +46,8 @@ def streams_of(seeds: Sequence[int]) -> tuple[WordArray, WordArray]:
     memory = _aligned(len(seeds))
     seeded = np.array([min(seed, MOST_SEED) for seed in seeds], np.int64)
     fastest(seed_streams)(seeded, np.zeros(_POOL, np.int64), np.zeros((3, _LIMBS), np.int64), memory)
+    if not has_low_word_first():
+        memory[:, :, :4] = memory[:, :, [1, 0, 3, 2]]
     for index, seed in enumerate(seeds):
         if seed > MOST_SEED:
             copy_streams(streams(seed), memory[index])
@@ -50,13 +56,27 @@ def streams_of(seeds: Sequence[int]) -> tuple[WordArray, WordArray]:
     return memory, (places + np.uint64(32)).reshape(len(seeds), STREAMS)
 
 
+@cache
+def has_low_word_first() -> bool:
+    """Return whether NumPy keeps the state of a PCG64 as whole numbers of 128 bits, low word first.
+
+    Where its compiler has no such numbers, as on Windows, it keeps the high word first.
+    """
+    bits: Any = PCG64(1)
+    known = bits.state["state"]
+    address = ctypes.c_void_p.from_address(bits.ctypes.state_address).value
+    words = (ctypes.c_uint64 * 4).from_address(address) if address else ()
+    return list(words) == [known[name] >> shift & _WORD for name in ("state", "inc") for shift in (0, 64)]
+
+
 def copy_streams(origin: Streams, memory: WordArray) -> None:
     """Write state and increment of both streams of ``origin``, as they are now, into ``memory``, [2, 6]."""
     for stream, generator in enumerate(origin):
         state = generator.bit_generator.state["state"]
         for place, number in ((0, state["state"]), (2, state["inc"])):
-            memory[stream, place] = number & (2**64 - 1)
-            memory[stream, place + 1] = number >> 64
+            memory[stream, place : place + 2] = number & _WORD, number >> 64
+    if not has_low_word_first():
+        memory[:, :4] = memory[:, [1, 0, 3, 2]]
 
 
 def _aligned(seeds: int) -> WordArray:
@@ -72,7 +92,7 @@ def _one_seed() -> tuple[Any, ...]:
 
 @compiled_for(_one_seed)
 def seed_streams(seeds: IntArray, pool: IntArray, limbs: IntArray, memory: WordArray) -> None:
-    """Write state and increment of the streams of ``seeds``, [B], into ``memory``.
+    """Write state and increment of the streams of ``seeds``, [B], into ``memory``, low word first.
 
     ``pool``, [4], and ``limbs``, [3, 8], are room to work in.
     """

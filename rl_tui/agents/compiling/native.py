@@ -9,7 +9,8 @@ from numba import types
 from numpy.random import Generator
 
 from rl_tui.agents.batches.rows import generator_at, row
-from rl_tui.agents.compiling.pcg64 import has_known_layout, next_uniform, with_state_at
+from rl_tui.agents.batches.seeding import has_low_word_first
+from rl_tui.agents.compiling.pcg64 import next_uniform, with_state_at
 from rl_tui.agents.kernels.draws import uniform
 
 Implementation = Callable[..., Any]
@@ -44,5 +45,5 @@ def always(implementation: Implementation) -> Callable[..., Implementation]:
 NATIVE: Final[dict[Implementation, Callable[..., Implementation]]] = {
     row: _row_of,
     generator_at: always(_generator_at),
-} | ({uniform: always(_uniform)} if has_known_layout() else {})
+} | ({uniform: always(_uniform)} if has_low_word_first() else {})
 """For each function what chooses its implementation by the types of its arguments."""

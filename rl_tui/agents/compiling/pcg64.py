@@ -6,7 +6,6 @@ Generation" (2014): a linear congruential generator of 128 bits, XSL-RR output.
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable
 from typing import Any, Final
 
@@ -14,27 +13,10 @@ from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
-from numpy.random import PCG64
 
 MULTIPLIER: Final = 0x2360ED051FC65DA44385DF649FCCF645
-_WORD: Final = 2**64
 _BITS: Final = types.NumPyRandomBitGeneratorType("bit_generator")
 _I64, _I128 = ir.IntType(64), ir.IntType(128)
-
-
-def has_known_layout() -> bool:
-    """Return whether NumPy keeps state and increment as two whole numbers of 128 bits, low word first.
-
-    Where a compiler has no such numbers NumPy keeps them in another order.
-    """
-    bits: Any = PCG64(1)
-    known = bits.state["state"]
-    address = ctypes.c_void_p.from_address(bits.ctypes.state_address).value
-    if address is None:
-        return False
-    words = (ctypes.c_uint64 * 4).from_address(address)
-    wanted = [number >> shift & (_WORD - 1) for number in (known["state"], known["inc"]) for shift in (0, 64)]
-    return list(words) == wanted
 
 
 def _next_uniform(context: Any, generator: Any) -> Any:
