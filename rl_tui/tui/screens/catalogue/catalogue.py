@@ -260,14 +260,14 @@ class CatalogueScreen(SavedSessions):
         if isinstance(entry, Demonstration):
             self._show_text(WATCH, keys_while_watching(self.look), about_watching(self.look))
             await self._draw(entry.scenario)
-            await self.query_one(Notes).show("")
+            await self._show_notes("")
             return
         if isinstance(entry, Scenario):
             world = self._worlds.get(entry.id)
             self._show_text(entry.title, facts(entry, world, self.look), about(entry, self.look))
             await self._draw(entry)
             # they wait for the world: to say how large it is may take more lines than that it is loading
-            await self.query_one(Notes).show("" if world is None else entry.notes)
+            await self._show_notes("" if world is None else entry.notes)
             return
         if isinstance(entry, Course):
             self._show_text(LEARN, about_learning(self._lessons, self.look))
@@ -280,7 +280,11 @@ class CatalogueScreen(SavedSessions):
         drawing = self.query_one("#preview")
         drawing.display = False
         await drawing.remove_children()
-        await self.query_one(Notes).show("")
+        await self._show_notes("")
+
+    async def _show_notes(self, text: str) -> None:
+        for notes in self.query(Notes):  # none where the screen was left meanwhile
+            await notes.show(text)
 
     def _show_text(self, title: str, text: RenderableType, above: RenderableType | None = None) -> None:
         """Show ``text`` below the drawing, and ``above`` it what it is about, if it has a drawing."""
