@@ -36,13 +36,17 @@ class Canvas:
         self._styles[y][x : x + len(cells)] = [style] * len(cells)
 
     def put_cells(self, x: int, y: int, characters: str, styles: Sequence[Style]) -> None:
-        """Write ``characters`` of one cell each, all inside, every one in its own of ``styles``."""
-        self._characters[y][x : x + len(characters)] = characters
-        self._styles[y][x : x + len(characters)] = styles
+        """Write ``characters`` of one cell each, every one in its own of ``styles``."""
+        if inside := self._inside(x, y, len(characters)):
+            there, part = slice(inside.start, inside.stop), slice(inside.start - x, inside.stop - x)
+            self._characters[y][there], self._styles[y][there] = characters[part], styles[part]
 
     def is_blank(self, x: int, y: int, length: int) -> bool:
         """Return whether nothing was written yet in ``length`` cells of row ``y`` from column ``x`` on."""
-        return x >= 0 and self._characters[y][x : x + length] == [" "] * length
+        return (
+            len(self._inside(x, y, length)) == length
+            and self._characters[y][x : x + length] == [" "] * length
+        )
 
     def at(self, x: int, y: int) -> str:
         """Return what stands at column ``x`` of row ``y``, both inside."""
@@ -50,13 +54,17 @@ class Canvas:
 
     def put_over(self, x: int, y: int, text: str, style: Style) -> None:
         """Write ``text``, one cell a character, in the styles that are there, each with ``style`` over it."""
-        for place, character in enumerate(text, start=x):
-            self.put(place, y, character, self._styles[y][place] + style)
+        for place in self._inside(x, y, len(text)):
+            self.put(place, y, text[place - x], self._styles[y][place] + style)
 
     def restyle(self, x: int, y: int, length: int, style: Style) -> None:
         """Lay ``style`` over ``length`` cells of row ``y`` from column ``x`` on."""
-        for place in range(x, x + length):
+        for place in self._inside(x, y, length):
             self._styles[y][place] += style
+
+    def _inside(self, x: int, y: int, length: int) -> range:
+        """Return which of ``length`` columns of row ``y`` from column ``x`` on there are."""
+        return range(max(0, x), min(x + length, self.width) if 0 <= y < self.height else max(0, x))
 
     def strips(self) -> list[Strip]:
         """Return the rows, neighbours of one style joined."""
