@@ -16,7 +16,7 @@ from typing import Any, Final
 
 from textual.app import App
 from textual.drivers.linux_driver import LinuxDriver
-from textual.events import InputEvent
+from textual.events import InputEvent, Key
 from textual.message import Message
 
 from rl_tui.terminal.ending import HUNG_UP, end_at_last, end_with, hear
@@ -134,7 +134,11 @@ class TerminalDriver(LinuxDriver):
     def process_message(self, message: Message) -> None:
         """Hand on what was read, unless so much waits already that no person can have typed it."""
         waiting = self._sent - self._arrived + self._app.message_queue_size
-        if waiting < MOST_WAITING or not isinstance(message, InputEvent):
+        stops = (
+            isinstance(self._app, LinkedApp) and isinstance(message, Key) and message.key in self._app.stops
+        )
+        most = 2 * MOST_WAITING if stops else MOST_WAITING  # what stops a flood is not lost in it
+        if waiting < most or not isinstance(message, InputEvent):
             super().process_message(message)
 
     def send_message(self, message: Message) -> None:

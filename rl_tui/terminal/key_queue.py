@@ -10,8 +10,10 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Collection
 from contextlib import suppress
+from functools import partial
+from itertools import takewhile
 from typing import Any, Final
 
 from textual.app import App, ScreenStackError
@@ -21,6 +23,7 @@ from textual.events import Event, Key, Paste
 
 PATIENCE: Final = 5.0  # seconds: a widget that is stuck must not keep the keyboard for ever
 MOST_HELD: Final = 1_000  # keys: no person types so far ahead, and a flood of keys must take no memory
+FLOOD: Final = 20  # times the same key: it is held down, or something lies on it
 _LOOK_AGAIN: Final = 0.1  # seconds: what is removed meanwhile does not answer
 
 
@@ -36,7 +39,8 @@ class KeyQueue:
     """Lets ``handle``, which is Textual's own way, have the keys and pastes of ``app`` one at a time.
 
     Of those that come meanwhile ``most`` are held back, a paste counting by its characters; more are lost,
-    which ``tell_of_loss`` is called for once.
+    which ``tell_of_loss`` is called for once. One of the keys ``stops`` does not wait for a flood of keys
+    before it: what is left of that is lost.
     """
 
     def __init__(
@@ -45,11 +49,13 @@ class KeyQueue:
         handle: Callable[[Event], Awaitable[None]],
         most: int = MOST_HELD,
         tell_of_loss: Callable[[], object] | None = None,
+        stops: Collection[str] = (),
     ) -> None:
         self._app = app
         self._handle = handle
         self._most = most
         self._tell_of_loss = tell_of_loss
+        self._stops = stops
         self._held: deque[Event] = deque()
         self._held_size = 0
         self._settling: asyncio.Task[None] | None = None
@@ -64,12 +70,26 @@ class KeyQueue:
         """Handle ``event`` now, or once all that was typed before it is done."""
         if self._settling is None:
             await self._type(event)
-        elif self._held_size < self._most:
+            return
+        if isinstance(event, Key) and event.key in self._stops:
+            self._end_flood()
+        if self._held_size < self._most:
             self._held.append(event)
             self._held_size += _size(event)
         elif self._tell_of_loss is not None:
             tell, self._tell_of_loss = self._tell_of_loss, None
             tell()
+
+    def _end_flood(self) -> None:
+        """Forget what is held: all of it where it is full, else a last key that was typed many times."""
+        if self._held_size >= self._most:
+            self._held.clear()
+            self._held_size = 0
+        elif self._held and isinstance(last := self._held[-1], Key):
+            repeated = sum(1 for _ in takewhile(partial(_is_key, last.key), reversed(self._held)))
+            for _ in range(repeated if repeated >= FLOOD else 0):
+                self._held.pop()
+                self._held_size -= 1
 
     async def _type(self, event: Event) -> None:
         if isinstance(event, EscapeOrAlt):
@@ -93,7 +113,7 @@ class KeyQueue:
             async with asyncio.timeout(PATIENCE):
                 await self._pass_through(aim)
                 await self._follow_focus()
-                if self._held and _is_enter(self._held[0]):
+                if self._held and _is_key("enter", self._held[0]):
                     await self._find_entries()
         if not (self._held and self._app.call_later(self._type_next)):
             self._settling = None
@@ -137,5 +157,5 @@ def _size(event: Event) -> int:
     return len(event.text) + 1 if isinstance(event, Paste) else 1
 
 
-def _is_enter(event: Event) -> bool:
-    return isinstance(event, Key) and event.key == "enter"
+def _is_key(key: str, event: Event) -> bool:
+    return isinstance(event, Key) and event.key == key

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any, Final, Protocol, TypeVar, runtime_checkable
 
@@ -52,6 +52,8 @@ class LinkedApp(App[ReturnType]):
 
     def __init__(self, driver_class: type[Driver] | None = None, *, ansi_color: bool = False) -> None:
         super().__init__(driver_class, ansi_color=ansi_color)
+        self.stops: Collection[str] = ()
+        """The keys that end something, and so count in a flood of others."""
         self.synchronises = False
         """Whether the terminal can hold back what is unfinished."""
         self._output: Output | None = None

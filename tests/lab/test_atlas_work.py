@@ -17,7 +17,7 @@ from rl_tui.lab.atlas import work
 from rl_tui.lab.atlas.atlas_json import news, with_news
 from rl_tui.lab.atlas.axes import axes_of
 from rl_tui.lab.atlas.cells import CellGrid
-from rl_tui.lab.atlas.figures import Atlas, AtlasState
+from rl_tui.lab.atlas.figures import Atlas, AtlasCell, AtlasStandings, AtlasState
 from rl_tui.lab.atlas.request import AtlasRequest, surroundings
 from rl_tui.lab.atlas.work import AtlasWork
 from rl_tui.lab.experiments.many_runs import many_runs
@@ -93,6 +93,29 @@ def test_the_cell_in_force_comes_first() -> None:
     assert request.in_force == 3
     assert next(request.plan(20).order()) == 3
     assert sorted(request.plan(20).order()) == [0, 1, 2, 3]
+
+
+def test_the_best_is_named_once_all_runs_are_done() -> None:
+    *on_the_way, last = worked_out(small(recipe("student")))
+    assert len(on_the_way) > 2
+    assert not any(each.standings for each in on_the_way)
+    assert {"area", "expected_return"} <= set(last.standings)
+
+
+@pytest.mark.parametrize(
+    ("measure", "runs", "mean", "is_named"),
+    [("area", 4, 0.3, False), ("area", 10, 0.3, True), ("area", 4, 0.05, True), ("regret", 4, 0.05, False)],
+)
+def test_no_best_is_named_where_a_cell_that_lacks_runs_is_better(
+    measure: str, runs: int, mean: float, is_named: bool
+) -> None:
+    cells = {
+        0: AtlasCell(10, figures={measure: {"mean": 0.1}}),
+        1: AtlasCell(runs, figures={measure: {"mean": mean}}),
+        2: AtlasCell(4, failed=4),
+    }
+    found = {measure: AtlasStandings(0, frozenset({0}))}
+    assert work.settled(found, cells, runs=10) == (found if is_named else {})
 
 
 def test_news_make_the_same_atlas() -> None:

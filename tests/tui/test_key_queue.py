@@ -6,10 +6,12 @@ import asyncio
 
 import pytest
 from textual.app import App, ComposeResult
+from textual.drivers.linux_driver import LinuxDriver
 from textual.events import Event, Key, MouseUp, Paste
 from textual.widgets import Input
 
-from rl_tui.terminal.key_queue import EscapeOrAlt, KeyQueue
+from rl_tui.terminal.driver import MOST_WAITING, TerminalDriver
+from rl_tui.terminal.key_queue import FLOOD, EscapeOrAlt, KeyQueue
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.idleness import Idleness
 
@@ -94,3 +96,49 @@ async def test_a_paste_counts_by_its_characters_and_a_loss_is_told_once() -> Non
                 await pilot.pause()
     assert handled == events[:2]
     assert told == ["lost"]
+
+
+@pytest.mark.parametrize(
+    ("typed", "done"),
+    [
+        (["s", *"B" * FLOOD, "q"], ["s", "q"]),
+        (["s", "w", *"B" * FLOOD, "q"], ["s", "w", "q"]),
+        (["s", *"B" * 10_000, "q"], ["s", "q"]),
+        (["s", *"ab" * 10_000, "q"], ["s", "q"]),
+        (["s", *"w quickly", "q"], [*"sw quickly", "q"]),
+        (["s", *"B" * (FLOOD - 1), "q"], ["s", *"B" * (FLOOD - 1), "q"]),
+        (["s", *"B" * FLOOD, "s"], ["s", *"B" * FLOOD, "s"]),
+    ],
+)
+async def test_a_key_that_stops_does_not_wait_for_a_flood(typed: list[str], done: list[str]) -> None:
+    app = App[None]()
+    handled: list[str] = []
+
+    async def handle(event: Event) -> None:
+        assert isinstance(event, Key)
+        handled.append(event.key)
+
+    async with app.run_test():
+        queue = KeyQueue(app, handle, stops={"q"})
+        for key in typed:
+            await queue.take(Key(key, key))
+        await queue.rest()
+    assert handled == done
+
+
+@pytest.mark.parametrize(
+    ("waiting", "kept"), [(MOST_WAITING, ["q", "escape", "ctrl+c"]), (2 * MOST_WAITING, [])]
+)
+async def test_a_key_that_stops_is_not_lost_where_too_many_wait(
+    waiting: int, kept: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Driver(TerminalDriver):
+        def __init__(self) -> None:  # without a terminal
+            self._app, self._sent, self._arrived = RlTuiApp(), waiting, 0
+
+    sent: list[str] = []
+    monkeypatch.setattr(LinuxDriver, "process_message", lambda _, message: sent.append(message.key))
+    driver = Driver()
+    for key in ("B", "q", "escape", "ctrl+c"):
+        driver.process_message(Key(key, None))
+    assert sent == kept

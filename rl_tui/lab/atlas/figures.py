@@ -47,9 +47,9 @@ class AtlasCell:
 class AtlasStandings:
     """How the cells compare by one measure."""
 
-    best: int | None = None
-    """The number of the best cell; None where no cell has the measure."""
-    alike: frozenset[int] = frozenset()
+    best: int
+    """The number of the best cell."""
+    alike: frozenset[int]
     """The cells that cannot be told from the best, itself among them."""
 
 
@@ -63,7 +63,7 @@ class Atlas:
     impossible: Mapping[int, str] = field(default_factory=dict)
     """Why cells cannot be: their settings do not work together."""
     standings: Mapping[str, AtlasStandings] = field(default_factory=dict)
-    """By the id of a measure; empty until cells were first compared."""
+    """By the id of a measure; empty while there are runs to come."""
     episodes: int | None = None
     """Episodes of each run, once it is known how many there is time for."""
     done: int = 0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 from statistics import median
@@ -16,7 +16,7 @@ from rl_tui.lab.atlas.request import AtlasRequest
 from rl_tui.lab.run.recipe import begin
 from rl_tui.lab.run.run import Run
 from rl_tui.lab.sweeps.cell import Cell, SkippedCell
-from rl_tui.lab.sweeps.measures import MEASURES
+from rl_tui.lab.sweeps.measures import MEASURES, SweepMeasure
 from rl_tui.lab.sweeps.plan import SweepPlan
 from rl_tui.lab.sweeps.ranking import standings_of
 from rl_tui.lab.sweeps.runs import RunRow
@@ -30,7 +30,6 @@ MOST_STEPS: Final = 60_000_000
 """Steps of all runs together, as far as first steps tell: some seconds."""
 FIRST_STEPS: Final = 10_000
 """First steps of the run in force and of the corners; by them it is judged how long episodes are."""
-_RANKED_EVERY: Final = 0.5  # seconds
 _FIGURES: Final = ("mean", "median", "low", "high", "count", "arrived", "restricted_mean")
 Tell = Callable[[Atlas], None]
 
@@ -49,7 +48,6 @@ class AtlasWork:
         self._clock = clock
         self._atlas = Atlas(planned=request.cells.count * request.runs)
         self._changed = dict[int, Cell]()
-        self._ranked = 0.0
 
     def run(self) -> None:
         """Have all cells. Raises UserError where the plan cannot work."""
@@ -96,9 +94,6 @@ class AtlasWork:
         if not self._changed:
             return
         self._take_in(plan, store)
-        if progress.seconds - self._ranked >= _RANKED_EVERY:
-            self._rank(plan, store)
-            self._ranked = progress.seconds
         self._tell(self._atlas)
 
     def _take_in(self, plan: SweepPlan, store: Store) -> None:
@@ -108,12 +103,12 @@ class AtlasWork:
         cells = {**self._atlas.cells, **changed}
         self._atlas = replace(self._atlas, state=AtlasState.RUNNING, cells=cells)
 
-    def _rank(self, plan: SweepPlan, store: Store) -> None:
-        self._atlas = replace(self._atlas, standings=standings(plan, store))
-
     def _end(self, plan: SweepPlan, store: Store, state: AtlasState) -> None:
+        """Compare the cells, now that there are no more runs to come, and tell the last of it."""
         self._take_in(plan, store)
-        self._rank(plan, store)
+        self._atlas = replace(
+            self._atlas, standings=settled(standings(plan, store), self._atlas.cells, self._request.runs)
+        )
         message = "" if state is AtlasState.DONE else f"{MOST_SECONDS:.0f} s of processor time are used up"
         self._atlas = replace(self._atlas, state=state, message=message)
         self._tell(self._atlas)
@@ -132,6 +127,18 @@ def standings(plan: SweepPlan, store: Store) -> dict[str, AtlasStandings]:
     return found
 
 
+def settled(
+    found: Mapping[str, AtlasStandings], cells: Mapping[int, AtlasCell], runs: int
+) -> dict[str, AtlasStandings]:
+    """Return those of ``found``, by measure, whose best is as good as any cell with fewer than ``runs``."""
+    unfinished = [cell for cell in cells.values() if cell.runs < runs]
+    return {
+        name: each
+        for name, each in found.items()
+        if not any(_is_better(MEASURES[name], cell, cells[each.best]) for cell in unfinished)
+    }
+
+
 def cell_of(rows: Iterable[RunRow]) -> AtlasCell:
     """Return what ``rows``, those of one cell, say together."""
     summary = summarized(rows)
@@ -141,6 +148,13 @@ def cell_of(rows: Iterable[RunRow]) -> AtlasCell:
         if found["count"]
     }
     return AtlasCell(summary.runs, summary.failed, figures, summary.first_failure)
+
+
+def _is_better(measure: SweepMeasure, one: AtlasCell, other: AtlasCell) -> bool:
+    first, second = one.value(measure), other.value(measure)
+    if first is None or second is None:
+        return False
+    return first > second if measure.larger_is_better else first < second
 
 
 def _impossible(plan: SweepPlan) -> dict[int, str]:

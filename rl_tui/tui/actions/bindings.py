@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Final
 
 from textual.binding import Binding, BindingType
 
 from rl_tui.tui.actions.action import Action
 from rl_tui.tui.actions.registry import ACTIONS
 
+_LEAVING: Final = ("back", "suspend", "quit", "ask_to_quit")
+
 
 def bindings_everywhere() -> list[BindingType]:
     """Return the key bindings of the app that count before those of any screen, dialogs included."""
     return bindings_of((action for action in ACTIONS if action.everywhere), priority=True)
+
+
+def stopping_keys() -> frozenset[str]:
+    """Return the keys that leave something: a panel, a screen or the program."""
+    return frozenset(key for action in ACTIONS if action.id in _LEAVING for key in action.keys)
 
 
 def bindings_of(actions: Iterable[Action], *, priority: bool = False) -> list[BindingType]:

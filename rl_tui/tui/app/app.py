@@ -29,7 +29,7 @@ from rl_tui.terminal.ending import HUNG_UP, end_on_signal
 from rl_tui.terminal.key_queue import KeyQueue
 from rl_tui.terminal.linked_app import LinkedApp
 from rl_tui.terminal.textual_workarounds import forget_left_screens
-from rl_tui.tui.actions.bindings import bindings_everywhere
+from rl_tui.tui.actions.bindings import bindings_everywhere, stopping_keys
 from rl_tui.tui.app.bugs import bug_of
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.idleness import LOOKS, Idleness
@@ -116,7 +116,8 @@ class RlTuiApp(LinkedApp[UserError]):
         self.bug: Exception | None = None
         """The unexpected fault that ended the program, with what became of the session; None if none did."""
         self._moment = MomentaryMessages(self)
-        self._key_queue = KeyQueue(self, self._type, tell_of_loss=self._tell_of_lost_keys)
+        self.stops = stopping_keys()
+        self._key_queue = KeyQueue(self, self._type, tell_of_loss=self._tell_of_lost_keys, stops=self.stops)
         has_ascii_only = self.look.glyphs is ASCII
         self.set_class(has_ascii_only, "-ascii")
         use_scroll_bars(ascii_only=has_ascii_only)

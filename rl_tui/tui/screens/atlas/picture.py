@@ -24,7 +24,6 @@ _MARKS: Final = 1
 _TALL: Final = 3
 _BRACKETS: Final = ("[", "]")
 BEST, ALIKE, NOT_DONE, IMPOSSIBLE, FAILED = "*", "'", "·", "×", "fails"
-_NO_STANDINGS: Final = AtlasStandings()
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,9 +51,9 @@ class AtlasScene:
         return self.cells.variations[0] if len(self.cells.variations) > 1 else None
 
     @property
-    def standings(self) -> AtlasStandings:
-        """How the cells compare by the measure."""
-        return self.atlas.standings.get(self.measure.id, _NO_STANDINGS)
+    def standings(self) -> AtlasStandings | None:
+        """How the cells compare by the measure, None while that is not known."""
+        return self.atlas.standings.get(self.measure.id)
 
     def value(self, index: int) -> float | None:
         """Return the mean of the measure in a cell; None where there is none yet."""
@@ -90,9 +89,9 @@ class AtlasScene:
 
     def mark(self, index: int) -> str:
         """Return the mark behind a number: the best, or what cannot be told from it."""
-        if index == self.standings.best:
-            return BEST
-        return ALIKE if index in self.standings.alike else " "
+        if self.standings is None or index not in self.standings.alike:
+            return " "
+        return BEST if index == self.standings.best else ALIKE
 
 
 @dataclass(frozen=True, slots=True)

@@ -43,7 +43,7 @@ def legend(scene: AtlasScene) -> str:
         return ""
     first, last = (numbers.value(end, _ROOM, glyphs) for end in ends)
     names = ("least", "greatest") if scene.measure.larger_is_better is None else ("worst", "best")
-    marks = f"{BEST} best  {ALIKE} not different from it  " if scene.standings.best is not None else ""
+    marks = f"{BEST} best  {ALIKE} not different from it  " if scene.standings is not None else ""
     return f"{marks}[ ] in force  {names[0]} {first}, {names[1]} {last}"
 
 

@@ -107,7 +107,7 @@ def recent_of(lanes: Sequence[LaneView]) -> str:
 
 
 def _room(columns: Sequence[_Column], width: int) -> int:
-    return width - _MARK - sum(1 + column.cells for column in columns)
+    return max(0, width - _MARK - sum(1 + column.cells for column in columns))
 
 
 def _columns(
