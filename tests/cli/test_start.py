@@ -7,6 +7,7 @@ import re
 import signal
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -184,3 +185,7 @@ def test_ctrl_c_that_another_error_comes_of_gives_the_usual_status_without_a_wor
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler) and None,
     )
     assert (ended.returncode, ended.stderr) == (130, "")
+
+
+def test_python_m_rl_tui_starts_what_rl_tui_does() -> None:
+    assert import_module("rl_tui.__main__").main is import_module("rl_tui.cli.__main__").main
