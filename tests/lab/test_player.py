@@ -54,6 +54,18 @@ async def test_commands_are_carried_out_in_order() -> None:
     assert snapshot.playback.steps_per_second is None
 
 
+async def test_what_is_known_already_is_not_made_again() -> None:
+    player = Player(recipe("student"), automatic=False)
+    player.send(Step())
+    first = await player.carried_out()
+    assert await player.carried_out() is first
+    snapshots = player.snapshots()
+    assert (await anext(snapshots)).counters.step == 1
+    player.send(Step())
+    assert (await player.carried_out()).counters.step == 2
+    player.close()
+
+
 async def test_what_happens_on_screen_is_what_a_replay_gives() -> None:
     player = Player(recipe("frozenlake-slippery"), speed=None)
     player.send(Play())

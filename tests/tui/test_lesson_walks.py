@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from lesson_walks import BY_HAND, Learner, right_answer, taking, wrong_answer
@@ -21,11 +23,18 @@ from rl_tui.tui.theme.glyphs import UNICODE
 WIDE = (120, 40)
 SIZES = [WIDE, (80, 24)]
 LESSONS = {lesson.id: lesson for lesson in shipped_lessons()}
-WALKS = [  # each in a group of its own, so that they share the processes out among them
-    pytest.param(lesson, size, id=f"{name}-{size[0]}", marks=pytest.mark.xdist_group(f"{name} {size[0]}"))
-    for name, lesson in LESSONS.items()
-    for size in SIZES
-]
+WITH_WRONG_ATTEMPTS = pytest.mark.exhaustive("the other size, with all that a task must not accept")
+
+
+def walks() -> Iterator[Any]:
+    """Yield each walk, in a group of its own, so that they share the processes out among them."""
+    for name, lesson in LESSONS.items():
+        for size in SIZES:
+            group = pytest.mark.xdist_group(f"{name} {size[0]}")
+            marks = [group, WITH_WRONG_ATTEMPTS] if size == WIDE else [group]
+            yield pytest.param(lesson, size, id=f"{name}-{size[0]}", marks=marks)
+
+
 TASKS = [(lesson.id, page.id) for lesson in LESSONS.values() for page in lesson.tasks]
 WAITED = (1, 1, 1, 7, 90, 400, 500, 1000, 1000, 1000, 1000)
 """Steps between two looks at a task that nobody does anything for: 5,000 in all."""
@@ -102,7 +111,7 @@ async def walk(learner: Learner, *, with_wrong_attempts: bool) -> None:
         await learner.turn()
 
 
-@pytest.mark.parametrize(("lesson", "size"), WALKS)
+@pytest.mark.parametrize(("lesson", "size"), walks())
 async def test_a_lesson_is_walked_to_its_end_by_keys(
     lesson: Lesson, size: tuple[int, int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -125,6 +134,7 @@ async def test_a_lesson_is_walked_to_its_end_by_keys(
     assert graded.predictions[:2] == (len(asked), len(asked))
 
 
+@pytest.mark.exhaustive("5,000 steps on screen for every task; rl-tui check waits too")
 @pytest.mark.parametrize(("lesson", "page"), TASKS, ids=["-".join(task) for task in TASKS])
 async def test_no_task_is_passed_by_waiting(lesson: str, page: str) -> None:
     async with taking(LESSONS[lesson], WIDE, page=page) as learner:
