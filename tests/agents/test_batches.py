@@ -15,14 +15,14 @@ from two_forms import examples, worlds_for
 from rl_tui.agents.batches import seeding
 from rl_tui.agents.batches.batch import DrawnWorld, RunBatch
 from rl_tui.agents.batches.rows import row, stacked
-from rl_tui.agents.batches.seeding import MOST_SEED, has_low_word_first, seed_streams, streams_of
+from rl_tui.agents.batches.seeding import MOST_SEED, seed_streams, streams_of
 from rl_tui.agents.compiling.loops import all_batches, compile_here
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.machine_code import Batching, Loop, interpreted, machine_code
 from rl_tui.agents.kernels.parameters import kernel_parameters, schedules_of
 from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.learner import Learner
-from rl_tui.common.streams import streams
+from rl_tui.common.streams import has_low_word_first, streams
 from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.run.recipe import begin
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp

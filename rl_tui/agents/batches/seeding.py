@@ -7,18 +7,15 @@ take a tenth of a millisecond a seed, which is a third of what training a thousa
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Sequence
-from functools import cache
 from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
-from numpy.random import PCG64
 
 from rl_tui.agents.kernels.compiled import compiled_for, for_kernels
 from rl_tui.agents.kernels.machine_code import fastest
-from rl_tui.common.streams import Streams, streams
+from rl_tui.common.streams import Streams, has_low_word_first, streams
 from rl_tui.worlds.mdp.space import IntArray
 
 WordArray = npt.NDArray[np.uint64]
@@ -30,7 +27,6 @@ MOST_SEED: Final = 2**63 - 1
 # and half a draw that is never in use here
 WORDS: Final = 6
 _MASK: Final = 0xFFFFFFFF
-_WORD: Final = 2**64 - 1
 _POOL: Final = 4
 _LIMBS: Final = 8
 # 0x2360ED051FC65DA44385DF649FCCF645 in parts of 16 bits, low part first
@@ -46,8 +42,7 @@ def streams_of(seeds: Sequence[int]) -> tuple[WordArray, WordArray]:
     memory = _aligned(len(seeds))
     seeded = np.array([min(seed, MOST_SEED) for seed in seeds], np.int64)
     fastest(seed_streams)(seeded, np.zeros(_POOL, np.int64), np.zeros((3, _LIMBS), np.int64), memory)
-    if not has_low_word_first():
-        memory[:, :, :4] = memory[:, :, [1, 0, 3, 2]]
+    _put_in_order(memory)
     for index, seed in enumerate(seeds):
         if seed > MOST_SEED:
             copy_streams(streams(seed), memory[index])
@@ -56,27 +51,19 @@ def streams_of(seeds: Sequence[int]) -> tuple[WordArray, WordArray]:
     return memory, (places + np.uint64(32)).reshape(len(seeds), STREAMS)
 
 
-@cache
-def has_low_word_first() -> bool:
-    """Return whether NumPy keeps the state of a PCG64 as whole numbers of 128 bits, low word first.
-
-    Where its compiler has no such numbers, as on Windows, it keeps the high word first.
-    """
-    bits: Any = PCG64(1)
-    known = bits.state["state"]
-    address = ctypes.c_void_p.from_address(bits.ctypes.state_address).value
-    words = (ctypes.c_uint64 * 4).from_address(address) if address else ()
-    return list(words) == [known[name] >> shift & _WORD for name in ("state", "inc") for shift in (0, 64)]
-
-
 def copy_streams(origin: Streams, memory: WordArray) -> None:
     """Write state and increment of both streams of ``origin``, as they are now, into ``memory``, [2, 6]."""
     for stream, generator in enumerate(origin):
         state = generator.bit_generator.state["state"]
         for place, number in ((0, state["state"]), (2, state["inc"])):
-            memory[stream, place : place + 2] = number & _WORD, number >> 64
+            memory[stream, place : place + 2] = number & (2**64 - 1), number >> 64
+    _put_in_order(memory)
+
+
+def _put_in_order(memory: WordArray) -> None:
+    """Turn ``memory``, [..., 6], low word first, into what this NumPy has."""
     if not has_low_word_first():
-        memory[:, :4] = memory[:, [1, 0, 3, 2]]
+        memory[..., :4] = memory[..., [1, 0, 3, 2]]
 
 
 def _aligned(seeds: int) -> WordArray:

@@ -9,9 +9,9 @@ from numba import types
 from numpy.random import Generator
 
 from rl_tui.agents.batches.rows import generator_at, row
-from rl_tui.agents.batches.seeding import has_low_word_first
 from rl_tui.agents.compiling.pcg64 import next_uniform, with_state_at
 from rl_tui.agents.kernels.draws import uniform
+from rl_tui.common.streams import has_low_word_first
 
 Implementation = Callable[..., Any]
 

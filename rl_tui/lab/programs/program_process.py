@@ -279,18 +279,17 @@ def _memory_file(closing: ExitStack) -> int:
 
     On Linux neither can make it smaller, which would end the other as soon as it reads there.
     """
-    if hasattr(os, "memfd_create"):
-        descriptor = os.memfd_create("rl-tui", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
-        closing.callback(os.close, descriptor)
-    else:
+    if not hasattr(os, "memfd_create"):
         descriptor = closing.enter_context(tempfile.TemporaryFile()).fileno()  # noqa: SIM115
-    os.ftruncate(descriptor, mmap.PAGESIZE)
-    if hasattr(os, "memfd_create"):
-        import fcntl  # not on Windows
+        os.ftruncate(descriptor, mmap.PAGESIZE)
+        return descriptor
+    import fcntl  # not on Windows
 
-        fcntl.fcntl(
-            descriptor, fcntl.F_ADD_SEALS, fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW | fcntl.F_SEAL_SEAL
-        )
+    descriptor = os.memfd_create("rl-tui", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
+    closing.callback(os.close, descriptor)
+    os.ftruncate(descriptor, mmap.PAGESIZE)
+    seals = fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW | fcntl.F_SEAL_SEAL
+    fcntl.fcntl(descriptor, fcntl.F_ADD_SEALS, seals)
     return descriptor
 
 
