@@ -41,7 +41,8 @@ class Action:
     screen. ``rank`` orders the key line (a lower one is kept longer where it is narrow; None: not on it), and
     ``hint`` replaces key and label there, for two actions that share an entry. ``aliases`` are other words
     by which the palette finds it. What is ``for_the_owner`` of the machine is not for a kiosk; what
-    ``needs_world`` waits until there is one; what counts ``everywhere`` does so in dialogs too. While the run
+    ``needs_world`` waits until there is one; what counts ``everywhere`` does so in dialogs too.
+    What ``leaves`` a panel, a screen or the program does not wait for a flood of other keys. While the run
     goes on, ``while_running`` is the word on the key line, where there is one.
 
     What cannot be done to somebody's program that is watched says in ``not_for_program`` why, and what to do
@@ -65,6 +66,7 @@ class Action:
     for_the_owner: bool = False
     needs_world: bool = False
     everywhere: bool = False
+    leaves: bool = False
     not_for_program: str = ""
     of_program: bool = False
     of_lesson: bool = False

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Final
 
 from textual.binding import Binding, BindingType
 
 from rl_tui.tui.actions.action import Action
 from rl_tui.tui.actions.registry import ACTIONS
-
-_LEAVING: Final = ("back", "suspend", "quit", "ask_to_quit")
 
 
 def bindings_everywhere() -> list[BindingType]:
@@ -20,7 +17,7 @@ def bindings_everywhere() -> list[BindingType]:
 
 def stopping_keys() -> frozenset[str]:
     """Return the keys that leave something: a panel, a screen or the program."""
-    return frozenset(key for action in ACTIONS if action.id in _LEAVING for key in action.keys)
+    return frozenset(key for action in ACTIONS if action.leaves for key in action.keys)
 
 
 def bindings_of(actions: Iterable[Action], *, priority: bool = False) -> list[BindingType]:

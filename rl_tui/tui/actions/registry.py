@@ -68,6 +68,7 @@ _LESSON_ACTIONS: Final[tuple[Action, ...]] = (
         symbol="esc",
         rank=2,
         aliases="menu list",
+        leaves=True,
     ),
 )
 
@@ -124,6 +125,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         symbol="esc",
         rank=18,
         aliases="menu list",
+        leaves=True,
     ),
     Action(
         "help",
@@ -174,6 +176,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         command="app.suspend_process",
         for_the_owner=True,
         everywhere=True,
+        leaves=True,
     ),
     Action(
         "quit",
@@ -185,6 +188,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         command="app.quit",
         rank=24,
         aliases="exit leave end bye",
+        leaves=True,
     ),
     Action(
         "ask_to_quit",
@@ -195,6 +199,7 @@ _PROGRAM_ACTIONS: Final[tuple[Action, ...]] = (
         Place.EVERY,
         command="app.ask_to_quit",
         everywhere=True,
+        leaves=True,
     ),
 )
 
