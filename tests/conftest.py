@@ -161,16 +161,22 @@ def _is_compiled_where_it_pays(request: pytest.FixtureRequest, monkeypatch: pyte
     if request.node.get_closest_marker("interpreted"):
         return
     most = 0 if request.node.get_closest_marker("compiled") else _STEPS_INTERPRETED
-    take = Learner._advance
+    take, compile_loop = Learner._advance, Learner.compile
+
+    def compile_as_the_program_does(self: Learner) -> None:
+        with pytest.MonkeyPatch.context() as plain:
+            plain.setattr(Learner, take.__name__, take)
+            compile_loop(self)
 
     def advance(self: Learner, steps: int, episodes: int, *, compiled: bool) -> int:
         loop = self.loop
-        if not compiled or not steps or loop in COMPILED_LOOPS:
+        if not compiled or loop in COMPILED_LOOPS:
             return take(self, steps, episodes, compiled=compiled)
-        first = min(steps, most - _INTERPRETED[loop])
-        if was_compiled(loop) or first <= 0:
+        left = most - _INTERPRETED[loop]
+        if steps and (was_compiled(loop) or left <= 0):
             self.compile()
             return take(self, steps, episodes, compiled=True)
+        first = min(steps, left)
         before, finished = self.step, self.episodes
         stop = take(self, first, episodes, compiled=False)
         taken = self.step - before
@@ -180,6 +186,7 @@ def _is_compiled_where_it_pays(request: pytest.FixtureRequest, monkeypatch: pyte
             return advance(self, steps - taken, rest, compiled=True)
         return stop
 
+    monkeypatch.setattr(Learner, "compile", compile_as_the_program_does)
     monkeypatch.setattr(Learner, take.__name__, advance)
     monkeypatch.setattr(Learner, "is_compiled", True)
 
