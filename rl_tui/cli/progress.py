@@ -6,7 +6,6 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from itertools import repeat
 from typing import TYPE_CHECKING, Any, Final
 
 import click
@@ -52,13 +51,11 @@ def progress(label: str, *, has_end: bool = True) -> Iterator[Progress]:
     if not sys.stderr.isatty():
         yield Progress(lambda parts, text: None)
         return
-    without_end: dict[str, Any] = {
-        "iterable": repeat(None),
-        "bar_template": "%(label)s  %(info)s",
-        "show_percent": False,
-    }
+    # its words alone: the bar of click's for what has no end fails where nothing is counted
+    without_bar: dict[str, Any] = {"bar_template": "%(label)s  %(info)s", "show_percent": False}
     with click.progressbar(
-        **({"length": _PARTS} if has_end else without_end),
+        length=_PARTS,
+        **({} if has_end else without_bar),
         label=label,
         file=sys.stderr,
         width=0,  # what the rest leaves of the line

@@ -116,19 +116,23 @@ def started(request: ProgramRequest) -> Iterator[WatchedProgram]:
 def _waiting_said(program: WatchedProgram) -> Iterator[Callable[[], bool]]:
     """Yield what is called while one waits for an environment; it says so on stderr, a line that goes again.
 
-    What it returns is always true.
+    What the program was noted for until then may say why, and stays. What it returns is always true.
     """
-    begun, said = time.monotonic(), 0
+    begun, said, noted = time.monotonic(), 0, 0
 
     def go_on() -> bool:
-        nonlocal said
+        nonlocal said, noted
         waited = int(time.monotonic() - begun)
         if waited > said and waited >= WORTH_TELLING:
             said = waited
             at = "" if program.log.stands_at is None else f", now in line {program.log.stands_at[1]}"
             name = printable(program.request.path.name)
             text = f"{name} has not made an environment yet ({waited} s{at}); ctrl+c ends it"
-            click.echo(f"\r\x1b[K{text}", err=True, nl=False)
+            click.echo("\r\x1b[K", err=True, nl=False)
+            for note in program.log.notes[noted:]:
+                complain(f"rl-tui: {name}: {note}")
+                noted += 1
+            click.echo(text, err=True, nl=False)
         return True
 
     try:

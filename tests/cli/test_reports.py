@@ -7,6 +7,7 @@ import json
 import re
 import sys
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
 
 import pytest
@@ -218,6 +219,16 @@ def test_a_bar_is_drawn_on_a_terminal_only(monkeypatch: pytest.MonkeyPatch) -> N
         assert bool(stream.getvalue()) is drawn
     assert "100%" in stream.getvalue()
     assert "9 of 7" in stream.getvalue()
+
+
+def test_what_has_no_end_is_told_for_as_long_as_it_takes(monkeypatch: pytest.MonkeyPatch) -> None:
+    stream, clock = _Terminal(), count(step=2)
+    monkeypatch.setattr(sys, "stderr", stream)
+    monkeypatch.setattr("click._termui_impl.time.time", lambda: next(clock))
+    with progress("script.py", has_end=False) as bar:
+        for steps in range(3):
+            bar.say(f"{steps} steps")
+    assert "script.py  2 steps" in stream.getvalue()
 
 
 def test_figures_beside_one_another_have_as_many_decimals() -> None:

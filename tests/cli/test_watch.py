@@ -11,7 +11,9 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
+from rl_tui.cli.commands import watch
 from rl_tui.cli.main import program
+from rl_tui.lab.programs.program_log import ProgramLog
 
 pytestmark = pytest.mark.process
 
@@ -98,6 +100,18 @@ def test_where_nothing_is_known_there_is_null(tmp_path: Path) -> None:
         None,
         None,
     )
+
+
+def test_a_script_without_an_environment_is_told_of_once_before_it_ends(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(watch, "WORTH_TELLING", 0.0)
+    say = watch.environment_missed("script.py")
+    log = ProgramLog(notes=["CartPole-v1 is not watched"])
+    say(log)
+    say(log)
+    line = "rl-tui: script.py has not made an environment yet: CartPole-v1 is not watched\n"
+    assert capsys.readouterr().err == line
 
 
 def test_without_a_table_only_the_best_is_known(tmp_path: Path) -> None:

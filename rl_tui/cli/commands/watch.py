@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -22,6 +25,7 @@ if TYPE_CHECKING:
     from rl_tui.lab.programs.program_process import ProgramRequest
 
 MOST: Final = 10**15
+WORTH_TELLING: Final = 3.0  # seconds without an environment
 _LONGEST_ERROR: Final = 500
 
 
@@ -78,9 +82,12 @@ def _print_report(request: ProgramRequest) -> ProgramError | None:
     from rl_tui.lab.grading.watch_report import error_of, watch_report
     from rl_tui.lab.programs.to_the_end import watched_to_the_end
 
-    with progress(request.path.name, has_end=request.steps is not None) as bar:
+    name = request.path.name
+    with progress(name, has_end=request.steps is not None) as bar:
+        say_what_is_missing = environment_missed(name)
 
         def show(log: ProgramLog) -> None:
+            say_what_is_missing(log)
             if request.steps is None:
                 bar.say(f"{counted(log.recording.count, 'step')}, {counted(log.episodes, 'episode')}")
             else:
@@ -89,6 +96,24 @@ def _print_report(request: ProgramRequest) -> ProgramError | None:
         log = watched_to_the_end(request, show)
     print_json(watch_report(str(request.path), log, verdict_of(log)))
     return error_of(log)
+
+
+def environment_missed(name: str) -> Callable[[ProgramLog], None]:
+    """Return what says once, on stderr, that the script ``name`` runs for long without an environment."""
+    due, is_said = time.monotonic() + WORTH_TELLING, False
+
+    def say(log: ProgramLog) -> None:
+        nonlocal is_said
+        if is_said or log.environments or log.ended or time.monotonic() < due:
+            return
+        is_said = True
+        why = f": {'; '.join(log.notes)}" if log.notes else ""
+        text = one_line(f"{name} has not made an environment yet{why}", _LONGEST_ERROR)
+        if sys.stderr.isatty():
+            click.echo(err=True)  # behind what shows how far it has come
+        complain(f"rl-tui: {text}")
+
+    return say
 
 
 def _in_a_line(script: str, error: ProgramError) -> str:

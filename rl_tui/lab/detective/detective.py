@@ -19,6 +19,6 @@ def verdict_of(log: ProgramLog) -> ProgramVerdict:
     is_either = log.agent is not None and log.agent.done_is_either
     with np.errstate(all="ignore"):  # somebody's table may hold anything
         evidence = Evidence(log.recording)
-        update = update_of(evidence, log.numbers)
+        update = update_of(evidence, log.numbers, log.table.dtype)
         findings, notes = findings_of(evidence, update, log, done_is_either=is_either)
     return ProgramVerdict(update, findings, (*notes, *note_on_other_worlds(log)))

@@ -24,7 +24,7 @@ from rl_tui.lab.detective.faults.proof import CodePlace, Proof
 from rl_tui.lab.detective.faults.rewards import reward_used
 from rl_tui.lab.detective.notes import notes_on
 from rl_tui.lab.detective.source.code_names import CodeNames, names_of
-from rl_tui.lab.detective.source.code_places import ProgramCode
+from rl_tui.lab.detective.source.code_places import ProgramCode, program_code
 from rl_tui.lab.detective.verdict import CodeFault, CodeFinding, UpdateFound
 from rl_tui.lab.programs.program_log import FoundTable, ProgramLog
 
@@ -56,7 +56,7 @@ def findings_of(
 def _found(
     evidence: Evidence, update: UpdateFound, log: ProgramLog, table: FoundTable, *, done_is_either: bool
 ) -> tuple[tuple[CodeFinding, ...], tuple[str, ...]]:
-    code = ProgramCode(log)
+    code = program_code(log)
     names = names_of(code, table, update, log.numbers)
     predictions = by_the_environment(evidence, update, table.dtype)
     proofs = [
@@ -73,7 +73,7 @@ def findings_without_table(log: ProgramLog) -> tuple[CodeFinding, ...]:
     """Return what may be told of an agent in which no table was found."""
     if log.agent is None:
         return ()
-    code = ProgramCode(log)
+    code = program_code(log)
     proof = proof_of_missing_update(log, code)
     return () if proof is None else (_finding(proof, code),)
 

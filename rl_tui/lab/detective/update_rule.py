@@ -32,8 +32,10 @@ _WRONG: Final = (UpdateTarget.COLUMN, UpdateTarget.OWN_STATE, UpdateTarget.INDEX
 
 
 @np.errstate(all="ignore")  # what cannot be divided is NaN, and counts for nothing
-def update_of(evidence: Evidence, numbers: Mapping[str, float]) -> UpdateFound:
+def update_of(evidence: Evidence, numbers: Mapping[str, float], dtype: str = "") -> UpdateFound:
     """Return the update that explains ``evidence``; ``numbers`` are those that the code holds, by name.
+
+    ``dtype`` is the table's, empty where that is not known.
 
     It is found on a bounded choice of steps: of a long run ``departs_at`` and ``informative`` are of these.
     """
@@ -64,7 +66,7 @@ def update_of(evidence: Evidence, numbers: Mapping[str, float]) -> UpdateFound:
     trial = _best(sample, numbers)
     if trial is not None:
         return _found(trial)
-    return monte_carlo_update(evidence, numbers) or UpdateFound(place=place, reason=_why_none(sample))
+    return monte_carlo_update(evidence, numbers) or UpdateFound(place=place, reason=_why_none(sample, dtype))
 
 
 def _place(evidence: Evidence) -> MovedCell | None:
@@ -173,12 +175,14 @@ def _undecided(trial: Trial) -> str:
     return ""
 
 
-def _why_none(sample: Sample) -> str:
-    """Return why no update explains ``sample``."""
+def _why_none(sample: Sample, dtype: str) -> str:
+    """Return why no update explains ``sample``, of a table of ``dtype``."""
     if int(np.sum(sample.change != 0.0)) < FEWEST:
         moved = counted(int(np.sum(sample.evidence.changes_of > 0)), "step")
         rewards = counted(int(np.count_nonzero(sample.evidence.reward)), "reward")
         return f"Too few numbers of the table have moved yet: {moved} moved one, {rewards} came."
-    if sample.evidence.whole_numbers:
+    if np.all(sample.change[sample.change != 0.0] == 1.0):
+        return "Each step adds 1 to one number: the table counts visits, it is not one of values."
+    if sample.evidence.whole_numbers and dtype.startswith(("int", "uint")):
         return "The table holds whole numbers only: what is put into it is cut off."
     return "Each step moves one number, but no update that is known explains by how much."

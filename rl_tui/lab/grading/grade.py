@@ -16,7 +16,7 @@ from rl_tui.agents.exact.policy_figures import expected_return
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.lab.detective.detective import verdict_of
-from rl_tui.lab.detective.source.code_places import ProgramCode
+from rl_tui.lab.detective.source.code_places import program_code
 from rl_tui.lab.detective.verdict import CodeFault, CodeFinding
 from rl_tui.lab.experiments.patience import cores
 from rl_tui.lab.experiments.training import Goal
@@ -215,7 +215,7 @@ class Grading:
 
     def _q_of_agent(self, log: ProgramLog) -> FloatArray:
         q = estimates_of(log, self.mdp)
-        if q is None and log.table is None and ProgramCode(log).lacks_update:
+        if q is None and log.table is None and program_code(log).lacks_update:
             return np.zeros(self.mdp.pairs)  # a dict into which nothing is ever written
         if q is None:
             raise UserError(_NO_TABLE)

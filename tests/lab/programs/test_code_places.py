@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
 
 from rl_tui.lab.detective.source.code_names import CodeNames, names_of
-from rl_tui.lab.detective.source.code_places import CodeLine, ProgramCode
+from rl_tui.lab.detective.source.code_places import CodeLine, ProgramCode, program_code
 from rl_tui.lab.detective.verdict import Rule, UpdateFound, UpdateTarget
 from rl_tui.lab.programs.program_log import FoundTable, ProgramLog
 
@@ -44,7 +45,7 @@ def code_of(
     log.called["step"] = str(path), at
     if lines:
         log.lines[str(path), next(place for place, line in enumerate(text, 1) if "+=" in line)] = 40
-    return ProgramCode(log), log, text
+    return program_code(log), log, text
 
 
 def text_of(line: CodeLine | None, text: list[str]) -> str:
@@ -204,3 +205,16 @@ def test_a_correction_speaks_in_the_names_of_an_agent(tmp_path: Path) -> None:
     assert names.next_state == "next_obs"
     assert names.terminated == "terminated"
     assert names.state == "obs"
+
+
+def test_code_is_examined_once_for_each_state_of_its_file(tmp_path: Path) -> None:
+    code, log, _ = code_of(tmp_path, loop())
+    log.numbers["gamma"] = 0.9
+    log.lines[next(iter(log.lines))] += 1
+    assert program_code(log) is code
+    path = tmp_path / "program.py"
+    path.write_text(loop(update="pass"), encoding="utf-8")
+    saved = path.stat().st_mtime_ns + 10**9
+    os.utime(path, ns=(saved, saved))
+    assert program_code(log) is not code
+    assert (code.always_writes, program_code(log).always_writes) == (True, False)

@@ -21,6 +21,7 @@ from made_recordings import Learner, Step, recorded
 
 from rl_tui.lab.detective.detective import verdict_of
 from rl_tui.lab.detective.evidence import Evidence
+from rl_tui.lab.detective.faults.cells import proof_of_cell
 from rl_tui.lab.detective.findings import findings_of
 from rl_tui.lab.detective.source.code_names import CodeNames
 from rl_tui.lab.detective.verdict import (
@@ -74,6 +75,12 @@ def after_moving(table: FloatArray, step: Step) -> None:
     """Updates the next state."""
     cell = step.next_state, step.action
     table[cell] += ALPHA * (step.reward + GAMMA * best(table, step) - table[cell])
+
+
+def swapped(table: FloatArray, step: Step) -> None:
+    """Writes s for s′ and s′ for s."""
+    cell = step.next_state, step.action
+    table[cell] += ALPHA * (step.reward + GAMMA * table[step.state].max() - table[cell])
 
 
 def column(table: FloatArray, step: Step) -> None:
@@ -146,6 +153,8 @@ FAULTY = {
         initial="zeros",
     ),
     "moved, no rule": Faulty(after_moving, CodeFault.UPDATES_AFTER_MOVING, UNKNOWN),
+    "swapped": Faulty(swapped, CodeFault.WRONG_CELL, UNKNOWN),
+    "swapped, float32": Faulty(swapped, CodeFault.WRONG_CELL, UNKNOWN, dtype="float32"),
     "column": Faulty(column, CodeFault.WRONG_AXIS, replace(Q_LEARNING, target=UpdateTarget.COLUMN)),
     "next action": Faulty(next_cell, CodeFault.WRONG_CELL, UNKNOWN),
     "shared": Faulty(shares, CodeFault.SHARED_TABLE, UNKNOWN, initial="zeros", arrange=shared),
@@ -362,3 +371,17 @@ def test_a_step_size_is_told_also_of_a_table_that_runs_away(dtype: str) -> None:
     log = recorded(diverges, dtype=dtype, steps=3000)
     assert not np.isfinite(log.recording.changes.after).all()
     assert [each.fault for each in verdict_of(log).findings] == [CodeFault.STEP_SIZE_OUT_OF_RANGE]
+
+
+def test_a_cell_of_the_next_state_is_corrected_by_where_the_maximum_is_taken() -> None:
+    (moved_on,) = found(recorded(after_moving, 0), UNKNOWN)
+    (exchanged,) = found(recorded(swapped, 0), UNKNOWN)
+    assert moved_on.correction == "update Q[s, a], not Q[s2, a]; s = s2 comes after that"
+    assert exchanged.correction.startswith("s and s2 are swapped: target = ")
+
+
+def test_a_state_that_step_overwrites_is_given_another_name() -> None:
+    names = CodeNames(state="s", next_state="s")
+    proof = proof_of_cell(Evidence(recorded(after_moving, 0).recording), names)
+    assert proof is not None
+    assert proof.correction == "update Q[s, a], not Q[next_s, a]; s = next_s comes after that"

@@ -12,7 +12,7 @@ from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.detective.detective import verdict_of
 from rl_tui.lab.detective.evidence import Evidence
 from rl_tui.lab.detective.notes import notes_on
-from rl_tui.lab.detective.source.code_places import ProgramCode
+from rl_tui.lab.detective.source.code_places import program_code
 from rl_tui.lab.detective.verdict import CodeFault, UpdateFound
 from rl_tui.lab.live_programs.program_snapshot import found_of
 from rl_tui.lab.programs.program_log import FoundTable, ProgramAgent, ProgramLog
@@ -68,7 +68,7 @@ def agent(folder: Path, body: str) -> ProgramLog:
 def test_an_update_is_missing_only_where_the_code_surely_writes_nothing(name: str, tmp_path: Path) -> None:
     body, is_missing = READS[name]
     log = agent(tmp_path, body)
-    assert ProgramCode(log).lacks_update == is_missing
+    assert program_code(log).lacks_update == is_missing
     findings = verdict_of(log).findings
     assert [each.fault for each in findings] == [CodeFault.LOSES_UPDATE] * is_missing
     for each in findings:

@@ -121,7 +121,8 @@ def test_floods_by_processes_do_not_outlive_the_script(tmp_path: Path) -> None:
     ("line", "error", "text"),
     [
         ("input('how many? ')", "RuntimeError", "input() cannot be answered while rl-tui watches"),
-        ("import cv2_", "ModuleNotFoundError", "install it with `pip install cv2_`"),
+        ("import cv2_", "ModuleNotFoundError", "put it beside the script"),
+        ("import cv2.no", "ModuleNotFoundError", "install it with `pip install opencv-python`"),
         ("import sklearn.tree as x", "ModuleNotFoundError", "`pip install scikit-learn`"),
         ("import gym", "ModuleNotFoundError", "write `import gymnasium as gym`"),
         ("s, r, done, info = env.step(0)", "ValueError", "step returns five values since Gym 0.26"),

@@ -249,12 +249,12 @@ def test_a_script_that_learns_when_it_is_imported_is_no_agent(folder: Path) -> N
         place_of_agent(AgentName(TUTORIALS / "blackjack_statistics.py", ""))
 
 
-def test_what_is_not_installed_is_said_with_the_line_that_installs_it(tmp_path: Path) -> None:
+def test_what_is_not_installed_is_said_with_its_line(tmp_path: Path) -> None:
     path = script_in(tmp_path, "import gymnasium\nimport a_plotting_library\n")
     error = watched(path).error
     assert error is not None
     assert (error.type, error.line) == ("ModuleNotFoundError", 2)
-    assert "pip install a_plotting_library" in error.text
+    assert "pip install" not in error.text
 
 
 @pytest.mark.parametrize("line", ["get_ipython().system('pip install numpy')", "display(1)"])

@@ -7,17 +7,19 @@ from typing import Any
 import numpy as np
 import pytest
 from made_agents import Made, sent
+from made_recordings import Step, recorded
 
 from rl_tui.lab.detective.evidence import Evidence
 from rl_tui.lab.detective.update_rule import update_of
 from rl_tui.lab.detective.verdict import MovedCell, Rule, UpdateFound, UpdateTarget
 from rl_tui.lab.programs.recording import Recording
+from rl_tui.worlds.mdp.space import FloatArray
 
 NAMES = {"q": Rule.Q_LEARNING, "sarsa": Rule.SARSA, "expected": Rule.EXPECTED_SARSA}
 
 
-def found(steps: int = 2000, **made: Any) -> UpdateFound:
-    return update_of(Evidence(Made(**made).recording(steps)), {})
+def found(steps: int = 2000, *, held_as: str = "", **made: Any) -> UpdateFound:
+    return update_of(Evidence(Made(**made).recording(steps)), {}, held_as)
 
 
 @pytest.mark.exhaustive("60 worlds", but=["0", "1", "2", "3", "4", "5", "6", "7"])
@@ -179,9 +181,19 @@ def test_nothing_is_said_of_an_update_that_is_none_of_these() -> None:
     update = found(alpha=lambda visits, episode: float(rng.uniform(0, 0.5)))
     assert (update.rule, update.alpha, update.gamma, update.fits) == (Rule.UNKNOWN, None, None, None)
     assert update.reason
-    whole = found(dtype=np.int64, minus_one=True, alpha=lambda *_: 0.6, initial=50)
-    assert whole.rule is Rule.UNKNOWN
-    assert "whole numbers" in whole.reason
+    made = {"dtype": np.int64, "minus_one": True, "alpha": lambda *_: 0.6, "initial": 50}
+    for dtype, is_cut_off in (("int64", True), ("float64", False), ("", False)):
+        whole = found(held_as=dtype, **made)
+        assert whole.rule is Rule.UNKNOWN
+        assert ("whole numbers" in whole.reason) is is_cut_off
+
+
+def test_a_table_that_counts_visits_is_none_of_values() -> None:
+    def counts(table: FloatArray, step: Step) -> None:
+        table[step.state, step.action] += 1.0
+
+    evidence = Evidence(recorded(counts, initial="zeros").recording)
+    assert update_of(evidence, {}, "float64").reason.startswith("Each step adds 1")
 
 
 def test_a_table_that_stays_as_it_is_says_so() -> None:

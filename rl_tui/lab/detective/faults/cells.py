@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from rl_tui.lab.detective.evidence import NO_ACTION, Evidence
-from rl_tui.lab.detective.faults.proof import CodePlace, Proof, some_of, step_text
+from rl_tui.lab.detective.faults.proof import FEWEST_STEPS, CodePlace, Proof, some_of, step_text
 from rl_tui.lab.detective.source.code_names import CodeNames
 from rl_tui.lab.detective.verdict import CodeFault
-from rl_tui.worlds.mdp.space import IntArray
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
 
 _ONE_CELL: Final = 0.95
 """Of the steps that changed something, so many must have changed one cell."""
 _MOST_FIXED: Final = 32
 """Actions that are tried as one that a slip fixes."""
+_MOVED: Final = "(s′, a)"
+_MOST_SOLVED: Final = 2_000
+"""Steps that are asked where the maximum is taken."""
+_UNKNOWNS: Final = 3
+_PATIENCE: Final = 1_000.0
+"""So many times the precision of the table a solution may be off."""
 
 
 def proof_of_cell(evidence: Evidence, names: CodeNames) -> Proof | None:
@@ -42,7 +49,7 @@ def _wrong_cells(evidence: Evidence, at: IntArray) -> dict[str, IntArray]:
     has_next = following != NO_ACTION
     fits = (state < actions) & (action < states)
     cells = {
-        "(s′, a)": next_state * actions + action,
+        _MOVED: next_state * actions + action,
         "(a, s)": np.where(fits, action * actions + state, -1),
         "(s′, a′)": np.where(has_next, next_state * actions + following, -1),
         "(s, a′)": np.where(has_next, state * actions + following, -1),
@@ -68,18 +75,56 @@ def _proof(evidence: Evidence, at: IntArray, wrong: IntArray, place: str, names:
             f"Q({other[0]}, {other[1]}) moved, that is {place}; so at all {len(speaking):,} steps where it "
             f"is not Q(s, a)"
         )
-    is_next = place == "(s′, a)"
-    cell = names.cell()
+    is_swapped = place == _MOVED and _takes_own_maximum(evidence, speaking)
+    if is_swapped:
+        text += ", and the maximum in its target is that of Q(s)"
     return Proof(
-        CodeFault.UPDATES_AFTER_MOVING if is_next else CodeFault.WRONG_CELL,
+        CodeFault.UPDATES_AFTER_MOVING if place == _MOVED and not is_swapped else CodeFault.WRONG_CELL,
         evidence.number[speaking],
         int((differ & (moved == own)).sum()),
         text,
-        f"update {cell} first, then {names.state} = {names.next_state}"
-        if is_next
-        else f"update the cell of the state acted in and the action taken there: {cell}",
+        _correction(names, place, is_swapped=is_swapped),
         neither=int((known & (moved != wrong) & (moved != own)).sum()),
     )
+
+
+def _correction(names: CodeNames, place: str, *, is_swapped: bool) -> str:
+    cell = names.cell()
+    if place != _MOVED:
+        return f"update the cell of the state acted in and the action taken there: {cell}"
+    if is_swapped:
+        swapped = f"{names.state} and {names.next_state} are swapped"
+        return f"{swapped}: {names.target()}; {cell} += {names.alpha} * (target - {cell})"
+    if names.next_state == names.state:  # env.step overwrites it
+        names = replace(names, next_state=f"next_{names.state}")
+    other = replace(names, state=names.next_state).cell()
+    return f"update {cell}, not {other}; {names.state} = {names.next_state} comes after that"
+
+
+def _takes_own_maximum(evidence: Evidence, at: IntArray) -> bool:
+    """Return whether the steps ``at``, which move (s′, a), take max Q(s) and not max Q(s′) for their target.
+
+    By how much a cell moves is a sum of the reward, the maximum and what stood there, each times a number
+    that is the same at all steps: only the right maximum solves all of them.
+    """
+    at = at[~(evidence.terminated | evidence.truncated)[at]][:_MOST_SOLVED]
+    if len(at) < FEWEST_STEPS:
+        return False
+    own = evidence.rows(evidence.state[at], at).max(1)
+    following = evidence.rows(evidence.next_state[at], at).max(1)
+    if (own != following).sum() < FEWEST_STEPS + _UNKNOWNS:
+        return False
+    return _is_solved_by(evidence, at, own) and not _is_solved_by(evidence, at, following)
+
+
+def _is_solved_by(evidence: Evidence, at: IntArray, maximum: FloatArray) -> bool:
+    _, before, after = (column[at] for column in evidence.only_change)
+    parts = np.column_stack((evidence.reward[at], maximum, before))
+    if not (np.isfinite(parts).all() and np.isfinite(after).all()):
+        return False
+    factors = np.linalg.lstsq(parts, after, rcond=None)[0]
+    largest = max(float(np.abs(parts).max()), float(np.abs(after).max()))
+    return bool(np.abs(parts @ factors - after).max() <= _PATIENCE * evidence.precision * largest)
 
 
 def proof_of_sharing(evidence: Evidence, shared_at: int | None, names: CodeNames) -> Proof | None:

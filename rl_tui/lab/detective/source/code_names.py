@@ -6,6 +6,7 @@ import ast
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 from rl_tui.common.findings import one_line
@@ -107,12 +108,8 @@ def names_of(
         if update.target in (UpdateTarget.NEXT_ACTION, UpdateTarget.EXPECTED)
         else UpdateTarget.BEST
     )
-    found: dict[str, str] = {}
-    line = code.call_line() if code.lacks_update else code.update_line()
-    used = _used_at(code, line)
-    for role, usual in _USUAL.items():
-        found.update((role, each) for each in reversed(usual) if each in used)
-    found |= _returned_near(code, line)
+    used, by_role = _written_in(code)
+    found = dict(by_role)
     for role, number in (("alpha", update.alpha), ("gamma", update.gamma)):
         held = _held(numbers, number)
         if held is not None:
@@ -120,6 +117,17 @@ def names_of(
     short = {role: one_line(_as_written(name, used), _LONGEST) for role, name in found.items()}
     name = one_line(_as_written(table.name, used), _LONGEST)
     return CodeNames(name, form=table.form, value=value, **short)
+
+
+@lru_cache(maxsize=32)
+def _written_in(code: ProgramCode) -> tuple[frozenset[str], Mapping[str, str]]:
+    """Return the names used where the table is updated, and those of them whose role is known, by role."""
+    line = code.call_line() if code.lacks_update else code.update_line()
+    used = _used_at(code, line)
+    found: dict[str, str] = {}
+    for role, usual in _USUAL.items():
+        found.update((role, each) for each in reversed(usual) if each in used)
+    return used, found | _returned_near(code, line)
 
 
 def declared_discount(numbers: Mapping[str, float]) -> tuple[str, float] | None:
@@ -156,7 +164,7 @@ def _names_in(scope: ast.AST) -> Iterator[str]:
 
 def _returned_near(code: ProgramCode, line: CodeLine | None) -> dict[str, str]:
     """Return what the call of ``env.step`` is unpacked into, if that stands in the function of ``line``."""
-    call = code.step_call()
+    call = code.step_call
     if call is None or line is None or code.scope_of(call.line) is not code.scope_of(line):
         return {}
     found = {"environment": ast.unparse(call.environment)} if call.environment is not None else {}

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Final
 
 from rl_tui.lab.detective.source.reading_only import only_reads
@@ -30,9 +30,11 @@ from rl_tui.lab.detective.source.syntax import (
 from rl_tui.lab.own_agents.shapes import Style
 
 if TYPE_CHECKING:
-    from rl_tui.lab.programs.program_log import ProgramLog
+    from rl_tui.lab.programs.program_log import FoundTable, ProgramAgent, ProgramLog
 
 _MOST_FILES: Final = 16
+_MOST_KEPT: Final = 32
+"""Programs whose code is kept; a grade has as many at once as there are cores."""
 _MOST_CALLS: Final = 3
 """Calls that are followed from one function to the next."""
 _CHOICE: Final = re.compile(r"action|policy|^act$|agent_start|choose|greedy", re.IGNORECASE)
@@ -70,23 +72,54 @@ class _Statement:
         return CodeLine(self.file, self.node.lineno)
 
 
+def program_code(log: ProgramLog) -> ProgramCode:
+    """Return the source of the program of ``log``, as far as its steps and changes named files.
+
+    It is the same object as long as the files and what the program told of them are the same: its answers
+    are worked out once, not for every verdict.
+    """
+    files = [file for file, _ in (*log.called.values(), *log.lines)]
+    trees = [(file, parsed_file(file)) for file in list(dict.fromkeys(files))[:_MOST_FILES]]
+    changed_most = max(log.lines, key=lambda each: log.lines[each], default=None)
+    return _code_of(
+        tuple((file, tree) for file, tree in trees if tree is not None),
+        tuple(log.called.items()),
+        None if changed_most is None else CodeLine(*changed_most),
+        log.table,
+        log.agent,
+    )
+
+
+@lru_cache(maxsize=_MOST_KEPT)
+def _code_of(
+    trees: tuple[tuple[str, ast.Module], ...],
+    called: tuple[tuple[str, tuple[str, int]], ...],
+    changed_most: CodeLine | None,
+    table: FoundTable | None,
+    agent: ProgramAgent | None,
+) -> ProgramCode:
+    return ProgramCode(dict(trees), dict(called), changed_most, table, agent)
+
+
 class ProgramCode:
-    """The source of the program of ``log``, as far as its steps and changes named files."""
+    """The source of a program: the ``trees`` of its files by name.
 
-    def __init__(self, log: ProgramLog) -> None:
-        self._lines, self._called = log.lines, log.called
-        self._table, self._agent = log.table, log.agent
-        self._name = "" if log.table is None else log.table.name.rpartition(".")[2]
+    ``called`` are the lines that called ``step`` and ``reset``, ``changed_most`` is the line that changed the
+    table most often, None where no line was seen to.
+    """
 
-    @cached_property
-    def _trees(self) -> dict[str, ast.Module]:
-        named = [file for file, _ in self._called.values()] + [file for file, _ in self._lines]
-        found: dict[str, ast.Module] = {}
-        for file in list(dict.fromkeys(named))[:_MOST_FILES]:
-            tree = parsed_file(file)
-            if tree is not None:
-                found[file] = tree
-        return found
+    def __init__(
+        self,
+        trees: Mapping[str, ast.Module],
+        called: Mapping[str, tuple[str, int]],
+        changed_most: CodeLine | None,
+        table: FoundTable | None,
+        agent: ProgramAgent | None,
+    ) -> None:
+        self._trees, self._called, self._changed_most = trees, called, changed_most
+        self._table, self._agent = table, agent
+        self._name = "" if table is None else table.name.rpartition(".")[2]
+        self._scopes: dict[CodeLine, ast.AST | None] = {}
 
     @cached_property
     def _statements(self) -> list[_Statement]:
@@ -218,7 +251,7 @@ class ProgramCode:
 
     def gives_other(self, reward: str) -> bool:
         """Whether ``reward`` is given by anything but ``env.step``; True where that cannot be read."""
-        call = self.step_call()
+        call = self.step_call
         if call is None or not any(name_of(each) == reward for each in call.unpacked):
             return True
         given = [each for each in self._statements if reward in targets_of(each.node)]
@@ -227,9 +260,8 @@ class ProgramCode:
 
     def update_line(self) -> CodeLine | None:
         """Return the line that changed the table most, or the first that writes to it."""
-        if self._lines:
-            file, line = max(self._lines, key=lambda each: self._lines[each])
-            return CodeLine(file, line)
+        if self._changed_most is not None:
+            return self._changed_most
         return self._writes[0].line if self._writes else None
 
     def table_line(self) -> CodeLine | None:
@@ -260,8 +292,9 @@ class ProgramCode:
                     return CodeLine(file, node.lineno)
         return None
 
+    @cached_property
     def step_call(self) -> StepCall | None:
-        """Return the call of ``env.step`` that took the steps."""
+        """The call of ``env.step`` that took the steps."""
         calls = list(self._step_calls())
         at = self._called.get("step")
         seen = [each for each in calls if at == (each.line.file, each.line.line)]
@@ -284,12 +317,11 @@ class ProgramCode:
         at = self._called.get("step")
         if at is not None:
             return CodeLine(*at)
-        call = self.step_call()
-        return None if call is None else call.line
+        return None if self.step_call is None else self.step_call.line
 
     def choice_line(self) -> CodeLine | None:
         """Return the line that chooses the action given to ``env.step``, followed through one function."""
-        call = self.step_call()
+        call = self.step_call
         if call is None or call.argument is None:
             return self._chosen_by_a_method() or self.call_line()
         given = first_name(call.argument)
@@ -335,6 +367,11 @@ class ProgramCode:
 
     def scope_of(self, line: CodeLine) -> ast.AST | None:
         """Return the innermost function that holds ``line``, or its whole file."""
+        if line not in self._scopes:
+            self._scopes[line] = self._found_scope(line)
+        return self._scopes[line]
+
+    def _found_scope(self, line: CodeLine) -> ast.AST | None:
         tree = self._trees.get(line.file)
         if tree is None:
             return None

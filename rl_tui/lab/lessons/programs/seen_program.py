@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from rl_tui.common.findings import one_line
-from rl_tui.lab.detective.source.code_places import ProgramCode
+from rl_tui.lab.detective.source.code_places import program_code
 from rl_tui.lab.detective.step_story import update_of_step
 from rl_tui.lab.detective.verdict import CodeFinding, ProgramVerdict, Rule, step_number
 from rl_tui.lab.grading.watch_report import environment_of, episodes_of, error_of, learned_figures
@@ -68,7 +68,7 @@ def _departure(log: ProgramLog, verdict: ProgramVerdict) -> list[str]:
     update = verdict.update
     if update.rule is Rule.UNKNOWN or update.departs_at is None:
         return []
-    code = ProgramCode(log).update_line()
+    code = program_code(log).update_line()
     place = "" if code is None else f"line {code.line}: "
     step = step_number(update.departs_at)
     try:

@@ -9,6 +9,14 @@ from types import FrameType
 from typing import Final
 
 _PACKAGES: Final = {
+    **{
+        name: name
+        for name in (
+            *("gymnasium", "imageio", "ipywidgets", "jax", "keras", "matplotlib", "mlflow", "networkx"),
+            *("numba", "numpy", "pandas", "pettingzoo", "plotly", "pygame", "requests", "scipy", "seaborn"),
+            *("statsmodels", "sympy", "tensorboard", "tensorflow", "torch", "tqdm", "wandb"),
+        )
+    },
     "bs4": "beautifulsoup4",
     "cv2": "opencv-python",
     "dotenv": "python-dotenv",
@@ -18,10 +26,14 @@ _PACKAGES: Final = {
     "serial": "pyserial",
     "skimage": "scikit-image",
     "sklearn": "scikit-learn",
+    "stable_baselines3": "stable-baselines3",
     "tensorboardX": "tensorboardX",
     "yaml": "PyYAML",
 }
-"""Modules that are called otherwise where one installs them."""
+"""Modules that are well known, and the package that one installs for each.
+
+Any other name may be a misspelt one or somebody's own, and a package of that name may be anything.
+"""
 _GYM: Final = (
     "Gym is Gymnasium now: write `import gymnasium as gym`, which is installed; "
     "reset then returns (observation, info), and step (observation, reward, terminated, truncated, info)"
@@ -31,6 +43,7 @@ _STEP: Final = (
     "env.step(action)`, and `done = terminated or truncated`"
 )
 _RESET: Final = "reset returns (observation, info) since Gym 0.26: write `state, info = env.reset()`"
+_UNKNOWN: Final = "if it is a file of yours, put it beside the script"
 _NOTEBOOK: Final = "only a notebook has it: delete the line, which was exported from one"
 _ATTRIBUTES: Final = {
     "seed": "environments are seeded by reset since Gym 0.26: write `env.reset(seed=0)`",
@@ -68,7 +81,9 @@ def _on_missing(name: str) -> str:
     top = name.partition(".")[0]
     if top == "gym":
         return _GYM
-    return f"install it with `pip install {_PACKAGES.get(top, top)}`" if top else ""
+    if top in _PACKAGES:
+        return f"install it with `pip install {_PACKAGES[top]}`"
+    return _UNKNOWN if top else ""
 
 
 def _calls_step(frames: Sequence[FrameType], line: int | None) -> bool:
