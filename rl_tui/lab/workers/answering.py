@@ -16,6 +16,8 @@ from typing import IO, Any, Final
 NICENESS: Final = 5
 """How much lower its priority is at first: another process may wait for the machine code it gets."""
 LAST_NICENESS: Final = 19
+SESSION_NICENESS: Final = 10
+"""That of its session, where Linux shares processors out among sessions: it gets some tenth of one."""
 
 
 def answer(work: Callable[[Any, Callable[[dict[str, Any]], None]], None]) -> None:
@@ -41,15 +43,13 @@ def answer(work: Callable[[Any, Callable[[dict[str, Any]], None]], None]) -> Non
 
 
 def let_others_go_first() -> None:
-    """Take the lowest priority there is; nothing raises it again."""
+    """Take the lowest priority that still gets on where others never rest; nothing raises it again."""
     for thread in _threads():
         with suppress(AttributeError, OSError):
             os.setpriority(os.PRIO_PROCESS, thread, LAST_NICENESS)
-        with suppress(AttributeError, OSError):
-            os.sched_setscheduler(thread, os.SCHED_IDLE, os.sched_param(0))
     # Linux may share the processor out among sessions first, and this process has one of its own
     with suppress(OSError), open("/proc/self/autogroup", "w", encoding="ascii") as of_session:
-        of_session.write(str(LAST_NICENESS))
+        of_session.write(str(SESSION_NICENESS))
 
 
 def bound_processor_time(seconds: int) -> None:
