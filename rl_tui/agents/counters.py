@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -19,7 +19,7 @@ class Counters:
 
     state: int
     """Where the agent is, of a planner the state backed up last. After the last step of an episode it is the
-    state in which the episode ended."""
+    state in which the episode ended, unless the beginning of the next one is shown."""
     step_from: int | None = None
     """The state in which the next step starts: another one if an episode has ended; None: no learner yet."""
     step: int = 0
@@ -41,3 +41,11 @@ class Counters:
     """[U], the pairs that those updates moved."""
     last_step: LastStep | None = None
     """The last step with all its numbers; None before the first."""
+    is_at_beginning: bool = False
+    """Whether ``state`` is where the next episode begins, after one has ended."""
+
+    def at_beginning(self) -> Counters:
+        """Return these with the agent where the next episode begins, if one has just ended."""
+        if self.step_from is None or self.last_step is None or self.episode_step:
+            return self
+        return replace(self, state=self.step_from, is_at_beginning=True)

@@ -161,7 +161,9 @@ class Beside:
     def work_out(self, mdp: TabularMDP) -> FlipAnswer:
         self.has_news.clear()
         self.answers.begin(mdp)
-        assert self.has_news.wait(LONGEST)
+        while self.answers.of(mdp).state is FlipState.PENDING:
+            assert self.has_news.wait(LONGEST)
+            self.has_news.clear()
         return self.answers.of(mdp)
 
 

@@ -223,9 +223,33 @@ def test_an_episode_is_gone_to_by_its_number() -> None:
     do(playback, Train(5_000))
     shown = do(playback, GoTo(episode=7))
     assert (shown.counters.episodes, shown.counters.episode_step) == (6, 0)
+    step = shown.counters.step
+    assert do(playback, RunUntil(Until(Event.EPISODE, 9))).counters.is_at_beginning
+    assert not do(playback, GoTo(step)).counters.is_at_beginning
     assert do(playback, GoTo(episode=10**9)).counters.step == 5_000
     assert do(playback, GoTo(step=10**12)).counters.step == 5_000
     assert do(playback, GoTo(step=-3)).counters.step == 0
+
+
+def test_between_two_episodes_it_is_the_end_of_one_unless_a_beginning_was_asked_for() -> None:
+    playback = begin(recipe("frozenlake"))
+    first = do(playback, RunEpisode())
+    ended = do(playback, RunEpisode()).counters
+    last = ended.last_step
+    assert last is not None
+    assert (ended.state, ended.step_from, ended.is_at_beginning) == (last.next_state, 0, False)
+    do(playback, Step())
+    shown = do(playback, EpisodeBack())
+    assert (shown.counters.state, shown.counters.step, shown.counters.is_at_beginning) == (
+        0,
+        ended.step,
+        True,
+    )
+    assert shown.trail == ()
+    assert do(playback, EpisodeBack()).counters.step == first.counters.step
+    assert do(playback, Step(), StepBack()).counters.state == first.counters.state  # a step back: to its end
+    again = do(playback, GoTo(ended.step)).counters
+    assert (again.state, again.is_at_beginning) == (ended.state, False)
 
 
 def test_an_episode_that_a_planner_cut_short_begins_where_the_one_before_ended() -> None:

@@ -43,7 +43,6 @@ PART = Atlas(
     episodes=50,
     done=40,
     planned=60,
-    seconds=2.0,
 )
 
 
@@ -97,7 +96,10 @@ def test_it_can_be_drawn_at_any_size() -> None:
 def test_words_say_what_a_cell_is_and_how_far_all_is() -> None:
     drawn = scene(PART, cursor=4)
     assert "10 seeds of 50 episodes" in head(drawn, 10)
-    assert "40 of 60 runs" in head(drawn, 10)
+    assert head(drawn, 10).endswith("40 of 60 runs")
+    assert head(drawn, 10, "how long").endswith("40 of 60 runs, how long")
+    assert head(scene(Atlas()), 10, "how long").endswith(", how long")
+    assert "how long" not in head(scene(replace(PART, state=AtlasState.DONE)), 10, "how long")
     assert "mean 0.750 (95 %: 0.650 to 0.850)" in cell_line(drawn, 7)
     assert cell_line(drawn, 7).endswith("seed 7")
     assert "not done yet" in cell_line(scene(PART), 0)

@@ -13,7 +13,7 @@ from samples import bandit, lake, look, student
 from seams import playground, press, screen_text, snapshot, switch
 from snapshots import changed
 
-from rl_tui.lab.answers.flip_answer import FlipAnswer, FlipState, refused
+from rl_tui.lab.answers.flip_answer import HELD_UP, FlipAnswer, FlipState, refused
 from rl_tui.lab.answers.flip_worker import worked_out
 from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.live.snapshot import Snapshot
@@ -147,6 +147,7 @@ def known_of(shown: Snapshot) -> FlipAnswer:
 def test_where_nothing_can_be_drawn_it_says_why() -> None:
     assert said(with_flips(student(), is_hidden=True)) == HIDDEN + ANSWER_KEY
     assert said(with_flips(student(), FlipAnswer(FlipState.PENDING))) == PENDING
+    assert said(with_flips(student(), HELD_UP)) == HELD_UP.reason
     assert said(with_flips(student(), refused("too large"))) == "too large"
     idle = FlipAnswer(FlipState.KNOWN)
     assert said(with_flips(bandit(), idle)) == "each pull ends its episode: γ changes nothing"

@@ -13,6 +13,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.last_step.last_step import ENDED, ENDED_SWEEP
 from rl_tui.tui.panels.row import LAST_STEP, MICROSCOPE
+from rl_tui.worlds.drawing import CellKind, Grid
 
 _NUMBERED = re.compile(r"\b(?:ep|episode|sweep) ([\d,]*\d)")
 
@@ -29,11 +30,28 @@ async def test_every_step_of_an_episode_and_its_end(size: tuple[int, int], make_
     async with app.run_test(size=size) as pilot:
         await settle(pilot)
         for expected in ("1", "2", "3"):
-            assert numbers_of(pilot) == {expected}
             while snapshot(pilot).counters.episodes < int(expected):
-                assert numbers_of(pilot) == {expected}
                 await press(pilot, "s")
+                assert numbers_of(pilot) == {expected}
             assert ENDED in str(playground(pilot).board.panel(LAST_STEP).border_subtitle)
+
+
+async def test_the_first_reward_has_one_number_everywhere(make_app: MakeApp) -> None:
+    app = make_app("frozenlake")
+    async with app.run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await press(pilot, "u", "enter")  # until the next reward, which ends the episode
+        assert numbers_of(pilot) == {"247"}
+        now = snapshot(pilot)
+        assert now.counters.episodes == 247
+        assert isinstance(now.world.drawing, Grid)
+        assert now.world.drawing.kinds[now.counters.state] is CellKind.GOAL
+        await press(pilot, "B")
+        assert numbers_of(pilot) == {"247"}
+        began = snapshot(pilot).counters
+        assert (began.state, began.step_from, began.episodes) == (0, 0, 246)
+        await press(pilot, "B")
+        assert numbers_of(pilot) == {"246"}
 
 
 async def test_to_go_to_an_episode_leads_to_where_that_number_stands(make_app: MakeApp) -> None:

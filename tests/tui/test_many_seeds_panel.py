@@ -67,6 +67,7 @@ def test_it_tells_how_far_it_has_come_and_of_which_seeds() -> None:
     text = said(changed(lake(), study=lake_study()))
     assert text.startswith("64 of 256 seeds · episodes 1–500 · low priority ━")
     assert "seeds 0 to 63" in text
+    assert "about 40 s left" in said(changed(lake(), study=lake_study(how_long="about 40 s left")))
     done = said(changed(lake(), study=lake_study(state=StudyState.DONE, seeds=256)))
     assert done.startswith("256 seeds · episodes 1–500 seeds 0 to 255")
     by_steps = said(changed(lake(), study=lake_study(episodes=None, steps=2_000_000)))

@@ -72,11 +72,9 @@ def test_the_bellman_equation_of_the_student_is_the_one_worked_out_by_hand() -> 
 def test_the_border_names_the_keys_that_do_something() -> None:
     made = panel(lake())
     drawn(made)
-    assert made.footing == "arrows: another pair   m: close"
-    drawn(made, width=50, height=10)
-    assert made.footing == "arrows: pair   pgup pgdn: scroll   m: close"
+    assert made.footing == "↑ ↓: state   ← →: action   m: close"
     drawn(made, height=10)
-    assert made.footing == "arrows: another pair   pgup pgdn: scroll   m: close"
+    assert made.footing == "↑ ↓: state   ← →: action   pgup pgdn: scroll   m: close"
     drawn(made, width=40, height=10)
     assert made.footing == "pgup pgdn: scroll   m: close"
     drawn(made, width=14, height=10)

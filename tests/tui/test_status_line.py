@@ -110,10 +110,13 @@ def test_ascii() -> None:
     assert text.startswith(" FrozenLake 4x4 slippery - Q-learning - seed 0 ")
 
 
-def test_the_episode_is_the_one_under_way() -> None:
+def test_the_episode_is_the_one_that_the_agent_is_in() -> None:
     assert "ep 1 " in drawn(lake(0))
     assert "ep 1 " in drawn(lake(7, episodes=0, episode_step=7))
-    assert "ep 2 " in drawn(lake(8, episodes=1, episode_step=0))
+    assert "ep 1 " in drawn(lake(8, episodes=1, episode_step=0))
+    assert "ep 2 " in drawn(lake(8, episodes=1, episode_step=0, is_at_beginning=True))
+    assert "ep 2 " in drawn(lake(9, episodes=1, episode_step=1))
+    assert "ep 2 " in drawn(lake(8, episodes=1, episode_step=0, last_step=None))
 
 
 def test_a_planner_counts_sweeps_and_says_when_it_is_done() -> None:

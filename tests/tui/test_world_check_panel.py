@@ -58,12 +58,19 @@ def said(shown: Snapshot | None, width: int = 58) -> str:
     return " ".join(drawn(shown, width).split())
 
 
+def test_it_tells_how_long_the_rest_takes() -> None:
+    assert said(changed(walk(), world_check=WorldCheckView(how_long="40 s"))) == f"{WAITING} · 40 s"
+    assert "40 s" in said(with_check(walk(), grown(walk())[0], how_long="40 s"))
+    assert "40 s" not in said(with_check(walk(), is_outdated=True, how_long="40 s"))
+
+
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("ascii", [False, True])
 def test_it_is_drawn_at_any_size(size: tuple[int, int], ascii: bool) -> None:  # noqa: A002
     shown = [with_check(walk(), report) for report in grown(walk())]
     shown += [with_check(walk(), is_outdated=True), with_check(walk(), refused="too large")]
     shown += [changed(walk(), world_check=WorldCheckView(refused=IN_KIOSK)), student()]
+    shown += [changed(walk(), world_check=WorldCheckView(how_long="about 40 s left"))]
     for each in (None, *shown):
         text = drawn(each, *size, ascii=ascii)
         assert not ascii or text.isascii()

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from rl_tui.lab.workers.pace import MACHINE_IS_BUSY
 from rl_tui.worlds.mdp.space import FloatArray
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ class FlipAnswer:
     state: FlipState = FlipState.NOT_ASKED
     """How far they are known."""
     reason: str = ""
-    """Why they will not be known, in words; mostly empty."""
+    """Why they will not be known, or not soon, in words; mostly empty."""
     flips: tuple[Flip, ...] = ()
     """All of them."""
     curves: OptimalValueCurves | None = None
@@ -56,6 +57,7 @@ class FlipAnswer:
 
 NOT_ASKED: Final = FlipAnswer()
 PENDING: Final = FlipAnswer(FlipState.PENDING)
+HELD_UP: Final = FlipAnswer(FlipState.PENDING, MACHINE_IS_BUSY)
 
 
 def refused(reason: str) -> FlipAnswer:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.kiosk import in_kiosk
 from rl_tui.lab.answers.flip_answer import (
+    HELD_UP,
     NOT_ASKED,
     PENDING,
     FlipAnswer,
@@ -82,7 +83,7 @@ class FlipAnswers:
             process, self._process = self._process, None
         if process is not None:
             process.end()
-            if process.answer is not PENDING:
+            if process.answer.state is not FlipState.PENDING:
                 self._keep(process.mdp, process.answer)
 
     def _keep(self, mdp: TabularMDP, answer: FlipAnswer) -> None:
@@ -102,19 +103,21 @@ def at_once(mdp: TabularMDP) -> FlipAnswer | None:
 
 
 class _FlipProcess(AnsweringProcess):
-    """Works out the flips of ``mdp``; ``answer`` is what is known by now."""
+    """Works out the flips of ``mdp``."""
 
     def __init__(self, mdp: TabularMDP, on_news: Callable[[], None]) -> None:
         self.mdp = mdp
-        self.answer = PENDING
-        self._on_news = on_news
-        super().__init__(WORKER, mdp, self._take_in, self._has_ended, "flips")
+        self._found = PENDING
+        super().__init__(WORKER, mdp, self._take_in, self._has_ended, on_news, "flips")
+
+    @property
+    def answer(self) -> FlipAnswer:
+        """What is known by now."""
+        return HELD_UP if self._found is PENDING and self.is_held_up else self._found
 
     def _take_in(self, document: Any) -> None:
-        self.answer = of_json(document)
-        self._on_news()
+        self._found = of_json(document)
 
     def _has_ended(self) -> None:
-        if self.answer is PENDING:
-            self.answer = refused("working them out took too long, or its process was ended")
-            self._on_news()
+        if self._found is PENDING:
+            self._found = refused("working them out took too long, or its process was ended")

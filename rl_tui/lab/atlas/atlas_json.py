@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from rl_tui.lab.atlas.figures import Atlas, AtlasCell, AtlasStandings, AtlasState
 
-_PLAIN: Final = ("episodes", "done", "planned", "steps", "seconds", "message")
+_PLAIN: Final = ("episodes", "done", "planned", "steps", "message")
 
 
 def news(before: Atlas, after: Atlas) -> dict[str, Any]:

@@ -25,14 +25,12 @@ class AtlasProcess(AnsweringProcess):
     def __init__(self, request: AtlasRequest, on_news: Callable[[], None]) -> None:
         self.atlas = Atlas(planned=request.cells.count * request.runs)
         """What is known by now."""
-        self._on_news = on_news
-        super().__init__(WORKER, request, self._take_in, self._has_ended, "atlas")
+        super().__init__(WORKER, request, self._take_in, self._has_ended, on_news, "atlas")
 
     def _take_in(self, document: Any) -> None:
         self.atlas = with_news(self.atlas, document)
-        self._on_news()
+        self.pace.note(self.atlas.done / self.atlas.planned)
 
     def _has_ended(self) -> None:
         if not self.atlas.is_over:
             self.atlas = replace(self.atlas, state=AtlasState.FAILED, message="its process ended by itself")
-        self._on_news()

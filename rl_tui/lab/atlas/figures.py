@@ -72,8 +72,6 @@ class Atlas:
     """Rows in all."""
     steps: int = 0
     """Steps that were taken."""
-    seconds: float = 0.0
-    """How long it has taken so far."""
     message: str = ""
     """Why it failed or ends early, in one line; mostly empty."""
 
@@ -81,10 +79,3 @@ class Atlas:
     def is_over(self) -> bool:
         """Whether nothing more will come."""
         return self.state not in (AtlasState.STARTING, AtlasState.RUNNING)
-
-    @property
-    def seconds_left(self) -> float | None:
-        """How long it will take from now on, if it goes on as until now; None where that is not known."""
-        if self.is_over or not self.done or not self.seconds:
-            return None
-        return self.seconds * (self.planned - self.done) / self.done

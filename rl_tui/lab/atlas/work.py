@@ -90,7 +90,7 @@ class AtlasWork:
         self._changed[cell.index] = cell
 
     def _report(self, plan: SweepPlan, store: Store, progress: SweepProgress) -> None:
-        self._atlas = replace(self._atlas, done=progress.done, steps=progress.steps, seconds=progress.seconds)
+        self._atlas = replace(self._atlas, done=progress.done, steps=progress.steps)
         if not self._changed:
             return
         self._take_in(plan, store)

@@ -128,6 +128,8 @@ class SnapshotBuilder:
         """
         run = lane.run
         counters = run.learner.counters
+        if lane.begun_at == run.step and not run.over:
+            counters = counters.at_beginning()
         return Snapshot(
             world=run.world,
             recipe=run.recipe,
@@ -139,7 +141,7 @@ class SnapshotBuilder:
             answers=questions.answers(run, pins.drawn, is_still=playback.phase not in _MOVING),
             timeline=lane.timeline,
             run_group=view,
-            trail=lane.trail if has_trail else (),
+            trail=lane.trail if has_trail and not counters.is_at_beginning else (),
             world_changes=run.world_changes,
         )
 

@@ -65,6 +65,8 @@ def _continue_until(playback: Playback) -> float:
         playback.stop_if_due()
         if run.step > before and condition.is_over(run) and not run.over:
             playback.rest()
+            if condition.until.event is Event.EPISODE:
+                playback.group.current.begun_at = run.step
             if condition.until.event is not Event.EPISODE_END:
                 playback.paused_by = until_in_words(condition.until, run.world)
         if playback.clock() >= until:

@@ -28,6 +28,8 @@ class ProgramHistory:
         self.recording = recording
         self.newest = ProgramState(recording, world)
         self.shown = self.newest
+        self.begun_at: int | None = None
+        """Where an episode's beginning was asked for: there the end of the one before is not shown."""
         self._spacing = _FIRST_SPACING
         self._kept: list[ProgressState] = [self.newest.checkpoint()]
         self._followed: tuple[int, int, int] = (-1, 0, 0)
@@ -55,6 +57,7 @@ class ProgramHistory:
 
     def show(self, step: int) -> None:
         """Show the moment after ``step`` steps, or the nearest that is known."""
+        self.begun_at = None
         step = max(step, self.first_step)
         if step >= self.newest.step:
             self.shown = self.newest

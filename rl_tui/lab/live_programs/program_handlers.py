@@ -59,15 +59,19 @@ def _episode_back(playback: ProgramPlayback, _: commands.EpisodeBack) -> None:
     began = history.begin_of_episode(history.shown.episodes + 1)
     if began >= history.shown.step:  # one has just ended: it is the one before
         began = history.begin_of_episode(max(1, history.shown.episodes))
-    playback.transport.show(began)
+    _show_beginning(playback, began)
+
+
+def _show_beginning(playback: ProgramPlayback, step: int) -> None:
+    playback.transport.show(step)
+    playback.history.begun_at = step
 
 
 def _go_to(playback: ProgramPlayback, command: commands.GoTo) -> None:
-    step = command.step
     if command.episode is not None:
-        step = playback.history.begin_of_episode(command.episode)
-    if step is not None:
-        playback.transport.show(step)
+        _show_beginning(playback, playback.history.begin_of_episode(command.episode))
+    elif command.step is not None:
+        playback.transport.show(command.step)
 
 
 def _toggle_breakpoint(playback: ProgramPlayback, command: commands.ToggleBreakpoint) -> None:

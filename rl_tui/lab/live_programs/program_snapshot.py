@@ -97,6 +97,8 @@ class ProgramSnapshots:
         shown, found = playback.history.shown, playback.found
         view = StepView(shown, playback.verdicts.newest.update, found.hyperparameters.gamma)
         counters, results, world = view.counters, shown.results, shown.world
+        if playback.history.begun_at == shown.step:
+            counters = counters.at_beginning()
         playing = view_of(playback)
         recipe = Recipe(world.scenario, found.algorithm, found.hyperparameters, playback.program.request.seed)
         q = shown.q
@@ -124,7 +126,7 @@ class ProgramSnapshots:
             run_group=group,
             cell=None if cell is None else playback.history.cell(cell),
             beside=other,
-            trail=view.trail if playback.shows_trail else (),
+            trail=view.trail if playback.shows_trail and not counters.is_at_beginning else (),
             program=program_view(playback),
         )
 

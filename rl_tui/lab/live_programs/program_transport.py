@@ -190,6 +190,7 @@ class ProgramTransport:
         recorded = recorded_step(until, self.history) if self.history.in_past else None
         if recorded is not None:
             self.history.show(recorded)
+            self._note_beginning(until)
             return
         self.go_on_here()
         if self.state in ENDED:
@@ -302,8 +303,14 @@ class ProgramTransport:
         if words:
             self.paused_by = words
         elif stop is not None and stop.until.event is not Event.EPISODE_END:
+            self._note_beginning(stop.until)
             self.paused_by = until_in_words(stop.until, self.history.newest.world.world)
         return True
+
+    def _note_beginning(self, until: Until) -> None:
+        """Have the beginning of an episode shown, not the end of the one before, where that was asked for."""
+        if until.event is Event.EPISODE:
+            self.history.begun_at = self.history.shown.step
 
     def _continue_to_goal(self) -> float:
         """Go on to where it is to stop, or until some milliseconds are over."""

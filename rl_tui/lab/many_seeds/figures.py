@@ -85,5 +85,12 @@ class SeedStudy:
     """Steps of each seed, where they end it."""
     message: str = ""
     """Why it is bounded as it is, or why there is none; mostly empty."""
+    how_long: str = ""
+    """How long the rest takes, or that the machine is busy; empty where neither is known."""
     is_outdated: bool = False
     """Whether runs have been changed since it began, so that it tells of other ones."""
+
+    @property
+    def is_over(self) -> bool:
+        """Whether nothing more will come."""
+        return self.state not in (StudyState.STARTING, StudyState.RUNNING)

@@ -29,19 +29,23 @@ class StudyProcess(AnsweringProcess):
     """
 
     def __init__(self, request: StudyRequest, on_news: Callable[[], None]) -> None:
-        self.study: SeedStudy = request.nothing_yet
-        """What is known by now."""
-        self._on_news = on_news
-        super().__init__(WORKER, request, self._take_in, self._has_ended, "many seeds")
+        self._known: SeedStudy = request.nothing_yet
+        super().__init__(WORKER, request, self._take_in, self._has_ended, on_news, "many seeds")
+
+    @property
+    def study(self) -> SeedStudy:
+        """What is known by now, and how it gets on."""
+        if self._known.is_over:
+            return self._known
+        return replace(self._known, how_long=self.how_long)
 
     def _take_in(self, document: Any) -> None:
-        self.study = of_json(document)
-        self._on_news()
+        self._known = of_json(document)
+        self.pace.note(self._known.seeds / self._known.most if self._known.most else 0.0)
 
     def _has_ended(self) -> None:
-        if self.study.state in (StudyState.STARTING, StudyState.RUNNING):
-            self.study = replace(self.study, state=StudyState.FAILED, message="its process ended by itself")
-        self._on_news()
+        if not self._known.is_over:
+            self._known = replace(self._known, state=StudyState.FAILED, message="its process ended by itself")
 
 
 class SeedStudies:

@@ -85,6 +85,8 @@ class BranchingRun:
         self._sought = 0.0  # seconds since something was kept in a seek
         self._copying = 0.0  # seconds that keeping it took
         self._spare: Run | None = None
+        self.begun_at: int | None = None
+        """Where an episode's beginning was asked for: there the end of the one before is not shown."""
         self._recorder = TrailRecorder()
         self._replay: TrailReplay | None = None
         self._watching: Watching | None = None
@@ -330,6 +332,7 @@ class BranchingRun:
         run.follow(self._branches[number].branch.journal, run.step)
         self._recorder.go_back(run.step)
         self._replay = None
+        self.begun_at = run.step if seek.target.step is None else None
         if number != self._number:
             if run.learner.rewindable:
                 self._recorder.forget()

@@ -12,9 +12,11 @@ from typing import IO, Any, Final
 
 from rl_tui.agents.compiling.cache_folder import base_folder
 from rl_tui.common.child_process import python_process
+from rl_tui.lab.workers.pace import Pace, how_long
 
 _LONGEST_LINE: Final = 4_000_000
 """Bytes of one answer. The curves of four lanes are a tenth of it, Q*(γ) of all pairs is the longest."""
+_LOOKS: Final = 1.0  # seconds from one look to the next at whether it gets on
 
 
 class AnsweringProcess:
@@ -22,8 +24,9 @@ class AnsweringProcess:
 
     ``module`` is what runs in it: its ``main`` calls :func:`~rl_tui.lab.workers.answering.answer`. In a
     thread of its own, called ``name``, ``on_answer`` gets each answer, a JSON document, and ``on_end`` is
-    called when no more will come. An answer of which ``on_answer`` raises ValueError, KeyError or TypeError
-    is the last. Raises OSError where no process can be started.
+    called when no more will come. ``on_news`` is called after each of these, and when the process is held up.
+    An answer of which ``on_answer`` raises ValueError, KeyError or TypeError is the last. Raises OSError
+    where no process can be started.
     """
 
     def __init__(
@@ -32,20 +35,34 @@ class AnsweringProcess:
         request: object,
         on_answer: Callable[[Any], None],
         on_end: Callable[[], None],
+        on_news: Callable[[], None],
         name: str,
     ) -> None:
+        self.pace = Pace()
+        """How it gets on."""
+        self.is_held_up = False
+        """Whether a busy machine keeps it waiting."""
         self._on_answer = on_answer
         self._on_end = on_end
+        self._on_news = on_news
+        self._over = threading.Event()
         self._process = python_process(
             module, {}, os.environ | {"RL_TUI_CACHE_DIR": str(base_folder().absolute())}
         )
         self._reader = threading.Thread(target=self._talk, args=(request,), name=name, daemon=True)
         try:
+            threading.Thread(target=self._watch, name=f"pace of {name}", daemon=True).start()
             self._reader.start()
         except RuntimeError as error:  # there may be only so many threads
             self._process.kill()
             self._process.wait()
+            self._over.set()
             raise OSError(str(error)) from error
+
+    @property
+    def how_long(self) -> str:
+        """How long the rest takes, or that the machine is busy; empty where neither is known."""
+        return how_long(self.pace.seconds_left, is_held_up=self.is_held_up)
 
     def end(self) -> None:
         """End it, whatever it is doing; this does not wait."""
@@ -65,10 +82,26 @@ class AnsweringProcess:
                 self._send(stdin, pickle.dumps(request))
             with suppress(OSError, ValueError, KeyError, TypeError):
                 while line := lines.readline(_LONGEST_LINE):
-                    self._on_answer(json.loads(line))
+                    self._hand_on(json.loads(line))
             self._process.kill()
             self._process.wait()
+        self._over.set()
+        self.is_held_up = False
         self._on_end()
+        self._on_news()
+
+    def _hand_on(self, document: Any) -> None:
+        self.pace.note()
+        self.is_held_up = False
+        self._on_answer(document)
+        self._on_news()
+
+    def _watch(self) -> None:
+        """Notice when it does not get on: no answer says so."""
+        while not self._over.wait(_LOOKS):
+            if self.pace.is_held_up and not self.is_held_up:
+                self.is_held_up = True
+                self._on_news()
 
     @staticmethod
     def _send(stdin: IO[bytes], message: bytes) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final
 
+from rl_tui.agents.catalogue import BY_ID
 from rl_tui.common.kiosk import in_kiosk
 from rl_tui.lab.run.exact_answers import LIVE_STATES, NO_TABLE
 from rl_tui.lab.run.library import episodes_of
@@ -41,6 +42,8 @@ class WorldCheckView:
     """The γ with which it was."""
     refused: str = ""
     """Why there will be none, or no more than there is; empty where all is well."""
+    how_long: str = ""
+    """How long the rest takes, or that the machine is busy; empty where neither is known."""
     is_outdated: bool = False
     """Whether it is of the world, or of the settings, before a change."""
 
@@ -85,7 +88,9 @@ class WorldChecks:
         if _is_same(process.asked, asked) and process.has_figures:
             return process.view
         last = self._last
-        return WorldCheckView() if last.report is None else replace(last, refused="", is_outdated=True)
+        if last.report is None:
+            return WorldCheckView(how_long=process.how_long)
+        return replace(last, refused="", is_outdated=True)
 
     def _begin(self, asked: Question, world: World) -> _CheckProcess | None:
         """Begin to work ``asked`` out; None where no process can be started."""
@@ -132,30 +137,35 @@ def _is_same(one: Question, other: Question) -> bool:
 
 
 class _CheckProcess(AnsweringProcess):
-    """Checks the world of ``asked``; ``view`` is what is known by now."""
+    """Checks the world of ``asked``."""
 
     def __init__(self, asked: Question, world: World, on_news: Callable[[], None]) -> None:
         self.asked = asked
-        self.view = WorldCheckView(world=world, gamma=asked.hyperparameters.gamma)
-        self._on_news = on_news
-        super().__init__(WORKER, asked, self._take_in, self._has_ended, "world check")
+        self._known = WorldCheckView(world=world, gamma=asked.hyperparameters.gamma)
+        super().__init__(WORKER, asked, self._take_in, self._has_ended, on_news, "world check")
+
+    @property
+    def view(self) -> WorldCheckView:
+        """What is known by now, and how it gets on."""
+        return self._known if self.is_done else replace(self._known, how_long=self.how_long)
 
     @property
     def has_figures(self) -> bool:
         """Whether there is something to show, be it that there will be nothing."""
-        return self.view.report is not None or self.is_done
+        return self._known.report is not None or self.is_done
 
     @property
     def is_done(self) -> bool:
         """Whether no more will come."""
-        report = self.view.report
-        return bool(self.view.refused) or (report is not None and report.stage is CheckStage.DONE)
+        report = self._known.report
+        return bool(self._known.refused) or (report is not None and report.stage is CheckStage.DONE)
 
     def _take_in(self, document: Any) -> None:
-        self.view = replace(self.view, report=of_json(document))
-        self._on_news()
+        report = of_json(document)
+        self._known = replace(self._known, report=report)
+        if report.trying:
+            self.pace.note(list(BY_ID).index(report.trying) / len(BY_ID))
 
     def _has_ended(self) -> None:
         if not self.is_done:
-            self.view = replace(self.view, refused=BROKEN_OFF)
-            self._on_news()
+            self._known = replace(self._known, refused=BROKEN_OFF)

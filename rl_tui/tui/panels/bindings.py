@@ -6,7 +6,17 @@ from typing import Final
 
 from textual.binding import Binding
 
-_NAMES: Final = {"esc": "escape", "space": "space", "enter": "enter", "tab": "tab", "?": "question_mark"}
+_NAMES: Final = {
+    "esc": "escape",
+    "space": "space",
+    "enter": "enter",
+    "tab": "tab",
+    "?": "question_mark",
+    "↑": "up",
+    "↓": "down",
+    "←": "left",
+    "→": "right",
+}
 
 
 def binding(keys: str, action: str, id: str, tooltip: str) -> Binding:  # noqa: A002

@@ -113,7 +113,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "ε. A greedy policy "
         "that may never end has no return: its line has a gap there. The vertical axis is that of the best "
         "and of most episodes: an arrow stands where a line goes below it. The other one counts "
-        "finished episodes, the top line the one under way: between two it is the next. On it ◈ marks where "
+        "finished episodes, the top line the one that the agent is in. On it ◈ marks where "
         "the world was drawn anew, ✗ where that cut off an episode, which counts in no mean; what is best is "
         "dotted from there on. Where the run cannot keep up with the wanted speed, the top line ends with "
         "the one measured.",

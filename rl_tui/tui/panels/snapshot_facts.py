@@ -139,9 +139,17 @@ def figure_setting(snapshot: Snapshot, glyphs: Glyphs) -> FigureSetting:
     )
 
 
-def episode_under_way(snapshot: Snapshot) -> int:
-    """Return the number, from 1, of the episode under way; of a planner that of its sweep.
+def episode_shown(snapshot: Snapshot) -> int:
+    """Return the number, from 1, of the episode that the agent is in; of a planner that of its sweep.
 
-    Where one has just ended it is the one that comes next, and the last one where none does.
+    After its last step that is still the one that has ended: the next one is counted from its beginning on.
     """
+    counters, last = snapshot.counters, snapshot.counters.last_step
+    if last is None or counters.episode_step or last.planned != snapshot.agent.row.planner:
+        return episodes_begun(snapshot)
+    return counters.episodes + counters.is_at_beginning
+
+
+def episodes_begun(snapshot: Snapshot) -> int:
+    """Return how many episodes, or sweeps, have begun: where one ends the next begins, unless all is over."""
     return snapshot.counters.episodes + (snapshot.playback.phase not in (Phase.SPENT, Phase.DONE))

@@ -17,7 +17,7 @@ from rl_tui.tui.draw.to_ascii import separated, to_ascii
 from rl_tui.tui.panels.controls.settings import speed_text
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.program.words import name_of
-from rl_tui.tui.panels.snapshot_facts import episode_under_way
+from rl_tui.tui.panels.snapshot_facts import episode_shown
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
@@ -220,7 +220,7 @@ def _fields(snapshot: Snapshot, look: Look, width: int, *, is_manual: bool) -> l
             style = look.palette.accent
         return [state, _Field(text, len(f"pull {budget} of {budget}"), style), speed]
     label = "sweep" if plans else "episode" if wide else "ep"
-    episode = _counted(label, episode_under_way(snapshot), 9, look, rank=2)
+    episode = _counted(label, episode_shown(snapshot), 9, look, rank=2)
     step = _counted("step", snapshot.counters.step, 11 if wide else 9, look, rank=1)
     if stands_in_past:
         return [state, episode, _step_in_past(snapshot, step.columns + _GAP + speed.columns, look)]

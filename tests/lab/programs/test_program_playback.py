@@ -124,10 +124,14 @@ def test_back_and_episode_back_and_on_from_the_newest_step(tmp_path: Path) -> No
         assert back.timeline.in_past
         began = watcher.do(commands.EpisodeBack())
         assert began.counters.episode_step == 0
+        assert began.counters.is_at_beginning
+        assert began.counters.state == began.counters.step_from == 0
         earlier = watcher.do(commands.EpisodeBack())
         assert earlier.counters.episodes == began.counters.episodes - 1
         third = watcher.do(commands.GoTo(episode=3))
         assert (third.counters.episodes, third.counters.episode_step) == (2, 0)
+        assert watcher.do(commands.RunUntil(Until(Event.EPISODE, 5))).counters.is_at_beginning
+        assert not watcher.do(commands.GoTo(third.counters.step)).counters.is_at_beginning
         on = watcher.do(commands.GoTo(step=190), commands.Play(), commands.Pause())
         assert (on.counters.step, on.timeline.in_past) == (200, False)
 

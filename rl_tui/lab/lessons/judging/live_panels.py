@@ -55,14 +55,13 @@ class LivePanels:
 
     @property
     def waits(self) -> str:
-        """How many seeds are done of those that are being worked out; empty where none are."""
+        """How many seeds are done of those under way, and how long the rest takes; empty where none are."""
         process = self._process
         if process is None or process.verdicts is not None or process.failed:
             return ""
         done, wanted = process.progress
-        return (
-            f"judging: {done} of {wanted} seeds" if wanted else f"judging: {len(process.seeds)} seeds so far"
-        )
+        said = f"{done} of {wanted} seeds" if wanted else f"{len(process.seeds)} seeds so far"
+        return " · ".join(filter(None, (f"judging: {said}", process.how_long)))
 
     def end(self) -> None:
         """End what is being worked out; what is known is remembered, so that it may go on from there."""
@@ -127,9 +126,8 @@ class _PanelProcess(AnsweringProcess):
         """What came of the seeds that are done."""
         self.panel = recipe, conditions
         """What is worked out."""
-        self._on_news = on_news
         request = PanelRequest(recipe, conditions, frozenset(ALLOWED), seeds)
-        super().__init__(WORKER, request, self._take_in, self._has_ended, "seeds of a task")
+        super().__init__(WORKER, request, self._take_in, self._has_ended, on_news, "seeds of a task")
 
     def is_about(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> bool:
         """Return whether this is what it works out."""
@@ -139,15 +137,14 @@ class _PanelProcess(AnsweringProcess):
         if "done" in document:
             self.progress = document["done"], document["wanted"]
             self.seeds.append(document["values"])
+            self.pace.note(document["done"] / document["wanted"])
         elif "failed" in document:
             self.failed = str(document["failed"])
         else:
             self.verdicts = tuple(
                 ConditionVerdict(holds, str(found)) for holds, found in document["verdicts"]
             )
-        self._on_news()
 
     def _has_ended(self) -> None:
         if self.verdicts is None and not self.failed:
             self.failed = "its process ended by itself"
-        self._on_news()

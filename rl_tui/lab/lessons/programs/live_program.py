@@ -76,7 +76,10 @@ class LiveProgram:
             return TaskView(views, passed, remarks=tuple(found["remarks"]))
         holds = True if has_passed else None
         remarks = (found["fault"],) if "fault" in found else ()
-        waits = "" if process is None or found else f"{self._name} is watched: {process.progress}"
+        waits = ""
+        if process is not None and not found:
+            waits = f"{self._name} is watched: {process.progress}"
+            waits = " · ".join(filter(None, (waits, process.how_long)))
         views = tuple(ConditionView(each.text, holds) for each in conditions)
         return TaskView(views, waits=waits, remarks=remarks)
 
@@ -102,17 +105,14 @@ class _Watching(AnsweringProcess):
     def __init__(self, task: ProgramTask, on_news: Callable[[], None]) -> None:
         self.found: dict[str, Any] = {}
         self.progress = "it begins"
-        self._on_news = on_news
-        super().__init__(WORKER, task, self._take_in, self._has_ended, "program of a task")
+        super().__init__(WORKER, task, self._take_in, self._has_ended, on_news, "program of a task")
 
     def _take_in(self, document: Any) -> None:
         if "steps" in document:
             self.progress = f"{document['steps']:,} steps, {document['episodes']:,} episodes"
         else:
             self.found = dict(document)
-        self._on_news()
 
     def _has_ended(self) -> None:
         if not self.found:
             self.found = {"fault": "what watches it ended by itself"}
-        self._on_news()

@@ -228,7 +228,7 @@ def said_instead(snapshot: Snapshot) -> str:
         return answer.reason
     if is_secret(snapshot):
         return HIDDEN + answer_key(snapshot)
-    return "" if answer.state is FlipState.KNOWN else PENDING
+    return "" if answer.state is FlipState.KNOWN else answer.reason or PENDING
 
 
 def _shown_flips(snapshot: Snapshot) -> tuple[Flip, ...]:

@@ -69,8 +69,8 @@ class LastStepPanel(Panel):
 def _which(snapshot: Snapshot | None) -> str:
     """Return which step it was; nothing while they pass too fast to tell, since a title redraws the panel.
 
-    One number of an episode is on screen at a time, that of the episode under way: after its last step the
-    one that ended is not numbered any more.
+    One number of an episode is on screen at a time, that on the top line: where the next one begins, the one
+    that ended is not numbered any more.
     """
     story = None if snapshot is None or passes_too_fast(snapshot) else story_of(snapshot)
     if story is None:

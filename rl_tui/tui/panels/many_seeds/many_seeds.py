@@ -105,6 +105,8 @@ def _how_far(study: SeedStudy, snapshot: Snapshot, look: Look, width: int) -> It
         yield [Piece(" starting", palette.dim)]
     if study.state in _UNDER_WAY and not study.seeds:
         yield from wrapped("the first figures come after 8 seeds", width, palette.dim, look, " ", " ")
+    if study.how_long and study.state in _UNDER_WAY:
+        yield from wrapped(study.how_long, width, palette.dim, look, " ", " ")
     if study.is_outdated:
         text = "the run has been changed since: enter counts again"
         yield from wrapped(text, width, palette.accent, look, " ", " ")

@@ -20,7 +20,7 @@ WAITING: Final = "the world is being built"
 
 
 class ModelPanel(Panel, can_focus=True):
-    """⟨S, A, P, R, γ⟩ above one pair (state, action): arrows go through the pairs, pgup and pgdn scroll."""
+    """⟨S, A, P, R, γ⟩ above one pair: up and down change its state, left and right its action."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         binding("up", "move_state(-1)", "model.up", "Previous state"),
@@ -115,8 +115,8 @@ class ModelPanel(Panel, can_focus=True):
 
 def _keys(*, is_scrolled: bool) -> list[str]:
     """Return the keys of the panel, longest form first."""
-    pair, scroll, close = "arrows: another pair", "pgup pgdn: scroll", "m: close"
+    pair, scroll, close = "↑ ↓: state   ← →: action", "pgup pgdn: scroll", "m: close"
     forms = [(pair, close), (close,)]
     if is_scrolled:
-        forms = [(pair, scroll, close), ("arrows: pair", scroll, close), (scroll, close), (close,)]
+        forms = [(pair, scroll, close), (scroll, close), (close,)]
     return ["   ".join(form) for form in forms]

@@ -91,6 +91,8 @@ def _how_far(view: WorldCheckView, look: Look, width: int) -> Iterator[Line]:
         text = f"trying {name}, {place} of {len(BY_ID)}"
     elif report is not None:
         text = "working out the flips" if report.stage is CheckStage.FLIPS else WAITING
+    if view.how_long and not view.is_outdated and not view.refused:
+        text = f"{text} · {view.how_long}"
     yield from wrapped(text, width, style, look, " ", " ")
 
 

@@ -48,6 +48,7 @@ class AtlasDialog(Dialog[Recipe]):
         self._look = look
         self._request = request
         self._seed = 0
+        self._how_long = ""
         self._process: AtlasProcess | None = None
         atlas = Atlas(planned=request.cells.count * request.runs)
         measure = MEASURES[JUDGED_BY[0]]
@@ -86,8 +87,12 @@ class AtlasDialog(Dialog[Recipe]):
             self._process.end()
 
     def _take_news(self) -> None:
-        if self._process is not None and self._process.atlas is not self._scene.atlas:
-            self._change(atlas=self._process.atlas)
+        process = self._process
+        if process is None:
+            return
+        if process.atlas is not self._scene.atlas or process.how_long != self._how_long:
+            self._how_long = process.how_long
+            self._change(atlas=process.atlas)
 
     def _change(self, **changes: object) -> None:
         self._scene = replace(self._scene, **changes)  # type: ignore[arg-type]
@@ -98,7 +103,7 @@ class AtlasDialog(Dialog[Recipe]):
         self.query_one(AtlasMap).show(scene)
         texts = {
             "#measure": scene.measure.title,
-            "#head": head(scene, self._request.runs),
+            "#head": head(scene, self._request.runs, self._how_long),
             "#legend": legend(scene),
             "#cell": cell_line(scene, self._request.seeds[self._seed]),
         }

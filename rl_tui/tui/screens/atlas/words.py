@@ -14,26 +14,25 @@ _ROOM: Final = 6
 _STARTING: Final = "the first cell is being trained"
 
 
-def head(scene: AtlasScene, runs: int) -> str:
-    """Return what is mapped, and how far it has come."""
+def head(scene: AtlasScene, runs: int, how_long: str = "") -> str:
+    """Return what is mapped, how far it has come, and ``how_long`` the rest takes where that is known."""
     atlas = scene.atlas
     each = "" if atlas.episodes is None else f" of {counted(atlas.episodes, 'episode')}"
-    return f"a cell is the mean of {counted(runs, 'seed')}{each}: {progress(atlas)}"
+    return f"a cell is the mean of {counted(runs, 'seed')}{each}: {progress(atlas, how_long)}"
 
 
-def progress(atlas: Atlas) -> str:
-    """Return how many runs are done, and how long the rest takes; at the end, what came of it."""
+def progress(atlas: Atlas, how_long: str) -> str:
+    """Return how many runs are done, and ``how_long`` the rest takes; at the end, what came of it."""
     done = f"{atlas.done:,} of {counted(atlas.planned, 'run')}"
     if atlas.state is AtlasState.FAILED:
         return f"it failed, {atlas.message}"
     if atlas.state is AtlasState.STARTING:
-        return _STARTING
+        return ", ".join(filter(None, (_STARTING, how_long)))
     if atlas.state is AtlasState.OUT_OF_TIME:
         return f"{done}: {atlas.message}"
     if atlas.state is AtlasState.DONE:
         return f"all {counted(atlas.planned, 'run')} done"
-    left = atlas.seconds_left
-    return done if left is None else f"{done}, {max(1, round(left))} s left"
+    return ", ".join(filter(None, (done, how_long)))
 
 
 def legend(scene: AtlasScene) -> str:

@@ -7,7 +7,7 @@ from typing import Final
 
 from rl_tui.lab.live.commands import GoTo
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.panels.snapshot_facts import episode_under_way
+from rl_tui.tui.panels.snapshot_facts import episodes_begun
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.worlds.drawing import Arms
 
@@ -54,7 +54,7 @@ def parse_goto(text: str, snapshot: Snapshot) -> GoTo:
 def _episode(number: int, snapshot: Snapshot) -> GoTo:
     """Return where an episode begins. How many there are is only known in the present, not in the past."""
     unit = unit_of(snapshot)
-    begun = episode_under_way(snapshot)
+    begun = episodes_begun(snapshot)
     if number < 1:
         raise ValueError(f"{unit}s count from 1")
     if number > begun and not snapshot.timeline.in_past:

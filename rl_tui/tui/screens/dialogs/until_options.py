@@ -11,7 +11,7 @@ from rl_tui.lab.live.until import Event, Until
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.names import estimate_name
 from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.snapshot_facts import episode_under_way, is_secret
+from rl_tui.tui.panels.snapshot_facts import episode_shown, episodes_begun, is_secret
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Arms
@@ -136,8 +136,8 @@ def ask_number(option: UntilOption, snapshot: Snapshot, glyphs: Glyphs) -> Promp
     if option.event is Event.STEP:
         noun, now, least, example = kind.step, f"after {kind.step} {step:,}", step + 1, step + 1_000
     else:
-        under_way = episode_under_way(snapshot)
-        noun, now, least = kind.episode, f"in {kind.episode} {under_way:,}", under_way + 1
+        noun, now = kind.episode, f"in {kind.episode} {episode_shown(snapshot):,}"
+        least = episodes_begun(snapshot) + 1
         example = snapshot.counters.episodes + 100
     bandit = snapshot.results.bandit
     most = bandit.budget if kind is Kind.BANDIT and bandit is not None else _LARGEST

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rl_tui.lab.live.commands import AddBranch, ChooseBranch, EpisodeBack, GoTo, StepBack
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.panels.snapshot_facts import episode_under_way
+from rl_tui.tui.panels.snapshot_facts import episode_shown
 from rl_tui.tui.screens.dialogs.goto import goto_prompt, parse_goto, unit_of
 from rl_tui.tui.screens.dialogs.journal import JournalScreen, Moment
 from rl_tui.tui.screens.playground.actions.subject import Subject
@@ -72,7 +72,7 @@ class TimeActions(Subject):
         """Say so where the run ends before the ``episode`` that was sought: in the past that is not known."""
         # in the past it was held up, or sent elsewhere: where the run ends is not known there
         if now.counters.episodes < episode - 1 and not now.timeline.in_past:
-            here = f"{unit_of(now)} {episode_under_way(now):,}, step {now.counters.step:,}"
+            here = f"{unit_of(now)} {episode_shown(now):,}, step {now.counters.step:,}"
             self.screen.tell(f"the run ends here so far: {here}; space goes on")
 
     def _announce_fork(self, before: Snapshot | None, now: Snapshot) -> None:
