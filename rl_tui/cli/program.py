@@ -16,6 +16,7 @@ from rl_tui.cli.descriptors import STDOUT, lead_nowhere, say_no_more
 from rl_tui.cli.output import complain
 from rl_tui.common.errors import UserError
 from rl_tui.common.interrupts import INTERRUPTED, INTERRUPTS
+from rl_tui.common.packages import missing_package
 
 DONE: Final = 0
 FAILED: Final = 1
@@ -98,6 +99,9 @@ class Program(click.Group):
         except Exception as fault:  # a bug: still one line, and a way to see where
             if os.environ.get(TRACEBACK):
                 raise
+            missing = missing_package(fault)
+            if missing:
+                return _fail(f"rl-tui: {_with_notes(missing, fault)}")
             return _fail(f"rl-tui: {_described(fault)} ({TRACEBACK}=1 shows where)")
         return status if isinstance(status, int) else DONE
 
@@ -133,7 +137,11 @@ def _options(command: click.Command) -> list[str]:
 
 def _described(fault: Exception) -> str:
     reason = " ".join(str(fault).split())
-    return "; ".join((f"unexpected {type(fault).__name__}: {reason}", *getattr(fault, "__notes__", ())))
+    return _with_notes(f"unexpected {type(fault).__name__}: {reason}", fault)
+
+
+def _with_notes(said: str, fault: Exception) -> str:
+    return "; ".join((said, *getattr(fault, "__notes__", ())))
 
 
 def _prefixed(message: str) -> str:

@@ -136,7 +136,7 @@ def _recipe(scenario: Scenario, overrides: Mapping[str, object], seed: int) -> R
     chosen = {**scenario.defaults, **overrides}
     chosen.pop("episodes", None)
     algorithm = chosen.pop("algorithm", DEFAULT_ALGORITHM)
-    if algorithm not in BY_ID:
+    if not isinstance(algorithm, str) or algorithm not in BY_ID:
         raise UserError(
             f"algorithm is {shown(algorithm)}; expected {_ALGORITHMS}{near(str(algorithm), BY_ID)}"
         )

@@ -57,7 +57,10 @@ def _condition(measure: str, arguments: Mapping[str, Any]) -> Condition:
         if name in given:
             given[name] = whole(given[name], name, 0, MOST_STEPS)
     if "actions" in given:
-        given["actions"] = [name_of(each) for each in given["actions"]]
+        actions = given["actions"]
+        if not isinstance(actions, list) or len(actions) != 2:
+            raise FigureError(f"actions = {shown(actions)}", "a list of two actions")
+        given["actions"] = [name_of(each) for each in actions]
     try:
         return Condition.model_validate({"text": measure, "measure": measure, "equals": 0.0, **given})
     except ValueError as fault:

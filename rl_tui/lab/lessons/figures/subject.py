@@ -126,7 +126,7 @@ def subject_of(
     if setup not in lesson.setups:
         raise FigureError(shown(setup), f"the name of a setup{near(setup, lesson.setups)}")
     table = lesson.setups[setup]
-    scenario = others.pop("scenario", None)
+    scenario = name_of(others.pop("scenario")) if "scenario" in others else None
     seed = whole(others.pop("seed", table.seed), "seed", 0, 2**31)
     settings = {plain_name(name): value for name, value in others.items()}
     key = (
@@ -141,7 +141,7 @@ def subject_of(
         if scenario is None:
             found, settings = scenario_for(lesson, setup), {**table.settings, **settings}
         else:
-            found = find(name_of(scenario))
+            found = find(scenario)
 
         def changed(more: Mapping[str, Any]) -> FigureSubject:
             return subject_of(lesson, setup, {**overrides, **more}, known)
