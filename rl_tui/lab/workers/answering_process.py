@@ -10,7 +10,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import IO, Any, Final
 
-from rl_tui.agents.compiling.cache_folder import base_folder
+from rl_tui.agents.compiling.base_folder import base_folder
 from rl_tui.common.child_process import python_process
 
 _LONGEST_LINE: Final = 4_000_000
