@@ -12,6 +12,7 @@ from typing import ClassVar, Final, NoReturn
 import click
 
 from rl_tui import __version__
+from rl_tui.agents.compiling.base_folder import refusals
 from rl_tui.cli import commands
 from rl_tui.cli.descriptors import keep_stdout
 from rl_tui.cli.kiosk import enter_kiosk, kiosk_option
@@ -56,6 +57,8 @@ def program(context: click.Context, /, **display: object) -> None:
     enter_kiosk(context.invoked_subcommand)
     leave_out_bad_threads()
     leave_out_bad_colours()
+    for refusal in refusals():
+        complain(refusal)
     if context.invoked_subcommand is None:
         from rl_tui.cli.screen import run_app
 

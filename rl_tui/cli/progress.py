@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
+from rl_tui.cli.output import complain
 from rl_tui.common.words import lasting, short_count
 
 if TYPE_CHECKING:
@@ -80,9 +81,15 @@ def with_compiling(bar: Progress) -> OnProgress:
 
 
 def finish_compiling() -> None:
-    """Let a compiler that was too late for this run finish, or it is too late for all others like it."""
+    """Let a compiler that was too late for this run finish, or it is too late for all others like it.
+
+    Where no machine code can be had, say why: what was trained took far longer than it need take.
+    """
     from rl_tui.agents.compiling.background import BACKGROUND
 
+    why_not = BACKGROUND.why_not(BACKGROUND.failed)
+    if why_not:
+        complain(why_not)
     if BACKGROUND.is_busy and sys.stderr.isatty():  # a script has no time for that
         sys.stdout.flush()
         click.echo("finishing to compile, so that the next time is quick; ctrl+c leaves it", err=True)

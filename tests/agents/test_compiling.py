@@ -310,6 +310,8 @@ def test_what_fails_stays_interpreted_and_is_not_tried_again(
     compiler = come_by(LOOP, OTHER)
     assert machine.done == [("compile", OTHER)]
     assert isinstance(compiler.failed[LOOP], ImportError)
+    assert compiler.why_not([LOOP]).endswith("ImportError: no numba")
+    assert compiler.why_not([LOOP, OTHER]) == compiler.why_not([]) == ""
     compiler.want([LOOP])
     assert not compiler.is_busy
 

@@ -124,7 +124,7 @@ def test_where_nobody_has_a_home_it_does_without(tmp_path: Path, monkeypatch: py
     def homeless(*_: object, **__: object) -> None:
         raise RuntimeError("could not determine the home directory")
 
-    monkeypatch.setattr("rl_tui.agents.compiling.cache_folder.platformdirs.user_cache_path", homeless)
+    monkeypatch.setattr("platformdirs.user_cache_path", homeless)
     monkeypatch.delenv("RL_TUI_CACHE_DIR", raising=False)
     assert cache_folder.__wrapped__().is_relative_to(os.devnull)
 

@@ -11,7 +11,10 @@ from pathlib import Path
 
 import pytest
 
+from rl_tui.agents.compiling.background import BACKGROUND
+from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.cli import main
+from rl_tui.cli.progress import finish_compiling
 from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL
 
 SCRIPT = """
@@ -109,3 +112,15 @@ def test_results_reach_stdout_though_an_environment_never_answers(monkeypatch: p
     with ENVIRONMENT_CALL:
         main.leave_at_once(130)
     assert (written.getvalue(), left) == (b"a result", [130])
+
+
+def test_where_there_is_no_machine_code_it_is_said_at_the_end(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(BACKGROUND, "failed", {})
+    finish_compiling()
+    assert capsys.readouterr().err == ""
+    loop = Loop("sarsa", "softmax", stepped=False)
+    monkeypatch.setitem(BACKGROUND.failed, loop, ModuleNotFoundError(name="numba"))
+    finish_compiling()
+    assert capsys.readouterr().err.count("pip install numba") == 1

@@ -246,6 +246,19 @@ def test_where_nothing_can_be_compiled_it_replays_interpreted(
     there = arrived(playback)
     assert shows(there, run)
     assert there.playback.interpreted
+    assert "no compiler" in there.playback.stays_interpreted
+
+
+def test_a_missing_numba_is_news_though_nothing_else_has_changed(monkeypatch: pytest.MonkeyPatch) -> None:
+    COMPILED_LOOPS.clear()
+    playback = opened(Record((RunRecord(recipe("student")),)))
+    playback.work()
+    assert (playback.snapshot().playback.stays_interpreted, playback.changed) == ("", False)
+    loop = playback.group.current.run.learner.loop
+    monkeypatch.setitem(BACKGROUND.failed, loop, ModuleNotFoundError(name="numba"))
+    playback.work()
+    assert playback.changed
+    assert "pip install numba" in playback.snapshot().playback.stays_interpreted
 
 
 def test_what_was_closed_asks_for_nothing_more(wanted: list[list[Loop]]) -> None:

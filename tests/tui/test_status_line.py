@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from program_samples import program, watched
@@ -11,7 +13,8 @@ from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.live.snapshot_builder import PREPARING, REBUILDING
 from rl_tui.lab.live.speed.transport import WAITING
 from rl_tui.lab.timeline.branches import Branch, Timeline
-from rl_tui.tui.panels.status_line import StatusLine
+from rl_tui.tui.panels.status_line import COMPILING, IN_PYTHON, StatusLine
+from rl_tui.tui.screens.playground.actions.run import RunActions
 
 
 def drawn(snapshot: Snapshot | None, width: int = 80, *, ascii: bool = False) -> str:  # noqa: A002
@@ -51,6 +54,24 @@ def test_nothing_moves_while_it_runs(width: int) -> None:
 
 def test_the_speed_is_blank_while_unknown() -> None:
     assert "/s" not in running(steps_per_second=None)
+
+
+def test_at_full_speed_it_says_whether_machine_code_comes() -> None:
+    assert f"▶ {COMPILING}" in running(interpreted=True)
+    never = running(interpreted=True, stays_interpreted="no numba")
+    assert f"▶ {IN_PYTHON}" in never
+    assert COMPILING not in never
+
+
+def test_why_runs_stay_interpreted_is_said_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    told = list[str]()
+    screen: Any = SimpleNamespace(tell=lambda text, **_: told.append(text))
+    nothing: Any = None
+    monkeypatch.setattr(RunActions, "_told", set())
+    for stays_interpreted in ("", "no numba", "no numba", "", "no numba"):
+        # another scenario, another screen
+        RunActions(screen, nothing, nothing, nothing).announce(lake(stays_interpreted=stays_interpreted))
+    assert told == ["no numba"]
 
 
 def test_a_wanted_speed() -> None:

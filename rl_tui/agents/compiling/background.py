@@ -9,10 +9,13 @@ from typing import Final
 
 from rl_tui.agents.compiling.worker_process import GONE, WorkerProcess
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, SHARED, Loop
+from rl_tui.common.findings import one_line
+from rl_tui.common.packages import missing_package
 
 LONGEST_READ: Final = 2.0
 """Seconds for which others may rest while machine code is read."""
 _SHORT: Final = 0.1
+_LONGEST_REASON: Final = 200
 
 
 class BackgroundCompiler:
@@ -83,6 +86,15 @@ class BackgroundCompiler:
         end = time.monotonic() + seconds
         while thread is not None and thread.is_alive() and time.monotonic() < end:
             thread.join(_SHORT)
+
+    def why_not(self, loops: Iterable[Loop]) -> str:
+        """Return, in a sentence, why none of ``loops`` has or gets machine code; nothing where one may."""
+        errors = [self.failed.get(loop) for loop in loops]
+        error = errors[0] if errors else None
+        if error is None or None in errors:
+            return ""
+        reason = missing_package(error) or one_line(f"{type(error).__name__}: {error}", _LONGEST_REASON)
+        return f"Runs stay interpreted, far slower than machine code: {reason}"
 
     def get(self, loop: Loop) -> bool:
         """Have ``loop`` compiled, or read from the cache, by this thread; False where it cannot be had."""

@@ -11,8 +11,13 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
-import platformdirs
-
+from rl_tui.agents.compiling.base_folder import (
+    KERNELS,
+    base_folder,
+    closed_to_others,
+    why_others_can_write,
+    why_unsafe,
+)
 from rl_tui.agents.compiling.cache_key import cache_key
 from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.common.kiosk import in_kiosk
@@ -30,30 +35,51 @@ def cache_folder() -> Path:
     would leave stale code behind. Within the folder it keeps machine code for other processors and other
     versions of Python apart.
     """
-    return base_folder() / "kernels" / cache_key()
-
-
-def base_folder() -> Path:
-    """Return the folder of what is cached: that of RL_TUI_CACHE_DIR, else the platform's for this user."""
-    chosen = os.environ.get("RL_TUI_CACHE_DIR")
-    if chosen:
-        return Path(chosen)
-    try:
-        return platformdirs.user_cache_path("rl-tui", appauthor=False)
-    except RuntimeError:  # there is no home
-        return Path(os.devnull)
+    return base_folder() / KERNELS / cache_key()
 
 
 @cache
 def takes_code() -> bool:
-    """Return whether machine code can be kept. A kiosk keeps none: what it reads was compiled before."""
-    return not in_kiosk() and _writable(cache_folder())
+    """Return whether machine code can be kept. A kiosk keeps none: what it reads was compiled before.
+
+    What somebody else may have put there is removed.
+    """
+    if in_kiosk():
+        return False
+    folder = cache_folder()
+    if is_open_to_others(folder):
+        shutil.rmtree(folder, ignore_errors=True)
+    return _writable(folder) and not is_open_to_others(folder)
+
+
+def gives_code() -> bool:
+    """Return whether there is a folder of machine code that nobody else can have changed."""
+    return cache_folder().is_dir() and (takes_code() or not is_open_to_others(cache_folder()))
+
+
+def is_open_to_others(folder: Path) -> bool:
+    """Return whether somebody else can change machine code in ``folder``, and so may have done it.
+
+    The code is in folders in it; what is at its top, notes and locks, is none.
+    """
+    if os.name != "posix" or not folder.is_dir():
+        return False
+    if why_unsafe(folder):
+        return True
+    for inside, _, files in os.walk(folder):
+        if inside != str(folder):
+            for each in (inside, *(os.path.join(inside, file) for file in files)):
+                with suppress(FileNotFoundError):  # another process of ours has replaced it
+                    if why_others_can_write(os.lstat(each)):
+                        return True
+    return False
 
 
 def _writable(folder: Path) -> bool:
     """Tell whether ``folder``, made where it is missing, can be written; its time is then that of now."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        with closed_to_others():
+            folder.mkdir(parents=True, exist_ok=True)
         probe = folder / f"writable-{os.getpid()}"
         probe.touch()
         probe.unlink()

@@ -19,14 +19,15 @@ from numba.core.caching import (
 from numba.core.compiler import CompileResult
 from numba.core.sigutils import normalize_signature
 
-from rl_tui.agents.compiling.cache_folder import cache_folder, prune, takes_code
+from rl_tui.agents.compiling.base_folder import closed_to_others
+from rl_tui.agents.compiling.cache_folder import cache_folder, gives_code, prune, takes_code
 from rl_tui.agents.compiling.cache_key import NAME
 from rl_tui.common.file_lock import FileLock
 
 _LONGEST_SAVE: Final = 5.0  # seconds
 FOLDER: Final = cache_folder()
 READ_ONLY: Final = not takes_code()
-CACHED: Final = FOLDER.is_dir()
+CACHED: Final = gives_code()
 if CACHED:
     numba.config.CACHE_DIR = str(FOLDER)
     prune(FOLDER.parent, FOLDER, time.time())
@@ -124,7 +125,7 @@ class _ForgivingCache(FunctionCache):  # type: ignore[misc]
 
     def save_overload(self, sig: Any, data: CompileResult) -> None:
         try:
-            with _saving_alone():
+            with _saving_alone(), closed_to_others():
                 super().save_overload(sig, data)
             SAVES.kept += 1
         except Exception:  # unreadable index, full disk, folder gone: the code in memory is all we need
@@ -178,4 +179,5 @@ def _saving_alone() -> Iterator[None]:
 
 def cache_of(function: Callable[..., Any]) -> FunctionCache:
     """Return the cache of the machine code of ``function``, where code is ``CACHED`` at all."""
-    return (_FinishedCache if READ_ONLY else _ForgivingCache)(function)
+    with closed_to_others():
+        return (_FinishedCache if READ_ONLY else _ForgivingCache)(function)

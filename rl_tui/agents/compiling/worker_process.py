@@ -10,7 +10,7 @@ from queue import Empty, SimpleQueue
 from typing import IO, Final
 
 from rl_tui.agents.compiling import worker
-from rl_tui.agents.compiling.cache_folder import base_folder
+from rl_tui.agents.compiling.base_folder import base_folder
 from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.common.child_process import python_process
 

@@ -23,12 +23,16 @@ def command(scenarios: tuple[str, ...]) -> None:
     a cache. All of them take some minutes. The cache is the folder RL_TUI_CACHE_DIR, else that of your
     platform.
     """
+    from rl_tui.agents.compiling.base_folder import refusals
     from rl_tui.agents.compiling.cache_folder import cache_folder
     from rl_tui.agents.compiling.loops import all_batches, all_loops
     from rl_tui.agents.compiling.warming import warm
+    from rl_tui.common.errors import UserError
     from rl_tui.common.findings import printable
     from rl_tui.lab.experiments.patience import cores
 
+    if any(refusals()):
+        raise UserError("nothing is compiled: the folder to fill is left out")
     loops = sorted({_loop_of(each) for each in scenarios}) if scenarios else [*all_loops(), *all_batches()]
     with progress("compiling") as on_progress:
         warmed = warm(loops, cores(), on_progress)

@@ -112,6 +112,8 @@ class PlaybackView:
     """The measured steps a second; None while unknown."""
     interpreted: bool = False
     """Whether a run goes on interpreted, far more slowly, until its machine code is there."""
+    stays_interpreted: str = ""
+    """Why no machine code will come, as a sentence; empty where it may."""
     watching: str = ""
     """What its speed goes by, in words, where that is what is learned; mostly empty."""
     until: str = ""

@@ -188,6 +188,7 @@ def view_of(playback: Playback) -> PlaybackView:
         watching=transport.watching(hides_answer=playback.questions.hides_answer(run.recipe.scenario)),
         steps_per_second=transport.meter.steps_per_second,
         interpreted=playback.compilation.interpreted,
+        stays_interpreted=playback.compilation.why_not,
         until="" if playback.condition is None else until_in_words(playback.condition.until, run.world),
         paused_by=playback.paused_by,
         breakpoints=playback.breakpoints,

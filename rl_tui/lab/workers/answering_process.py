@@ -10,7 +10,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import IO, Any, Final
 
-from rl_tui.agents.compiling.cache_folder import base_folder
+from rl_tui.agents.compiling.base_folder import base_folder
 from rl_tui.common.child_process import python_process
 from rl_tui.lab.workers.pace import Pace, how_long
 

@@ -29,6 +29,10 @@ _WORTH_SHOWING: Final = 3.0  # seconds without an answer
 _GAP: Final = 2
 _LEAST_END: Final = 4  # columns of ``100M``
 _LEAST_TITLE: Final = 12
+COMPILING: Final = "compiling"
+"""In place of the speed: machine code is on its way."""
+IN_PYTHON: Final = "in Python"
+"""The same: there will be none."""
 _STATE_COLUMNS: Final = 11
 _KEEPS_UP: Final = 0.8  # from this share of the wanted speed on, the measured one is not shown beside it
 _SPEED_RANK: Final = 3  # above all others
@@ -286,7 +290,8 @@ def _state(snapshot: Snapshot, look: Look, most: int, *, is_manual: bool) -> _Fi
     if snapshot.playback.watching:
         return _long_state(f"{glyphs.running} watching: {snapshot.playback.watching}", look, most)
     if snapshot.playback.interpreted and snapshot.playback.speed is None:
-        return _Field(f"{glyphs.running} compiling", _STATE_COLUMNS, palette.accent)
+        text = IN_PYTHON if snapshot.playback.stays_interpreted else COMPILING
+        return _Field(f"{glyphs.running} {text}", _STATE_COLUMNS, palette.accent)
     return _Field(f"{glyphs.running} {speed_text(snapshot.playback.speed)}", _STATE_COLUMNS, palette.good)
 
 

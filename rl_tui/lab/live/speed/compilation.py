@@ -25,6 +25,8 @@ class Compilation:
     def __init__(self, *, automatic: bool) -> None:
         self._automatic = automatic
         self._loops: list[Loop] = []
+        self.why_not = ""
+        """Why no machine code will come for what is interpreted, as a sentence; empty where it may."""
         self._is_closed = False
 
     @property
@@ -40,10 +42,11 @@ class Compilation:
     def has_changed(self, group: RunGroup) -> bool:
         """Look what ``group`` interprets and have machine code come for it; True if it is not as before."""
         loops = group.interpreted_loops
-        if loops == self._loops:
+        why_not = BACKGROUND.why_not(loops)
+        if (loops, why_not) == (self._loops, self.why_not):
             return False
-        self._loops = loops
-        if self._automatic:
+        are_new, self._loops, self.why_not = loops != self._loops, loops, why_not
+        if self._automatic and are_new:
             self.ask()
         return True
 
@@ -58,7 +61,7 @@ class Compilation:
 
     def waits(self, steps: int) -> bool:
         """Return True if so many steps had better wait for machine code; it comes then, unless that fails."""
-        comes = any(loop not in BACKGROUND.failed for loop in self._loops)
+        comes = bool(self._loops) and not BACKGROUND.why_not(self._loops)
         is_worth_it = comes and steps > MOST_INTERPRETED
         if is_worth_it:
             self.ask()

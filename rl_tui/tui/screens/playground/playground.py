@@ -320,6 +320,7 @@ class Playground(ActionScreen):
         self.link.receive(snapshot)
         if before is None:
             self.agent.set_what_waits()
+        self.run.announce(snapshot)
         self.time.announce(before, snapshot)
         self.program.announce(before, snapshot)
         self.lesson.announce(before, snapshot)

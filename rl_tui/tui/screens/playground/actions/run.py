@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import ClassVar, Final
 
 from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.agents.sweep_phases import SweepPhase
@@ -17,7 +17,7 @@ from rl_tui.lab.live.commands import (
     Step,
     WatchLearning,
 )
-from rl_tui.lab.live.snapshot import Phase
+from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.tui.screens.playground.actions.scenario_file import ScenarioActions
 from rl_tui.tui.screens.playground.actions.subject import Subject
 
@@ -36,6 +36,15 @@ class RunActions(Subject):
     """The run goes on, stands still, or starts again."""
 
     scenario: ScenarioActions
+    _told: ClassVar = set[str]()
+    """What this process has said of machine code: once is enough."""
+
+    def announce(self, now: Snapshot) -> None:
+        """Say, the first time, why runs stay interpreted."""
+        why = now.playback.stays_interpreted
+        if why and why not in self._told:
+            self._told.add(why)
+            self.screen.tell(why, severity="warning")
 
     def run_or_pause(self) -> None:
         """Run, or pause."""
