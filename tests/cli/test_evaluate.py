@@ -12,6 +12,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from rl_tui.cli.main import program
+from rl_tui.cli.reports.evaluation import CHANCE_TO_END
 
 KEYS = [
     *("scenario", "gamma", "policy", "epsilon", "value_at_start", "expected_return", "steps", "V"),
@@ -192,11 +193,11 @@ def test_the_report_of_a_map_shows_the_likeliest_actions() -> None:
         "FrozenLake 4×4 slippery: policy optimal, a random action 0.1 of the time, exact\n"
     )
     assert "likeliest actions\n←  ↑  ↑   ↑\n←  ●  →←  ●\n↑  ↓  ←   ●\n●  →  ↓   ★\n" in report
-    assert "chance to end        0.97389   within 100 steps" in report
+    assert f"{CHANCE_TO_END}        0.97389   within 100 steps" in report
     certain = run("frozenlake", "--policy", "optimal").stdout
     assert "likeliest" not in certain
     assert "\n●   →   →  ★\n" in certain
-    assert "chance to end" not in certain
+    assert CHANCE_TO_END not in certain
     assert "★" not in run("frozenlake", "--policy", "uniform").stdout
 
 

@@ -85,3 +85,8 @@ text = "Elsewhere."
 '''
 
 LESSON: Final[Lesson] = lesson_of(TEXT, Path("sample.toml"))
+
+_PAGES: Final = {page.id: page for page in LESSON.pages}
+HALF_THE_WAY: Final = _PAGES["predict"].explanation
+ONE_CELL: Final = _PAGES["quiz"].explanation
+SET_INITIAL_Q: Final = _PAGES["learn"].task.solution

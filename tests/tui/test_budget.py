@@ -5,7 +5,7 @@ from samples import answered, bandit, lake, look
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.bandit import BanditFigures
-from rl_tui.tui.panels.budget import BudgetPanel, sum_decimals, sum_text
+from rl_tui.tui.panels.budget import BEST_ARM_PULLED, BudgetPanel, sum_decimals, sum_text
 
 
 def drawn(snapshot: Snapshot | None, width: int = 54, height: int = 4, *, revealed: bool = False) -> str:
@@ -57,7 +57,7 @@ def test_what_does_not_fit_is_left_out_whole() -> None:
 def test_before_the_first_pull_there_is_no_share() -> None:
     text = drawn(bandit(0), revealed=True)
     assert "regret    0" in text
-    assert "best arm pulled" not in text
+    assert BEST_ARM_PULLED not in text
 
 
 @pytest.mark.parametrize(

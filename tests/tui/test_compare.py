@@ -21,7 +21,7 @@ from rl_tui.lab.timeline.branches import Branch, Timeline
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.screens.dialogs.choice import Choice
 from rl_tui.tui.screens.dialogs.lanes.changes import lane_changes, what_may_differ
-from rl_tui.tui.screens.dialogs.lanes.compare import Compare
+from rl_tui.tui.screens.dialogs.lanes.compare import INSTEAD_OF, Compare
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.worlds.files.catalogue import find
 
@@ -209,7 +209,7 @@ async def test_four_lanes_are_the_most(make_app: MakeApp, monkeypatch: pytest.Mo
         await beside(pilot, 4, monkeypatch)
         await pilot.press("c")
         assert rows(pilot)[-1] == "Four lanes are the most: end one to open another."
-        assert not any("instead of" in row for row in rows(pilot))
+        assert not any(INSTEAD_OF in row for row in rows(pilot))
         await pilot.resize_terminal(120, 40)
         await settle(pilot)
         assert "softmax, τ 0.3" in rows(pilot)[4]

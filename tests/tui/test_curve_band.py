@@ -18,6 +18,7 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.results import Curve, Marks
 from rl_tui.tui.draw.scale import Scale
 from rl_tui.tui.panels.curve.curve import ReturnCurve
+from rl_tui.tui.panels.curve.words import BELOW_AXIS
 from rl_tui.tui.theme.glyphs import UNICODE
 from rl_tui.tui.theme.look import Look
 from rl_tui.tui.theme.palette import Palette, palette_for
@@ -129,7 +130,7 @@ def test_a_line_below_the_axis_is_marked_where_it_leaves_it() -> None:
     assert "↓ greedy, once −65,375" in drawn(snapshot)[0]
     assert "v greedy, once" in drawn(snapshot, ascii=True)[0]
     beside_program = drawn(replace(snapshot, program=ProgramView("student.py", "FrozenLake-v1")))[0]
-    assert "↓ below the axis: greedy and episodes" in beside_program
+    assert f"↓ {BELOW_AXIS}: greedy and episodes" in beside_program
     assert "65,375" not in beside_program
 
 

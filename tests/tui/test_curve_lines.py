@@ -20,6 +20,7 @@ from rl_tui.tui.panels.curve.chart import taking_turns
 from rl_tui.tui.panels.curve.curve import ReturnCurve
 from rl_tui.tui.panels.curve.data import curve_data
 from rl_tui.tui.panels.curve.smoothing import smoothed
+from rl_tui.tui.panels.curve.words import OPTIMUM
 
 # Axes
 
@@ -142,7 +143,7 @@ def test_names_never_share_a_row() -> None:
 
 def test_of_equal_lines_the_optimum_is_named_above() -> None:
     lines = drawn(lake(greedy_return=lake().exact_answer.expected_return))[0].splitlines()
-    optimum = next(y for y, line in enumerate(lines) if "best for this γ" in line)
+    optimum = next(y for y, line in enumerate(lines) if OPTIMUM in line)
     greedy = next(y for y, line in enumerate(lines) if "greedy" in line)
     assert optimum < greedy
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -300,7 +301,7 @@ def test_a_list_that_is_cut_tells_which_flips_of_how_many() -> None:
         assert made.heading.endswith("–14 of 14")
     made, _ = framed(with_flips(lake()), 26, 10, 1, 2)
     assert made.heading.endswith("flip 2 of 2")
-    assert " of " not in framed(with_flips(lake()), 56, 20)[0].heading.removeprefix("γ · Q* of")
+    assert not re.search(r"\d of \d", framed(with_flips(lake()), 56, 20)[0].heading)
 
 
 def test_keys_have_words_and_v_is_named_by_what_it_turns_to() -> None:

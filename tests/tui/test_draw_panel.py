@@ -15,6 +15,7 @@ from rl_tui.common import limits
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.run.library import recipe_for
+from rl_tui.tui.actions.registry import ACTIONS
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.palette_entries import ActionProvider
@@ -34,6 +35,7 @@ from rl_tui.worlds.files.catalogue import find
 pytestmark = pytest.mark.screen
 
 SIZES = [(80, 24), (120, 40)]
+EDITING = next(action for action in ACTIONS if action.id == "editing.toggle")
 DRAWINGS = {
     "map": Grid(2, 2, (CellKind.FLOOR,) * 4, (0, 1, 2, 3), ((0, -1), (1, 0), (0, 1), (-1, 0))),
     "graph": Graph(((0, 0), (1, 0))),
@@ -222,7 +224,7 @@ async def test_what_cannot_be_drawn_is_dim_with_the_reason(
         sentence = (await palette(pilot, "draw the world"))["Draw the world (C)"]
         assert sentence.startswith("Not here: ")
         assert reason in sentence
-        assert "C draw the world" not in pilot.app.screen.query_one(KeyLine).render_line(0).text
+        assert f"C {EDITING.label}" not in pilot.app.screen.query_one(KeyLine).render_line(0).text
         await press(pilot, "C")
         assert reason in notes(pilot.app)[-1]
 

@@ -14,6 +14,7 @@ from rl_tui.lab.live.commands import HideAnswer
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.curve.data import curve_data
+from rl_tui.tui.panels.curve.words import HIDDEN_OPTIMUM, OPTIMUM
 from rl_tui.tui.panels.microscope.cell_history import history_strips
 from rl_tui.tui.panels.model.text import pair_lines
 from rl_tui.tui.panels.q_table.layers import EXACT_LAYERS, Layer
@@ -55,9 +56,9 @@ def test_the_curve_keeps_the_greedy_policy_and_hides_the_best() -> None:
     assert hidden.optimum is None
     assert hidden.greedy_now == shown.greedy_now
     text, _ = drawn_curve(SECRET)
-    assert "h adds what is best for this γ" in text
-    assert "best for this γ 0" not in text
-    assert "best for this γ" in drawn_curve(lake())[0].replace("h adds what is best for this γ", "")
+    assert HIDDEN_OPTIMUM[0] in text
+    assert f"{OPTIMUM} 0" not in text
+    assert OPTIMUM in drawn_curve(lake())[0].replace(HIDDEN_OPTIMUM[0], "")
 
 
 def test_the_bellman_equation_has_no_numbers() -> None:
@@ -93,14 +94,14 @@ async def test_the_student_is_asked_before_he_is_told(make_app: MakeApp) -> None
         await settle(pilot)
         asked = screen_text(pilot.app)
         assert "Q−Q*" not in asked
-        assert "h adds what is best for this γ" in asked
+        assert HIDDEN_OPTIMUM[0] in asked
         await press(pilot, "v")
         assert playground(pilot).board.table.shown_layer is Layer.VISITS
         await press(pilot, "h", "v", "v")
         assert playground(pilot).board.table.shown_layer is Layer.OPTIMAL
         told = screen_text(pilot.app)
         assert "6.341" in told
-        assert "h adds" not in told
+        assert not any(form in told for form in HIDDEN_OPTIMUM)
 
 
 async def test_what_a_person_hides_stays_hidden_in_the_neighbouring_scenarios(make_app: MakeApp) -> None:
@@ -138,15 +139,15 @@ async def test_h_hides_the_layer_that_is_shown_and_the_line_and_brings_both_back
         table = playground(pilot).board.table
         assert table.shown_layer is Layer.OPTIMAL
         before = screen_text(pilot.app)
-        assert "best for this γ 1" in before
+        assert f"{OPTIMUM} 1" in before
         hidden = await press(pilot, "h")
         assert is_secret(hidden)
         assert table.shown_layer is Layer.Q
-        assert "best for this γ 1" not in screen_text(pilot.app)
+        assert f"{OPTIMUM} 1" not in screen_text(pilot.app)
         assert is_secret(await press(pilot, "r", "e"))
         await press(pilot, "h")
         assert table.shown_layer is Layer.OPTIMAL
-        assert "best for this γ 1" in screen_text(pilot.app)
+        assert f"{OPTIMUM} 1" in screen_text(pilot.app)
         assert not notes(pilot.app)
 
 

@@ -16,7 +16,7 @@ from rl_tui.tui.panels.budget import budget_lines
 from rl_tui.tui.panels.last_step.last_step import last_step_lines
 from rl_tui.tui.panels.model.bellman import means_key
 from rl_tui.tui.panels.policies.notes import notes
-from rl_tui.tui.panels.snapshot_facts import shown_by
+from rl_tui.tui.panels.snapshot_facts import SHOWN_BY_KEY, shown_by
 from rl_tui.tui.panels.world.graph.graph import GraphView
 from rl_tui.tui.screens.playground.actions.modes.drawing_texts import title
 from rl_tui.tui.theme.glyphs import UNICODE
@@ -43,9 +43,9 @@ def test_what_is_hidden_names_its_key_or_that_it_waits() -> None:
 def test_notes_of_policies_say_what_keeps_them_back(picture: Snapshot) -> None:
     said = [note for note, _ in notes(kept(picture, "answer"), look())]
     assert any("the lesson keeps" in note for note in said)
-    assert not any("h shows" in note for note in said)
+    assert not any(SHOWN_BY_KEY in note for note in said)
     told = [note for note, _ in notes(changed(picture, is_hidden=True), look())]
-    assert any("h shows" in note for note in told)
+    assert any(SHOWN_BY_KEY in note for note in told)
 
 
 def test_who_draws_a_policy_is_told_that_its_return_waits() -> None:

@@ -13,10 +13,12 @@ from snapshots import changed
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.results import Curve
 from rl_tui.lab.timeline.branches import Branch, Timeline
+from rl_tui.tui.panels.curve import words
 from rl_tui.tui.panels.curve.curve import ReturnCurve
 from rl_tui.tui.panels.curve.data import curve_data
 from rl_tui.tui.theme.look import Look
 
+MANY = words.ONE_SEED + words.COUNTS_SEEDS
 NARROW, WIDE, BROAD = (40, 7), (64, 14), (110, 14)
 
 
@@ -51,15 +53,15 @@ def dotted(snapshot: Snapshot) -> set[Style | None]:
 def test_every_lane_is_named_with_its_mean() -> None:
     lines, widget = drawn(side_by_side(4, 1))
     text = "\n".join(lines)
-    for said in ("α 0.1: .50", "α 0.5: .32", "SARSA: .44", "softmax, τ 0.3: .62", "greedy, exact .60"):
+    for said in ("α 0.1: .50", "α 0.5: .32", "SARSA: .44", "softmax, τ 0.3: .62", f"{words.GREEDY} .60"):
         assert said in text
-    assert "best for this γ .54" in text
-    assert "beside names: last 100 episodes, one seed; M counts many" in text
-    assert widget.heading == "Return per episode · 4 lanes, ▸2 α 0.5"
+    assert f"{words.OPTIMUM} .54" in text
+    assert f"{words.BESIDE_NAMES}: last 100 episodes, {MANY}" in text
+    assert widget.heading == f"{words.RETURN_TITLES[0]} · 4 lanes, ▸2 α 0.5"
     assert widget.footing == ""
     lanes = tuple(replace(lane, episodes=1) for lane in lane_views(2))
     text = "\n".join(drawn(changed(side_by_side(2), lanes=lanes, episodes=1))[0])
-    assert "beside names: last episode, one seed; M counts many" in text
+    assert f"{words.BESIDE_NAMES}: last episode, {MANY}" in text
 
 
 def test_where_there_is_room_the_others_tell_their_greedy_return_too() -> None:
@@ -73,7 +75,7 @@ def test_a_narrow_panel_says_which_lane_is_shown() -> None:
     lines, widget = drawn(side_by_side(2, 1), NARROW)
     assert "α 0.1: .500" in "\n".join(lines)
     assert widget.heading == "Return · 2 lanes, ▸2 α 0.5"
-    assert widget.footing == "last 100 of one seed; M counts many"
+    assert widget.footing == f"last 100 of {MANY}"
     assert drawn(side_by_side(4, 3), (24, 7))[1].heading == "4 lanes, ▸4"
 
 
@@ -95,7 +97,7 @@ def test_long_names_give_way_to_the_lines_and_then_carry_their_numbers() -> None
     assert "4) softmax…" in text
     assert "1) α 0.1" in text
     assert ".50" not in text
-    assert widget.footing == "one seed; M counts many"
+    assert widget.footing == MANY
     assert min(line.index(") ") for line in lines if ") " in line) > 34 / 2
 
 
@@ -182,7 +184,7 @@ def test_a_lane_that_has_only_begun_has_no_line_and_no_name_at_its_end() -> None
     nothing = tuple(without_episodes(lane) for lane in (first, second))
     empty = Curve(nothing[0].results.curve.episode, *(np.array([]),) * 4)
     start = changed(side_by_side(2), lanes=nothing, episodes=0, curve=empty, return_last_100=None)
-    assert "no episode has ended yet" in "\n".join(drawn(start)[0])
+    assert words.NO_EPISODE_YET[0] in "\n".join(drawn(start)[0])
 
 
 def test_the_lane_of_a_planner_is_what_its_greedy_policy_is_worth() -> None:
@@ -198,7 +200,7 @@ def test_the_lane_of_a_planner_is_what_its_greedy_policy_is_worth() -> None:
     shown = changed(planning(), lanes=(first, planner), shown=1)
     text = "\n".join(drawn(shown)[0])
     assert "Value iteration: .73" in text or "Value iteration: .74" in text
-    assert "greedy, exact" not in text  # the lane's own line
+    assert words.GREEDY not in text  # the lane's own line
 
 
 def test_a_hidden_bandit_gives_nothing_away_in_other_lanes() -> None:
@@ -210,7 +212,7 @@ def test_a_hidden_bandit_gives_nothing_away_in_other_lanes() -> None:
     also = curve_data(changed(secret, lanes=(lanes[0], planner)))
     assert also.lanes[1].value is None
     assert not len(also.lanes[1].line.low)
-    assert "h adds the best arm" in "\n".join(drawn(changed(secret, lanes=lanes))[0])
+    assert words.HIDDEN_ARMS[-1] in "\n".join(drawn(changed(secret, lanes=lanes))[0])
 
 
 def test_the_axis_stays_while_one_goes_back_in_time() -> None:

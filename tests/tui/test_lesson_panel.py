@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from lesson_texts import LESSON, TEXT
+from lesson_texts import HALF_THE_WAY, LESSON, ONE_CELL, SET_INITIAL_Q, TEXT
 from rich.cells import cell_len
 from samples import look, student
 from snapshots import changed
@@ -74,7 +74,7 @@ def test_an_open_prediction_names_its_key_and_tells_nothing() -> None:
     said = text(at("predict"))
     assert stage(at("predict")) is PageStage.TO_PREDICT
     assert "A say what you expect" in said
-    assert "Half the way" not in said
+    assert HALF_THE_WAY not in said
     assert "−1.5" not in said
 
 
@@ -94,7 +94,7 @@ def test_the_truth_stands_beside_a_wrong_prediction_with_the_reply_to_it() -> No
     assert "✗ not so – it is −1.5" in said
     assert "That is the target: α was forgotten." in said
     assert "0 of 1 prediction right so far." in said
-    assert "Half the way from −1 to the target −2." in said
+    assert HALF_THE_WAY in said
 
 
 def test_a_right_prediction_has_no_reply() -> None:
@@ -114,9 +114,9 @@ def test_a_question_replies_to_a_choice_and_may_be_tried_again() -> None:
     wrong = text(at("quiz", Given("quiz", 0.0, is_right=False)))
     assert "That one is only looked up." in wrong
     assert "A try again" in wrong
-    assert "A step changes one cell." not in wrong
+    assert ONE_CELL not in wrong
     right = text(at("quiz", Given("quiz", 0.0, is_right=False), Given("quiz", 1.0, is_right=True)))
-    assert "✓ right – That of the state left Yes. A step changes one cell." in right
+    assert f"✓ right – That of the state left Yes. {ONE_CELL}" in right
 
 
 def test_a_task_has_a_sign_beside_each_condition_and_what_was_found() -> None:
@@ -139,7 +139,7 @@ def test_hints_come_one_by_one_and_the_solution_last() -> None:
         (True, True, True),
     ]
     assert "H the solution" in shown[2]
-    assert "Set the initial Q" not in shown[2]
+    assert SET_INITIAL_Q not in shown[2]
     assert " H " not in shown[3]
 
 
@@ -226,7 +226,7 @@ def test_the_run_stands_beside_what_was_said_and_what_is_so() -> None:
 def test_a_run_that_went_another_way_is_told_of(in_run: float | str, told: str) -> None:
     said = text(beside_run(RIGHT, in_run))
     assert f"✓ right – it is −1.5 In your run: {told} {ANOTHER_WAY}" in said
-    assert "Half the way from −1 to the target −2." in said
+    assert HALF_THE_WAY in said
     assert drawn(beside_run(RIGHT, in_run), 76, 1)[0].startswith(
         f" 2/6 The second update  ✓ right; in your run {told}"
     )

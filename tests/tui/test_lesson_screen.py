@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from lesson_texts import LESSON, TEXT
+from lesson_texts import LESSON, SET_INITIAL_Q, TEXT
 from seams import choose, notes, playground, press, screen_text, show, snapshot, train
 from textual.pilot import Pilot
 from textual.widgets import Markdown
@@ -232,7 +232,7 @@ async def test_hints_are_counted_and_the_page_shows_them(size: tuple[int, int]) 
             await press(pilot, "R")
         await press(pilot, "H", "H", "H", "H")
         assert record(pilot).hints_on("learn") == 3
-        assert "Set the initial Q to 5." in screen_text(pilot.app)
+        assert SET_INITIAL_Q in screen_text(pilot.app)
 
 
 async def test_a_claim_is_right_only_where_there_is_a_proof() -> None:

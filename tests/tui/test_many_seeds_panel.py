@@ -27,6 +27,7 @@ from rl_tui.tui.panels.many_seeds.figures import (
     verdict_of,
 )
 from rl_tui.tui.panels.many_seeds.many_seeds import ManySeeds
+from rl_tui.tui.panels.many_seeds.remarks import ABOVE_BEST
 from rl_tui.tui.theme.glyphs import UNICODE
 
 SIZES = ((118, 30), (97, 40), (58, 13), (36, 19), (36, 13), (26, 13), (26, 7), (16, 10), (5, 3), (1, 1))
@@ -275,8 +276,8 @@ def test_a_bandit_keeps_its_secrets_until_they_are_out() -> None:
 
 def test_a_mean_of_100_above_the_best_arm_is_explained() -> None:
     lucky = changed(bandit(1_000), return_last_100=1.56, study=bandit_study())
-    assert "last 100, 1.56, is above the best arm's mean, 1.50: a mean of 100 noisy rewards" in said(lucky)
-    assert "is above the best arm" not in said(changed(lucky, return_last_100=1.4))
+    assert f"last 100, 1.56, {ABOVE_BEST}, 1.50: a mean of 100 noisy rewards" in said(lucky)
+    assert ABOVE_BEST not in said(changed(lucky, return_last_100=1.4))
     secret = said(changed(bandit(400), return_last_100=1.56, study=bandit_study()))
     assert "1.50" not in secret
     assert "it can be above the best arm's mean" in secret

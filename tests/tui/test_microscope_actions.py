@@ -12,7 +12,8 @@ from rl_tui.lab.live.commands import Apply, StepBack
 from rl_tui.lab.run.recipe import SwitchAlgorithm
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
+from rl_tui.tui.panels.microscope.microscope import PASS_TOO_FAST, Microscope, lit_sources
+from rl_tui.tui.panels.microscope.return_text import RETURN_HEADING
 from rl_tui.tui.panels.row import CONTROLS, CURVE, MICROSCOPE, TABLE, TIMELINE, WORLD
 from rl_tui.tui.screens.playground.board import Board
 
@@ -90,7 +91,7 @@ async def test_it_scrolls_by_keys_and_wheel(make_app: MakeApp) -> None:
         await press(pilot, "down")
         assert "state" in widget.render_line(0).text
         await press(pilot, "end")
-        assert "Discounted return so far" not in widget.render_line(0).text
+        assert RETURN_HEADING not in widget.render_line(0).text
         last = widget.render_line(0).text
         await press(pilot, "pagedown")
         assert widget.render_line(0).text == last
@@ -247,7 +248,7 @@ async def test_at_high_speed_it_stands_still(make_app: MakeApp) -> None:
         await settle(pilot)
         await press(pilot, "s", "d", *["plus"] * 12, "space")
         await train(pilot, 1_000)
-        assert "steps pass too fast" in lines(pilot)
+        assert PASS_TOO_FAST in lines(pilot)
         assert not board(pilot).table.sources
         await press(pilot, "space")
-        assert "steps pass too fast" not in lines(pilot)
+        assert PASS_TOO_FAST not in lines(pilot)

@@ -13,6 +13,7 @@ from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.row import MICROSCOPE, POLICIES
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.key_line import KeyLine
+from rl_tui.tui.screens.playground.actions.modes.drawing_texts import NOTHING_TO_CHOOSE
 from rl_tui.tui.screens.playground.playground import Playground
 
 SIZES = [(80, 24), (120, 40)]
@@ -188,7 +189,7 @@ async def test_after_an_episode_one_draws_where_the_next_one_starts(make_app: Ma
         assert not len(ended.world.space.pairs_of(ended.counters.state))
         await press(pilot, "D", "1")
         assert [state for state, _ in drawn(pilot)] == [ended.counters.step_from]
-        assert "nothing to choose" not in str(view(pilot).border_subtitle)
+        assert NOTHING_TO_CHOOSE not in str(view(pilot).border_subtitle)
 
 
 async def test_a_cursor_that_was_put_stays_where_it_is(make_app: MakeApp) -> None:

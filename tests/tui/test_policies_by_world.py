@@ -13,15 +13,16 @@ from test_policies_panel import SIZES, drawn, said, studied
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.run.exact_answers import NO_TABLE
 from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.policies.notes import OF_MEANS_NOW
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 
 def test_of_arms_that_drift_the_figures_are_of_the_means_as_they_are_now() -> None:
     shown = changed(studied(bandit(400)), is_hidden=False)
-    assert "as they are now" not in said(shown)
+    assert OF_MEANS_NOW not in said(shown)
     assert isinstance(shown.world.space, TabularMDP)
     drifting = replace(shown, world=replace(shown.world, space=replace(shown.world.space, drift_std=0.01)))
-    assert "a pull: the reward it brings on average, of the means as they are now, exact" in said(drifting)
+    assert f"a pull: the reward it brings on average, {OF_MEANS_NOW}, exact" in said(drifting)
 
 
 def test_of_a_world_without_a_table_one_sentence_is_said() -> None:

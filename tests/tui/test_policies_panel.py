@@ -27,12 +27,14 @@ from rl_tui.tui.panels.curve.data import curve_data
 from rl_tui.tui.panels.curve.text import all_words, label_columns
 from rl_tui.tui.panels.curve.text import amount as curve_amount
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
+from rl_tui.tui.panels.policies.notes import AS_MUCH_AS_OPTIMAL, SHORT_OF_OPTIMAL, WITHOUT_LIMIT
 from rl_tui.tui.panels.policies.policies import Policies
 from rl_tui.tui.panels.policies.studied import as_studied
 from rl_tui.tui.panels.policies.table import COLUMNS, amount
 from rl_tui.tui.panels.q_table.layers import Layer
 from rl_tui.tui.panels.row import CURVE, POLICIES, TABLE, WORLD
 from rl_tui.tui.panels.side_by_side import sides
+from rl_tui.tui.panels.snapshot_facts import shown_by
 from rl_tui.tui.screens.number_here import number_here
 from rl_tui.tui.theme.glyphs import UNICODE
 
@@ -148,7 +150,7 @@ def test_why_there_is_none_is_said_once() -> None:
 def test_what_a_bandits_policies_earn_is_secret_until_it_is_revealed() -> None:
     shown = changed(studied(bandit(400)), is_hidden=True)
     text = said(shown)
-    assert not re.search(r"\d", text.replace("h shows them", ""))
+    assert not re.search(r"\d", text.replace(shown_by(shown, "them"), ""))
     assert "?" in text
     known = said(changed(shown, is_hidden=False))
     assert "a pull" in known
@@ -160,8 +162,8 @@ def test_a_hidden_optimum_is_not_told() -> None:
     hidden = changed(shown, is_hidden=True)
     rows = [line for line in drawn(hidden).splitlines() if "optimal" in line]
     assert rows[0].split()[-1] == "?"
-    assert "short of" not in said(hidden)
-    assert "as much as" not in said(hidden)
+    assert SHORT_OF_OPTIMAL not in said(hidden)
+    assert AS_MUCH_AS_OPTIMAL not in said(hidden)
 
 
 @pytest.mark.parametrize("ascii", [False, True])
@@ -309,7 +311,7 @@ async def test_a_state_that_a_policy_may_never_leave_has_a_dash(make_app: MakeAp
         await train(pilot, 300)
         await press(pilot, "P", "down")
         assert "γ 1 " in screen_text(pilot.app)
-        assert "as if without" not in screen_text(pilot.app)  # there is no limit
+        assert WITHOUT_LIMIT not in screen_text(pilot.app)  # there is no limit
         shown = await press(pilot, "enter")
         board, values = playground(pilot).board, shown.answers.policies[PolicyKind.GREEDY].v
         assert values is not None

@@ -20,7 +20,9 @@ from rl_tui.lab.programs.program_process import ProgramRequest
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.curve.words import GREEDY, NO_LINE_WITHOUT_TABLE
 from rl_tui.tui.panels.discount.discount import DiscountPanel
+from rl_tui.tui.panels.legend import MAY_NEVER_END
 from rl_tui.tui.panels.q_table.layers import Layer
 from rl_tui.tui.panels.q_table.titles import NO_TABLE
 from rl_tui.tui.panels.row import CONTROLS, FINDINGS, OUTPUT, PROGRAM, TABLE
@@ -145,8 +147,8 @@ async def test_without_a_table_a_flip_sets_no_gamma_and_no_greedy_policy_has_a_r
     async with watching(path) as pilot:
         await train(pilot, 200)
         text = screen_text(pilot.app)
-        assert "no greedy line: no table was found" in text
-        for claim in ("may never end", "0.00", "greedy, exact", "not tried"):
+        assert NO_LINE_WITHOUT_TABLE[0] in text
+        for claim in (MAY_NEVER_END, "0.00", GREEDY, "not tried"):
             assert claim not in text
         await press(pilot, "G", "up")
         assert "enter" not in playground(pilot).board.query_one(DiscountPanel).footing
@@ -246,7 +248,7 @@ async def test_without_a_table_nothing_looks_like_an_estimate(tmp_path: Path) ->
         assert "no table was found, so no change is seen" in text
         assert f"Q · {NO_TABLE}" in text
         assert "– no table" in text
-        assert "may never end" not in text
+        assert MAY_NEVER_END not in text
         table = playground(pilot).board.table
         assert table.layer_choices == (Layer.Q, Layer.OPTIMAL, Layer.VISITS)
         table.shown_layer = Layer.VISITS

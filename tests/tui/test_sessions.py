@@ -24,6 +24,7 @@ from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgo
 from rl_tui.lab.sessions.autosave import untouched
 from rl_tui.lab.sessions.folder import sessions_in
 from rl_tui.lab.sessions.session import digest_of, encoded, read_session
+from rl_tui.lab.sessions.writer import OPEN_ELSEWHERE
 from rl_tui.lab.timeline.branches import FIRST, RunRecord
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
@@ -381,12 +382,12 @@ async def test_one_that_is_open_elsewhere_is_gone_on_with_in_a_copy(
         await settle(one)
         async with second.run_test(size=(80, 24)) as other:
             await settle(other)
-            assert any("a.json is open in another program" in each for each in notes(second))
+            assert any(f"a.json {OPEN_ELSEWHERE}" in each for each in notes(second))
             await other.press("s", "s")
             await settle(other)
         await one.press("s")
         await settle(one)
-        assert not any("another program" in each for each in notes(first))
+        assert not any(OPEN_ELSEWHERE in each for each in notes(first))
     told = {each.title: each.step for each in sessions_in(tmp_path)[0]}
     assert told == {"an evening": 8, "an evening (copy)": 9}
 

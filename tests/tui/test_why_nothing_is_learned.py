@@ -18,6 +18,7 @@ from rl_tui.cli.main import program
 from rl_tui.lab.answers.first_update_words import episodes_in_words
 from rl_tui.lab.answers.first_updates import FirstUpdateView
 from rl_tui.tui.app.screenshot import settle
+from rl_tui.tui.panels.curve.words import NOTHING_LEARNED
 from rl_tui.tui.screens.dialogs.why import Why, remedies_of, said, written
 from rl_tui.tui.theme.glyphs import UNICODE
 
@@ -165,7 +166,7 @@ def test_the_curve_tells_that_no_estimate_has_moved() -> None:
     barren = lake(curve=flat(0.0), marks=NO_MARKS, episodes=1_234, greedy_return=0.0, return_last_100=0.0)
     stuck = replace(barren.answers, first_update=FirstUpdateView(None, "no table", False, True))
     shown = replace(barren, answers=stuck)
-    assert "nothing learned in 1,234 episodes, Y tells why" in drawn(shown)[0]
+    assert f"{NOTHING_LEARNED} in 1,234 episodes, Y tells why" in drawn(shown)[0]
     assert "in 1,234 episodes, Y tells why" in drawn(shown, NARROW)[0]
     assert remedies_of(shown) == ()
     assert said(shown, UNICODE)[-1] == "How long the wait is cannot be told. No table."

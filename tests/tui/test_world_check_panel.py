@@ -104,11 +104,12 @@ def test_while_hidden_nothing_gives_the_answer_away() -> None:
     assert "best policy h shows it" in hidden
     assert "flips h shows it" in hidden
     assert "random policy 0.50000" in hidden
-    warned = replace(grown(walk())[-1], warnings=("the best policy never ends",))
+    warning = "the best policy never ends"
+    warned = replace(grown(walk())[-1], warnings=(warning,))
     told = with_check(walk(), warned)
-    assert "the best policy never ends" in said(told)
+    assert warning in said(told)
     hidden = said(changed(told, answers=AnswersView(is_hidden=True)))
-    assert "the best policy" not in hidden
+    assert warning not in hidden
     assert "done: 1 warning" in hidden
     assert "warnings: h shows them" in hidden
     arms = said(changed(with_check(bandit(1)), answers=AnswersView(is_hidden=True)))

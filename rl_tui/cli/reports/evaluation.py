@@ -16,6 +16,7 @@ from rl_tui.tui.draw.action_order import shown_order
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.world import World
 
+CHANCE_TO_END: Final = "chance to end"
 MOST_ROWS: Final = 1_000
 _EQUAL: Final = 1e-12
 
@@ -63,5 +64,5 @@ def _summary(limit: int, answer: Mapping[str, Any]) -> list[tuple[str, str, str]
         ("steps of an episode", number(answer["steps"], ".5f"), f"expected{within}"),
     ]
     if ends != number(1.0):
-        rows.append(("chance to end", ends, within.removeprefix(", ")))
+        rows.append((CHANCE_TO_END, ends, within.removeprefix(", ")))
     return rows

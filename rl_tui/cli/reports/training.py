@@ -22,6 +22,9 @@ from rl_tui.worlds.world import World
 Figures = Mapping[str, Any]
 Row = tuple[str, str, str]
 
+FIRST_REWARD: Final = "first reward"
+GREEDY_ENDS: Final = "greedy policy ends"
+VALUE_AT_START: Final = "value at the start"
 LAST: Final = 100
 MOST_NAMES: Final = 8
 MOST_CHANGES: Final = 20
@@ -71,7 +74,7 @@ def agent_run(world: World, mdp: TabularMDP | None, title: str, figures: Figures
     rows = [
         *exact,
         *_last_rows(figures),
-        ("first reward", "never" if first is None else f"episode {first:,}", "the first that is not 0"),
+        (FIRST_REWARD, "never" if first is None else f"episode {first:,}", "the first that is not 0"),
     ]
     drawn = ["", policy_map(world, figures["policy"])] if figures["policy"] else []
     return "\n".join(
@@ -105,7 +108,7 @@ def several_runs(recipe: Recipe, figures: Figures) -> str:
     head = agent_head(recipe.scenario.title, figures, seeds) if "agent" in figures else _head(recipe, seeds)
     parts = [head, "", columns(rows, right=(1, 2, 3, 4, 5))]
     if "winnings" not in runs[0] and figures["summary"]["value_at_start"]["count"]:
-        parts += ["", "The value at the start is discounted, returns are not."]
+        parts += ["", f"The {VALUE_AT_START} is discounted, returns are not."]
     endless = sum(row["expected_return"] is None and row["max_error"] is not None for row in runs)
     if endless:
         share = f"{endless:,} of {counted(len(runs), 'run')}"
@@ -141,7 +144,7 @@ def _rows(run: Run, figures: Figures) -> list[Row]:
     return [
         *(_greedy_rows(figures, best) if mdp else [("exact figures", "none", why_inexact(run))]),
         *_last_rows(figures),
-        ("first reward", "never" if first is None else f"episode {first:,}", "the first that is not 0"),
+        (FIRST_REWARD, "never" if first is None else f"episode {first:,}", "the first that is not 0"),
     ]
 
 
@@ -150,9 +153,9 @@ def _greedy_rows(figures: Figures, best: float | None) -> list[Row]:
     expected, possible = alike([figures["expected_return"], best])
     ends = figures["greedy_ends"]
     return [
-        ("value at the start", f"{value} of {optimum}", "discounted: greedy policy of optimum"),
+        (VALUE_AT_START, f"{value} of {optimum}", "discounted: greedy policy of optimum"),
         ("expected return", f"{expected} of {possible}", "undiscounted: greedy policy of best"),
-        ("greedy policy ends", "-" if ends is None else f"with probability {number(ends)}", ""),
+        (GREEDY_ENDS, "-" if ends is None else f"with probability {number(ends)}", ""),
         ("largest error of Q", number(figures["max_error"]), "max |Q - Q*|"),
     ]
 
@@ -209,12 +212,12 @@ def _summary_titles(runs: Sequence[Figures]) -> dict[str, str]:
         }
     last = _last(most) if fewest == most else f"up to {most} last episodes"
     return {
-        "value_at_start": "value at the start",
+        "value_at_start": VALUE_AT_START,
         "expected_return": "expected return",
         "max_error": "largest error of Q",
         "return_last_100": f"return, {last}",
         "length_last_100": f"length, {last}",
-        "first_reward_episode": "first reward that is not 0, episode",
+        "first_reward_episode": f"{FIRST_REWARD} that is not 0, episode",
         "episodes": "episodes",
         "steps": "steps",
     }

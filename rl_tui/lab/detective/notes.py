@@ -14,6 +14,7 @@ from rl_tui.lab.detective.source.code_names import declared_discount
 from rl_tui.lab.detective.verdict import MovedCell, Rule, UpdateFound, UpdateTarget
 from rl_tui.lab.programs.program_log import ProgramLog
 
+MOVES_WITHOUT_GAMMA: Final = "The table moves as with γ 0"
 _LONGEST: Final = 80
 _UNUSUAL: Final = (UpdateTarget.SAME_ACTION, UpdateTarget.OWN_STATE, UpdateTarget.INDEX, UpdateTarget.NOTHING)
 
@@ -79,7 +80,7 @@ def _without_discount(evidence: Evidence, name: str, gamma: float) -> str:
     table = np.nan_to_num(evidence.recording.table_at(evidence.recording.count))
     highest = table.reshape(-1, evidence.actions).max(0)
     text = (
-        f"The table moves as with γ 0, though `{one_line(name, _LONGEST)}` in your code is {gamma:g}: the "
+        f"{MOVES_WITHOUT_GAMMA}, though `{one_line(name, _LONGEST)}` in your code is {gamma:g}: the "
         "value of the next state never enters the target."
     )
     if np.all(highest == 0.0) and np.all(evidence.changes.after <= 0.0):

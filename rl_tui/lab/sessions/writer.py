@@ -15,6 +15,7 @@ from rl_tui.lab.sessions.session import StoredSession, encoded
 
 _COPY: Final = " (copy)"
 _MOST_TRIES: Final = 100
+OPEN_ELSEWHERE: Final = "is open in another program or cannot be written"
 LESSON: Final = "lesson"
 
 
@@ -97,10 +98,7 @@ class SessionWriter:
         self._file = hold(session)
         if self._file is None:
             self.become_copy()
-            self._tell(
-                f"{session.path.name} is open in another program or cannot be written; what you do here is "
-                f"saved in a copy"
-            )
+            self._tell(f"{session.path.name} {OPEN_ELSEWHERE}; what you do here is saved in a copy")
 
     def _encoded(self, record: Record, digest: str) -> bytes:
         return encoded(record, title=self.title, kept=self.kept, digest=digest)

@@ -20,6 +20,7 @@ from rl_tui.tui.panels.snapshot_facts import ANSWER_KEPT, is_secret, keeps_back
 from rl_tui.tui.theme.look import Look
 
 WAITING: Final = "the arms are being drawn"
+BEST_ARM_PULLED: Final = "best arm pulled"
 NO_BUDGET: Final = "this world has no budget"
 _LABEL: Final = 10
 _FIGURE: Final = 8
@@ -117,7 +118,7 @@ def _winnings(figures: BanditFigures, look: Look, width: int, known: bool) -> li
     possible = Piece(f"   best possible {best} on average", palette.text)
     shorter = Piece(f"   best {best} on average", palette.text)
     rate = "" if figures.best_arm_rate is None else numbers.percent(figures.best_arm_rate)
-    share = f"best arm pulled {rate}" if rate else ""
+    share = f"{BEST_ARM_PULLED} {rate}" if rate else ""
     remarks = [Piece(f"   {text}", palette.dim) for text in ("in true means, luck left out", "in true means")]
     return [
         first_that_fits(([*winnings, possible], [*winnings, shorter]), width, look),

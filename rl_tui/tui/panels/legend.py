@@ -18,6 +18,7 @@ from rl_tui.tui.theme.look import Look
 GREEDY_IN_FULL: Final = "greedy: looks best"
 POLICY_IN_FULL: Final = "policy: what it does"
 AGENT: Final = "agent"
+MAY_NEVER_END: Final = "may never end"
 _GAP: Final = "  "
 _BETWEEN: Final = " · "
 _CLOSER: Final = ", "  # where all signs fit so
@@ -47,7 +48,7 @@ def agent_meaning(snapshot: Snapshot) -> str:
 
 def no_value_sign(look: Look) -> LegendSign:
     """Return how a state or pair is marked that has no value, since its policy may never end from there."""
-    return LegendSign(numbers.missing(look.glyphs), "none", look.palette.text, "no value: may never end")
+    return LegendSign(numbers.missing(look.glyphs), "none", look.palette.text, f"no value: {MAY_NEVER_END}")
 
 
 def no_table_sign(look: Look) -> LegendSign:

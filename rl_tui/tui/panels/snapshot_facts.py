@@ -15,7 +15,8 @@ from rl_tui.tui.glossary.figure_text import FigureSetting
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Arms
 
-ANSWER_KEY: Final = "h shows the exact answer"
+SHOWN_BY_KEY: Final = "h shows"
+ANSWER_KEY: Final = f"{SHOWN_BY_KEY} the exact answer"
 ANSWER_KEPT: Final = "the lesson keeps it back for now"
 
 _FASTEST_FOLLOWED: Final = 30.0  # steps a second; above it single steps would only flicker
@@ -53,7 +54,7 @@ def answer_key(snapshot: Snapshot) -> str:
 
 def shown_by(snapshot: Snapshot, them: str = "it") -> str:
     """Return what shows something that is hidden while :func:`is_secret` holds, or that it has to wait."""
-    return f"the lesson keeps {them} back" if keeps_back(snapshot, "answer") else f"h shows {them}"
+    return f"the lesson keeps {them} back" if keeps_back(snapshot, "answer") else f"{SHOWN_BY_KEY} {them}"
 
 
 def has_estimates(snapshot: Snapshot) -> bool:

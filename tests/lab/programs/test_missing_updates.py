@@ -11,7 +11,7 @@ from made_recordings import Learner, Step, recorded
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.detective.detective import verdict_of
 from rl_tui.lab.detective.evidence import Evidence
-from rl_tui.lab.detective.notes import notes_on
+from rl_tui.lab.detective.notes import MOVES_WITHOUT_GAMMA, notes_on
 from rl_tui.lab.detective.source.code_places import program_code
 from rl_tui.lab.detective.verdict import CodeFault, UpdateFound
 from rl_tui.lab.live_programs.program_snapshot import found_of
@@ -109,17 +109,17 @@ def test_a_discount_that_moves_nothing_is_told(rewards: tuple[float, ...], by_co
     log = recorded(without_next, initial="zeros", rewards=rewards, steps=12)
     evidence, numbers = Evidence(log.recording), {"agent.gamma": 0.95, "alpha": ALPHA}
     [note, *_] = notes_on(evidence, UpdateFound(gamma=0.0), "float64", numbers)
-    assert "moves as with γ 0, though `agent.gamma` in your code is 0.95" in note
+    assert f"{MOVES_WITHOUT_GAMMA}, though `agent.gamma` in your code is 0.95" in note
     assert ("max(Q[:, a])" in note) == by_column
     for without in ({}, {"gamma": 0.0}):
         assert not any(
-            "as with γ 0" in each for each in notes_on(evidence, UpdateFound(gamma=0.0), "", without)
+            MOVES_WITHOUT_GAMMA in each for each in notes_on(evidence, UpdateFound(gamma=0.0), "", without)
         )
     log = recorded(without_next, initial="zeros")
     log.numbers |= numbers
     verdict = verdict_of(log)
     assert verdict.update.gamma == 0.0
-    assert any("as with γ 0" in each for each in verdict.notes)
+    assert any(MOVES_WITHOUT_GAMMA in each for each in verdict.notes)
     for update, gamma, source in (
         (verdict.update, 0.95, "declared"),
         (UpdateFound(gamma=0.5), 0.5, "found"),

@@ -21,14 +21,20 @@ from rl_tui.tui.panels.curve.text import (
     labels,
     no_end,
 )
+from rl_tui.tui.panels.curve.words import (
+    BESIDE_NAMES,
+    BEST_ARM,
+    COUNTS_SEEDS,
+    EQUAL_STEPS,
+    ONE_SEED,
+    SHORT_OPTIMUM,
+)
 from rl_tui.tui.panels.snapshot_facts import recent_name
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 
 _GREEDY: Final = ", greedy "
 _LARGEST_SHARE: Final = 0.5  # of the plot that names may take
-_ONE_SEED: Final = "one seed"
-_COUNTS: Final = "; M counts many"
 _TITLE_NAME: Final = 16  # cells of a shortened name in a title
 
 
@@ -91,28 +97,28 @@ def lane_remark(data: CurveData, look: Look, room: int, *, counts_seeds: bool = 
     if data.seeds:
         return seed_remark(data.seeds, look)
     if not _form(data, look, room).number:
-        return (_ONE_SEED + _COUNTS, _ONE_SEED) if counts_seeds else (_ONE_SEED,)
+        return (ONE_SEED + COUNTS_SEEDS, ONE_SEED) if counts_seeds else (ONE_SEED,)
     what = "pulls" if data.is_bandit else "episodes"
     recent = recent_name(*(lane.finished for lane in data.lanes if not lane.is_exact))
     if any(lane.is_exact for lane in data.lanes):
         return (
-            f"beside names: mean of the {recent} {what} of one seed; of planners the exact return",
+            f"{BESIDE_NAMES}: mean of the {recent} {what} of one seed; of planners the exact return",
             f"mean of the {recent}; planners: exact",
             f"mean of the {recent}, or exact",
         )
     recent_return, recent_ones = f"mean of the {recent} {what}", f"{recent} {what}"
     if recent == recent_name(1):
         recent_return, recent_ones = f"return of the last {what[:-1]}", f"last {what[:-1]}"
-    best = "the best arm" if data.is_bandit else "γ-best"
-    one_seed = _ONE_SEED + _COUNTS if counts_seeds else _ONE_SEED
+    best = f"the {BEST_ARM}" if data.is_bandit else SHORT_OPTIMUM
+    one_seed = ONE_SEED + COUNTS_SEEDS if counts_seeds else ONE_SEED
     return (
-        f"beside names: {recent_return} of {one_seed}",
+        f"{BESIDE_NAMES}: {recent_return} of {one_seed}",
         *((f"{one_seed} · h adds {best}",) if data.hides_optimum and data.has_key else ()),
-        f"beside names: {recent_ones}, {one_seed}",
+        f"{BESIDE_NAMES}: {recent_ones}, {one_seed}",
         f"{recent} of {one_seed}",
         *((f"{recent}, one seed; M: many",) if counts_seeds else ()),
         one_seed,
-        _ONE_SEED,
+        ONE_SEED,
     )
 
 
@@ -120,10 +126,7 @@ def steps_note(data: CurveData) -> tuple[str, ...]:
     """Return why one lane has come further than another, the longest form first; empty where none has."""
     if len({lane.finished for lane in data.lanes if not lane.is_exact}) < 2:
         return ()
-    return (
-        "lanes take the same number of steps, so one may have finished more episodes",
-        "lanes take equal steps, not equal episodes",
-    )
+    return EQUAL_STEPS
 
 
 def _form(data: CurveData, look: Look, room: int) -> _Form:

@@ -17,6 +17,7 @@ from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.braille import Steps
 from rl_tui.tui.draw.chart_plot import Plot
 from rl_tui.tui.draw.to_ascii import to_ascii
+from rl_tui.tui.panels.curve import words
 from rl_tui.tui.panels.curve.data import CurveData
 from rl_tui.tui.panels.policies.names import POLICY_NAMES
 from rl_tui.tui.panels.policies.notes import cost_of_exploring
@@ -31,18 +32,6 @@ NUMBER: Final = 6  # cells of the widest number beside a name
 _MOST_DECIMALS: Final = 5
 _LEAST_FIXED: Final = 2e-4  # extent of an axis whose numbers have no exponents
 _STUDIED_NAMES: Final = [name.line for name in POLICY_NAMES.values()]
-_TIES: Final = "greedy: ties"
-_HIDDEN_ARMS: Final = (
-    "h adds the best arm and the greedy arm, exact",
-    "h adds best and greedy arm",
-    "h adds the best arm",
-)
-_HIDDEN_OPTIMUM: Final = (
-    "h adds what is best for this γ, exact",
-    "h adds what is best for γ",
-    "h adds γ-best",
-)
-_KEPT_BACK: Final = ("the lesson keeps back what is exact", "what is exact: later")
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +72,7 @@ def no_end(ends: float, *, short: bool = False) -> str:
     if ends > 0.0:
         share = numbers.percent(ends)
         return f"{share} end" if short else f"ends in {share}"
-    return "no end" if short else "never ends"
+    return words.NO_END if short else words.NEVER_ENDS
 
 
 def labels(
@@ -142,16 +131,16 @@ def _names(data: CurveData, room: int) -> tuple[str, str, str] | None:
     if room < ROOM_FOR_NAMES:
         return None
     names = _usual_names(data.is_bandit, room, f"{recent_name(data.finished)}:")
-    return names if data.is_decided or room < ROOM_FOR_NUMBERS else (_TIES, *names[1:])
+    return names if data.is_decided or room < ROOM_FOR_NUMBERS else (words.TIES, *names[1:])
 
 
 def _usual_names(is_bandit: bool, room: int, recent: str) -> tuple[str, str, str]:
     if room >= ROOM_FOR_LONG:
         if is_bandit:
-            return "greedy arm, exact", f"pulls, {recent}", "best arm"
-        return "greedy, exact", f"episodes, {recent}", "best for this γ"
+            return words.GREEDY_ARM, f"pulls, {recent}", words.BEST_ARM
+        return words.GREEDY, f"episodes, {recent}", words.OPTIMUM
     mean = recent if room >= ROOM_FOR_NUMBERS else "pulls" if is_bandit else "episodes"
-    return ("greedy arm", mean, "best arm") if is_bandit else ("greedy", mean, "γ-best")
+    return ("greedy arm", mean, words.BEST_ARM) if is_bandit else ("greedy", mean, words.SHORT_OPTIMUM)
 
 
 def figure_names() -> tuple[str, ...]:
@@ -165,7 +154,7 @@ def figure_names() -> tuple[str, ...]:
 
 def _with_number(name: str, value: float, decimals: int, room: int, most: int, glyphs: Glyphs) -> str:
     """Return ``name`` with its number, which is written out where both take ``most`` columns at the most."""
-    if room < ROOM_FOR_NUMBERS or name == _TIES:
+    if room < ROOM_FOR_NUMBERS or name == words.TIES:
         return name
     text, long = amount(value, decimals, glyphs), numbers.whole(value, glyphs)
     fits = not decimals and len(text) < len(long) <= most - len(name) - 1
@@ -175,21 +164,21 @@ def _with_number(name: str, value: float, decimals: int, room: int, most: int, g
 def titles(data: CurveData | None, glyphs: Glyphs, decimals: int, width: int) -> tuple[str, ...]:
     """Return titles for ``width`` cells, the longest first; a narrow one names greedy return and optimum."""
     if data is not None and data.unit == "sweep":
-        return "Greedy return, exact, per sweep", "Greedy return per sweep", "Greedy return"
+        return words.SWEEP_TITLES
     if data is not None and data.is_bandit:
-        return ("Reward per pull",)
+        return (words.REWARD_TITLE,)
     if width >= ROOM_FOR_LONG or data is None:
-        return "Return per episode", "Return"
+        return words.RETURN_TITLES
     if data.greedy_ends is not None:
         greedy = f"greedy {no_end(data.greedy_ends)}"
     elif data.greedy_now is not None and data.is_decided:
         greedy = f"greedy {amount(data.greedy_now, decimals, glyphs)}"
     else:
-        return "Return per episode", "Return"
+        return words.RETURN_TITLES
     alone = f"Return · {greedy}"
     if data.optimum is None:
         return alone, "Return"
-    both = f"{greedy} · γ-best {amount(data.optimum, decimals, glyphs)}"
+    both = f"{greedy} · {words.SHORT_OPTIMUM} {amount(data.optimum, decimals, glyphs)}"
     return f"Return · {both}", both, alone, "Return"
 
 
@@ -198,9 +187,9 @@ def remark(
 ) -> tuple[str, ...]:
     """Return what is to be said of the picture, longest form first; empty where there is nothing."""
     if data.hides_optimum and not data.has_key:
-        return _KEPT_BACK
+        return words.KEPT_BACK
     if data.hides_optimum:
-        return _HIDDEN_ARMS if data.is_bandit else _HIDDEN_OPTIMUM
+        return words.HIDDEN_ARMS if data.is_bandit else words.HIDDEN_OPTIMUM
     if data.greedy_now is None or data.finished < RECENT or not data.is_decided:
         return ()
     if snapshot.program is not None:
@@ -216,7 +205,7 @@ def remark(
     if not _is_seen(cost, decimals):
         return ()
     if not with_figures:
-        return "pause to see what exploring costs", "pause: what exploring costs"
+        return words.COST_AT_PAUSE
     said, short = cost_of_exploring(cost, amount(abs(cost), decimals, glyphs), snapshot, glyphs)
     return f"{said} {what}: greedy less as it acts", f"{said} {what}", said, short
 
@@ -229,7 +218,8 @@ def _gap(data: CurveData, what: str, glyphs: Glyphs, decimals: int) -> tuple[str
     if not _is_seen(gap, decimals) or gap < 0.0:
         return ()
     said = amount(gap, decimals, glyphs)
-    return f"gap {said} {what} · P: what exploring costs", f"gap {said} · P: exploring", f"gap {said}"
+    long, short = words.COST_BY_KEY
+    return f"gap {said} {what} · {long}", f"gap {said} · {short}", f"gap {said}"
 
 
 def _is_seen(x: float, decimals: int) -> bool:
@@ -256,10 +246,14 @@ def below_note(
         f"{name}, {'down to' if is_still else 'once'} {amount(value, decimals, glyphs)}"
         for value, name, is_still in below
     ]
-    names = f"{down} below the axis: {' and '.join(name for _, name, _ in below)}"
+    names = f"{down} {words.BELOW_AXIS}: {' and '.join(name for _, name, _ in below)}"
     if not with_figures:
         return names, f"{down} {lowest} below", f"{down} below"
-    return f"{down} below the axis: {' and '.join(figures)}", f"{down} {figures[0]}", f"{down} {lowest} below"
+    return (
+        f"{down} {words.BELOW_AXIS}: {' and '.join(figures)}",
+        f"{down} {figures[0]}",
+        f"{down} {lowest} below",
+    )
 
 
 def gap_note(data: CurveData, plot: Plot) -> tuple[str, ...]:
@@ -269,22 +263,18 @@ def gap_note(data: CurveData, plot: Plot) -> tuple[str, ...]:
     if not data.furthest or not np.isnan(later.low[:-1]).any() or not plot.has_gap(later):
         return ()
     if not data.has_estimates:
-        return "no greedy line: no table was found in your program", "no table: no greedy line", "no table"
-    return (
-        "no greedy line where that policy may never end: it has no return there",
-        "no greedy line where it may never end",
-        "no line: may never end",
-    )
+        return words.NO_LINE_WITHOUT_TABLE
+    return words.NO_LINE_WITHOUT_END
 
 
-def all_words(words: tuple[str, ...], below: tuple[str, ...], gap: tuple[str, ...]) -> tuple[str, ...]:
+def all_words(said: tuple[str, ...], below: tuple[str, ...], gap: tuple[str, ...]) -> tuple[str, ...]:
     """Return forms of all three in one line, then of fewer: where the line is short ``below`` is kept.
 
     It explains a sign of the picture.
     """
     if not below:
-        return (*_joined(words, gap), *words, *gap)
-    return (*_joined(words, below, gap), *_joined(below, gap), *_joined(words, below), *below)
+        return (*_joined(said, gap), *said, *gap)
+    return (*_joined(said, below, gap), *_joined(below, gap), *_joined(said, below), *below)
 
 
 def _joined(*parts: tuple[str, ...]) -> tuple[str, ...]:
@@ -311,15 +301,15 @@ def _has_learned(data: CurveData) -> bool:
 def empty_words(unit: str) -> tuple[str, ...]:
     """Return what to do before the first pull, sweep or episode has ended."""
     if unit == "sweep":
-        return "no sweep has ended yet:", "space runs, e runs one sweep"
+        return words.NO_SWEEP_YET
     if unit == "pull":
-        return "no arm has been pulled yet:", "space runs, s pulls once"
-    return "no episode has ended yet:", "space runs, e runs one episode"
+        return words.NO_PULL_YET
+    return words.NO_EPISODE_YET
 
 
 def barren_words(data: CurveData) -> tuple[str, ...]:
     """Return that no estimate has moved, and by which key to ask why, or that nothing was ever earned."""
     if data.unlearned:
-        return "nothing learned", f"in {data.finished:,} {data.unit}s, Y tells why"
+        return words.NOTHING_LEARNED, f"in {data.finished:,} {data.unit}s, Y tells why"
     finished = "finished " if data.unit == "episode" else ""
-    return "no reward seen yet", f"in {data.finished:,} {finished}{data.unit}s"
+    return words.NO_REWARD, f"in {data.finished:,} {finished}{data.unit}s"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import Final
 
 import numpy as np
 
@@ -25,6 +26,8 @@ from rl_tui.tui.panels.snapshot_facts import recent_name, shown_lane
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
+
+ABOVE_BEST: Final = "is above the best arm's mean"
 
 
 def remarks(study: SeedStudy, snapshot: Snapshot, look: Look, width: int, *, secret: bool) -> Iterator[Line]:
@@ -73,7 +76,7 @@ def _luck_now(snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:
         return ""
     shown, above = (figure_text(each, 2, glyphs) for each in (recent, best))
     pulls = recent_name(snapshot.counters.episodes)
-    return f"{pulls}, {shown}, is above the best arm's mean, {above}: {_noise(snapshot, glyphs)}"
+    return f"{pulls}, {shown}, {ABOVE_BEST}, {above}: {_noise(snapshot, glyphs)}"
 
 
 def _luck_of_100(snapshot: Snapshot, glyphs: Glyphs, *, secret: bool) -> str:

@@ -26,7 +26,8 @@ from rl_tui.tui.panels.snapshot_facts import passes_too_fast
 from rl_tui.tui.theme.look import Look
 
 ROOM_FOR_TWO: Final = 96
-TOO_FAST: Final = f"steps pass too fast to take one apart: space pauses, −{KEPT_BLANK}slows down"
+PASS_TOO_FAST: Final = "steps pass too fast"
+TOO_FAST: Final = f"{PASS_TOO_FAST} to take one apart: space pauses, −{KEPT_BLANK}slows down"
 _HISTORY_ROWS: Final = 7  # its heading, some rows of dots and the steps below them
 _GAP: Final = 2
 

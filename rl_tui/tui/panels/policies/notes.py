@@ -19,6 +19,10 @@ from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
+OF_MEANS_NOW: Final = "of the means as they are now"
+WITHOUT_LIMIT: Final = "as if without a limit"
+AS_MUCH_AS_OPTIMAL: Final = "greedy earns as much as optimal"
+SHORT_OF_OPTIMAL: Final = "short of optimal"
 _GAMMA_BEST: Final = "best for this γ (γ-best)"
 Note = tuple[str, bool]
 
@@ -41,7 +45,7 @@ def notes(snapshot: Snapshot, look: Look) -> Iterator[Note]:
     if may_not_end(known):
         yield f"ending: the chance that an episode ends{within}", False
     yield f"return: expected, undiscounted,{within or ' without a limit'}", False
-    as_if = ", as if without a limit" if limit else ""
+    as_if = f", {WITHOUT_LIMIT}" if limit else ""
     yield f"at start: V there, γ {numbers.brief(gamma, look.glyphs)}{as_if}", False
     if not is_kept_back(snapshot, PolicyKind.OPTIMAL):
         yield f"optimal: {_GAMMA_BEST}", False
@@ -50,7 +54,7 @@ def notes(snapshot: Snapshot, look: Look) -> Iterator[Note]:
 def _as_means_are(snapshot: Snapshot) -> str:
     """Return which means of the arms the figures are of, where these drift; else nothing."""
     mdp = snapshot.world.mdp
-    return ", of the means as they are now" if mdp is not None and mdp.drift_std else ""
+    return f", {OF_MEANS_NOW}" if mdp is not None and mdp.drift_std else ""
 
 
 def return_of(snapshot: Snapshot, kind: PolicyKind) -> float | None:
@@ -69,9 +73,9 @@ def _gaps(snapshot: Snapshot, look: Look) -> Iterator[Note]:
     if greedy is not None and best is not None:
         gap = best - greedy
         if not _amount(gap, look):
-            yield "greedy earns as much as optimal", True
+            yield AS_MUCH_AS_OPTIMAL, True
         elif gap > 0.0:
-            yield f"greedy is {_amount(gap, look)} {what} short of optimal", True
+            yield f"greedy is {_amount(gap, look)} {what} {SHORT_OF_OPTIMAL}", True
         else:
             yield f"greedy earns {_amount(-gap, look)} {what} more than optimal", True
 

@@ -41,6 +41,7 @@ _HINTS: Final = {
     "branch": "this run as it went on that branch; each lane is changed by itself from now on",
     ALGORITHM: "another way to learn, or to plan",
 }
+INSTEAD_OF: Final = "instead of"
 _ONE_SEED: Final = "One seed decides nothing"
 _COUNTS: Final = ": M counts many."
 _GRADES: Final = "; rl-tui grade runs your program under many."
@@ -218,7 +219,7 @@ class Compare(Dialog[Answer]):
         now = algorithm_row(self._recipe.algorithm).name if name == ALGORITHM else in_force(name, values)[0]
         glyphs = self._look.glyphs
         text = Text(f"  {self._symbol(name):<{columns}} ")
-        return text.append(to_ascii(f"instead of {now}", glyphs))
+        return text.append(to_ascii(f"{INSTEAD_OF} {now}", glyphs))
 
     @property
     def _room(self) -> int:

@@ -22,7 +22,7 @@ from rl_tui.tui.screens.playground.actions.modes.action_keys import (
     digits_in_words,
     has_directions,
 )
-from rl_tui.tui.screens.playground.actions.modes.drawing_texts import hints, prompts, title
+from rl_tui.tui.screens.playground.actions.modes.drawing_texts import NOTHING_TO_CHOOSE, hints, prompts, title
 from rl_tui.tui.screens.playground.actions.modes.mode import CLEAR, LEAVE, STEPS, WITH_SHIFT, KeyMode
 from rl_tui.worlds.drawing import Arms, Grid
 from rl_tui.worlds.world import World
@@ -160,7 +160,7 @@ class PolicyDrawing(KeyMode):
             place = view.cursor_place
             is_only_one = place is not None and bool(view.pairs_at(place))
             why = "there is only one action" if is_only_one else "no action is taken here"
-            self.screen.tell(f"nothing to choose: {why}")
+            self.screen.tell(f"{NOTHING_TO_CHOOSE}: {why}")
         return state
 
     def _draw_towards(self, view: WorldView, step: tuple[int, int], *, moves: bool = True) -> None:

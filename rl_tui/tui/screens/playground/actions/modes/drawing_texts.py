@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Final
 
 from rl_tui.common.words import counted
 from rl_tui.lab.answers.policy_kind import PolicyKind
@@ -20,6 +21,8 @@ from rl_tui.tui.screens.playground.actions.modes.action_keys import (
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.world import World
+
+NOTHING_TO_CHOOSE: Final = "nothing to choose"
 
 _END = "D: end"
 _FIGURE = 8  # cells of a return, as in the table of policies
@@ -85,7 +88,7 @@ def _left(count: int) -> tuple[str, ...]:
 def prompts(world: World, state: int | None, glyphs: Glyphs) -> tuple[str, ...]:
     """Return the keys for ``state``, under the cursor, the longest form first; None: nothing to choose."""
     if state is None:
-        return f"nothing to choose here · {_END}", _END
+        return f"{NOTHING_TO_CHOOSE} here · {_END}", _END
     forms = actions_in_a_line(world, state, glyphs) or (f"{digits_in_words(world, state)}: arm",)
     in_full = (f"{form} · del: none · C: clear · {_END}" for form in forms[:2])
     return (*in_full, *(f"{form} · {_END}" for form in forms), *forms, _END)
