@@ -5,7 +5,6 @@ from __future__ import annotations
 import grp
 import os
 import pwd
-from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -14,7 +13,6 @@ import pytest
 from click.testing import CliRunner
 
 from rl_tui.agents.compiling import base_folder as module
-from rl_tui.agents.compiling import cache_folder
 from rl_tui.agents.compiling.base_folder import (
     KERNELS,
     VARIABLE,
@@ -125,45 +123,6 @@ def test_where_the_own_folder_is_open_too_nothing_is_kept(own: Path) -> None:
 def test_that_nothing_is_to_be_kept_can_be_chosen(own: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(VARIABLE, os.devnull)
     assert (base_folder(), [*refusals()]) == (Path(os.devnull), [])
-
-
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A folder of machine code, in force, with one file."""
-    code = tmp_path / "code"
-    (code / "module").mkdir(parents=True)
-    (code / "module" / "kernel.nbi").touch()
-    code.chmod(0o755)
-    (code / "module").chmod(0o755)
-    (code / "module" / "kernel.nbi").chmod(0o644)
-    monkeypatch.setattr(cache_folder, "cache_folder", lambda: code)
-    cache_folder.takes_code.cache_clear()
-    yield code
-    cache_folder.takes_code.cache_clear()
-
-
-def test_code_that_nobody_else_can_change_is_read(folder: Path) -> None:
-    (folder / "note").touch()
-    (folder / "note").chmod(0o666)
-    assert cache_folder.takes_code()
-    assert cache_folder.gives_code()
-    assert (folder / "module" / "kernel.nbi").exists()
-
-
-@pytest.mark.parametrize("opened", [".", "module", "module/kernel.nbi"])
-def test_code_that_others_may_have_changed_is_removed(folder: Path, opened: str) -> None:
-    (folder / opened).chmod(0o777)
-    assert cache_folder.takes_code()
-    assert cache_folder.gives_code()
-    assert [*folder.iterdir()] == []
-
-
-@pytest.mark.parametrize("opened", [".", "module", "module/kernel.nbi"])
-def test_a_kiosk_does_without_such_code(folder: Path, opened: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    (folder / opened).chmod(0o777)
-    monkeypatch.setattr(cache_folder, "in_kiosk", lambda: True)
-    assert not cache_folder.gives_code()
-    assert (folder / "module" / "kernel.nbi").exists()
 
 
 @pytest.mark.parametrize("umask", [0, 0o002, 0o077])

@@ -11,13 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
-from rl_tui.agents.compiling.base_folder import (
-    KERNELS,
-    base_folder,
-    closed_to_others,
-    why_others_can_write,
-    why_unsafe,
-)
+from rl_tui.agents.compiling.base_folder import KERNELS, base_folder, closed_to_others
 from rl_tui.agents.compiling.cache_key import cache_key
 from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.common.kiosk import in_kiosk
@@ -40,39 +34,8 @@ def cache_folder() -> Path:
 
 @cache
 def takes_code() -> bool:
-    """Return whether machine code can be kept. A kiosk keeps none: what it reads was compiled before.
-
-    What somebody else may have put there is removed.
-    """
-    if in_kiosk():
-        return False
-    folder = cache_folder()
-    if is_open_to_others(folder):
-        shutil.rmtree(folder, ignore_errors=True)
-    return _writable(folder) and not is_open_to_others(folder)
-
-
-def gives_code() -> bool:
-    """Return whether there is a folder of machine code that nobody else can have changed."""
-    return cache_folder().is_dir() and (takes_code() or not is_open_to_others(cache_folder()))
-
-
-def is_open_to_others(folder: Path) -> bool:
-    """Return whether somebody else can change machine code in ``folder``, and so may have done it.
-
-    The code is in folders in it; what is at its top, notes and locks, is none.
-    """
-    if os.name != "posix" or not folder.is_dir():
-        return False
-    if why_unsafe(folder):
-        return True
-    for inside, _, files in os.walk(folder):
-        if inside != str(folder):
-            for each in (inside, *(os.path.join(inside, file) for file in files)):
-                with suppress(FileNotFoundError):  # another process of ours has replaced it
-                    if why_others_can_write(os.lstat(each)):
-                        return True
-    return False
+    """Return whether machine code can be kept. A kiosk keeps none: what it reads was compiled before."""
+    return not in_kiosk() and _writable(cache_folder())
 
 
 def _writable(folder: Path) -> bool:

@@ -11,7 +11,7 @@ from typing import Final
 from rl_tui.agents.batches.batch import compile_batch
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.compiling.cache_folder import (
-    gives_code,
+    cache_folder,
     note_compiled,
     remove_unfinished,
     takes_code,
@@ -135,7 +135,7 @@ def compile_alone(loop: Loop) -> CodeOrigin:
 
 def load(loop: Loop) -> bool:
     """Read machine code for ``loop`` from the cache; False where that has none, or not all."""
-    if ALWAYS_INTERPRETED or not gives_code():
+    if ALWAYS_INTERPRETED or not cache_folder().is_dir():
         return False
     from rl_tui.agents.compiling.machine_cache import NotCachedError, only_loading
 

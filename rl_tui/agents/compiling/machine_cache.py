@@ -20,14 +20,14 @@ from numba.core.compiler import CompileResult
 from numba.core.sigutils import normalize_signature
 
 from rl_tui.agents.compiling.base_folder import closed_to_others
-from rl_tui.agents.compiling.cache_folder import cache_folder, gives_code, prune, takes_code
+from rl_tui.agents.compiling.cache_folder import cache_folder, prune, takes_code
 from rl_tui.agents.compiling.cache_key import NAME
 from rl_tui.common.file_lock import FileLock
 
 _LONGEST_SAVE: Final = 5.0  # seconds
 FOLDER: Final = cache_folder()
 READ_ONLY: Final = not takes_code()
-CACHED: Final = gives_code()
+CACHED: Final = FOLDER.is_dir()
 if CACHED:
     numba.config.CACHE_DIR = str(FOLDER)
     prune(FOLDER.parent, FOLDER, time.time())
