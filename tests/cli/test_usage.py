@@ -348,29 +348,6 @@ def test_a_bug_is_one_line_too(monkeypatch: pytest.MonkeyPatch) -> None:
     assert isinstance(run("train", "student").exception, ZeroDivisionError)
 
 
-@pytest.mark.parametrize(
-    ("package", "args"),
-    [
-        ("scipy", ("solve", "taxi")),
-        ("scipy", ("sweep", "student", "--vary", "alpha=0.1,0.5", "--episodes", "2", "--no-again")),
-        ("gymnasium", ("list",)),
-    ],
-)
-def test_a_missing_package_is_named_with_how_to_install_it(
-    package: str, args: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for module in {package, *(each for each in sys.modules if each.startswith(f"{package}."))}:
-        monkeypatch.setitem(sys.modules, module, None)
-    done = run(*args)
-    assert (done.exit_code, done.stdout) == (1, "")
-    assert done.stderr == f"rl-tui: the package {package} is missing; install it: pip install {package}\n"
-
-
-def test_the_packages_that_are_needed_are_those_of_pyproject() -> None:
-    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))
-    assert {re.split(r"[>=<]", each)[0] for each in project["project"]["dependencies"]} == NEEDED
-
-
 @pytest.mark.process
 @pytest.mark.parametrize(
     ("package", "args"),
