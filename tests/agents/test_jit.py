@@ -39,7 +39,8 @@ def run_with_cache(folder: Path, script: Path, **also: str) -> str:
         script.write_text(SCRIPT)
     environment = os.environ | {"RL_TUI_CACHE_DIR": str(folder), **also}
     finished = subprocess.run(
-        [sys.executable, "-W", "error", str(script)],
+        [sys.executable, "-m", script.stem],
+        cwd=script.parent,
         env=environment,
         capture_output=True,
         text=True,
