@@ -88,6 +88,7 @@ def pytest_configure(config: pytest.Config) -> None:
     """
     for line in (*(f"{kind}: {meaning}" for kind, meaning in KINDS.items()), SLOW, INTERPRETED):
         config.addinivalue_line("markers", line)
+    config.addinivalue_line("markers", "exhaustive(reason): left out of python -m pytest; --all runs it too")
     from hypothesis import settings
 
     settings.register_profile("repeatable", derandomize=True, database=None, deadline=None)

@@ -36,7 +36,7 @@ _MEANS_THE_SAME: Final = {"PYTHONPATH": str(_SERVER.parents[1]), **dict.fromkeys
 """Besides the value that a server has."""
 _SET_CHILD_SUBREAPER: Final = 36
 _START: Final = inspect.signature(subprocess.Popen._execute_child)  # type: ignore[attr-defined]
-_PATIENCE: Final = 120.0
+_PATIENCE: Final = 300.0  # seconds, on a machine that is busy
 
 
 class ForkServer:
@@ -74,11 +74,12 @@ class ForkServer:
         if len(message) > LARGEST or len(descriptors) > MOST_DESCRIPTORS:
             return None
         with self._lock:
-            _adopt(True)
+            if not _adopt(True):
+                return None
             try:
                 socket.send_fds(self._door, [message], descriptors)
                 return int(self._door.recv(LARGEST) or 0) or None
-            except OSError:
+            except ConnectionError:  # it has ended
                 return None
             finally:
                 _adopt(False)
@@ -90,9 +91,9 @@ class ForkServer:
         self._process.wait()
 
 
-def _adopt(on: bool) -> None:
-    """Let this process become the parent of those that lose theirs, or no longer."""
-    ctypes.CDLL(None).prctl(_SET_CHILD_SUBREAPER, int(on), 0, 0, 0)
+def _adopt(on: bool) -> bool:
+    """Let this process become the parent of those below it that lose theirs, or no longer."""
+    return bool(ctypes.CDLL(None).prctl(_SET_CHILD_SUBREAPER, int(on), 0, 0, 0) == 0)
 
 
 class WarmPopen(subprocess.Popen[Any]):

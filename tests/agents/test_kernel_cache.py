@@ -209,6 +209,7 @@ def files(folder: Path) -> dict[Path, int]:
     return {path: path.stat().st_mtime_ns for path in folder.rglob("*") if path.is_file()}
 
 
+@pytest.mark.exhaustive("starts Python five times")
 @pytest.mark.process
 def test_another_clone_reads_what_the_first_compiled(clones: list[Path], tmp_path: Path) -> None:
     one, other = clones

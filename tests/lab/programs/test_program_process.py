@@ -43,6 +43,7 @@ def test_where_nothing_can_be_started_that_is_an_oserror_and_nothing_is_left(
     assert descriptors() == before
 
 
+@pytest.mark.usefixtures("real_start")
 def test_it_needs_no_folder_for_temporary_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TMPDIR", "/no/such/folder")
     monkeypatch.setattr("tempfile.tempdir", "/no/such/folder")
@@ -50,6 +51,7 @@ def test_it_needs_no_folder_for_temporary_files(tmp_path: Path, monkeypatch: pyt
     assert (lines_of(log), log.error) == (["done"], None)
 
 
+@pytest.mark.usefixtures("real_start")
 def test_nothing_is_imported_from_the_current_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("gymnasium", "numpy", "random", "json"):
         (tmp_path / f"{name}.py").write_text("raise RuntimeError('from the current folder')\n")
@@ -59,6 +61,7 @@ def test_nothing_is_imported_from_the_current_folder(tmp_path: Path, monkeypatch
     assert (lines_of(log), log.error) == (["fine"], None)
 
 
+@pytest.mark.exhaustive("kills many programs", but=["9-while True: pass"])
 @pytest.mark.parametrize(
     "code",
     [
