@@ -18,7 +18,7 @@ from typing import Final, NoReturn
 
 import pytest
 from kinds import INTERPRETED, KINDS, SLOW, about, is_quick, kind_of
-from warm_start import _fork_servers, _programs_are_forked, real_start  # noqa: F401
+from warm_start import _programs_are_forked, real_start  # noqa: F401
 
 from rl_tui.agents.compiling.loops import compile_what_all_share
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS

@@ -174,11 +174,15 @@ def import_for_ours() -> None:
     numba.njit(lambda number: number + 1)(1.0)  # gets the compiler ready
 
 
-def begin(door: int, *, for_watched: bool) -> None:
-    """Import what is needed, say so at the ``door``, and serve there."""
+IMPORTS: Final = {"ours": import_for_ours, "watched": import_for_watched_programs}
+"""Of each kind of program, what it imports."""
+
+
+def begin(door: int, kind: str) -> None:
+    """Import what programs of this kind need, say so at the ``door``, and serve there."""
     ending, path = _Ending(), [each for each in sys.path if each]
     atexit.register(ending.leave)  # the first one registered is called last
-    (import_for_watched_programs if for_watched else import_for_ours)()
+    IMPORTS[kind]()
     if len(os.listdir("/proc/self/task")) > 1:
         return  # threads are not forked, and leave their locks behind
     gc.collect()
@@ -192,4 +196,4 @@ def begin(door: int, *, for_watched: bool) -> None:
 
 
 if __name__ == "__main__":
-    begin(int(sys.argv[1]), for_watched=sys.argv[2] == "watched")
+    begin(int(sys.argv[1]), sys.argv[2])

@@ -29,7 +29,7 @@ _SERVER: Final = Path(__file__).with_name("fork_server.py")
 _WATCHED: Final = "from rl_tui.lab.programs.child.main import main"
 _ASKS_WHAT_IS_IMPORTED: Final = "sys.modules"
 _READ_AT_START: Final = re.compile(
-    "PYTHON.*|LC_.*|LANG|LANGUAGE|HOME|TEXTUAL.*|ESCDELAY|NUMBA.*|.*_NUM_THREADS|LD_.*|MALLOC.*"
+    "PYTHON.*|LC_.*|LANG|LANGUAGE|HOME|TEXTUAL.*|ESCDELAY|NUMBA.*|DASK.*|.*_NUM_THREADS|LD_.*|MALLOC.*"
 )
 _OF_SERVERS: Final = {"LC_ALL": "C.UTF-8", "OPENBLAS_NUM_THREADS": "1", "PYTHONHASHSEED": "0"}
 _MEANS_THE_SAME: Final = {"PYTHONPATH": str(_SERVER.parents[1]), **dict.fromkeys(_OF_SERVERS)}
@@ -40,14 +40,13 @@ _PATIENCE: Final = 300.0  # seconds, on a machine that is busy
 
 
 class ForkServer:
-    """A process that forks programs: ours, or those that are watched."""
+    """A process that forks programs of one kind (``IMPORTS`` of fork_server.py)."""
 
-    def __init__(self, *, for_watched: bool) -> None:
+    def __init__(self, kind: str) -> None:
         self._environment = os.environ | _OF_SERVERS
         self._door, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._lock = threading.Lock()
-        whose = "watched" if for_watched else "ours"
-        command = [sys.executable, "-P", str(_SERVER), str(theirs.fileno()), whose]
+        command = [sys.executable, "-P", str(_SERVER), str(theirs.fileno()), kind]
         with theirs:
             self._process = RealPopen(
                 command,
@@ -125,7 +124,7 @@ def _forked(asked: Mapping[str, Any]) -> int | None:
     if command[0] != _PYTHON or how[:1] not in (["-m"], ["-c"]) or _ASKS_WHAT_IS_IMPORTED in how[1]:
         return None
     environment = dict(os.environ if asked["env"] is None else asked["env"])
-    server = _server(for_watched=_WATCHED in command[-1])
+    server = _server("watched" if _WATCHED in command[-1] else "ours")
     if server is None or not server.takes(environment):
         return None
     folder = os.path.abspath(asked["cwd"] or ".")
@@ -147,33 +146,30 @@ def _forked(asked: Mapping[str, Any]) -> int | None:
 
 
 _PYTHON: Final = sys.executable
-_SERVERS: Final = dict[bool, ForkServer | None]()
+_SERVERS: Final = dict[str, ForkServer | None]()
+_STARTING: Final = threading.Lock()
 
 
-def _server(*, for_watched: bool) -> ForkServer | None:
-    if for_watched not in _SERVERS:
-        started = ForkServer(for_watched=for_watched)
-        _SERVERS[for_watched] = started if started.is_ready else None
-    return _SERVERS[for_watched]
+def _server(kind: str) -> ForkServer | None:
+    with _STARTING:
+        if kind not in _SERVERS:
+            started = ForkServer(kind)
+            _SERVERS[kind] = started if started.is_ready else None
+        return _SERVERS[kind]
 
 
-@pytest.fixture(scope="session")
-def _fork_servers() -> Iterator[None]:
-    yield
+@pytest.fixture(autouse=True, scope="session")
+def _programs_are_forked() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        if sys.platform == "linux":
+            patch.setattr(subprocess, "Popen", WarmPopen)
+        yield
     for server in filter(None, _SERVERS.values()):
         server.end()
     _SERVERS.clear()
 
 
 @pytest.fixture
-def real_start() -> None:
+def real_start(monkeypatch: pytest.MonkeyPatch) -> None:
     """Have the programs of a test started anew: how they start is what it is about."""
-
-
-@pytest.fixture(autouse=True)
-def _programs_are_forked(
-    request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, _fork_servers: None
-) -> None:
-    is_same = sys.platform == "linux" and "real_start" not in request.fixturenames
-    if is_same and not request.node.get_closest_marker("unit"):
-        monkeypatch.setattr(subprocess, "Popen", WarmPopen)
+    monkeypatch.setattr(subprocess, "Popen", RealPopen)

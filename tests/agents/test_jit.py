@@ -58,6 +58,7 @@ def filled(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.usefixtures("real_start")
 @pytest.mark.process
 def test_the_second_process_reads_what_the_first_compiled(filled: Path) -> None:
     assert run_with_cache(filled / "cache", filled / "kernel.py") == "42.0 True 1"
