@@ -32,6 +32,7 @@ from kinds import (
     may_be_about,
     take_few_examples,
 )
+from warm_start import _programs_are_forked, real_start  # noqa: F401
 
 from rl_tui.agents.compiling.cache_folder import was_compiled
 from rl_tui.agents.compiling.loops import compile_what_all_share

@@ -9,6 +9,7 @@ pytest.importorskip("pty", reason="there are no pseudo-terminals here")
 from crashes import ALLOWED_LOSS, crashes
 
 
+@pytest.mark.exhaustive("kills it again and again")
 def test_a_kill_loses_no_more_than_a_second() -> None:
     lost = []
     for _ in range(3):  # a machine that does other things may stand still for a second, but not every time

@@ -71,6 +71,7 @@ def test_it_takes_steps_at_once_and_goes_on_as_machine_code(terminal: PseudoTerm
     assert terminal.wait_for_end() == 0
 
 
+@pytest.mark.exhaustive("compiles into an empty cache")
 def test_a_compiler_that_is_killed_is_done_without(terminal: PseudoTerminal) -> None:
     assert becomes(lambda: bool(compilers_of(terminal.process.pid)))
     os.kill(compilers_of(terminal.process.pid)[0], signal.SIGKILL)
@@ -80,6 +81,7 @@ def test_a_compiler_that_is_killed_is_done_without(terminal: PseudoTerminal) -> 
     assert terminal.wait_for_end() == 0
 
 
+@pytest.mark.exhaustive("compiles into an empty cache")
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
 def test_the_compiler_ends_with_the_program(terminal: PseudoTerminal, number: signal.Signals) -> None:
     assert becomes(lambda: bool(compilers_of(terminal.process.pid)))

@@ -16,6 +16,7 @@ from rl_tui.cli.serving.app_process import environment_of_app
 OTHER_TEXTUAL: Final = (sys.executable, str(Path(__file__).parent / "other_textual.py"))
 
 
+@pytest.mark.exhaustive("starts it without each name", but=["chops"])
 @pytest.mark.parametrize(
     "names",
     [
@@ -46,6 +47,7 @@ def test_it_works_without_a_private_name(names: str) -> None:
         assert "Traceback" not in visible(terminal.written)
 
 
+@pytest.mark.exhaustive("starts it without each name", but=["ByteStream"])
 @pytest.mark.parametrize(
     "names", ["ByteStream", "_input_reader,_write,_on_meta,_mouse,_enable_mouse_support"]
 )

@@ -63,6 +63,7 @@ def test_the_wheel_holds_package_styles_scenarios_and_lessons_and_nothing_else(d
     assert not any("__pycache__" in name for name in names)
 
 
+@pytest.mark.exhaustive("builds the wheel once more")
 def test_the_sdist_is_enough_to_build_the_same_wheel(dist: Path, tmp_path: Path) -> None:
     with tarfile.open(dist / f"rl_tui-{VERSION}.tar.gz") as archive:
         # before Python 3.11.4 there are no filters
@@ -76,6 +77,7 @@ def test_the_sdist_is_enough_to_build_the_same_wheel(dist: Path, tmp_path: Path)
     assert names_in(wheel_in(tmp_path / "again")) == names_in(wheel_in(dist))
 
 
+@pytest.mark.exhaustive("installs all it needs")
 def test_the_wheel_works_in_an_empty_environment_from_another_folder(dist: Path, tmp_path: Path) -> None:
     home = tmp_path / "venv"
     venv.EnvBuilder(with_pip=False).create(home)  # a pip of its own would take longer than its work

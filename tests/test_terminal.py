@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import pytest
 from pseudo_terminal import RL_TUI, PseudoTerminal, visible
 
 from rl_tui.lab.sessions.folder import sessions_in
@@ -90,6 +91,7 @@ def test_it_may_be_told_to_end_while_it_takes_the_terminal() -> None:
         terminal.process.terminate()
 
 
+@pytest.mark.usefixtures("real_start")
 def test_from_the_catalogue_to_a_run_and_back() -> None:
     with rl_tui() as terminal:
         terminal.wait_for("FrozenLake")

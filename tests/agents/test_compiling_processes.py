@@ -148,6 +148,7 @@ def answer_of(worker: WorkerProcess, loop: Loop) -> str | None:
         worker.end()
 
 
+@pytest.mark.usefixtures("real_start")
 def test_the_worker_imports_nothing_from_where_it_is_started(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

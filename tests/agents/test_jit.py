@@ -39,7 +39,8 @@ def run_with_cache(folder: Path, script: Path, **also: str) -> str:
         script.write_text(SCRIPT)
     environment = os.environ | {"RL_TUI_CACHE_DIR": str(folder), **also}
     finished = subprocess.run(
-        [sys.executable, "-W", "error", str(script)],
+        [sys.executable, "-m", script.stem],
+        cwd=script.parent,
         env=environment,
         capture_output=True,
         text=True,
@@ -57,6 +58,7 @@ def filled(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.usefixtures("real_start")
 @pytest.mark.process
 def test_the_second_process_reads_what_the_first_compiled(filled: Path) -> None:
     assert run_with_cache(filled / "cache", filled / "kernel.py") == "42.0 True 1"

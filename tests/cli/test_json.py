@@ -299,6 +299,7 @@ def test_bench() -> None:
     )
 
 
+@pytest.mark.usefixtures("real_start")
 @pytest.mark.process
 def test_nothing_but_the_document_is_on_stdout() -> None:
     command = [sys.executable, "-m", "rl_tui.cli", "train", "frozenlake", "--runs", "2", "--json"]

@@ -348,7 +348,6 @@ def test_a_bug_is_one_line_too(monkeypatch: pytest.MonkeyPatch) -> None:
     assert isinstance(run("train", "student").exception, ZeroDivisionError)
 
 
-@pytest.mark.process
 @pytest.mark.parametrize(
     ("package", "args"),
     [
@@ -372,6 +371,7 @@ def test_the_packages_that_are_needed_are_those_of_pyproject() -> None:
     assert {re.split(r"[>=<]", each)[0] for each in project["project"]["dependencies"]} == NEEDED
 
 
+@pytest.mark.process
 def test_a_reader_that_has_gone_is_no_traceback() -> None:
     reading, writing = os.pipe()
     os.close(reading)

@@ -154,6 +154,7 @@ def run(*command: str, **also: str) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.exhaustive("starts compilers for three scenarios")
 @pytest.mark.slow
 @pytest.mark.process
 def test_what_scenarios_begin_with_is_there_afterwards() -> None:

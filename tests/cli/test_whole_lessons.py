@@ -12,6 +12,7 @@ from rl_tui.lab.lessons.lesson import lesson_folder
 pytestmark = [pytest.mark.process, pytest.mark.slow]
 
 
+@pytest.mark.exhaustive("trains under many seeds", but=["loop"])
 @pytest.mark.parametrize("path", sorted(lesson_folder().glob("*.toml")), ids=lambda path: path.stem)
 def test_shipped_lessons_have_no_faults(path: Path) -> None:
     report = check_lesson(path)

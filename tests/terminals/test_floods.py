@@ -60,6 +60,7 @@ def megabytes(terminal: PseudoTerminal) -> int:
     return pages * os.sysconf("SC_PAGE_SIZE") >> 20
 
 
+@pytest.mark.exhaustive("types 60,000 keys")
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="needs /proc")
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_a_flood_of_keys_takes_no_memory_and_keeps_no_signal_waiting(number: signal.Signals) -> None:
@@ -87,6 +88,7 @@ def test_a_program_that_does_nothing_any_more_still_ends_and_leaves_the_terminal
         assert terminal.attributes == terminal.attributes_before
 
 
+@pytest.mark.exhaustive("stops it many times")
 def test_stop_and_go_on_at_once_leaves_it_going(tmp_path: Path) -> None:
     command = [*CONTROLLING, *RL_TUI, "play", "student"]
     with LosableTerminal(command, {"RL_TUI_SESSIONS_DIR": str(tmp_path)}) as terminal:

@@ -29,6 +29,7 @@ class Told(PseudoTerminal):
         self.process.send_signal(signal.SIGWINCH)
 
 
+@pytest.mark.exhaustive("draws a screen without end", but=["kiosk"])
 @pytest.mark.parametrize("kiosk", [(), ("--kiosk",)], ids=["", "kiosk"])
 def test_a_terminal_that_says_it_is_endless_takes_no_memory(kiosk: tuple[str, ...]) -> None:
     columns, rows = LARGEST_SCREEN
@@ -51,6 +52,7 @@ def test_a_terminal_that_says_it_is_endless_takes_no_memory(kiosk: tuple[str, ..
         assert terminal.wait_for_end() == 0
 
 
+@pytest.mark.exhaustive("starts it at every size", but=["size1"])
 @pytest.mark.parametrize("size", [ENDLESS, (0, 0), (1, 1), (1, 65_535), (65_535, 1)])
 def test_it_starts_in_a_terminal_of_any_size(size: tuple[int, int]) -> None:
     with Told([*RL_TUI, "play", "student"]) as terminal:

@@ -147,6 +147,7 @@ def test_no_colours_where_none_are_wanted_but_one_sees_where_one_is() -> None:
         leave(terminal)
 
 
+@pytest.mark.exhaustive("one more kind of colours")
 def test_a_light_background_in_truecolor_where_the_terminal_does_not_say_what_it_shows() -> None:
     light = [*PLAY, "--theme", "light"]
     with PseudoTerminal(light, {"COLORTERM": "truecolor"}, (120, 40), tells_position=False) as terminal:
@@ -183,6 +184,7 @@ def test_inside_tmux(fresh: dict[tuple[int, int], str]) -> None:
         assert tmux.modes == "alternate 0, cursor 1, mouse 0"
 
 
+@pytest.mark.exhaustive("a second multiplexer")
 def test_inside_gnu_screen(fresh: dict[tuple[int, int], str]) -> None:
     with in_screen(PLAY, (80, 24)) as terminal:
         begin(terminal)

@@ -48,6 +48,7 @@ def test_a_program_that_is_right_passes_and_is_the_evidence() -> None:
     assert (view.passed.page, view.passed.program, view.passed.step) == ("write", RIGHT, 0)
 
 
+@pytest.mark.exhaustive("watches every wrong program", but=["the wrong cell", "after the end", "no Python"])
 @pytest.mark.parametrize(
     ("code", "failing", "told"),
     [

@@ -10,6 +10,19 @@ from corpus import CORRECT, expected, watched
 pytestmark = pytest.mark.process
 
 
+@pytest.mark.exhaustive(
+    "watches every program",
+    but=[
+        "alpha_by_episode",
+        "dyna_q",
+        "n_step_sarsa",
+        "optimistic_lists",
+        "potential_shaping",
+        "replay_buffer",
+        "sarsa_cliff",
+        "single_precision",
+    ],
+)
 @pytest.mark.parametrize("script", CORRECT, ids=lambda script: script.stem)
 def test_a_correct_program_is_understood_and_not_blamed(script: Path) -> None:
     wanted = expected(script)

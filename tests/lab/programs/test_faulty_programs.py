@@ -12,6 +12,23 @@ from rl_tui.lab.detective.verdict import CodeFault
 pytestmark = pytest.mark.process
 
 
+@pytest.mark.exhaustive(
+    "watches every program",
+    but=[
+        "last_reward",
+        "always_the_first",
+        "cut_off_cliff",
+        "same_list",
+        "updates_a_copy",
+        "moves_first",
+        "transposed",
+        "like_integers",
+        "large_step",
+        "bootstraps_random_table",
+        "maximum_of_axis_0",
+        "discounted_twice",
+    ],
+)
 @pytest.mark.parametrize("script", FAULTY, ids=lambda script: script.stem)
 def test_the_fault_of_a_program_is_found(script: Path) -> None:
     log, verdict = watched(script, 0)

@@ -12,6 +12,7 @@ pytestmark = pytest.mark.process
 NO_ENVIRONMENT = "no environment was made by gymnasium.make, and no other is watched"
 
 
+@pytest.mark.usefixtures("real_start")
 def test_it_runs_as_python_runs_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "in").mkdir()
@@ -273,6 +274,7 @@ def test_lines_of_a_notebook_are_skipped_and_counted(tmp_path: Path) -> None:
     assert log.error.line == 11
 
 
+@pytest.mark.usefixtures("real_start")
 def test_plots_open_no_window(tmp_path: Path) -> None:
     package = tmp_path / "matplotlib"
     package.mkdir()
@@ -347,6 +349,7 @@ def test_processes_that_the_script_forks_work_and_are_told_of(tmp_path: Path) ->
     assert "the script starts processes: the same seed need not give the same run" in log.notes
 
 
+@pytest.mark.usefixtures("real_start")
 def test_memory_is_bounded_where_that_is_asked_for(tmp_path: Path) -> None:
     path = script_in(tmp_path, "x = bytearray(3_000_000_000)\n")
     found = watched(path, memory=2 * 10**9).error

@@ -30,6 +30,7 @@ FIVE_STEPS = dedent("""\
     """)
 
 
+@pytest.mark.exhaustive("waits for a program that hangs")
 def test_the_last_steps_before_it_hangs_are_told_and_the_line(tmp_path: Path) -> None:
     log = watched(script_in(tmp_path, FIVE_STEPS + "while True: pass\n"), steps=5)
 

@@ -49,6 +49,10 @@ SECOND_TABLES = ("huggingface_both", "frozenlake_two_maps")
 HOLDS_AN_AGENT = "berkeley_gridworld"
 PATIENCE = 120.0
 TIES = 1e-9
+of_every_tutorial = pytest.mark.exhaustive(
+    "watches every tutorial",
+    but=["tutorials-berkeley_gridworld", "tutorials-huggingface_unit2", "correct-seed_document"],
+)
 
 
 @cache
@@ -83,6 +87,7 @@ def printed(log: ProgramLog) -> tuple[int, int]:
     return int(found[1]), int(found[2])
 
 
+@of_every_tutorial
 def test_it_is_understood_and_not_blamed(tutorial: tuple[Path, ProgramLog]) -> None:
     path, log = tutorial
     expected, verdict = expected_of(path), verdict_of(log)
@@ -99,6 +104,7 @@ def test_it_is_understood_and_not_blamed(tutorial: tuple[Path, ProgramLog]) -> N
     assert [each.fault.value for each in verdict.findings] == expected.get("findings", [])
 
 
+@of_every_tutorial
 def test_steps_that_another_table_is_for_are_said_to_be_left_out(tutorial: tuple[Path, ProgramLog]) -> None:
     path, log = tutorial
     said = [each for each in verdict_of(log).notes if "--table" in each]
@@ -118,6 +124,7 @@ def test_the_second_table_can_be_chosen(folder: Path) -> None:
     )
 
 
+@of_every_tutorial
 def test_every_step_and_episode_is_seen(tutorial: tuple[Path, ProgramLog]) -> None:
     path, log = tutorial
     begun = int(log.recording.steps.episode.max()) + 1
@@ -127,6 +134,7 @@ def test_every_step_and_episode_is_seen(tutorial: tuple[Path, ProgramLog]) -> No
         assert (begun, log.recording.count) == printed(log)
 
 
+@of_every_tutorial
 def test_the_table_is_that_which_the_script_saves(tutorial: tuple[Path, ProgramLog], folder: Path) -> None:
     path, log = tutorial
     if "np.save(" not in path.read_text("utf-8") and path.stem not in SAVED:
@@ -162,6 +170,7 @@ def rolled_out(environment: ProgramEnvironment, table: FloatArray) -> float:
     return earned
 
 
+@of_every_tutorial
 def test_the_return_of_its_policy_is_exact(tutorial: tuple[Path, ProgramLog]) -> None:
     path, log = tutorial
     environment = environment_of(log)
@@ -208,6 +217,7 @@ def scenario_of(path: Path, log: ProgramLog, folder: Path) -> str:
     return str(file)
 
 
+@of_every_tutorial
 def test_it_is_graded_unchanged(tutorial: tuple[Path, ProgramLog], folder: Path) -> None:
     path, log = tutorial
     if path.stem == HOLDS_AN_AGENT:
@@ -219,12 +229,14 @@ def test_it_is_graded_unchanged(tutorial: tuple[Path, ProgramLog], folder: Path)
     assert [each["fault"] for each in submission["findings"]] == expected_of(path).get("findings", [])
 
 
+@pytest.mark.exhaustive("watches a long program")
 def test_a_world_of_the_same_id_that_differs_is_said_to(folder: Path) -> None:
     (run,) = graded(TUTORIALS / "blackjack_statistics.py", "blackjack-table")["runs"]
     assert "Blackjack-v1" in run["error"]
     assert "sab=False" in run["error"]
 
 
+@pytest.mark.exhaustive("grades every shape", but=["function"])
 @pytest.mark.parametrize("style", [*OF_STYLE, HOLDS_AN_AGENT, "udacity-tutorial"])
 def test_an_agent_without_a_loop_is_graded_unchanged(style: str, tmp_path: Path) -> None:
     files = {
@@ -265,6 +277,7 @@ def test_what_only_a_notebook_has_is_said_to_be_of_one(line: str, tmp_path: Path
     assert "notebook" in error.text
 
 
+@pytest.mark.exhaustive("watches a long program")
 def test_a_line_of_another_file_is_told_with_that_file(folder: Path) -> None:
     arguments = ["grade", str(TUTORIALS / "udacity" / "main.py"), "--scenario", "taxi", "--seeds", "1"]
     assert re.search(r"\(line \d+ of agent\.py\)", CliRunner().invoke(program, arguments).stdout)

@@ -224,6 +224,20 @@ def _script(name: str, steps: int = 700) -> str:
     return _ENVIRONMENT + text
 
 
+@pytest.mark.exhaustive(
+    "follows every kind of table",
+    but=[
+        "array",
+        "blackjack",
+        "bound anew",
+        "dict of lists",
+        "dict of pairs",
+        "lists",
+        "objects",
+        "reset now and then",
+        "several cells",
+    ],
+)
 @pytest.mark.parametrize("name", list(_CASES))
 def test_every_step_and_every_change_is_told_at_its_step(tmp_path: Path, name: str) -> None:
     log = watched(script_in(tmp_path, _script(name)), str(tmp_path / "log"))

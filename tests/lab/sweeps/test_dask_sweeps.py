@@ -109,6 +109,7 @@ class OnceHeld:
             self._action(self._worker)
 
 
+@pytest.mark.exhaustive("kills workers")
 def test_a_worker_that_is_killed_half_way_changes_no_byte(
     cluster: Cluster, plan: SweepPlan, expected: str
 ) -> None:
@@ -131,6 +132,7 @@ def test_a_worker_that_is_killed_half_way_changes_no_byte(
     assert (sum(told), done.done, done.failed) == (wanted, wanted, 0)
 
 
+@pytest.mark.exhaustive("kills workers")
 @pytest.mark.parametrize("allowed_failures", [0, 3])
 def test_a_run_that_kills_three_workers_has_failed_and_all_others_are_there(
     allowed_failures: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -158,6 +160,7 @@ def test_a_run_that_kills_three_workers_has_failed_and_all_others_are_there(
     }
 
 
+@pytest.mark.exhaustive("starts many workers")
 def test_a_worker_of_another_version_gets_nothing_whenever_it_comes(
     cluster: Cluster, plan: SweepPlan, expected: str
 ) -> None:
@@ -247,6 +250,7 @@ def test_a_cluster_without_workers_is_a_line(cluster: Cluster) -> None:
     assert said == [f"{cluster.address}: no workers; waiting 0.5 s for some"]
 
 
+@pytest.mark.exhaustive("starts workers late")
 def test_workers_are_waited_for(cluster: Cluster, plan: SweepPlan, expected: str) -> None:
     gone = list[SweepProgress]()
 
@@ -263,6 +267,7 @@ def test_workers_are_waited_for(cluster: Cluster, plan: SweepPlan, expected: str
     assert (len(cluster.workers), cluster.dead()) == (1, 1)
 
 
+@pytest.mark.exhaustive("stops workers")
 def test_a_worker_that_does_not_answer_gets_nothing(
     cluster: Cluster, monkeypatch: pytest.MonkeyPatch, plan: SweepPlan, expected: str
 ) -> None:

@@ -14,6 +14,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.sweeps.store import Store
 
 
+@pytest.mark.exhaustive("kills it again and again")
 @pytest.mark.process
 def test_a_kill_loses_what_runs_and_a_quarter_second_at_most() -> None:
     lost = []
