@@ -24,7 +24,6 @@ from typing import Final
 from edit_times import edit_times
 from frame_times import frame_times
 from journeys import journeys
-from player_calls import player_calls
 from pseudo_terminal import RL_TUI, PseudoTerminal
 from seed_study_cost import seed_study_cost
 from statistics_measured import comparison, coverage
@@ -53,7 +52,6 @@ for steps in ({first}, {last}):
     with open("/proc/self/statm", encoding="ascii") as file:
         print(int(file.read().split()[1]) * page, flush=True)
 """
-WANTED_CALLS: Final = {"s": "at most 79", "b": "at most 114"}
 ONE_STEP: Final = {
     "sarsa": "windy",
     "expected-sarsa": "cliff",
@@ -309,12 +307,6 @@ def travel(steps: int) -> Rows:
             yield f"{scenario} {length:,}: {kind}", figures, wanted
 
 
-def player() -> Rows:
-    """How many functions of the program run on the player's thread when a key asks for one step."""
-    for key, calls in player_calls().items():
-        yield f"functions on the player's thread, {key}", f"{len(calls)}", WANTED_CALLS[key]
-
-
 def seeds(rounds: int) -> Rows:
     """What is left of the live run's speed beside a study of many seeds; it wants two quiet cores."""
     speeds, thrifts = zip(*asyncio.run(seed_study_cost(8 * rounds)), strict=True)
@@ -339,7 +331,7 @@ def main() -> None:
         "what",
         nargs="*",
         help="start-up, beginnings, bench, algorithms, sizes, evaluation, frames, edits, first-paint, live, "
-        "travel, player, seeds, coverage, comparison, memory; default: all",
+        "travel, seeds, coverage, comparison, memory; default: all",
     )
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--memory-steps", type=int, default=1_000_000_000)
@@ -357,7 +349,6 @@ def main() -> None:
         "first-paint": lambda: first_paint(options.rounds),
         "live": lambda: live(options.rounds),
         "travel": lambda: travel(100_000_000),
-        "player": player,
         "seeds": lambda: seeds(options.rounds),
         "coverage": lambda: coverage(2_000 * options.rounds),
         "comparison": lambda: comparison(800 * options.rounds),

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import fields
-from typing import Any
+from pathlib import Path
+from types import FrameType
+from typing import Any, Final
 
 import numpy as np
 
+import rl_tui
 from rl_tui.lab.live.commands import ChooseLane, Command, Step
 from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.run.run import Run
+
+_PACKAGE: Final = str(Path(rl_tui.__file__).parent)
 
 
 class Ticking:
@@ -42,6 +48,28 @@ def do(playback: Playback, *commands: Command) -> Snapshot:
         while playback.on_the_way:
             playback.work()
     return playback.snapshot()
+
+
+def functions_of(playback: Playback, command: Command) -> set[tuple[str, str]]:
+    """Return the functions of the program that ``command`` and its snapshot run, as (file, name).
+
+    Lambdas, comprehensions and what dataclasses generate do not count.
+    """
+    found = set[tuple[str, str]]()
+
+    def note(frame: FrameType, event: str, _: object) -> None:
+        code = frame.f_code
+        is_ours = code.co_filename.startswith(_PACKAGE) and not code.co_name.startswith("<")
+        if event == "call" and is_ours:
+            found.add((code.co_filename, code.co_qualname))
+
+    before = sys.getprofile()
+    sys.setprofile(note)
+    try:
+        do(playback, command)
+    finally:
+        sys.setprofile(before)
+    return found
 
 
 def bits(value: Any) -> Any:

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from playing import Ticking, assert_true_to_the_record, begin, bits, do, stand
+from playing import Ticking, assert_true_to_the_record, begin, bits, do, functions_of, stand
 from recipes import bandit, recipe
 from snapshots import changed
 
@@ -22,6 +22,7 @@ from rl_tui.lab.live.commands import (
     ChooseBranch,
     ChooseLane,
     ClearBreakpoints,
+    Command,
     DropLane,
     EpisodeBack,
     FollowCell,
@@ -340,3 +341,11 @@ def test_an_action_that_is_not_possible_is_refused() -> None:
     assert shown.playback.paused_by == "sleep is not possible in state Class"
     assert stand(playback.group.current.run) == before
     assert playback.record.lanes[0].branches[0].journal == ()
+
+
+@pytest.mark.parametrize(("command", "most"), [(Step(), 151), (StepBack(), 225)])
+def test_one_step_runs_few_functions_of_the_program(command: Command, most: int) -> None:
+    """Who lengthens the way of a key has to raise these numbers."""
+    playback = begin(recipe("frozenlake"))
+    do(playback, *[Step()] * 20, command, command)  # whatever is read or built at first does not count
+    assert len(functions_of(playback, command)) <= most
