@@ -29,6 +29,10 @@ from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.files.scenario import Scenario
 
 FOLDER: Final = Path(__file__).parent / "said"
+HOW_TO_HOLD: Final = (
+    "tests/said/{}.toml has to say what these numbers are worked out by, or that they are quoted or chosen; "
+    "tests/numbers_said.py describes such a file"
+)
 HERE: Final = "here"
 _PLACEHOLDER: Final = re.compile(r"\{([a-z][a-z0-9_]*)(?::(words|Words|th))?\}")
 _WORDS: Final = (

@@ -12,7 +12,7 @@ from typing import Final
 
 import click
 import pytest
-from numbers_said import held_by_tests, mentions, number, plain, said_of
+from numbers_said import HOW_TO_HOLD, held_by_tests, mentions, number, plain, said_of
 
 from rl_tui.cli.main import program
 from rl_tui.lab.lessons.figures.written import written_number
@@ -129,4 +129,5 @@ def test_every_number_of_help_is_held(name: str) -> None:
     found = mentions(
         plain(TEXTS[name]), [*said.pieces, *neighbours, *ELSEWHERE], [*said.quoted, *said.chosen]
     )
-    assert [each for each in found if not each.is_setting and number(each.number) not in (0.0, 1.0)] == []
+    unheld = [each for each in found if not each.is_setting and number(each.number) not in (0.0, 1.0)]
+    assert not unheld, HOW_TO_HOLD.format(FILES[name])

@@ -10,7 +10,18 @@ from pathlib import Path
 from typing import Final
 
 import pytest
-from numbers_said import FOLDER, Mention, Said, held_by_tests, mentions, number, numbers_in, plain, said_of
+from numbers_said import (
+    FOLDER,
+    HOW_TO_HOLD,
+    Mention,
+    Said,
+    held_by_tests,
+    mentions,
+    number,
+    numbers_in,
+    plain,
+    said_of,
+)
 from recipes import recipe
 from test_figures_of_notes import CLAIMS
 
@@ -135,4 +146,5 @@ def test_every_number_is_held(scenario: str) -> None:
 
     names = [name for name in begin(recipe(scenario)).world.space.state_names if not name.isdecimal()]
     found = mentions(text_of(scenario), [*said.pieces, *neighbours], [*said.quoted, *said.chosen, *names])
-    assert [mention for mention in found if not needs_nothing(mention)] == []
+    unheld = [mention for mention in found if not needs_nothing(mention)]
+    assert not unheld, HOW_TO_HOLD.format(scenario)

@@ -17,7 +17,8 @@ from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
 
 @pytest.mark.parametrize("term", glossary().values(), ids=lambda term: term.id)
 def test_a_term_has_all_that_is_told_of_it(term: GlossaryTerm) -> None:
-    assert all((term.word, term.text, term.equation, term.book))
+    lacks = [name for name in ("word", "text", "equation", "book") if not getattr(term, name)]
+    assert not lacks, f"glossary.toml: the term {term.id} lacks {', '.join(lacks)}"
     assert term.text.endswith((".", ":"))
     assert term.is_elsewhere or term.book.startswith(("section", "example")), "a place in the book"
     spelled = [to_ascii(text, ASCII) for text in (*term.names, term.text, term.equation, term.book)]
@@ -43,7 +44,7 @@ def test_every_slider_can_be_asked_about(name: str) -> None:
 
 @pytest.mark.parametrize("name", [each.name for each in (*BY_ID.values(), *POLICY_BY_ID.values())])
 def test_every_algorithm_and_policy_is_found(name: str) -> None:
-    assert term_at(name, 0, UNICODE)
+    assert term_at(name, 0, UNICODE), f"glossary.toml: no term has the word {name}; add one"
 
 
 @pytest.mark.parametrize(

@@ -96,11 +96,11 @@ def glossary() -> Mapping[str, GlossaryTerm]:
     terms = (
         GlossaryTerm(
             id=row["id"],
-            word=row["word"],
-            also=tuple(row["also"]),
-            text=" ".join(row["text"].split()),
-            equation=row["equation"],
-            book=row["book"],
+            word=row.get("word", ""),
+            also=tuple(row.get("also", ())),
+            text=" ".join(row.get("text", "").split()),
+            equation=row.get("equation", ""),
+            book=row.get("book", ""),
             figure=_figure(row),
         )
         for row in rows
