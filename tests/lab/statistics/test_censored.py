@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pytest
+import scipy  # its parts are imported where they are first used
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.stats import CensoredData, ecdf
 
 from rl_tui.lab.statistics.censored import arrivals_of, still_under_way
 from rl_tui.lab.statistics.intervals import interval_of, share_interval
@@ -28,7 +28,7 @@ def watched_runs(draw: st.DrawFn) -> tuple[np.ndarray, np.ndarray]:
 def test_the_share_under_way_is_what_scipy_estimates(runs: tuple[np.ndarray, np.ndarray]) -> None:
     times, watched = runs
     arrived = ~np.isnan(times)
-    theirs = ecdf(CensoredData(uncensored=times[arrived], right=watched[~arrived])).sf
+    theirs = scipy.stats.ecdf(scipy.stats.CensoredData(uncensored=times[arrived], right=watched[~arrived])).sf
     moments, still = still_under_way(times, watched)
     assert moments[0] == 0
     assert np.all(np.diff(moments) > 0)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy  # its parts are imported where they are first used
 from comparison_errors import SWEEPS, errors
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from interval_coverage import RESULTS
-from scipy.stats import binom, ttest_rel
 
 from rl_tui.lab.statistics.comparison import ERROR, METHOD, not_different
 from rl_tui.lab.statistics.intervals import FEWEST_RUNS
@@ -32,7 +32,7 @@ def plainly(values: np.ndarray) -> set[int]:
     tests = []
     for cell in set(range(len(values))) - {best}:
         both = ~np.isnan(values[cell]) & ~np.isnan(values[best])
-        test = ttest_rel(values[best][both], values[cell][both], alternative="greater")
+        test = scipy.stats.ttest_rel(values[best][both], values[cell][both], alternative="greater")
         tests.append((test.pvalue, cell))
     worse: set[int] = set()
     for chance, cell in sorted(tests):
@@ -60,13 +60,13 @@ def test_equal_cells_are_called_different_in_five_percent_at_most(sweep: str) ->
     trials = 600
     # Were the truth 5 %, more than this would come once in a thousand times. Without the correction for the
     # choice of the best it is a third of all
-    assert errors(sweep, 30, trials) * trials <= binom.ppf(0.999, trials, ERROR)
+    assert errors(sweep, 30, trials) * trials <= scipy.stats.binom.ppf(0.999, trials, ERROR)
 
 
 @pytest.mark.parametrize("sweep", ["20 alike by seed", "10 of 20 best, others noisy", "5 of 20 best"])
 def test_so_are_those_of_the_best_among_worse_ones(sweep: str) -> None:
     trials = 400
-    assert errors(sweep, 30, trials) * trials <= binom.ppf(0.999, trials, ERROR)
+    assert errors(sweep, 30, trials) * trials <= scipy.stats.binom.ppf(0.999, trials, ERROR)
 
 
 def test_what_is_far_worse_is_told_from_the_best_among_ten_thousand() -> None:

@@ -8,10 +8,10 @@ from statistics import fmean
 
 import numpy as np
 import pytest
+import scipy  # its parts are imported where they are first used
 from hypothesis import given
 from hypothesis import strategies as st
 from interval_coverage import HELD, RESULTS, coverage_of_mean
-from scipy.stats import binom, binomtest, bootstrap, norm, t, trim_mean
 
 from rl_tui.lab.statistics.intervals import (
     CONFIDENCE,
@@ -43,15 +43,15 @@ def drawn(runs: int, seed: int = 3) -> np.ndarray:
 
 def reach(runs: int) -> float:
     """The confidence that makes up for the narrowness of ``runs`` values."""
-    quantile = t.ppf(0.5 + CONFIDENCE / 2, runs - 1) * math.sqrt(runs / (runs - 1))
-    return float(norm.cdf(quantile) - norm.cdf(-quantile))
+    quantile = scipy.stats.t.ppf(0.5 + CONFIDENCE / 2, runs - 1) * math.sqrt(runs / (runs - 1))
+    return float(scipy.stats.norm.cdf(quantile) - scipy.stats.norm.cdf(-quantile))
 
 
 @pytest.mark.parametrize("runs", [16, 30, MOST_RESAMPLED])  # many enough that no resample is the sample
 def test_it_is_the_bca_interval_of_scipy_over_the_sameresamples(runs: int) -> None:
     values = drawn(runs)
     means = values[resamples(runs, 5)].mean(axis=0)
-    theirs = bootstrap(
+    theirs = scipy.stats.bootstrap(
         (values,),
         np.mean,
         n_resamples=0,
@@ -64,7 +64,7 @@ def test_it_is_the_bca_interval_of_scipy_over_the_sameresamples(runs: int) -> No
 
 def test_it_is_near_what_scipy_draws_by_itself() -> None:
     values = drawn(30)
-    theirs = bootstrap(
+    theirs = scipy.stats.bootstrap(
         (values,), np.mean, n_resamples=50_000, confidence_level=reach(30), method="BCa", rng=1
     ).confidence_interval
     width = theirs.high - theirs.low
@@ -87,7 +87,11 @@ def test_it_covers_the_true_mean_in_93_to_97_percent(kind: str, runs: int) -> No
     trials = 1_000
     covered = coverage_of_mean(kind, runs, trials).covered
     # Were the truth 93 or 97 %, so few trials would stray further than this once in a thousand times
-    assert binom.ppf(0.001, trials, 0.93) <= covered * trials <= binom.ppf(0.999, trials, 0.97)
+    assert (
+        scipy.stats.binom.ppf(0.001, trials, 0.93)
+        <= covered * trials
+        <= scipy.stats.binom.ppf(0.999, trials, 0.97)
+    )
 
 
 def test_results_have_the_means_that_are_said_of_them() -> None:
@@ -104,8 +108,8 @@ def test_above_the_resamples_a_formula_goes_on_where_they_stop() -> None:
 
 
 def test_of_many_normal_values_it_is_that_of_student() -> None:
-    values = norm.ppf((np.arange(1_001) + 0.5) / 1_001)
-    half = t.ppf(0.975, 1_000) * values.std(ddof=1) / math.sqrt(1_001)
+    values = scipy.stats.norm.ppf((np.arange(1_001) + 0.5) / 1_001)
+    half = scipy.stats.t.ppf(0.975, 1_000) * values.std(ddof=1) / math.sqrt(1_001)
     assert interval_of(values) == pytest.approx((-half, half), abs=1e-9)
 
 
@@ -119,7 +123,7 @@ def test_skewness_pushes_both_ends_towards_the_long_tail() -> None:
 @given(successes=st.integers(0, 60), more=st.integers(0, 60))
 def test_a_share_has_the_interval_that_scipy_gives_it(successes: int, more: int) -> None:
     count = max(successes + more, 1)
-    theirs = binomtest(successes, count).proportion_ci(CONFIDENCE, method="wilson")
+    theirs = scipy.stats.binomtest(successes, count).proportion_ci(CONFIDENCE, method="wilson")
     assert share_interval(successes, count) == pytest.approx((theirs.low, theirs.high), abs=1e-12)
 
 
@@ -217,12 +221,12 @@ def test_a_wide_spread_of_tiny_and_huge_numbers_is_no_trouble() -> None:
 
 @given(st.lists(NUMBERS, min_size=4, max_size=40).filter(lambda values: len(values) % 4 == 0))
 def test_of_a_multiple_of_four_the_interquartile_mean_is_the_trimmed_mean(values: list[float]) -> None:
-    assert interquartile_mean(values) == pytest.approx(trim_mean(values, 0.25), abs=1e-9)
+    assert interquartile_mean(values) == pytest.approx(scipy.stats.trim_mean(values, 0.25), abs=1e-9)
 
 
 @given(st.lists(NUMBERS, min_size=1, max_size=15))
 def test_the_interquartile_mean_is_that_of_each_value_four_times(values: list[float]) -> None:
-    assert interquartile_mean(values) == pytest.approx(trim_mean(values * 4, 0.25), abs=1e-9)
+    assert interquartile_mean(values) == pytest.approx(scipy.stats.trim_mean(values * 4, 0.25), abs=1e-9)
 
 
 def test_the_interquartile_mean_counts_what_a_quartile_cuts_by_its_part() -> None:

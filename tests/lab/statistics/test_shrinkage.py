@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 import pytest
+import scipy  # its parts are imported where they are first used
 from hypothesis import given
 from hypothesis import strategies as st
 from interval_coverage import HELD, RESULTS, coverage_of_difference
-from scipy.stats import binom
 
 from rl_tui.lab.statistics.intervals import summary_of
 from rl_tui.lab.statistics.shrinkage import shrinkage_of
@@ -63,7 +63,11 @@ def test_another_unit_scales_it_and_another_zero_does_not_matter(
 def test_its_interval_covers_the_true_difference(kind: str) -> None:
     trials = 500
     covered = coverage_of_difference(kind, 30, trials).covered
-    assert binom.ppf(0.001, trials, 0.93) <= covered * trials <= binom.ppf(0.999, trials, 0.97)
+    assert (
+        scipy.stats.binom.ppf(0.001, trials, 0.93)
+        <= covered * trials
+        <= scipy.stats.binom.ppf(0.999, trials, 0.97)
+    )
 
 
 def test_the_luckiest_of_equal_cells_shrinks_to_what_it_is() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import io
 import json
 import socket
@@ -9,11 +10,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Final
 
-import pytest
-
-pytest.importorskip("distributed", reason="the package distributed is not installed")
-
 import deadly_lake
+import pytest
 from click.testing import CliRunner
 from dask_cluster import Cluster
 from plans import plan_of
@@ -33,7 +31,13 @@ from rl_tui.lab.sweeps.store import Store
 from rl_tui.lab.sweeps.sweep import SweepProgress, run_sweep
 from rl_tui.worlds.gym import modules
 
-pytestmark = [pytest.mark.process, pytest.mark.xdist_group("dask")]
+pytestmark = [
+    pytest.mark.process,
+    pytest.mark.xdist_group("dask"),
+    pytest.mark.skipif(
+        not importlib.util.find_spec("distributed"), reason="the package distributed is not installed"
+    ),
+]
 
 VARY: Final = ("alpha=0.1:0.9:5", "algorithm=q-learning,sarsa")
 ANOTHER_NUMBA: Final = """
