@@ -56,6 +56,9 @@ _UTF_8: Final = "C.UTF-8"
 for _name in filter(_OF_THE_PROGRAM.fullmatch, list(os.environ)):
     if not _KEPT.fullmatch(_name):
         del os.environ[_name]
+# Each program that tests start would compile the source of all that it imports
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 # Tests are listed for each scenario there is: those of the person who runs them are none
 os.environ["XDG_CONFIG_HOME"] = os.path.join(os.path.dirname(__file__), "nobody")
 if "textual.constants" in sys.modules:  # the plugin for pictures was here first
