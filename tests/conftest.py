@@ -51,6 +51,7 @@ _OF_A_PERSON: Final = re.compile(  # their terminal, language, shell and login
     "|PYTHON(WARNINGS|DEVMODE|IOENCODING|UTF8|COERCECLOCALE)"
 )
 _UTF_8: Final = "C.UTF-8"
+_LONGEST_TEST: Final = 300  # seconds
 
 # At once, since the program looks at some of these when it is imported
 for _name in filter(_OF_THE_PROGRAM.fullmatch, list(os.environ)):
@@ -141,6 +142,22 @@ def pytest_collection_finish() -> None:
     gc.freeze()
     gc.set_threshold(50_000, 20, 20)
     gc.enable()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
+    """End a test that hangs, so that the others run, and its report says where it hung."""
+
+    def end(*_: object) -> NoReturn:
+        raise TimeoutError(f"{item.nodeid} took longer than {_LONGEST_TEST} s")
+
+    before = signal.signal(signal.SIGALRM, end)
+    signal.alarm(_LONGEST_TEST)
+    try:
+        return (yield)
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
 
 
 @pytest.fixture(autouse=True)

@@ -92,7 +92,8 @@ async def scroll_down(pilot: Pilot[UserError], widget: Widget) -> None:
 
 
 def show(screen: Playground, snapshot: Snapshot) -> None:
-    """Draw ``snapshot`` as if the player had just published it."""
+    """Draw ``snapshot`` as if the player had just published it; to settle shows what it holds again."""
+    screen.player._newest = None
     screen._draw(snapshot)
 
 

@@ -72,7 +72,7 @@ def _keys_are_done_when_they_are() -> Iterator[None]:
 
     async def resize_and_arrange(pilot: Pilot[Any], width: int, height: int) -> None:
         await resize(pilot, width, height)
-        while pilot.app.screen.size != (width, height):
+        while pilot.app.screen.outer_size != (width, height):
             await pilot.pause()
         await _arranged(pilot)
 
