@@ -1,19 +1,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 from drawn_curves import NARROW, NO_MARKS, drawn, flat
+from lane_samples import lane_views
 from samples import answered, bandit, lake, look, planning, stepped_lake, student
 from snapshots import changed
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.run.library import recipe_for
 from rl_tui.tui.panels.curve import words
 from rl_tui.tui.panels.curve.curve import ReturnCurve
 from rl_tui.tui.panels.curve.data import curve_data
+from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.space import all_pairs
 from rl_tui.worlds.world import World
 
@@ -217,6 +221,37 @@ def test_a_stepped_world_has_the_episodes_alone() -> None:
     assert "episodes, last 100: .41" in text
     assert "greedy" not in text
     assert "best" not in text
+
+
+@pytest.mark.parametrize("phase", [Phase.PAUSED, Phase.RUNNING])
+@pytest.mark.parametrize("width", [24, 40, 60, 120])
+@pytest.mark.parametrize(
+    ("make", "names"),
+    [(lake, words.RETURN_TITLES), (bandit, (words.REWARD_TITLE,)), (planning, words.SWEEP_TITLES)],
+)
+def test_the_title_names_one_quantity_at_every_size(
+    make: Callable[[], Snapshot], names: tuple[str, ...], width: int, phase: Phase
+) -> None:
+    lanes = tuple(replace(lane, algorithm=make().agent.algorithm) for lane in lane_views(2))
+    for snapshot in (make(), changed(make(), lanes=lanes)):
+        _, widget = drawn(changed(snapshot, phase=phase, speed=None), (width, 8))
+        heading = widget.heading
+        others = {words.RETURN_TITLES[-1], words.REWARD_TITLE, words.SWEEP_TITLES[-1]} - {names[-1]}
+        assert heading.startswith((*names, "greedy ", "2 lanes")), heading
+        assert not any(heading.startswith(other) for other in others), heading
+        assert names[-1] in heading or width < 40
+
+
+def test_the_title_is_right_before_the_world_is_there() -> None:
+    for scenario, changes, names in (
+        ("student", {}, words.RETURN_TITLES),
+        ("bandit", {}, (words.REWARD_TITLE,)),
+        ("student", {"algorithm": "value-iteration"}, words.SWEEP_TITLES),
+    ):
+        widget = ReturnCurve(look())
+        widget.begin_with(recipe_for(find(scenario), changes, 0))
+        widget.picture(None, 60, 8)
+        assert widget.heading == names[0]
 
 
 @pytest.mark.parametrize("make", [planning, stepped_lake])

@@ -76,7 +76,8 @@ def test_a_narrow_panel_says_which_lane_is_shown() -> None:
     assert "α 0.1: .500" in "\n".join(lines)
     assert widget.heading == "Return · 2 lanes, ▸2 α 0.5"
     assert widget.footing == f"last 100 of {MANY}"
-    assert drawn(side_by_side(4, 3), (24, 7))[1].heading == "4 lanes, ▸4"
+    assert drawn(side_by_side(4, 3), (24, 7))[1].heading == "Return · 4 lanes, ▸4"
+    assert drawn(side_by_side(4, 3), (22, 7))[1].heading == "4 lanes, ▸4"
 
 
 @pytest.mark.parametrize(

@@ -7,17 +7,20 @@ from typing import Final
 from rich.cells import cell_len
 from textual.strip import Strip
 
+from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.recipe import Recipe
 from rl_tui.tui.draw.chart_plot import Plot
 from rl_tui.tui.draw.pieces import Piece, strips_of
 from rl_tui.tui.draw.scale import Scale, settled
 from rl_tui.tui.draw.to_ascii import separated
 from rl_tui.tui.panels.curve.chart import draw_chart, plot_columns, plot_of
 from rl_tui.tui.panels.curve.chart_band import band_signs
-from rl_tui.tui.panels.curve.data import CurveData, curve_data
+from rl_tui.tui.panels.curve.data import CurveData, curve_data, unit_of
 from rl_tui.tui.panels.curve.lane_text import lane_remark, lane_titles, steps_note
 from rl_tui.tui.panels.curve.seed_band import seed_bands, seed_sign, with_room_for
 from rl_tui.tui.panels.curve.text import all_words, below_note, decimals_for, gap_note, remark, titles
+from rl_tui.tui.panels.curve.words import TITLES
 from rl_tui.tui.panels.curve.world_marks import world_signs
 from rl_tui.tui.panels.legend import Legend, LegendSign, legend_text
 from rl_tui.tui.panels.panel import Panel
@@ -37,6 +40,12 @@ class ReturnCurve(Panel, can_focus=True):
 
     scale: Scale | None = None
     _hints: Words = ()
+    _unit = "episode"
+
+    def begin_with(self, recipe: Recipe) -> None:
+        """Name what ``recipe`` will show until the first snapshot does."""
+        plans = algorithm_row(recipe.algorithm).planner
+        self._unit = unit_of(plans=plans, is_bandit=recipe.scenario.kind == "bandit")
 
     @property
     def hints(self) -> Words:
@@ -58,7 +67,7 @@ class ReturnCurve(Panel, can_focus=True):
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the picture of the curve of ``snapshot``."""
         if snapshot is None:
-            self.heading = self.fitting(titles(None, self.look.glyphs, 2, width), width)
+            self.heading = self.fitting(TITLES[self._unit], width)
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
         data = curve_data(snapshot)
         low, high = with_room_for(data.range, data.seeds)
@@ -118,7 +127,7 @@ class ReturnCurve(Panel, can_focus=True):
         look, decimals = self.look, decimals_for(*plot.scale.outer_labels)
         # Figures in the border would redraw the whole panel at every frame
         fast = passes_too_fast(snapshot)
-        heads = titles(None if fast and not data.is_bandit else data, look.glyphs, decimals, width)
+        heads = titles(data, look.glyphs, decimals, width, with_figures=not fast)
         with_figures = not (fast and in_border)
         words = remark(snapshot, data, look.glyphs, decimals, with_figures=with_figures)
         if data.lanes:

@@ -190,7 +190,7 @@ def curve_data(snapshot: Snapshot) -> CurveData:
         mean_now=snapshot.results.return_last_100,
         optimum=None if hides_optimum else snapshot.exact_answer.expected_return,
         is_bandit=is_bandit,
-        unit="sweep" if plans else "pull" if is_bandit else "episode",
+        unit=unit_of(plans=plans, is_bandit=is_bandit),
         hides_optimum=hides_optimum,
         has_key=not keeps_back(snapshot, "answer"),
         barren=_barren(snapshot),
@@ -208,6 +208,11 @@ def curve_data(snapshot: Snapshot) -> CurveData:
         has_estimates=has_estimates(snapshot),
         world_changes=snapshot.world_changes,
     )
+
+
+def unit_of(*, plans: bool, is_bandit: bool) -> str:
+    """Return what the horizontal axis counts."""
+    return "sweep" if plans else "pull" if is_bandit else "episode"
 
 
 def _is_unlearned(snapshot: Snapshot) -> bool:

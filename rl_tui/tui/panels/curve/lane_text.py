@@ -28,6 +28,7 @@ from rl_tui.tui.panels.curve.words import (
     EQUAL_STEPS,
     ONE_SEED,
     SHORT_OPTIMUM,
+    TITLES,
 )
 from rl_tui.tui.panels.snapshot_facts import recent_name
 from rl_tui.tui.theme.glyphs import Glyphs
@@ -80,11 +81,16 @@ def lane_columns(data: CurveData, look: Look, room: int) -> int:
 
 def lane_titles(data: CurveData, usual: tuple[str, ...], glyphs: Glyphs) -> tuple[str, ...]:
     """Return titles that say which lane is shown, the longest first; ``usual`` are those of a single one."""
-    shown = next(lane for lane in data.lanes if lane.shown)
+    shown, least = next(lane for lane in data.lanes if lane.shown), TITLES[data.unit][-1]
     short = f"{len(data.lanes)} lanes, {glyphs.cursor}{shown.number}"
     named = f"{short} {shown.name}"
     clipped = f"{short} {_clipped(shown.name, _TITLE_NAME, glyphs.ellipsis)}"
-    return f"{usual[0]} · {named}", f"Return · {named}", named, f"Return · {clipped}", clipped, short
+    return (
+        f"{usual[0]} · {named}",
+        *(f"{least} · {each}" for each in (named, clipped, short)),
+        clipped,
+        short,
+    )
 
 
 def lane_remark(data: CurveData, look: Look, room: int, *, counts_seeds: bool = True) -> tuple[str, ...]:

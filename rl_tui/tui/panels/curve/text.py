@@ -161,25 +161,27 @@ def _with_number(name: str, value: float, decimals: int, room: int, most: int, g
     return f"{name} {long if fits else text}"
 
 
-def titles(data: CurveData | None, glyphs: Glyphs, decimals: int, width: int) -> tuple[str, ...]:
-    """Return titles for ``width`` cells, the longest first; a narrow one names greedy return and optimum."""
-    if data is not None and data.unit == "sweep":
-        return words.SWEEP_TITLES
-    if data is not None and data.is_bandit:
-        return (words.REWARD_TITLE,)
-    if width >= ROOM_FOR_LONG or data is None:
-        return words.RETURN_TITLES
+def titles(
+    data: CurveData, glyphs: Glyphs, decimals: int, width: int, *, with_figures: bool
+) -> tuple[str, ...]:
+    """Return titles for ``width`` cells, the longest first.
+
+    A narrow one names greedy return and optimum, if it may be ``with_figures``.
+    """
+    usual = words.TITLES[data.unit]
+    if data.unit != "episode" or width >= ROOM_FOR_LONG or not with_figures:
+        return usual
     if data.greedy_ends is not None:
         greedy = f"greedy {no_end(data.greedy_ends)}"
     elif data.greedy_now is not None and data.is_decided:
         greedy = f"greedy {amount(data.greedy_now, decimals, glyphs)}"
     else:
-        return words.RETURN_TITLES
-    alone = f"Return · {greedy}"
+        return usual
+    alone = f"{usual[-1]} · {greedy}"
     if data.optimum is None:
-        return alone, "Return"
+        return alone, usual[-1]
     both = f"{greedy} · {words.SHORT_OPTIMUM} {amount(data.optimum, decimals, glyphs)}"
-    return f"Return · {both}", both, alone, "Return"
+    return f"{usual[-1]} · {both}", both, alone, usual[-1]
 
 
 def remark(

@@ -9,6 +9,8 @@ from rl_tui.tui.panels.legend import MAY_NEVER_END
 RETURN_TITLES: Final = ("Return per episode", "Return")
 REWARD_TITLE: Final = "Reward per pull"
 SWEEP_TITLES: Final = ("Greedy return, exact, per sweep", "Greedy return per sweep", "Greedy return")
+TITLES: Final = {"episode": RETURN_TITLES, "pull": (REWARD_TITLE,), "sweep": SWEEP_TITLES}
+"""By what the horizontal axis counts, the longest form first."""
 
 GREEDY: Final = "greedy, exact"
 GREEDY_ARM: Final = "greedy arm, exact"
