@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import asyncio
 import threading
 import time
 from collections.abc import Callable
@@ -12,7 +13,7 @@ from drawn_text import rows_of, words_of
 from numpy.random import Generator
 from seams import notes
 from textual.pilot import Pilot
-from textual.widgets import OptionList
+from textual.widgets import Markdown, OptionList
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
@@ -170,6 +171,31 @@ async def test_what_stands_below_a_drawing_stays_where_it_is_when_it_comes(
         await settle(pilot)
         assert pilot.app.screen.query_one("#facts").region.offset == before.offset
         assert before.width == pilot.app.screen.query_one("#facts").region.width
+
+
+async def test_nothing_of_one_entry_stands_under_the_title_of_the_next(make_app: MakeApp) -> None:
+    async with make_app().run_test(size=(120, 40)) as pilot:
+        await settle(pilot)
+        await go_to(pilot, "student")
+        screen, listed = pilot.app.screen, scenarios(pilot)
+        details, title = screen.query_one("#details"), find("student").title
+        before = [*screen.query("#preview > *"), *screen.query("#notes > *")]
+        assert len(before) == 2
+        for scenario in ("frozenlake", "bandit"):  # the first is cut short by the second
+            listed.highlighted = listed.get_option_index(scenario)
+            while str(details.border_title) != find(scenario).title:
+                assert str(details.border_title) == title
+                assert all(widget.display for widget in before)
+                await asyncio.sleep(0)
+            assert not any(widget.display and widget.is_attached for widget in before)
+            title = find(scenario).title
+            before = [*screen.query("#preview > *"), *screen.query("#notes > *")]
+            before = [widget for widget in before if widget.display]
+        await settle(pilot)
+        assert [each.source for each in screen.query(Markdown)] == [find("bandit").notes]
+        await go_to(pilot, "student")
+        await go_to(pilot, "bandit")
+        assert all(each.display for each in screen.query(Markdown))
 
 
 async def test_arrows_show_the_details_of_each(make_app: MakeApp) -> None:

@@ -27,10 +27,17 @@ class Notes(Vertical):
         """Replace what is shown by ``markdown``; the same text again stays as it is."""
         if markdown == self._shown:
             return
-        self._shown = markdown
+        self._shown = None  # whoever cancels this leaves it unfinished
         await self.remove_children()
         if markdown and self.is_attached:  # the app may have ended meanwhile
             await self.mount(notes_markdown(markdown, self._glyphs))
+        self._shown = markdown
+
+    def hide(self) -> None:
+        """Hide what is shown, at once; the same text again is drawn anew."""
+        self._shown = None
+        for child in self.children:
+            child.display = False
 
 
 def notes_markdown(markdown: str, glyphs: Glyphs) -> Markdown:

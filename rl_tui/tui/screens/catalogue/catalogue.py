@@ -257,6 +257,7 @@ class CatalogueScreen(SavedSessions):
         if entry is not self._shown:
             self._shown = entry
             details.scroll_home(animate=False)
+            self._hide_picture_and_notes()
         if isinstance(entry, Demonstration):
             self._show_text(WATCH, keys_while_watching(self.look), about_watching(self.look))
             await self._draw(entry.scenario)
@@ -281,6 +282,12 @@ class CatalogueScreen(SavedSessions):
         drawing.display = False
         await drawing.remove_children()
         await self._show_notes("")
+
+    def _hide_picture_and_notes(self) -> None:
+        """Hide what belongs to the entry before, in the frame in which the title changes."""
+        for picture in self.query_one("#preview").children:
+            picture.display = False
+        self.query_one(Notes).hide()
 
     async def _show_notes(self, text: str) -> None:
         for notes in self.query(Notes):  # none where the screen was left meanwhile
