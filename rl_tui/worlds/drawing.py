@@ -48,7 +48,9 @@ class Graph:
 
 @dataclass(frozen=True, slots=True)
 class Arms:
-    """A bandit: one bar an arm. The arms are the pairs of the only state."""
+    """A bandit: a bar for each of ``count`` arms, the pairs of its only state."""
+
+    count: int
 
 
 Drawing = Grid | Graph | Arms

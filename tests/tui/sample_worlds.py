@@ -98,7 +98,7 @@ def bandit_world(means: tuple[float, ...] = TRUE_MEANS, budget: int = 1_000) -> 
         {0: 1.0},
         time_limit=1,
     )
-    return World(mdp, Arms(), budget)
+    return World(mdp, Arms(mdp.pairs), budget)
 
 
 @cache

@@ -246,7 +246,9 @@ def two_valued(q: tuple[float, ...]) -> Snapshot:
     )
     known = bandit(400)
     visits = np.array([100, 200, 100], dtype=np.int64)
-    return changed(known, world=World(mdp, Arms(), 1_000), q=np.array(q), visits=visits, solution=None)
+    return changed(
+        known, world=World(mdp, Arms(mdp.pairs), 1_000), q=np.array(q), visits=visits, solution=None
+    )
 
 
 def test_the_noise_of_bernoulli_arms_is_that_of_the_estimate_and_gives_nothing_away() -> None:

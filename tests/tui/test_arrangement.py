@@ -19,10 +19,10 @@ def lake(side: int) -> Grid:
 
 
 SHAPES = {
-    "lake 4x4": Shape(lake(4), 11, 44),
-    "lake 8x8": Shape(lake(8), 53, 212),
-    "student": Shape(Graph(((0, 1), (0, 0), (1, 1), (2, 1))), 5, 5),
-    "bandit": Shape(Arms(), 10, 10),
+    "lake 4x4": Shape(lake(4), 11),
+    "lake 8x8": Shape(lake(8), 53),
+    "student": Shape(Graph(((0, 1), (0, 0), (1, 1), (2, 1))), 5),
+    "bandit": Shape(Arms(10), 10),
     "not known yet": Shape(),
 }
 
@@ -70,10 +70,10 @@ def test_controls_stand_between_table_and_last_step_at_120x40() -> None:
     assert regions["last_step"] == Region(62, 28, 58, 10)
 
 
-@pytest.mark.parametrize(("drawing", "has_budget"), [(Arms(), True), (lake(4), False), (Graph(()), False)])
+@pytest.mark.parametrize(("drawing", "has_budget"), [(Arms(10), True), (lake(4), False), (Graph(()), False)])
 def test_only_a_bandit_has_a_budget(drawing: Drawing, has_budget: bool) -> None:
     for size in (Size(80, 22), Size(120, 38)):
-        assert ("budget" in arrangement(size, Shape(drawing, 10, 10))) is has_budget
+        assert ("budget" in arrangement(size, Shape(drawing, 10))) is has_budget
 
 
 def test_a_graph_has_the_rows_in_which_the_student_evening_is_drawn_whole() -> None:

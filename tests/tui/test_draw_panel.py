@@ -39,7 +39,7 @@ EDITING = next(action for action in ACTIONS if action.id == "editing.toggle")
 DRAWINGS = {
     "map": Grid(2, 2, (CellKind.FLOOR,) * 4, (0, 1, 2, 3), ((0, -1), (1, 0), (0, 1), (-1, 0))),
     "graph": Graph(((0, 0), (1, 0))),
-    "arms": Arms(),
+    "arms": Arms(10),
 }
 
 
@@ -68,9 +68,9 @@ async def palette(pilot: Pilot[UserError], query: str) -> dict[str, str]:
 @pytest.mark.parametrize("drawing", DRAWINGS)
 @pytest.mark.parametrize("size", [(60, 16), (80, 22), (100, 32), (120, 38), (200, 58)])
 def test_it_takes_the_place_of_others_and_leaves_world_and_curve(size: tuple[int, int], drawing: str) -> None:
-    shape = Shape(DRAWINGS[drawing], 11, 10)
+    shape = Shape(DRAWINGS[drawing], 11)
     usual = arrangement(Size(*size), shape)
-    drawn = arrangement(Size(*size), Shape(DRAWINGS[drawing], 11, 10, is_drawn=True))
+    drawn = arrangement(Size(*size), Shape(DRAWINGS[drawing], 11, is_drawn=True))
     assert {WORLD, CURVE} <= drawn.keys()
     assert DRAW not in usual
     gone = usual.keys() - drawn.keys()

@@ -9,7 +9,10 @@ import pytest
 from shipped import SHIPPED
 
 from rl_tui.common.errors import ScenarioError, UserError
+from rl_tui.common.streams import streams
+from rl_tui.worlds.drawing import Arms, Grid
 from rl_tui.worlds.files import catalogue
+from rl_tui.worlds.files.scenario import read_scenario
 from rl_tui.worlds.files.shipped import shipped_folder
 
 # In which order lessons build on one another
@@ -41,6 +44,35 @@ def test_every_shipped_one_teaches_something(name):
     assert scenario.summary
     assert "**Try this**" in scenario.notes
     assert {"algorithm", "alpha", "gamma", "epsilon", "episodes"} <= scenario.defaults.keys()
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_file_tells_how_its_world_will_be_drawn(name):
+    scenario = catalogue.find(name)
+    drawing, sketch = scenario.build(streams(0).world).drawing, scenario.section.sketch()
+    assert type(sketch) is type(drawing)
+    match drawing:
+        case Grid():
+            assert (sketch.rows, sketch.columns, sketch.wind) == (drawing.rows, drawing.columns, drawing.wind)
+        case Arms():
+            assert sketch == drawing
+
+
+@pytest.mark.parametrize(
+    ("text", "shape"),
+    [
+        ('id = "FrozenLake-v1"\nkwargs = { map_name = "8x8" }', (8, 8)),
+        ('id = "FrozenLake-v1"\nkwargs = { desc = ["SFF", "FHG"] }', (2, 3)),
+        ('id = "FrozenLake-v1"\ntable = false', None),
+        ('id = "somebody/Else-v0"', None),
+        ('id = "Box-v0"\nbins = { edges = [[0.0], [0.0, 1.0]] }', (2, 3)),
+    ],
+)
+def test_of_gymnasium_only_what_is_sure_is_told(own_folder, text, shape):
+    path = own_folder / "mine.toml"
+    path.write_text(f"[gymnasium]\n{text}\n")
+    sketch = read_scenario(path, ask_environment=False).section.sketch()
+    assert (sketch and (sketch.rows, sketch.columns)) == shape
 
 
 @pytest.mark.parametrize(

@@ -88,7 +88,7 @@ def test_ten_arms_come_from_the_worlds_stream():
     assert made.mdp.reward_std.tolist() == [1.0] * 10
     assert made.mdp.terminated.all()
     assert (made.mdp.states, made.mdp.pairs, made.budget) == (1, 10, 1000)
-    assert made.drawing == Arms()
+    assert made.drawing == Arms(10)
 
 
 def test_another_seed_gives_other_arms_and_the_same_seed_the_same():

@@ -226,6 +226,7 @@ class Opener:
         playable: MakePlayable | None = None,
     ) -> Playground:
         from rl_tui.tui.screens.legend_switch import LegendSwitch
+        from rl_tui.tui.screens.playground.arrangement import expected_shape
         from rl_tui.tui.screens.playground.playground import Playground
 
         if self.autosave is not None and self.autosave is not autosave and self.autosave.has_something:
@@ -237,6 +238,13 @@ class Opener:
             self.legends = LegendSwitch(self.sessions)
         sink = None if autosave is None else autosave.sink
         self.player = self.make_player(recipe, record_sink=sink, record=record, playable=playable)
+        shape = expected_shape(
+            recipe.scenario.section,
+            has_legends=self.legends.is_on,
+            lanes=record is not None and len(record.lanes) > 1,
+            is_program=playable is not None,
+            has_lesson=lesson is not None,
+        )
         screen = Playground.with_keys_of(self.panels)
         playground = screen(
             look,
@@ -247,13 +255,12 @@ class Opener:
             self.panels,
             autosave,
             resumed,
+            lesson,
             self.legends,
+            shape,
             watches=watches,
         )
         self._wanted = playground.wanted
-        if lesson is not None:
-            playground.wanted.lesson = lesson  # known before the first snapshot says so
-            playground.status.begin_with(lesson.lesson.title)
         if self.kiosk:
             playground.place |= Place.KIOSK
         return playground

@@ -9,9 +9,10 @@ from pydantic import Field
 
 from rl_tui.common.findings import Finding
 from rl_tui.common.limits import LONGEST_SIDE, LONGEST_TIME_LIMIT, MOST_CHARACTERS, STRONGEST_WIND
+from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.grid.faults import grid_findings
 from rl_tui.worlds.grid.legend import BUILT_IN, Character, LegendEntry
-from rl_tui.worlds.grid.map import CellMap, RandomMap, draw_map, read_map
+from rl_tui.worlds.grid.map import CellMap, RandomMap, draw_map, lines_of, read_map
 from rl_tui.worlds.grid.moves import MOVES, Slip, slips_of
 from rl_tui.worlds.sections.schema import Expect, Number, TruthValue, is_table, number, sized, whole_number
 from rl_tui.worlds.sections.world_section import WorldSection
@@ -73,6 +74,13 @@ class GridSection(WorldSection):
     def slips(self) -> tuple[Slip, ...]:
         """What may happen when a move is meant."""
         return slips_of(self.noise, self.slippery)
+
+    def sketch(self) -> Grid:
+        """Return a grid of the map's size, with its wind."""
+        lines = lines_of(self.map)
+        drawn = self.random
+        rows, columns = (len(lines), len(lines[0])) if drawn is None else (drawn.rows, drawn.columns)
+        return Grid(rows, columns, (), (), (), wind=tuple(self.wind) if any(self.wind) else ())
 
     def build(self, generator: Generator) -> World:
         """Return the world; a random map is the first draws from ``generator``.

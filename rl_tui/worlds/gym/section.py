@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 from pydantic import Field
 
 from rl_tui.common.findings import Finding, Location, shown
+from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.environment import EnvironmentFailedError
 from rl_tui.worlds.gym.modules import refusal_of
 from rl_tui.worlds.gym.stepped.bins import BinsSection
@@ -75,6 +76,13 @@ class GymnasiumSection(WorldSection):
             yield refusal.finding
         except EnvironmentFailedError as failure:
             yield Finding(("kwargs" if self.kwargs else "id",), str(failure), "an environment that starts")
+
+    def sketch(self) -> Grid | None:
+        """Return a grid of the size that is known without Gymnasium, if one is."""
+        from rl_tui.worlds.gym.known_shapes import known_shape
+
+        shape = known_shape(self)
+        return None if shape is None else Grid(*shape, (), (), ())
 
     def build(self, generator: Generator) -> World:
         """Return the world; ``generator`` is not touched. Imports gymnasium, raises WorldRefusedError."""

@@ -109,6 +109,10 @@ class BanditSection(WorldSection):
         """Whether the means are drawn."""
         return self.means is None
 
+    def sketch(self) -> Arms:
+        """Return the drawing."""
+        return Arms(self.arms if self.means is None else len(self.means))
+
     def build(self, generator: Generator) -> World:
         """Return the world; means that the file does not fix are the first draws from ``generator``."""
         from rl_tui.worlds.mdp.tabular_mdp import Transition, tabular_mdp
@@ -120,7 +124,7 @@ class BanditSection(WorldSection):
             [Transition(0, arm, self._outcomes(arm, mean)) for arm, mean in enumerate(means)],
             {0: 1.0},
         )
-        return World(replace(mdp, drift_std=self.drift) if self.drift else mdp, Arms(), self.budget)
+        return World(replace(mdp, drift_std=self.drift) if self.drift else mdp, Arms(len(means)), self.budget)
 
     def drawn_means(self, generator: Generator) -> list[float]:
         """Return the true mean of each arm; those that the file does not fix are drawn from ``generator``."""

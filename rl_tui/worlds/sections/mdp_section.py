@@ -157,6 +157,10 @@ class MDPSection(WorldSection):
         """Yield what does not fit together between entries."""
         return connection_findings(raw)
 
+    def sketch(self) -> Graph:
+        """Return that the world is drawn as a graph."""
+        return Graph(())
+
     def build(self, generator: Generator) -> World:
         """Return the world; ``generator`` is not touched."""
         from rl_tui.worlds.mdp.tabular_mdp import Transition, tabular_mdp

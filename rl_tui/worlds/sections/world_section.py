@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from rl_tui.common.findings import Finding, Location
+from rl_tui.worlds.drawing import Drawing
 from rl_tui.worlds.sections.schema import FileSection
 from rl_tui.worlds.world import World
 
@@ -30,6 +31,13 @@ class WorldSection(FileSection):
     def drawn_from_seed(self) -> bool:
         """Whether another seed makes another world."""
         return False
+
+    def sketch(self) -> Drawing | None:
+        """Return how the world will be drawn, without building it; None if the table does not tell.
+
+        A map has its size and wind only, a graph no states.
+        """
+        return None
 
     @abstractmethod
     def build(self, generator: Generator) -> World:

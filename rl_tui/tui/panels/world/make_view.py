@@ -6,12 +6,13 @@ from textual.widgets import Static
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.panel import BoardPanel
-from rl_tui.tui.panels.world.arms.arms import ArmsView
+from rl_tui.tui.panels.world.arms.arms import ARMS, ArmsView
 from rl_tui.tui.panels.world.graph.graph import GraphView
 from rl_tui.tui.panels.world.grid.grid import GridView
+from rl_tui.tui.panels.world.policy_picture import TITLE
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.theme.look import Look
-from rl_tui.worlds.drawing import Arms, Graph, Grid
+from rl_tui.worlds.drawing import Arms, Drawing, Graph, Grid
 from rl_tui.worlds.world import World
 
 
@@ -37,7 +38,11 @@ class WorldPlaceholder(Static, BoardPanel):
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(f"preparing {look.glyphs.ellipsis}", id=id, classes=classes)
-        self.border_title = "World"
+        self.border_title = TITLE
+
+    def expect(self, drawing: Drawing | None) -> None:
+        """Have the title of the view that will draw ``drawing``."""
+        self.border_title = ARMS if isinstance(drawing, Arms) else TITLE
 
     def show(self, snapshot: Snapshot) -> None:
         """Show nothing of it."""

@@ -24,6 +24,7 @@ from rl_tui.tui.panels.row import (
     beside,
 )
 from rl_tui.worlds.drawing import Arms, Drawing, Grid
+from rl_tui.worlds.sections.world_section import WorldSection
 
 ROOMY_WIDTH: Final = 100
 ROOMY_HEIGHT: Final = 32
@@ -61,7 +62,6 @@ class Shape:
 
     drawing: Drawing | None = None
     table_rows: int = 11
-    arms: int = 0
     legend_rows: int = 0
     lanes: bool = False
     is_program: bool = False
@@ -73,6 +73,20 @@ class Shape:
     def settings(self) -> str:
         """The id of the panel that says by what the agent learns."""
         return PROGRAM if self.is_program else CONTROLS
+
+
+def expected_shape(
+    section: WorldSection, *, has_legends: bool, lanes: bool, is_program: bool, has_lesson: bool
+) -> Shape:
+    """Return what is known of the shape before the world of ``section`` is built."""
+    return Shape(
+        drawing=section.sketch(),
+        legend_rows=int(has_legends),
+        lanes=lanes,
+        is_program=is_program,
+        has_lesson=has_lesson,
+        reads=has_lesson,
+    )
 
 
 def is_roomy(size: Size) -> bool:
@@ -308,10 +322,8 @@ def _world_rows(shape: Shape, height: int, least_curve: int, *, most_lines: int 
         case Grid(rows=rows, wind=wind):
             below = _BORDERS + (1 if wind else 0)
             sizes = [rows * each + below + more for each in range(most_lines, 0, -1) for more in (legend, 0)]
-        case Arms():
-            sizes = [
-                each + _BORDERS + more for each in (shape.arms * 2 + 1, shape.arms) for more in (legend, 0)
-            ]
+        case Arms(count=arms):
+            sizes = [each + _BORDERS + more for each in (arms * 2 + 1, arms) for more in (legend, 0)]
         case _:
             sizes = [height * 12 // 19 if least_curve < _LEAST_CURVE else height * 20 // 38]
     return next((rows for rows in sizes if rows <= most), most)

@@ -14,9 +14,8 @@ from textual.layout import Layout
 from textual.message import Message
 from textual.widget import Widget
 
-from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.live.viewport import Viewport
-from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.tui.panels.controls.controls import Controls
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.counterparts import pairs_in
@@ -44,9 +43,10 @@ from rl_tui.tui.panels.row import (
 )
 from rl_tui.tui.panels.snapshot_facts import as_learned
 from rl_tui.tui.panels.timeline.timeline import HINTS, TimelineBar
-from rl_tui.tui.panels.world.make_view import make_world_view
+from rl_tui.tui.panels.world.make_view import WorldPlaceholder, make_world_view
 from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.tui.screens.legend_switch import LegendSwitch
+from rl_tui.tui.screens.playground.arrangement import Shape
 from rl_tui.tui.screens.playground.board_layout import BoardLayout
 from rl_tui.tui.screens.playground.lane_pair import LanePair
 from rl_tui.tui.screens.playground.lesson_place import LessonPlace
@@ -62,7 +62,7 @@ class Board(Container):
 
     One panel may be zoomed to cover all others, and one of those that have a key of their own may be open.
     ``show`` draws a snapshot on all of them, and what is ``wanted`` though no snapshot has it yet. The view
-    of the world is made for the first one: only then is its kind known.
+    of the world is made for the first one; until then panels are arranged by the ``shape`` expected.
 
     Where two lanes stand side by side, a row that is twofold has a second widget, for the lane at the right.
     The left one has the lower number, whichever is led: ``world`` and ``table`` are those of the lane led.
@@ -72,15 +72,18 @@ class Board(Container):
     class Toggled(Message):
         """A panel was opened or closed."""
 
-    def __init__(self, look: Look, wanted: Wanted, panels: Sequence[PanelRow] = PANELS) -> None:
+    def __init__(
+        self, look: Look, wanted: Wanted, legends: LegendSwitch, shape: Shape, panels: Sequence[PanelRow]
+    ) -> None:
         super().__init__(id="board")
         self.look = look
-        self.rows = {row.id: row for row in panels}
+        self.legends, self.rows = legends, {row.id: row for row in panels}
         self._panels = {row.id: row.make(look) for row in panels}
         self._pair = LanePair(self._panels, look)
         self._is_one_lane = self.keeps_focus = False
-        self.legends = LegendSwitch(None)
+        self._made(WORLD, WorldPlaceholder).expect(shape.drawing)
         self.curve = self._made(CURVE, ReturnCurve)
+        self.curve.begin_with(wanted.recipe)
         self.timeline = self._made(TIMELINE, TimelineBar)
         self.controls = self._made(CONTROLS, Controls)
         self.controls.begin_with(wanted.recipe)
@@ -90,10 +93,11 @@ class Board(Container):
         self._wanted = wanted
         self._focused_before: Widget | None = None
         self._focused_beside_sliders: Widget | None = None
-        self._arrangement = BoardLayout(panels)
+        self._arrangement = BoardLayout(shape, panels)
         self.lesson = LessonPlace(self, self._made(LESSON, LessonPanel), self._arrangement)
         self._snapshot: Snapshot | None = None
         self._mounting = asyncio.Lock()
+        self.apply_switches()
 
     def _made(self, panel: str, kind: type[Kind]) -> Kind:
         made = self.panel(panel)
@@ -134,12 +138,16 @@ class Board(Container):
             self._pair.make(snapshot, self.rows.values())
             self.apply_switches()
             self.run_worker(self._mount_twins())
+        # of a session the lanes are known before they are there
+        awaits_lanes = self._arrangement.shape.lanes and snapshot.playback.phase is Phase.PREPARING
         self.reshape(
-            lanes=snapshot.beside is not None and not self._is_one_lane,
+            lanes=(snapshot.beside is not None or awaits_lanes) and not self._is_one_lane,
             is_program=snapshot.program is not None,
             has_lesson=snapshot.lesson is not None,
+            legend_rows=int(self.legends.is_on),
         )
         self._take_lead(snapshot)
+        self.set_classes(self._arrangement.styles(self.size))
         self.lesson.place(snapshot, self.size)
         self.table.sources = lit_sources(snapshot) if self.opened == MICROSCOPE else frozenset()
         self.controls.wanted = self._wanted.recipe.hyperparameters
@@ -152,13 +160,7 @@ class Board(Container):
                 panel.show(as_learned(snapshot) if isinstance(panel, WorldView | QTable) else snapshot)
         if self._pair.is_shown:
             self._pair.show(as_learned(snapshot))
-        world = snapshot.world
-        self.reshape(
-            drawing=world.drawing,
-            table_rows=self.table.rows,
-            arms=world.space.pairs,
-            legend_rows=int(self.legends.is_on),
-        )
+        self.reshape(drawing=snapshot.world.drawing, table_rows=self.table.rows)
 
     def reshape(self, **changes: Any) -> None:
         """Arrange the panels again where what that depends on has changed."""
@@ -170,9 +172,9 @@ class Board(Container):
     def _take_lead(self, snapshot: Snapshot) -> None:
         """Let the panels of the lane led be those that keys are about."""
         world = self.world
-        if not self._pair.take_lead(snapshot, is_shown=self._arrangement.is_pair(self.size)):
+        is_pair = snapshot.beside is not None and self._arrangement.is_pair(self.size)
+        if not self._pair.take_lead(snapshot, is_shown=is_pair):
             return
-        self.set_class(self.is_paired, "-lanes")
         if world is not None and self.world is not None and world is not self.world:
             self.world.is_manual, world.is_manual = world.is_manual, False
             self.world.show_mode(world.title, world.prompt, has_keys=world.has_class("-manual"))
@@ -207,6 +209,7 @@ class Board(Container):
 
     def on_resize(self) -> None:
         """Show one lane or two, and a lesson beside the run or in turn with it, as there is room."""
+        self.set_classes(self._arrangement.styles(self.size))
         snapshot = self._snapshot
         if snapshot is not None and (snapshot.beside is not None or snapshot.lesson is not None):
             self.show(snapshot)
@@ -231,11 +234,10 @@ class Board(Container):
 
     def _shown(self) -> Iterator[BoardPanel]:
         """Yield the panels that are not closed, of which a program that is watched has its own."""
-        is_program = self._arrangement.shape.is_program
+        shape = self._arrangement.shape
         for row in self.rows.values():
-            if row.of_program if not is_program else row.id == CONTROLS:
+            if row.of_program if not shape.is_program else row.id == CONTROLS:
                 continue
-            shape = self._arrangement.shape
             if (row.of_lesson and not shape.has_lesson) or (row.of_drawing and not shape.is_drawn):
                 continue
             if row.opened_by is None or row.id == self.opened:

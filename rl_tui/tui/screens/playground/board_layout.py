@@ -18,16 +18,19 @@ class BoardLayout(Layout):
 
     name = "board"
 
-    def __init__(self, panels: Sequence[PanelRow]) -> None:
-        self.shape = Shape()
+    def __init__(self, shape: Shape, panels: Sequence[PanelRow]) -> None:
+        self.shape = shape
         self.zoomed: str | None = None
         self.opened: str | None = None
         self.placed: frozenset[str] = frozenset()
         self._panels = panels
 
-    def has_lines_below(self, size: Size) -> bool:
-        """Return whether settings have no border."""
-        return has_lines_below(size, self.shape)
+    def styles(self, size: Size) -> frozenset[str]:
+        """Return the style classes of the board: panels lose borders for which there is no room."""
+        if self.is_pair(size):
+            return frozenset({"-lanes", "-lines"})
+        has_lines = self.shape.has_lesson and has_lines_below(size, self.shape)
+        return frozenset({"-lines"} if has_lines else ())
 
     def has_lesson_in_a_row(self, size: Size) -> bool:
         """Return whether a lesson has one row only: its page is not read, and has no room beside all else."""
@@ -42,7 +45,7 @@ class BoardLayout(Layout):
 
     def is_pair(self, size: Size) -> bool:
         """Return whether two lanes stand side by side."""
-        return beside(WORLD) in self.regions(size, None)
+        return self.shape.lanes and beside(WORLD) in self.regions(size, None)
 
     def regions(self, size: Size, zoomed: str | None) -> dict[str, Region]:
         """Return where each panel stands whose place is in view, with ``zoomed`` alone if it is not None."""

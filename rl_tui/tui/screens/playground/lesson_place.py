@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 IN_A_ROW: Final = "-row"
 SPOTLIT: Final = "-spotlit"
-_LINES: Final = "-lines"
 
 
 class LessonPlace:
@@ -71,8 +70,6 @@ class LessonPlace:
 
     def place(self, snapshot: Snapshot, size: Size) -> None:
         """Let the panels know, before they draw ``snapshot``, how page and world share the board."""
-        has_lines = snapshot.lesson is not None and self._arrangement.has_lines_below(size)
-        self._board.set_class(self._board.is_paired or has_lines, _LINES)
         if snapshot.lesson is None:
             return
         self.panel.set_class(self._arrangement.has_lesson_in_a_row(size), IN_A_ROW)

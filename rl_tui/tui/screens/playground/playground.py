@@ -17,7 +17,6 @@ from rl_tui.lab.lessons.record import LessonRecord
 from rl_tui.lab.live.commands import Command
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.live.speed.pacing import START_SPEED
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.sessions.autosave import Autosave
 from rl_tui.lab.sessions.session import StoredSession
@@ -59,6 +58,7 @@ from rl_tui.tui.screens.playground.actions.time import TimeActions
 from rl_tui.tui.screens.playground.actions.until import UntilActions
 from rl_tui.tui.screens.playground.actions.view import ViewActions
 from rl_tui.tui.screens.playground.actions.why import WhyActions
+from rl_tui.tui.screens.playground.arrangement import Shape
 from rl_tui.tui.screens.playground.board import Board
 from rl_tui.tui.screens.playground.frames import Frames
 from rl_tui.tui.screens.playground.player_link import PlayerLink
@@ -115,23 +115,23 @@ class Playground(ActionScreen):
         recipe: Recipe,
         player: Player,
         fps: float,
-        speed: float | None = START_SPEED,
-        panels: Sequence[PanelRow] = PANELS,
-        autosave: Autosave | None = None,
-        resumed: StoredSession | None = None,
-        legends: LegendSwitch | None = None,
+        speed: float | None,
+        panels: Sequence[PanelRow],
+        autosave: Autosave | None,
+        resumed: StoredSession | None,
+        lesson: LessonRecord | None,
+        legends: LegendSwitch,
+        shape: Shape,
         *,
-        watches: bool = False,
+        watches: bool,
     ) -> None:
         super().__init__(look, panels)
-        self.legends = legends or LegendSwitch(None)
+        self.legends = legends
         self.player = player
-        self.wanted = Wanted(recipe, speed)
+        self.wanted = Wanted(recipe, speed, lesson)
         self.status = StatusLine(look, id="status")
-        self.status.begin_with(recipe.scenario.title)
-        self.board = Board(look, self.wanted, panels)
-        self.board.legends = self.legends
-        self.board.apply_switches()
+        self.status.begin_with(recipe.scenario.title if lesson is None else lesson.lesson.title)
+        self.board = Board(look, self.wanted, self.legends, shape, panels)
         self.link = PlayerLink(player, self.wanted, self._note_sent)
         of = self, self.board, self.link
         self.scenario = ScenarioActions(*of, resumed is None, self._reopen, self._go_by)

@@ -32,13 +32,13 @@ class Wanted:
     ``last_deed`` tells how many had been sent with the last one that does more than look.
     """
 
-    def __init__(self, recipe: Recipe, speed: float | None) -> None:
+    def __init__(self, recipe: Recipe, speed: float | None, lesson: LessonRecord | None = None) -> None:
         self.recipe = recipe
         self.speed = speed
         self.is_hidden = recipe.scenario.hides_answer
         self.was_hidden_by_person = False
         self.studied: PolicyKind | None = None
-        self.lesson: LessonRecord | None = None
+        self.lesson = lesson
         self.step: int | None = None
         self.sent = 0
         self.last_deed = 0

@@ -71,6 +71,11 @@ class BinsSection(FileSection):
                     expected = f"more than low, which is {shown(least)}"
                     yield Finding(("high", dimension), shown(most), expected)
 
+    @property
+    def sizes(self) -> list[int]:
+        """The number of bins of each dimension."""
+        return self.count or [len(edges) + 1 for edges in self.edges or ()]
+
     def states(self, name: str, space: Box) -> BinStates:
         """Return the states of ``space``, that of the environment ``name``. Raises WorldRefusedError."""
         from rl_tui.worlds.gym.stepped.states import BinStates
@@ -81,9 +86,7 @@ class BinsSection(FileSection):
         if given != dimensions:
             expected = f"{dimensions}, one for each dimension of {name}"
             raise WorldRefusedError(("bins", key), f"{given} entries", expected)
-        check_sizes(
-            name, combinations(self.count or [len(edges) + 1 for edges in self.edges or ()]), 1, "bins"
-        )
+        check_sizes(name, combinations(self.sizes), 1, "bins")
         if self.edges is not None:
             return BinStates(self.edges, [_range_names(edges) for edges in self.edges])
         counts = self.count or []

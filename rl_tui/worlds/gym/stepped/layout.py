@@ -55,13 +55,9 @@ def product_grid(sizes: Sequence[int], actions: int, terms: Sequence[str] = ()) 
     count. No action is a direction. ``terms`` are what the parts are called in the legend, where that is
     known; else they are numbered.
     """
-    there = [size for size in sizes if size > 1] or [1]
-    if len(there) == 1:
-        columns = math.ceil(math.sqrt(there[0]))
-        shape = (math.ceil(there[0] / columns), columns)
-        cell = np.arange(there[0])
-    else:
-        cell, shape = _blocks(there[0], there[1], math.prod(there[2:]))
+    there = _that_count(sizes)
+    shape = product_shape(sizes)
+    cell = np.arange(there[0]) if len(there) == 1 else _cells(there, shape[1])
     kinds = np.full(shape[0] * shape[1], CellKind.WALL, dtype=object)
     kinds[cell] = CellKind.FLOOR
     return Grid(
@@ -72,6 +68,21 @@ def product_grid(sizes: Sequence[int], actions: int, terms: Sequence[str] = ()) 
         directions=(None,) * actions,
         legend=_legend(sizes, terms),
     )
+
+
+def product_shape(sizes: Sequence[int]) -> tuple[int, int]:
+    """Return the rows and columns of :func:`product_grid`."""
+    there = _that_count(sizes)
+    if len(there) == 1:
+        columns = math.ceil(math.sqrt(there[0]))
+        return math.ceil(there[0] / columns), columns
+    rows, columns, blocks = there[0], there[1], math.prod(there[2:])
+    across = min(max(round(math.sqrt(blocks * rows / columns)), 1), blocks)
+    return math.ceil(blocks / across) * (rows + 1) - 1, across * (columns + 1) - 1
+
+
+def _that_count(sizes: Sequence[int]) -> list[int]:
+    return [size for size in sizes if size > 1] or [1]
 
 
 def _legend(sizes: Sequence[int], terms: Sequence[str]) -> str:
@@ -85,12 +96,11 @@ def _legend(sizes: Sequence[int], terms: Sequence[str]) -> str:
     return f"{names[0]} down, {names[1]} across{blocks}"
 
 
-def _blocks(rows: int, columns: int, blocks: int) -> tuple[np.ndarray, tuple[int, int]]:
-    """Return the cell of each state, [rows · columns · blocks], and the shape of the whole."""
-    across = min(max(round(math.sqrt(blocks * rows / columns)), 1), blocks)
-    down = math.ceil(blocks / across)
-    width = across * (columns + 1) - 1
+def _cells(sizes: Sequence[int], width: int) -> np.ndarray:
+    """Return the cell of each state, [product of ``sizes``], on a grid of ``width`` columns."""
+    rows, columns, blocks = sizes[0], sizes[1], math.prod(sizes[2:])
+    across = (width + 1) // (columns + 1)
     row, column, block = np.unravel_index(np.arange(rows * columns * blocks), (rows, columns, blocks))
     block_row, block_column = np.divmod(block, across)
-    cell = (block_row * (rows + 1) + row) * width + block_column * (columns + 1) + column
-    return cell, (down * (rows + 1) - 1, width)
+    cell: np.ndarray = (block_row * (rows + 1) + row) * width + block_column * (columns + 1) + column
+    return cell

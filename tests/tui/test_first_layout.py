@@ -1,0 +1,70 @@
+"""A playground is laid out from the start as it will be once its world is built."""
+
+from __future__ import annotations
+
+import asyncio
+from functools import partial
+from pathlib import Path
+
+import pytest
+from lesson_texts import LESSON
+from textual.pilot import Pilot
+
+from rl_tui.common.errors import UserError
+from rl_tui.lab.course.entries import LessonStart
+from rl_tui.lab.lessons.record import begun
+from rl_tui.lab.live.player import Player
+from rl_tui.lab.live.record import Record
+from rl_tui.lab.run.library import recipe_for
+from rl_tui.lab.run.recipe import Recipe
+from rl_tui.lab.sessions.session import StoredSession, encoded, read_session
+from rl_tui.lab.timeline.branches import RunRecord
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
+from rl_tui.tui.app.screenshot import settle
+from rl_tui.worlds.files.catalogue import find
+
+WIDE, SMALL = (120, 40), (80, 24)
+
+
+def lake() -> Recipe:
+    return recipe_for(find("frozenlake"))
+
+
+def two_lanes(folder: Path) -> StoredSession:
+    path = folder / "two.json"
+    path.write_bytes(encoded(Record((RunRecord(lake()), RunRecord(lake())))))
+    return read_session(path)
+
+
+def borders(pilot: Pilot[UserError]) -> dict[str | None, tuple[object, ...]]:
+    panels = pilot.app.screen.query("#board > *")
+    return {panel.id: (panel.region, panel.size) for panel in panels if panel.region}
+
+
+@pytest.mark.parametrize(
+    ("kind", "size"), [("scenario", WIDE), ("lanes", WIDE), ("lesson", WIDE), ("lesson", SMALL)]
+)
+async def test_no_panel_moves_when_the_world_is_built(
+    kind: str, size: tuple[int, int], tmp_path: Path, is_typed: asyncio.Event
+) -> None:
+    start: Recipe | StoredSession | LessonStart
+    if kind == "lesson":
+        start = LessonStart(begun(LESSON))
+    else:
+        start = lake() if kind == "scenario" else two_lanes(tmp_path)
+    app = RlTuiApp(Display(fps=1000.0), start, make_player=partial(Player, automatic=False), picture=True)
+    async with app.run_test(size=size) as pilot:
+        while not (before := borders(pilot)):
+            await pilot.pause()
+        is_typed.set()
+        settled = asyncio.create_task(settle(pilot))
+        while not settled.done():
+            now = borders(pilot)
+            # the view takes the place of what stood there between two frames
+            assert {panel: now.get(panel, place) for panel, place in before.items()} == before
+            assert now.keys() - before.keys() <= {"world-beside", "table-beside"}
+            await asyncio.sleep(0)
+        after = borders(pilot)
+        assert before.keys() <= after.keys()
+        assert ("world-beside" in after) == (kind == "lanes")
