@@ -28,6 +28,7 @@ from rl_tui.tui.panels.many_seeds.figures import (
 )
 from rl_tui.tui.panels.many_seeds.many_seeds import ManySeeds
 from rl_tui.tui.panels.many_seeds.remarks import ABOVE_BEST
+from rl_tui.tui.panels.many_seeds.table import BRACKETS
 from rl_tui.tui.theme.glyphs import UNICODE
 
 SIZES = ((118, 30), (97, 40), (58, 13), (36, 19), (36, 13), (26, 13), (26, 7), (16, 10), (5, 3), (1, 1))
@@ -177,6 +178,14 @@ def test_lanes_are_compared_seed_by_seed() -> None:
     rows = [line.split() for line in drawn(lanes(cliff_study())).splitlines()]
     assert ["1", "α", "0.1", "−43.0", "−47.1", "±", ".5"] in rows
     assert ["▸2", "α", "0.5", "−22.0", "−24.6", "±", ".4"] in rows
+
+
+@pytest.mark.parametrize("width", [36, 58])
+def test_brackets_are_explained_once_right_below_the_first(width: int) -> None:
+    text = said(lanes(cliff_study()), width)
+    assert text.count(BRACKETS) == 1
+    assert f"in 64 of 64 seeds {BRACKETS}" in text
+    assert BRACKETS not in said(changed(lake(), study=lake_study()), width)
 
 
 def test_of_regret_less_is_better() -> None:

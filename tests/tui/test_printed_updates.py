@@ -128,6 +128,24 @@ def test_numbers_of_a_common_size_stay_short(before: float, bootstrap: float, st
         assert len(each.lstrip("+−").partition(".")[2]) <= 7
 
 
+@given(before=NUMBERS, gathered=NUMBERS, bootstrap=NUMBERS, step_size=STEP_SIZES)
+def test_a_large_screen_prints_the_digits_of_a_small_one(
+    before: float, gathered: float, bootstrap: float, step_size: float
+) -> None:
+    last = learned_from(
+        LAST, before=before, gathered=gathered, bootstrap=bootstrap, step_size=step_size, discount=0.99
+    )
+    assume(last.td_error != 0.0)
+    written = [last_step_lines(lake(last_step=last), look(), 150, height) for height in (1, 2, 4, 8)]
+    short, *others = ("".join(piece.text for line in lines for piece in line) for lines in written)
+    story = story_of(lake(last_step=last))
+    assert story is not None
+    update = words_of(story, UNICODE).update
+    for number in (update.before, update.gathered, update.step_size, update.bootstrap, update.after):
+        assert number in short
+        assert all(number in other for other in others)
+
+
 THOUSANDTHS = st.integers(-20_000, 20_000).map(lambda thousandths: thousandths / 1000)
 
 

@@ -15,6 +15,7 @@ from rl_tui.lab.run.history import RECENT
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.pieces import Line, kept, wrapped
 from rl_tui.tui.panels.many_seeds.figures import (
+    LEAST_SEEDS,
     REGRET,
     WINNINGS,
     deviation,
@@ -105,10 +106,10 @@ def _arms(study: SeedStudy, snapshot: Snapshot) -> str:
 
 
 def _meaning(study: SeedStudy) -> str:
-    """Return what stands behind ±, and in brackets."""
+    """Return what stands behind ±, and when a lane is called better."""
     error = "± is the standard error: how far a mean of so many seeds is typically off"
     pairs = (
-        "lanes are compared seed by seed; in brackets three standard errors on either side: "
-        "one is called better where 0 lies beyond them, from 32 seeds on"
+        f"lanes are compared seed by seed; one is called better, from {LEAST_SEEDS} seeds on, "
+        "where 0 is outside the brackets"
     )
     return error if len(study.lanes) == 1 else f"{error}; {pairs}"

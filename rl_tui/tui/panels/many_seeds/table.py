@@ -24,6 +24,7 @@ from rl_tui.tui.panels.many_seeds.figures import (
 )
 from rl_tui.tui.theme.look import Look
 
+BRACKETS: Final = f"in brackets: the difference ± {INTERVAL_ERRORS:g} standard errors"
 _BLANKS: Final = ((1, 2), (1, 1), (0, 1))  # before the first column and between columns
 _LEAST_LANE: Final = 8  # cells of the name of a lane, with its number
 
@@ -63,7 +64,8 @@ def table_lines(
 ) -> Iterator[Line]:
     """Yield the lines of ``figures``; ``names`` are those of the lanes, of which ``shown`` is marked.
 
-    ``until`` says at which episode this seed's figures end too, where that is not where the runs are.
+    ``until`` says at which episode this seed's figures end too, where that is not where the runs are. Below
+    the first verdict stands what its brackets are.
     """
     heads = _heads(until)
     for in_full in (True, False):
@@ -72,7 +74,7 @@ def table_lines(
         form = _form(rows, heads, look, width)
         if form.heads == heads[0]:
             break
-    is_alone = len(study.lanes) == 1
+    is_alone, explains = len(study.lanes) == 1, True
     for number, (figure, table) in enumerate(tables):
         if number and not is_alone:
             yield []
@@ -80,7 +82,11 @@ def table_lines(
             if not (row.is_head and is_alone and number):  # then one heading serves for all figures
                 yield from _lines(row, form, look)
         yield from _missing(study, figure, look, width)
-        yield from _verdicts(study, figure, look, width)
+        for verdict in _verdicts(study, figure, look):
+            yield from wrapped(verdict, width, look.palette.text, look, "   ", "   ")
+            if explains and "±" in verdict:
+                yield from wrapped(BRACKETS, width, look.palette.dim, look, "   ", "   ")
+                explains = False
 
 
 def _heads(until: str) -> Sequence[tuple[str, str]]:
@@ -175,15 +181,13 @@ def _missing(study: SeedStudy, figure: StudyFigure, look: Look, width: int) -> I
             yield from wrapped(text, width, look.palette.dim, look, "   ", "   ")
 
 
-def _verdicts(study: SeedStudy, figure: StudyFigure, look: Look, width: int) -> Iterator[Line]:
+def _verdicts(study: SeedStudy, figure: StudyFigure, look: Look) -> Iterator[str]:
     """Yield for each lane but the one that was shown which of the two is better."""
     for number, lane in enumerate(study.lanes):
-        difference = lane.differences.get(figure.id)
-        if number != study.shown and difference is not None:
+        if number != study.shown and figure.id in lane.differences:
             text = _verdict_text(study, figure, number, look)
             if text:
-                style = look.palette.text
-                yield from wrapped(text, width, style, look, "   ", "   ")
+                yield text
 
 
 def _verdict_text(study: SeedStudy, figure: StudyFigure, other: int, look: Look) -> str:
