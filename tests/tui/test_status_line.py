@@ -1,19 +1,23 @@
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from program_samples import program, watched
-from samples import bandit, lake, look, planning, student
+from samples import bandit, lake, look, planning, stepped_lake, student
+from snapshots import changed
 
 from rl_tui.lab.live.editing.world_editor import EditorView
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.live.snapshot_builder import PREPARING, REBUILDING
 from rl_tui.lab.live.speed.transport import WAITING
 from rl_tui.lab.timeline.branches import Branch, Timeline
-from rl_tui.tui.panels.status_line import COMPILING, IN_PYTHON, StatusLine
+from rl_tui.tui.panels.status_line import COMPILING, IN_PYTHON, WIDE, StatusLine
 from rl_tui.tui.screens.playground.actions.run import RunActions
 
 
@@ -41,6 +45,46 @@ def test_the_long_form() -> None:
     assert text.startswith(" FrozenLake 4×4 slippery · Q-learning · seed 0 ")
     assert text.endswith("38.2 M steps/s")
     assert "episode 12,346" in text
+
+
+@pytest.mark.parametrize("is_past", [False, True])
+@pytest.mark.parametrize("phase", [Phase.PAUSED, Phase.RUNNING])
+@pytest.mark.parametrize("width", [90, 120])
+@pytest.mark.parametrize(
+    ("make", "counted"),
+    [
+        (lake, "ep(isode)? 13 .*step 1,234"),
+        (student, "ep(isode)? 13 .*step 1,234"),
+        (stepped_lake, "ep(isode)? 13 .*step 1,234"),
+        (partial(watched, program()), "ep(isode)? 13 .*step 1,234"),
+        (planning, "sweep 13 .*step 1,234"),
+        (bandit, "pull 400 of 1,000"),
+    ],
+)
+def test_no_field_is_missing(
+    make: Callable[..., Snapshot], counted: str, width: int, phase: Phase, is_past: bool
+) -> None:
+    snapshot = changed(
+        make(400) if make is bandit else make(),
+        phase=phase,
+        speed=None,
+        steps_per_second=38.2e6,
+        timeline=past() if is_past else Timeline(),
+        episode_step=1,
+        episodes=12,
+        step=1_234,
+    )
+    text = drawn(snapshot, width)
+    state = {
+        (Phase.PAUSED, False): "❚❚ paused",
+        (Phase.PAUSED, True): "◀ past" if snapshot.program else "◀ the past",
+        (Phase.RUNNING, False): "▶ max",
+        (Phase.RUNNING, True): "▶ replaying",
+    }[phase, is_past]
+    # where the past is told, the step says how far it goes in place of the speed
+    is_told = is_past and phase is Phase.PAUSED and snapshot.results.bandit is None
+    last = " of 10,000" if is_told else "38.2 M steps/s" if width >= WIDE else "38 M/s"
+    assert re.search(f"{re.escape(state)}.*{counted}.*{re.escape(last)}", text), text
 
 
 @pytest.mark.parametrize("width", [80, 120])

@@ -10,6 +10,7 @@ from rich.style import Style
 from textual.strip import Strip
 
 from rl_tui.lab.live.snapshot import Phase, Snapshot
+from rl_tui.lab.run.bandit import BanditFigures
 from rl_tui.tui.draw import numbers
 from rl_tui.tui.draw.canvas import shortened
 from rl_tui.tui.draw.pieces import Line, Piece, strips_of
@@ -211,24 +212,30 @@ def _waiting(snapshot: Snapshot, text: str, look: Look, width: int) -> Line:
 
 
 def _fields(snapshot: Snapshot, look: Look, width: int, *, is_manual: bool) -> list[_Field]:
-    """Return state, progress and measured speed."""
-    wide = width >= WIDE
-    state = _state(snapshot, look, width - 1 - _GAP, is_manual=is_manual)
-    speed = _speed(snapshot, look, wide=wide)
-    stands_in_past = snapshot.timeline.in_past and snapshot.playback.phase is not Phase.RUNNING
+    """Return state, progress and measured speed, whatever learns and wherever in its time.
+
+    In the past the step has the place of the speed too, to say how far the branch has come.
+    """
+    wide, bandit = width >= WIDE, snapshot.results.bandit
+    in_past = snapshot.timeline.in_past and snapshot.playback.phase is not Phase.RUNNING
     plans = snapshot.agent.row.planner
-    if isinstance(snapshot.world.drawing, Arms) and snapshot.results.bandit is not None and not plans:
-        pulls, budget = snapshot.results.bandit.pulls, f"{snapshot.results.bandit.budget:,}"
-        text, style = f"pull {numbers.count(pulls)} of {budget}", look.palette.text
-        if stands_in_past:
-            style = look.palette.accent
-        return [state, _Field(text, len(f"pull {budget} of {budget}"), style), speed]
-    label = "sweep" if plans else "episode" if wide else "ep"
-    episode = _counted(label, episode_shown(snapshot), 9, look, rank=2)
-    step = _counted("step", snapshot.counters.step, 11 if wide else 9, look, rank=1)
-    if stands_in_past:
-        return [state, episode, _step_in_past(snapshot, step.columns + _GAP + speed.columns, look)]
-    return [state, episode, step, speed]
+    speed, has_speed = _speed(snapshot, look, wide=wide), True
+    if isinstance(snapshot.world.drawing, Arms) and bandit is not None and not plans:
+        progress = [_pull(bandit, look.palette.accent if in_past else look.palette.text)]
+    else:
+        label = "sweep" if plans else "episode" if wide else "ep"
+        step = _counted("step", snapshot.counters.step, 11 if wide else 9, look, rank=1)
+        if in_past:
+            has_speed, step = False, _step_in_past(snapshot, step.columns + _GAP + speed.columns, look)
+        progress = [_counted(label, episode_shown(snapshot), 9, look, rank=2), step]
+    state = _state(snapshot, look, width - 1 - _GAP, is_manual=is_manual)
+    return [state, *progress, *([speed] if has_speed else [])]
+
+
+def _pull(bandit: BanditFigures, style: Style) -> _Field:
+    budget = f"{bandit.budget:,}"
+    text = f"pull {numbers.count(bandit.pulls)} of {budget}"
+    return _Field(text, len(f"pull {budget} of {budget}"), style)
 
 
 def _counted(label: str, count: int, columns: int, look: Look, *, rank: int) -> _Field:
