@@ -98,6 +98,14 @@ class PlainWorld:
     def best(self, state: int, q: Table) -> float:
         return max((q[pair] for pair in self.pairs(state)), default=0.0)
 
+    def probability(self, state: int, pair: int, q: Table) -> float:
+        """Return π(a|s) of the ε-greedy policy: ε is shared by all pairs, the rest by the greedy ones."""
+        pairs = self.pairs(state)
+        best = [each for each in pairs if q[each] == self.best(state, q)]
+        greedy = best[:1] if self.hyperparameters.ties == "first" else best
+        share = 1 / len(greedy) if pair in greedy else 0.0
+        return (1 - self.epsilon) * share + self.epsilon / len(pairs)
+
     def expectation(self, state: int, q: Table) -> float:
         """Return what the ε-greedy policy may expect: its best with 1 − ε, the mean of all with ε."""
         pairs = self.pairs(state)

@@ -11,6 +11,7 @@ from arms import COINS
 from curious_policy import CURIOUS
 from hypothesis import given
 from hypothesis import strategies as st
+from plain_world import PlainWorld
 
 from rl_tui.agents.catalogue import POLICY_BY_ID, Policy
 from rl_tui.agents.hyperparameters import Hyperparameters
@@ -94,6 +95,25 @@ def test_every_policy_expects_what_its_probabilities_say(
     assert min(weights) >= 0.0
     assert weights @ estimates == pytest.approx(expectation(rule, estimates, visits, 0, len(q)), abs=1e-12)
     assert told is None if learns(rule) else told.tolist() == weights
+
+
+@given(
+    q=st.lists(st.sampled_from([0.0, 0.1, 0.3, 1.0]) | st.floats(-5, 5), min_size=4, max_size=4),
+    epsilon=st.sampled_from([0.0, 0.1, 0.3, 1.0]),
+    ties=st.sampled_from(["random", "first"]),
+)
+def test_plain_boxes_have_the_same_probabilities(q: list[float], epsilon: float, ties: Any) -> None:
+    hyperparameters = Hyperparameters(epsilon=epsilon, ties=ties)
+    pairs = range(COINS.pairs)
+    plain = PlainWorld(COINS, hyperparameters, streams(0), steps=1)
+    state, table = plain.start(), dict(enumerate(q))
+    estimates, visits = np.array(q), np.zeros(COINS.pairs, np.int64)
+    rule = rule_of(hyperparameters, COINS.pairs)
+    ours = [probability_of(rule, estimates, visits, 0, COINS.pairs, pair) for pair in pairs]
+    theirs = [plain.probability(state, pair, table) for pair in pairs]
+    assert theirs == ours  # to the bit
+    expected = sum(chance * table[pair] for pair, chance in zip(pairs, theirs, strict=True))
+    assert plain.expectation(state, table) == pytest.approx(expected, abs=1e-12)
 
 
 @pytest.mark.parametrize("policy", [*POLICY_BY_ID, CURIOUS.id])

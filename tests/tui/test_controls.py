@@ -41,7 +41,7 @@ def test_sliders_come_in_the_order_of_the_registry() -> None:
     assert names["q-learning", "thompson"] == ["alpha", "gamma"]
     assert names["value-iteration", "epsilon-greedy"] == ["gamma"]
     for key, sliders in names.items():
-        assert 1 <= len(sliders) <= 4
+        assert 1 <= len(sliders) <= 4, f"{key}: there is room for four sliders at most"
         assert sliders == [name for name in parameters_of(*key) if name in sliders]
 
 
