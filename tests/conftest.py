@@ -32,8 +32,9 @@ from kinds import (
     may_be_about,
     take_few_examples,
 )
-from warm_start import _programs_are_forked, real_start  # noqa: F401
+from warm_start import programs_are_forked, real_start  # noqa: F401
 
+from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.agents.compiling.cache_folder import was_compiled
 from rl_tui.agents.compiling.loops import compile_what_all_share
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, Loop
@@ -171,6 +172,7 @@ def _is_of_its_kind(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPa
         monkeypatch.setattr(subprocess, "Popen", refused)
         monkeypatch.setattr("textual.app.App.run_test", refused)
         monkeypatch.setattr("textual.app.App.run_async", refused)
+        monkeypatch.setattr(BACKGROUND, "want", lambda _: None)
 
 
 @pytest.fixture(autouse=True, scope="session")

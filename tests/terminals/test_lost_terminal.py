@@ -67,6 +67,7 @@ def test_a_terminal_that_does_not_read_holds_up_nothing_not_even_the_end(tmp_pat
         assert terminal.wait_for_exit() == 128 + signal.SIGQUIT
 
 
+@pytest.mark.exhaustive("loses a terminal in many ways")
 def test_a_terminal_that_does_not_read_and_is_gone_then_ends_it(tmp_path: Path) -> None:
     with student(tmp_path) as terminal:
         terminal.stall()
@@ -77,6 +78,7 @@ def test_a_terminal_that_does_not_read_and_is_gone_then_ends_it(tmp_path: Path) 
     assert kept_step(tmp_path) > STEPS
 
 
+@pytest.mark.exhaustive("loses a terminal in many ways")
 def test_to_be_interrupted_from_outside_is_to_be_told_to_end(tmp_path: Path) -> None:
     with student(tmp_path) as terminal:
         terminal.process.send_signal(signal.SIGINT)

@@ -111,6 +111,9 @@ async def walk(learner: Learner, *, with_wrong_attempts: bool) -> None:
         await learner.turn()
 
 
+@pytest.mark.exhaustive(
+    "plays whole lessons, whose tasks are checked without keys every day", but=["loop-80", "q-by-hand-80"]
+)
 @pytest.mark.parametrize(("lesson", "size"), walks())
 async def test_a_lesson_is_walked_to_its_end_by_keys(
     lesson: Lesson, size: tuple[int, int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch

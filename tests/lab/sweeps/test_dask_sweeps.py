@@ -188,6 +188,7 @@ def test_a_worker_of_another_version_gets_nothing_whenever_it_comes(
     assert {task["worker"] for task in cluster.client.get_task_stream()} == {good}
 
 
+@pytest.mark.exhaustive("starts a cluster and a process for each shard")
 def test_three_shards_from_two_kinds_of_machine_are_the_whole(
     cluster: Cluster, expected: str, tmp_path: Path
 ) -> None:
