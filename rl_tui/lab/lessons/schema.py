@@ -134,8 +134,8 @@ class Measured(FileSection):
 class Ask(FileSection):
     """Something to answer: a number, right within ``tolerance``, or one of several ``choices``.
 
-    Of a prediction, the truth is shown once ``steps`` more steps were taken; ``shows`` is measured of the run
-    at that very step, to stand beside it.
+    Of a prediction, the truth is shown once ``steps`` more steps were taken, by the ``keys`` that the page
+    asks for, in their order; ``shows`` is measured of the run at that very step, to stand beside it.
     """
 
     ask: Prose
@@ -144,6 +144,7 @@ class Ask(FileSection):
     wrong: Annotated[tuple[WrongAnswer, ...], _list("wrong answers")] = ()
     choices: Annotated[tuple[AnswerChoice, ...], _list("choices")] = ()
     steps: Count = 0
+    keys: Annotated[tuple[ShortLine, ...], _list("keys")] = ()
     shows: Measured | None = None
 
     @model_validator(mode="after")
@@ -154,6 +155,8 @@ class Ask(FileSection):
             raise refused(f"{len(self.choices)} choices", "two or more, one of them with right = true")
         if self.shows is not None and not self.steps:
             raise refused("shows without steps", "in how many steps it is measured: steps")
+        if self.keys and not self.steps:
+            raise refused("keys without steps", "how many steps they take to the truth: steps")
         return self
 
     def is_right(self, answer: float) -> bool:
