@@ -20,7 +20,7 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.lesson.lesson import LessonPanel
 from rl_tui.tui.panels.lesson.page_lines import Spotlight
 from rl_tui.tui.panels.lesson.stage import PageStage, keeping_page, stage_of
-from rl_tui.tui.panels.lesson.words import next_keys
+from rl_tui.tui.panels.lesson.words import NOT_COUNTED, next_keys
 
 CONDITIONS = (ConditionView("study is greedy", False, "check phone"), ConditionView("no step by you", True))
 SAID = Given("predict", -2.0, is_right=False, step=3, digest="x")
@@ -104,6 +104,15 @@ def test_a_right_prediction_has_no_reply() -> None:
     said = text(at("predict", RIGHT, step=5))
     assert "✓ right – it is −1.5" in said
     assert "forgotten" not in said
+
+
+def test_a_guess_is_told_that_it_does_not_count() -> None:
+    taught = lesson_of(TEXT.replace('id = "predict"', 'id = "predict"\nguess = true'), Path("sample.toml"))
+    snapshot = at("predict", RIGHT, step=5)
+    assert snapshot.lesson is not None
+    said = text(replace(snapshot, lesson=LessonView(replace(snapshot.lesson.record, lesson=taught))))
+    assert NOT_COUNTED in said
+    assert "right so far" not in said
 
 
 def test_an_unknown_wrong_answer_is_wrong_without_a_reply() -> None:

@@ -255,6 +255,7 @@ class Page(FileSection):
 
     ``setup`` begins another run than the page before, where it differs. ``spotlight`` is the id of the panel
     to look at. ``hides`` is kept back until the page is done. The ``explanation`` is shown once it is.
+    ``guess`` marks a prediction that cannot be worked out: it does not count among the right ones.
     """
 
     id: Word
@@ -270,6 +271,7 @@ class Page(FileSection):
         ),
     ] = ()
     prediction: Ask | None = None
+    guess: TruthValue = False
     question: Ask | None = None
     task: Task | None = None
     explanation: Prose = ""
@@ -281,6 +283,8 @@ class Page(FileSection):
             raise refused(" and ".join(asked), "at most one of them on a page")
         if self.question is not None and self.question.shows is not None:
             raise refused("a question that shows a measure", "a prediction: a question waits for no step")
+        if self.guess and self.prediction is None:
+            raise refused("guess without a prediction", "a prediction, or no guess")
         return self
 
     @property

@@ -88,6 +88,7 @@ def test_a_condition_that_does(asked: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     ("before", "after", "found"),
     [
+        ('id = "quiz"', 'id = "quiz"\nguess = true', "guess without a prediction"),
         ("steps = 1 }", 'keys = ["s"] }', "keys without steps"),
     ],
 )

@@ -26,6 +26,8 @@ from rl_tui.tui.panels.lesson.stage import (
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 
+NOT_COUNTED: Final = "A guess does not count as a prediction."
+
 _ACT: Final = "y"
 _LEAST_TITLE = 8
 _LONGEST_SAID = 16
