@@ -222,6 +222,7 @@ def test_three_shards_from_two_kinds_of_machine_are_the_whole(
     assert 0 < sum(machine["machine"] == "abacus" for machine in machines) < 120
 
 
+@pytest.mark.exhaustive("starts two clusters")
 def test_what_is_finished_stays_when_the_scheduler_goes_and_the_rest_can_follow(
     tmp_path: Path, plan: SweepPlan, expected: str
 ) -> None:
