@@ -16,6 +16,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from itertools import count
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Final, NoReturn
 
 import pytest
@@ -32,13 +33,15 @@ from kinds import (
     may_be_about,
     take_few_examples,
 )
-from warm_start import _programs_are_forked, real_start  # noqa: F401
+from warm_start import programs_are_forked, real_start  # noqa: F401
 
+from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.agents.compiling.cache_folder import was_compiled
 from rl_tui.agents.compiling.loops import compile_what_all_share
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, Loop
 from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.learner import UNLIMITED, Learner
+from rl_tui.lab.live.speed import interpreter
 
 _TESTS = count()
 _INTERPRETED = Counter[Loop]()
@@ -171,6 +174,20 @@ def _is_of_its_kind(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPa
         monkeypatch.setattr(subprocess, "Popen", refused)
         monkeypatch.setattr("textual.app.App.run_test", refused)
         monkeypatch.setattr("textual.app.App.run_async", refused)
+        monkeypatch.setattr(BACKGROUND, "want", lambda _: None)
+
+
+@pytest.fixture(autouse=True)
+def _what_is_loaded_stays_frozen(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Have players look for no garbage among all that tests have loaded, which takes a second each time."""
+    if "real_collections" not in request.fixturenames:
+        nothing = SimpleNamespace(unfreeze=bool, collect=bool, freeze=bool)
+        monkeypatch.setattr(interpreter, "gc", nothing)
+
+
+@pytest.fixture
+def real_collections() -> None:
+    """Have players spare the garbage collector what is loaded, as they do for people."""
 
 
 @pytest.fixture(autouse=True, scope="session")

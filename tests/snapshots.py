@@ -33,7 +33,7 @@ def snapshot_of(
     viewport: Viewport | None = None,
 ) -> Snapshot:
     """What a player would show of ``run``."""
-    lane = SimpleNamespace(run=run, timeline=Timeline(), trail=())
+    lane = SimpleNamespace(run=run, timeline=Timeline(), trail=(), begun_at=None)
     alone: Any = SimpleNamespace(current=lane, beside=None, view=RunGroupView())
     questions = Questions(Record((RunRecord(run.recipe),)), lambda: None, automatic=False)
     questions.viewport = viewport

@@ -104,6 +104,7 @@ def check_left_as_it_was(terminal: PseudoTerminal) -> None:
     assert "NOISE" not in written[written.index("Odd-v0") :]
 
 
+@pytest.mark.exhaustive("starts another terminal", but=["q"])
 @pytest.mark.parametrize("leave", ["q", "\x1b"])
 def test_an_environment_that_never_answers_can_be_left(tmp_path: Path, leave: str) -> None:
     command = [sys.executable, "-c", SCRIPT, "3", "0"]

@@ -13,7 +13,7 @@ import pytest
 
 pytestmark = pytest.mark.unit
 
-MOST: Final = 23
+MOST: Final = 29
 WHY: Final = {
     # Textual, for which it has no public name
     "_batch_count": "a layout is not over while the app holds updates back",
@@ -30,13 +30,18 @@ WHY: Final = {
     "_OverloadFunctionTemplate": "a Numba without it compiles all that is inlined",
     "_can_compile": "the same",
     "_get_jit_decorator": "the same",
+    "_run_module_as_main": "a program that is forked begins as python -m begins it",
+    "_termui_impl": "the clock of a progress bar",
+    "_execute_child": "it alone starts the processes of Popen",
     # The program
     "_LOCK": "an environment is closed while another thread is between two calls",
     "_advance": "a loop is compiled only where that pays",
     "_draw": "a snapshot made by hand is drawn without a player",
+    "_newest": "the same",
     "_only_typed": "a Numba that knows nothing of it",
     "_pasted": "a paste without end is held in few pieces",
     "_playback": "the making of a snapshot is timed alone",
+    "_told": "a process has told nothing yet",
     "_position": "an episode of ten million steps, and a choice that is taken back",
 }
 PUBLIC: Final = {

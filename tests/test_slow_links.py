@@ -40,6 +40,7 @@ def test_keys_show_and_nothing_is_left_to_the_shell_on_a_slow_link() -> None:
         assert left_in_input(terminal) == b""
 
 
+@pytest.mark.exhaustive("waits for a slow link")
 def test_all_is_drawn_again_when_the_terminal_has_another_size() -> None:
     with PseudoTerminal([*RL_TUI, "play", "frozenlake-slippery"], size=(120, 40)) as terminal:
         terminal.wait_for("paused")

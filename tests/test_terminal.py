@@ -73,6 +73,7 @@ def test_the_shell_is_told_what_is_kept_and_how_to_go_on(tmp_path: Path) -> None
     assert f"rl-tui play '{session.path}'" in said.replace("\r\n", "\n")
 
 
+@pytest.mark.exhaustive("starts another terminal")
 def test_where_nothing_is_kept_nothing_is_said(tmp_path: Path) -> None:
     for environment in ({"RL_TUI_SESSIONS_DIR": str(tmp_path)}, {"RL_TUI_KIOSK": "1"}):
         with rl_tui("play", "student", **environment) as terminal:

@@ -159,7 +159,7 @@ def _server(kind: str) -> ForkServer | None:
 
 
 @pytest.fixture(autouse=True, scope="session")
-def _programs_are_forked() -> Iterator[None]:
+def programs_are_forked() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         if sys.platform == "linux":
             patch.setattr(subprocess, "Popen", WarmPopen)

@@ -48,13 +48,19 @@ class Program(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command that ``args`` begin with; raises UsageError with near names."""
+        """Find the command that ``args`` begin with; raises UsageError with near names or a key."""
         name = args[0]
         if name not in self.modules and not name.startswith("-"):
-            near = get_close_matches(name, self.modules, n=1)
-            hint = f"did you mean {near[0]}?" if near else f"to play a scenario: rl-tui play {name}"
-            raise click.UsageError(f"no command is called {name!r}; {hint}", ctx)
+            raise click.UsageError(f"no command is called {name!r}; {self._hint(name)}", ctx)
         return super().resolve_command(ctx, args)
+
+    def _hint(self, name: str) -> str:
+        """Return where else ``name`` may be found."""
+        from rl_tui.cli.key_on_screen import key_on_screen
+
+        near = get_close_matches(name, self.modules, n=1)
+        nearest = f"did you mean {near[0]}?" if near else f"to play a scenario: rl-tui play {name}"
+        return key_on_screen(name) or nearest
 
     def main(  # type: ignore[override]
         self, args: Sequence[str] | None = None, *, standalone_mode: bool = True, **extra: Any

@@ -28,6 +28,7 @@ def fitting(loop: Loop, hyperparameters: Hyperparameters) -> Hyperparameters:
     return replace(fit, policy=loop.policy, temperature=0.3)
 
 
+@pytest.mark.exhaustive("compiles many loops", but=["q-learning-epsilon-greedy-False"])
 @pytest.mark.compiled
 @EVERY_LOOP
 @examples(5)

@@ -96,6 +96,7 @@ def test_an_episode_cut_short_is_worth_what_would_have_followed() -> None:
     assert (last.before, last.after) == (1.0 + 0.5 * 8.0, 1.5 + 0.25 * 8.0)
 
 
+@pytest.mark.exhaustive("takes an episode of ten million steps")
 def test_an_episode_longer_than_the_memory_stops_the_run_and_says_so() -> None:
     ours = learner(endless(), "monte-carlo")
     assert ours.advance(10**7) is Stop.MEMORY_FULL

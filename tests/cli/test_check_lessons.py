@@ -12,6 +12,7 @@ from lab.lessons.task_samples import HEAD
 
 from rl_tui.cli.main import program
 from rl_tui.lab.course.check import check_lesson
+from rl_tui.lab.lessons.figures.step_budget import StepBudget
 from rl_tui.lab.lessons.lesson import lesson_folder
 from rl_tui.lab.lessons.spotlights import SPOTLIGHTS
 from rl_tui.tui.panels.catalogue import PANELS
@@ -169,6 +170,19 @@ def test_a_task_of_variants_has_to_be_solved_under_any_seed(tmp_path: Path) -> N
     assert {fault.place for fault in faults} == {"pages[2].task.accepts[0]"}
     assert "which passes under" in faults[0].found
     assert not check_lesson(path, quick=True).faults
+
+
+def test_what_tasks_are_tried_by_counts_for_the_file(tmp_path: Path) -> None:
+    path, free = written(tmp_path, changed(*VARIANTS)), StepBudget()
+    assert not check_lesson(path, budget=free).faults
+    assert not check_lesson(path, budget=StepBudget(file=free.taken)).faults
+    for too_few in (free.taken - 1, 0):
+        budget = StepBudget(file=too_few)
+        faults = check_lesson(path, budget=budget).faults
+        assert faults
+        assert all("].task" in fault.place for fault in faults)
+        assert all(f"at most {too_few:,} steps in a file" in fault.expected for fault in faults)
+        assert budget.taken == too_few
 
 
 def test_what_takes_seeds_is_left_out_of_a_quick_check(tmp_path: Path) -> None:

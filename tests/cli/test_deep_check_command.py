@@ -39,6 +39,7 @@ def test_the_evening_has_its_known_figures() -> None:
     assert (found["never_reached"], found["endless"], found["exit"]) == ([], [], 0)
 
 
+@pytest.mark.exhaustive("compiles all that learn")
 def test_a_trap_is_named_by_its_state_and_warned_of(tmp_path: Path) -> None:
     path = tmp_path / "trap.toml"
     path.write_text(TRAP, encoding="utf-8")
@@ -49,6 +50,7 @@ def test_a_trap_is_named_by_its_state_and_warned_of(tmp_path: Path) -> None:
     assert "q-learning" in found["endless"]
 
 
+@pytest.mark.exhaustive("compiles all that learn")
 def test_a_trap_that_a_time_limit_ends_is_named_without_a_warning(tmp_path: Path) -> None:
     path = tmp_path / "trap.toml"
     path.write_text(TRAP.replace("[grid]\n", "[grid]\ntime_limit = 20\n", 1), encoding="utf-8")

@@ -35,6 +35,9 @@ def test_all_that_is_generated_stands_somewhere_once() -> None:
     assert sorted(block[2] for block in GENERATOR["BLOCK"].finditer(texts)) == sorted(GENERATOR["BLOCKS"])
 
 
+@pytest.mark.exhaustive(
+    "measures a figure of the book", but=[each for each in GENERATOR["PICTURES"] if "figure" not in each]
+)
 @pytest.mark.screen
 @pytest.mark.parametrize("picture", GENERATOR["PICTURES"])
 def test_a_picture_is_what_the_program_draws(picture: str) -> None:

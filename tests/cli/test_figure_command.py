@@ -18,6 +18,7 @@ def run(*args: str) -> Result:
     return CliRunner().invoke(program, ["figure", *args])
 
 
+@pytest.mark.exhaustive("measures figures of the book, which other tests hold")
 def test_ours_stand_beside_the_numbers_of_the_book() -> None:
     result = run("8.2", "--runs", "4")
     assert (result.exit_code, result.stderr) == (0, "")

@@ -155,6 +155,23 @@ def test_a_fault_is_told_once_with_how_many_seeds_show_it(tmp_path: Path) -> Non
 
 
 @pytest.mark.process
+def test_who_never_meets_a_reward_hears_of_the_first_of_ties(tmp_path: Path) -> None:
+    text = (
+        script()
+        .replace("range(600)", "range(700)")
+        .replace("0.2 else int(rng.choice(best))", "0.1 else best[0]")
+    )
+    (tmp_path / "first.py").write_text(text)
+    answer = document(tmp_path / "first.py", "--scenario", "frozenlake", "--seeds", 1)
+    [graded] = answer["submissions"]
+    assert not graded["passed"]
+    [finding] = graded["findings"]
+    assert (finding["fault"], finding["kind"], finding["seeds"]) == ("first-of-ties", "risk", 1)
+    assert "no reward was seen in 699 episodes" in finding["text"]
+    assert "choose at random among the actions of the largest value" in finding["correction"]
+
+
+@pytest.mark.process
 def test_what_takes_too_long_or_too_much_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rl_tui.lab.grading.grade.cores", lambda: 1)
     (tmp_path / "for_ever.py").write_text("while True: pass\n")

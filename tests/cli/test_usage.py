@@ -17,12 +17,14 @@ from click.testing import CliRunner, Result
 from rl_tui import __version__
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.cli import program as program_module
+from rl_tui.cli.key_on_screen import key_on_screen
 from rl_tui.cli.main import RlTui, program
 from rl_tui.common.packages import NEEDED
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.sessions.session import encoded
 from rl_tui.lab.timeline.branches import FIRST, RunRecord
+from rl_tui.tui.actions.registry import ACTIONS
 
 
 def run(*args: str) -> Result:
@@ -152,7 +154,33 @@ def test_wrong_usage_is_one_line_and_status_2(args: tuple[str, ...]) -> None:
 
 def test_near_commands_are_suggested() -> None:
     assert "did you mean train?" in run("tran").stderr
+    assert "did you mean plot?" in run("plots").stderr
     assert "rl-tui play frozenlake" in run("frozenlake").stderr
+    assert "to play a scenario: rl-tui play maze" in run("maze").stderr  # a word for a key, too
+
+
+@pytest.mark.parametrize(
+    ("word", "said"),
+    [
+        ("export", "the key x: rl-tui play ("),
+        ("explain", "the key ? (help): rl-tui play ("),
+        ("ATLAS", "the key S: rl-tui play ("),
+        ("heatmap", "the key S (atlas): rl-tui play ("),
+        ("restart", "the key r (reset): rl-tui play ("),
+        ("findings", "the key F: rl-tui watch SCRIPT.py ("),
+        ("hint", "the key H: rl-tui learn ("),
+        ("delete", "the key del: rl-tui ("),
+    ],
+)
+def test_words_of_keys_are_found_on_screen(word: str, said: str) -> None:
+    result = run(word, "frozenlake")
+    assert result.exit_code == 2
+    assert f"no command is called {word!r}; on screen it is {said}" in one_line(result)
+
+
+def test_each_key_is_found_by_its_label() -> None:
+    for action in ACTIONS:
+        assert "on screen it is the key" in key_on_screen(action.label)
 
 
 @pytest.mark.parametrize("command", ["train", "solve"])

@@ -355,6 +355,23 @@ def test_a_script_says_that_its_run_had_other_settings_at_first() -> None:
     assert "other settings" not in script_of("frozenlake")
 
 
+def test_a_script_says_how_many_episodes_its_run_had() -> None:
+    (line,) = (
+        each
+        for each in script(recipe_of("frozenlake"), 500, episodes_of_run=3481).splitlines()
+        if each.startswith("EPISODES")
+    )
+    assert " ".join(line.split()) == "EPISODES = 500 # how many episodes to train (the run had 3,481)"
+    for same in (0, 500):
+        assert "the run had" not in script(recipe_of("frozenlake"), 500, episodes_of_run=same)
+
+
+def test_a_script_says_of_which_lane_it_is() -> None:
+    text = script(recipe_of("frozenlake"), 10, lane="1 of 2")
+    assert "It contains lane 1 of 2 only." in " ".join(text.split())
+    assert "It contains" not in script(recipe_of("frozenlake"), 10)
+
+
 def test_a_policy_with_many_equally_good_moves_stays_in_its_columns(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

@@ -176,6 +176,7 @@ def test_lanes_have_as_many_episodes_as_the_one_with_the_fewest() -> None:
     assert study_request(playback.group, is_awaited=True).episodes == min(finished) < finished[0]
 
 
+@pytest.mark.exhaustive("runs a large world under many seeds")
 def test_finished_runs_of_a_large_world_do_not_stay_in_memory(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(study, "COLLECTED_ABOVE", 0)
     monkeypatch.setattr(study, "BATCHED_BELOW", 0)

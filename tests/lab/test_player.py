@@ -310,6 +310,7 @@ async def test_speed_is_measured_while_it_runs() -> None:
     assert snapshot.playback.speed is None
 
 
+@pytest.mark.usefixtures("real_collections")
 async def test_while_it_plays_the_collector_is_spared_what_is_loaded() -> None:
     gc.unfreeze()
     player = Player(recipe("student"))
@@ -332,6 +333,7 @@ async def test_where_no_thread_can_be_started_it_says_so(monkeypatch: pytest.Mon
     player.close()
 
 
+@pytest.mark.usefixtures("real_collections")
 async def test_a_player_that_closes_after_the_next_has_begun_takes_nothing_from_it() -> None:
     first, second = Player(recipe("student")), Player(recipe("student"))
     for player in (first, second):

@@ -34,6 +34,7 @@ def run_of(scenario: str) -> Run:
     return Run(recipe(scenario))
 
 
+@pytest.mark.exhaustive("trains in a world of some size", but=["random-walk"])
 @pytest.mark.process
 @pytest.mark.parametrize("scenario", ["student", QUICK])
 def test_a_snapshot_tells_what_the_command_prints_and_nothing_once_it_is_closed(scenario: str) -> None:

@@ -35,6 +35,7 @@ def student(folder: Path, *before: str, command: tuple[str, ...] = RL_TUI) -> It
         yield terminal
 
 
+@pytest.mark.exhaustive("loses a terminal in many ways", but=["told"])
 @pytest.mark.parametrize("before", [CONTROLLING, CONTROLLING + DEAF], ids=["told", "deaf"])
 def test_it_ends_by_itself_when_the_terminal_is_gone(tmp_path: Path, before: tuple[str, ...]) -> None:
     with student(tmp_path, *before) as terminal:
@@ -44,6 +45,7 @@ def test_it_ends_by_itself_when_the_terminal_is_gone(tmp_path: Path, before: tup
     assert len(list(tmp_path.iterdir())) == 1, "the lock is given back"
 
 
+@pytest.mark.exhaustive("loses a terminal in many ways")
 def test_it_ends_when_the_terminal_is_gone_in_the_middle_of_a_frame_and_nobody_says_so(
     tmp_path: Path,
 ) -> None:
@@ -55,6 +57,7 @@ def test_it_ends_when_the_terminal_is_gone_in_the_middle_of_a_frame_and_nobody_s
     assert kept_step(tmp_path) > STEPS
 
 
+@pytest.mark.exhaustive("loses a terminal in many ways")
 def test_a_terminal_that_does_not_read_holds_up_nothing_not_even_the_end(tmp_path: Path) -> None:
     with student(tmp_path) as terminal:
         terminal.stall()
@@ -67,6 +70,7 @@ def test_a_terminal_that_does_not_read_holds_up_nothing_not_even_the_end(tmp_pat
         assert terminal.wait_for_exit() == 128 + signal.SIGQUIT
 
 
+@pytest.mark.exhaustive("loses a terminal in many ways")
 def test_a_terminal_that_does_not_read_and_is_gone_then_ends_it(tmp_path: Path) -> None:
     with student(tmp_path) as terminal:
         terminal.stall()
@@ -77,6 +81,7 @@ def test_a_terminal_that_does_not_read_and_is_gone_then_ends_it(tmp_path: Path) 
     assert kept_step(tmp_path) > STEPS
 
 
+@pytest.mark.exhaustive("loses a terminal in many ways")
 def test_to_be_interrupted_from_outside_is_to_be_told_to_end(tmp_path: Path) -> None:
     with student(tmp_path) as terminal:
         terminal.process.send_signal(signal.SIGINT)

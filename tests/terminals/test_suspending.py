@@ -80,6 +80,7 @@ def test_ctrl_z_goes_to_the_shell_and_fg_comes_back(tmp_path: Path) -> None:
         terminal.press("q")
 
 
+@pytest.mark.exhaustive("suspends in many ways")
 def test_it_can_be_stopped_from_outside_but_by_ctrl_z_only_where_there_is_a_shell(tmp_path: Path) -> None:
     command = [*CONTROLLING, *RL_TUI, "play", "student"]
     with LosableTerminal(command, {"RL_TUI_SESSIONS_DIR": str(tmp_path)}) as terminal:
@@ -103,6 +104,7 @@ def test_it_can_be_stopped_from_outside_but_by_ctrl_z_only_where_there_is_a_shel
     assert kept_step(tmp_path) == STEPS
 
 
+@pytest.mark.exhaustive("suspends in many ways")
 def test_what_only_started_it_is_no_shell_to_go_to(tmp_path: Path) -> None:
     command = [*CONTROLLING, "sh", "-c", f"{PLAY}; exit $?"]  # as sshd does where the shell stays
     with LosableTerminal(command, {"RL_TUI_SESSIONS_DIR": str(tmp_path)}) as terminal:

@@ -100,6 +100,7 @@ def fresh() -> dict[tuple[int, int], str]:
     return screens
 
 
+@pytest.mark.exhaustive("starts a terminal for each size")
 def test_256_colours_at_every_size_look_as_if_started_there(fresh: dict[tuple[int, int], str]) -> None:
     with PseudoTerminal(PLAY, {}, ODD_SIZES[0]) as terminal:
         begin(terminal)

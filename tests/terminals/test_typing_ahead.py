@@ -12,6 +12,7 @@ ESCAPE = "\x1b[27u"  # as terminals send it that were asked to tell it from the 
 PALETTE = "\x10"  # ctrl+p
 
 
+@pytest.mark.exhaustive("opens every dialog in a terminal")
 def test_no_key_is_lost_while_a_dialog_or_a_screen_opens() -> None:
     with PseudoTerminal([*RL_TUI, "play", "student"]) as terminal:
         terminal.wait_for("paused")

@@ -30,6 +30,7 @@ def digest_of(scenario: str) -> str:
     return table_digest(mdp)
 
 
+@pytest.mark.exhaustive("draws large maps cell by cell", but=["bridge-Keys"])
 @pytest.mark.parametrize("hands", [Keys, Mouse])
 @pytest.mark.parametrize("scenario", SCENARIOS)
 async def test_a_known_map_is_drawn_from_a_blank_one(scenario: str, hands: type[Hands]) -> None:
@@ -61,6 +62,7 @@ async def set_action(pilot: Pilot[UserError], state: str, action: str, does: str
     await type_lines(pilot, action, does)
 
 
+@pytest.mark.exhaustive("draws a whole graph key by key")
 async def test_the_student_evening_is_drawn_from_a_blank_graph_by_keys() -> None:
     async with app_of_template("mdp").run_test(size=(120, 40)) as pilot:
         await settle(pilot)

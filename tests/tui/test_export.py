@@ -17,15 +17,17 @@ from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import Train
+from rl_tui.lab.live.commands import AddLane, Train
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.run.recipe import SetParameter
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.screens.dialogs.choice import Choice
 from rl_tui.tui.screens.dialogs.export import BrokenOffError, CommandLine, Working
 from rl_tui.tui.screens.dialogs.prompt import Prompt
+from rl_tui.tui.screens.playground.actions.export import script_of
 from rl_tui.tui.screens.playground.playground import Playground
 
 
@@ -35,10 +37,14 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+def playground(pilot: Pilot[UserError]) -> Playground:
+    return next(screen for screen in pilot.app.screen_stack if isinstance(screen, Playground))
+
+
 def shown(pilot: Pilot[UserError]) -> Snapshot:
-    playground = next(screen for screen in pilot.app.screen_stack if isinstance(screen, Playground))
-    assert playground.snapshot is not None
-    return playground.snapshot
+    snapshot = playground(pilot).snapshot
+    assert snapshot is not None
+    return snapshot
 
 
 async def press(pilot: Pilot[UserError], *keys: str) -> None:
@@ -51,7 +57,7 @@ async def press(pilot: Pilot[UserError], *keys: str) -> None:
 
 async def train(pilot: Pilot[UserError], steps: int) -> None:
     await settle(pilot)
-    next(screen for screen in pilot.app.screen_stack if isinstance(screen, Playground)).send(Train(steps))
+    playground(pilot).send(Train(steps))
     await settle(pilot)
 
 
@@ -79,6 +85,24 @@ async def test_a_script_is_written_under_the_name_offered(make_app: MakeApp, fol
         assert "frozenlake-q-learning.py" in "".join(said(pilot)).replace("\n", "")
         await choose(pilot, "script")
         assert pilot.app.screen.query_one(Input).value == "frozenlake-q-learning-2.py"
+
+
+async def test_of_two_lanes_the_one_shown_is_exported_and_named(make_app: MakeApp) -> None:
+    async with make_app("student").run_test(size=(120, 40)) as pilot:
+        await train(pilot, 300)
+        first = shown(pilot)
+        await press(pilot, "x")
+        assert pilot.app.screen.query_one("#box").border_title == "Export"
+        await press(pilot, "escape")
+        playground(pilot).send(AddLane((SetParameter("alpha", 0.5),)))
+        await settle(pilot)
+        await press(pilot, "x")
+        both = shown(pilot)
+        number = both.run_group.shown + 1
+        assert pilot.app.screen.query_one("#box").border_title == f"Export · lane {number} of 2"
+    assert f"It contains lane {number} of 2 only." in " ".join(script_of(both).split())
+    assert f"(the run had {both.counters.episodes:,})" in script_of(both)
+    assert "It contains lane" not in script_of(first)
 
 
 async def test_what_is_there_already_is_never_written_over(make_app: MakeApp, folder: Path) -> None:

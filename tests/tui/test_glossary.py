@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
+from pathlib import Path
 
 import pytest
 
@@ -13,6 +15,8 @@ from rl_tui.tui.glossary.glossary import GlossaryTerm, glossary, search, term_at
 from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.tui.panels.row import CONTROLS, LAST_STEP, TABLE, TIMELINE, WORLD, PanelRow
 from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
+
+AGENTS = (Path(__file__).parents[2] / "docs/agents.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("term", glossary().values(), ids=lambda term: term.id)
@@ -45,6 +49,15 @@ def test_every_slider_can_be_asked_about(name: str) -> None:
 @pytest.mark.parametrize("name", [each.name for each in (*BY_ID.values(), *POLICY_BY_ID.values())])
 def test_every_algorithm_and_policy_is_found(name: str) -> None:
     assert term_at(name, 0, UNICODE), f"glossary.toml: no term has the word {name}; add one"
+
+
+def test_where_the_sample_average_counts_updates_is_said_of_those_and_no_others() -> None:
+    for text in (glossary()["sample-average"].text, AGENTS):
+        sentences = re.split(r"[.;] ", " ".join(text.split()))
+        said = next(part for part in sentences if "Double Q-learning" in part and "updates" in part)
+        for each in sorted(BY_ID.values(), key=lambda row: not row.counts_updates):
+            assert (each.name in said) is each.counts_updates, each.name
+            said = said.replace(each.name, "")
 
 
 @pytest.mark.parametrize(

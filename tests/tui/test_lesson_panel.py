@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -11,13 +13,14 @@ from rich.cells import cell_len
 from samples import look, student
 from snapshots import changed
 
-from rl_tui.lab.lessons.lesson import lesson_of
+from rl_tui.lab.lessons.lesson import lesson_folder, lesson_of, read_lesson
 from rl_tui.lab.lessons.record import Given, LessonRecord, Passed, begun
 from rl_tui.lab.lessons.view import ConditionView, LessonView, TaskView
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.panels.lesson.lesson import LessonPanel
 from rl_tui.tui.panels.lesson.page_lines import Spotlight
 from rl_tui.tui.panels.lesson.stage import PageStage, keeping_page, stage_of
+from rl_tui.tui.panels.lesson.words import NOT_COUNTED, next_keys
 
 CONDITIONS = (ConditionView("study is greedy", False, "check phone"), ConditionView("no step by you", True))
 SAID = Given("predict", -2.0, is_right=False, step=3, digest="x")
@@ -101,6 +104,15 @@ def test_a_right_prediction_has_no_reply() -> None:
     said = text(at("predict", RIGHT, step=5))
     assert "✓ right – it is −1.5" in said
     assert "forgotten" not in said
+
+
+def test_a_guess_is_told_that_it_does_not_count() -> None:
+    taught = lesson_of(TEXT.replace('id = "predict"', 'id = "predict"\nguess = true'), Path("sample.toml"))
+    snapshot = at("predict", RIGHT, step=5)
+    assert snapshot.lesson is not None
+    said = text(replace(snapshot, lesson=LessonView(replace(snapshot.lesson.record, lesson=taught))))
+    assert NOT_COUNTED in said
+    assert "right so far" not in said
 
 
 def test_an_unknown_wrong_answer_is_wrong_without_a_reply() -> None:
@@ -266,6 +278,36 @@ def test_of_a_planner_the_footer_names_the_key_of_a_sweep() -> None:
     start = at("predict", RIGHT, step=3)
     snapshot = replace(start, agent=replace(start.agent, algorithm="value-iteration"))
     assert panel_of(snapshot).keys(snapshot)[0] == "e or s: 2 steps to the truth"
+
+
+@pytest.mark.parametrize(
+    ("is_manual", "way"), [(False, "y then 1: 2 steps to the truth"), (True, "1: 2 steps to the truth")]
+)
+def test_the_footer_names_the_keys_that_the_page_asks_for(is_manual: bool, way: str) -> None:
+    taught = lesson_of(TEXT.replace("steps = 2", 'steps = 2\nkeys = ["y", "1"]'), Path("sample.toml"))
+    record = replace(begun(taught).open("predict"), given=(RIGHT,))
+    panel = panel_of(replace(at("predict", RIGHT, step=3), lesson=LessonView(record)))
+    panel.is_manual = is_manual
+    assert panel.keys(panel.snapshot)[0] == way
+
+
+@pytest.mark.parametrize("lesson", [path.stem for path in lesson_folder().glob("*.toml")])
+def test_no_footer_names_a_key_that_its_page_forbids_or_does_not_ask_for(lesson: str) -> None:
+    taught, start = read_lesson(lesson_folder() / f"{lesson}.toml"), student(0)
+    for page in taught.pages:
+        forbidden = set(re.findall(r"[Nn]ot `([^`]+)`", page.text))
+        asked = {key.strip("`") for key in re.findall(r"`[^`]+`|[↑→↓←]|arrows", page.text)} - forbidden
+        opened = begun(taught).open(page.id)
+        given = replace(opened, given=(Given(page.id, 0, is_right=False, step=0),))
+        for record, is_manual, has_focus in product((opened, given), (False, True), (False, True)):
+            view = LessonView(record)
+            snapshot = replace(start, lesson=view)
+            is_locked = stage_of(view, snapshot) is PageStage.LOCKED
+            for footer in next_keys(view, snapshot, has_focus=has_focus, is_manual=is_manual):
+                parts = (part.split(":")[0] for part in footer.split(" · "))
+                keys = {key for part in parts for key in re.split(" then | or ", part)}
+                assert not keys & forbidden, page.id
+                assert not is_locked or keys - {"enter"} <= asked, page.id
 
 
 def test_the_spotlight_names_the_key_of_a_panel_that_has_no_place() -> None:

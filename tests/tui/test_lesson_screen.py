@@ -35,10 +35,11 @@ from rl_tui.tui.screens.playground.actions.lesson.lesson import CAN_BE_DONE, NOT
 from rl_tui.tui.screens.playground.actions.lesson.next_lesson import LAST_PAGE
 from rl_tui.tui.screens.playground.playground import Playground
 
-SIZES = [(120, 40), (80, 24)]
-both_sizes = pytest.mark.parametrize("size", SIZES)
 small = (80, 24)
 wide = (120, 40)
+both_sizes = pytest.mark.parametrize(
+    "size", [small, pytest.param(wide, marks=pytest.mark.exhaustive("plays at another size"))]
+)
 
 
 @asynccontextmanager

@@ -169,6 +169,7 @@ async def pictures(pilot: Pilot[Any], study: SeedStudy | None = None) -> tuple[s
     return drawn[0], drawn[1]
 
 
+@pytest.mark.exhaustive("opens everything in each world", but=["frozenlake-slippery-size1"])
 @pytest.mark.parametrize("size", [(120, 40), (80, 24)])
 @pytest.mark.parametrize("scenario", ["student", "frozenlake-slippery", "bandit"])
 async def test_no_panel_depends_on_the_answer(scenario: str, size: tuple[int, int]) -> None:

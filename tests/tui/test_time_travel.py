@@ -46,24 +46,23 @@ def moment(pilot: Pilot[UserError]) -> Moment:
     for shows, panel in fresh:
         panel.show(shown)
         pictures.append("\n".join(row.text for row in panel.picture(shown, *shows.size)))
-    return (*pictures, text_of(board.query_one(LastStepPanel)), bits(shown))
+    return (*pictures, text_of(board.query_one(LastStepPanel)), *bits(shown))
 
 
-def bits(shown: Snapshot) -> str:
-    parts = (
+def bits(shown: Snapshot) -> tuple[str, str]:
+    """Return where the agent stands, and what was learned."""
+    counters = shown.counters
+    where = counters.state, counters.episodes, counters.episode_step
+    learned = (
         shown.agent.q.tobytes(),
         shown.agent.visits.tobytes(),
-        shown.counters.rewards.tobytes(),
+        counters.rewards.tobytes(),
         shown.results.curve.return_mean.tobytes(),
     )
-    figures = (
-        shown.counters.state,
-        shown.counters.episodes,
-        shown.counters.episode_step,
-        shown.counters.episode_return,
-        shown.counters.discounted_return,
+    return (
+        f"{where} {counters.episode_return} {counters.discounted_return} {counters.last_step}",
+        f"{[part.hex() for part in learned]}",
     )
-    return f"{[part.hex() for part in parts]} {figures} {shown.counters.last_step}"
 
 
 async def go(pilot: Pilot[UserError], text: str) -> Snapshot:
@@ -111,7 +110,9 @@ async def test_every_panel_shows_what_it_showed_then(scenario: str, planner: boo
                 Phase.PAUSED,
                 end,
             )
-            assert here not in then or moment(pilot) == then[here], (key, here)
+            # where an episode begins only what was learned is as it was at the end of the one before
+            told = slice(-1, None) if key == "B" and here else slice(None)
+            assert here not in then or moment(pilot)[told] == then[here][told], (key, here)
         assert "◀ the past" in text_of(playground(pilot).query_one("#status"))
         await go(pilot, "3")
         assert moment(pilot) == then[3]

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 import samples
 from conftest import MakeApp
-from seams import notes, playground, press
+from seams import notes, playground, press, show
 from snapshots import changed
 
 import rl_tui.agents.learner_memory
@@ -103,16 +103,14 @@ async def test_a_tick_of_a_slider_is_checked_once_when_asked_for_and_once_in_the
             assert checks == {"rl_tui.lab.run.settings": ticks, "rl_tui.agents.learner_memory": ticks}
 
 
-async def test_a_run_in_preparation_has_no_journal_to_show(
-    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_run_in_preparation_has_no_journal_to_show(make_app: MakeApp) -> None:
     app = make_app("student")
     async with app.run_test(size=(80, 24), notifications=True) as pilot:
         await settle(pilot)
         screen = playground(pilot)
         assert screen.snapshot is not None
         preparing = changed(screen.snapshot, phase=Phase.PREPARING, step=0)
-        monkeypatch.setattr(screen.link, "snapshot", preparing)
+        show(screen, preparing)
         screen.action_do("time.show_branches")  # as the palette does: the key would wait
         await settle(pilot)
         assert app.screen is screen

@@ -14,6 +14,7 @@ from rl_tui.lab.course.checks.asked import page_findings
 from rl_tui.lab.course.checks.numerals import numeral_findings
 from rl_tui.lab.course.checks.tasks import TaskCheck
 from rl_tui.lab.lessons.figures.figures import LessonFigures
+from rl_tui.lab.lessons.figures.step_budget import StepBudget
 from rl_tui.lab.lessons.judging.world_faults import reference_faults
 from rl_tui.lab.lessons.lesson import Lesson, is_lesson_text, read_lesson
 from rl_tui.lab.lessons.variants import readable, variants_of
@@ -44,12 +45,19 @@ def is_lesson_file(path: str | Path) -> bool:
         return False
 
 
-def check_lesson(path: str | Path, *, quick: bool = False, on_checked: OnChecked = ignore) -> LessonReport:
+def check_lesson(
+    path: str | Path,
+    *,
+    quick: bool = False,
+    on_checked: OnChecked = ignore,
+    budget: StepBudget | None = None,
+) -> LessonReport:
     """Return what is wrong with the lesson in a file, each of its variants as a lesson of its own.
 
     ``quick`` leaves out what takes many seeds. What every variant has is told once, of the first.
+    All variants share the ``budget`` of steps.
     """
-    report = LessonReport()
+    report, budget = LessonReport(), budget or StepBudget()
     try:
         lessons = [read_lesson(path)]
         names = variants_of(tables_in(readable(read_text(Path(path)))))
@@ -60,7 +68,7 @@ def check_lesson(path: str | Path, *, quick: bool = False, on_checked: OnChecked
     counted = _Counted(on_checked, sum(map(_amount, lessons)))
     seen = set[tuple[str, str, str]]()
     for lesson in lessons:
-        faults, warnings = _LessonCheck(lesson, counted, quick=quick).findings()
+        faults, warnings = _LessonCheck(lesson, counted, budget, quick=quick).findings()
         file = f"{path} (variant {lesson.variant})" if lesson.variant else str(path)
         for findings, reported in ((faults, report.faults), (warnings, report.warnings)):
             reported += [Fault(file, *each) for each in findings if each not in seen]
@@ -98,12 +106,12 @@ def _placed(findings: list[Finding], raw: Mapping[str, Any]) -> list[_Placed]:
 class _LessonCheck:
     """Looks for all that is wrong with ``lesson``, one variant of it."""
 
-    def __init__(self, lesson: Lesson, counted: _Counted, *, quick: bool) -> None:
+    def __init__(self, lesson: Lesson, counted: _Counted, budget: StepBudget, *, quick: bool) -> None:
         self._lesson = lesson
         self._counted = counted
         self._quick = quick
-        self._known: dict[Any, Any] = {}
-        self._figures = LessonFigures(lesson, self._known)
+        self._budget = budget
+        self._figures = LessonFigures(lesson, budget)
 
     def findings(self) -> tuple[list[_Placed], list[_Placed]]:
         """Return faults and warnings: each its place, what was found, and what was expected."""
@@ -113,11 +121,11 @@ class _LessonCheck:
             return unknown, []  # without a world nothing else can be told
         faults = list(self._figure_findings())
         faults += page_findings(self._lesson, raw, self._figures, quick=self._quick)
-        faults += numeral_findings(self._lesson, raw, self._known)
+        faults += numeral_findings(self._lesson, raw, self._figures)
         warnings = list[Finding]()
         for number, page in enumerate(self._lesson.pages):
             if page.task is not None:
-                check = TaskCheck(self._lesson, number, page, page.task, quick=self._quick)
+                check = TaskCheck(self._lesson, number, page, page.task, self._budget, quick=self._quick)
                 warnings += check.warnings()
                 if not unknown:
                     faults += self._task_findings(check)

@@ -46,7 +46,7 @@ def predictions_in(taken: LessonRecord, lesson: Lesson, record: Record) -> Predi
     What is right is what ``lesson`` says. Of each page the first answer counts. Raises UserError where a
     setup cannot be played.
     """
-    asked = {page.id: page.prediction for page in lesson.pages if page.prediction is not None}
+    asked = {page.id: page.prediction for page in lesson.counted_predictions if page.prediction is not None}
     made = [given for page in asked if (given := taken.given_on(page)) is not None]
     right = sum(asked[given.page].is_right(given.answer) for given in made)
     known = [_Known(each.recipe, each.journal, each.step) for each in taken.passed]

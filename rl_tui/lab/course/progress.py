@@ -53,11 +53,7 @@ class StoredProgress:
         if stored is None:
             return None
         first_answers = {given.page: given for given in reversed(stored.given)}
-        made = [
-            first_answers[page.id]
-            for page in lesson.pages
-            if page.prediction is not None and page.id in first_answers
-        ]
+        made = [first_answers[page.id] for page in lesson.counted_predictions if page.id in first_answers]
         pages = {page.id for page in lesson.pages}
         documents = [each.document.lesson for each in sessions if each.document.lesson]
         tasks = len(lesson.tasks)

@@ -35,11 +35,15 @@ class ParameterText:
         }
         return {*words, "sample average"} if self.sample_average else words
 
-    def constants(self, episodes: int, seed: int) -> str:
-        """Return the lines of the constants, each with what it is beside it."""
+    def constants(self, episodes: int, seed: int, episodes_of_run: int = 0) -> str:
+        """Return the lines of the constants, each with what it is beside it.
+
+        ``episodes_of_run`` are those of the run on screen, which had another number mostly; 0: not known.
+        """
         constants = [*self._parameters()]
         if not self.algorithm.planner:
-            constants.append(("EPISODES", f"{episodes:_}", "how many episodes to train"))
+            other = f" (the run had {episodes_of_run:,})" if episodes_of_run not in (0, episodes) else ""
+            constants.append(("EPISODES", f"{episodes:_}", f"how many episodes to train{other}"))
         constants.append(("SEED", str(seed), "where all randomness comes from"))
         width = max(len(f"{name} = {value}") for name, value, _ in constants)
         return "\n".join(f"{f'{name} = {value}':<{width}}  # {text}" for name, value, text in constants)

@@ -30,13 +30,22 @@ _CHANGED: Final = (
 )
 
 
-def script(recipe: Recipe, episodes: int, world: World | None = None, *, changed: bool = False) -> str:
+def script(
+    recipe: Recipe,
+    episodes: int,
+    world: World | None = None,
+    *,
+    changed: bool = False,
+    episodes_of_run: int = 0,
+    lane: str = "",
+) -> str:
     """Return the script that trains the algorithm of ``recipe`` for ``episodes`` episodes.
 
     ``world`` is that of the recipe, if it is at hand. ``changed`` says that a run came to these settings on
-    the way only, which the script then says. Raises UserError, in a line, where there can be none: the world
-    is too large to be read, its observations are no short script's business, or the algorithm cannot work in
-    it.
+    the way only, which the script then says. It also says how many ``episodes_of_run`` there were, if that is
+    another number, and of which ``lane`` it is (``1 of 2``), if there were several. Raises UserError, in a
+    line, where there can be none: the world is too large to be read, its observations are no short script's
+    business, or the algorithm cannot work in it.
     """
     world = world or begin(recipe).world
     check_compatible(world.space, recipe.algorithm, recipe.hyperparameters)
@@ -46,9 +55,9 @@ def script(recipe: Recipe, episodes: int, world: World | None = None, *, changed
     parts = planner_text(params, text) if planner else learner_text(params, text, world.space)
     imports = "\n".join([*text.imports, "", "import gymnasium as gym", "import numpy as np"]).lstrip("\n")
     blocks = [
-        _head(recipe, text, params, changed),
+        _head(recipe, text, params, _remarks_on_run(changed, lane)),
         imports,
-        params.constants(episodes, recipe.seed),
+        params.constants(episodes, recipe.seed, episodes_of_run),
         "rng = np.random.default_rng(SEED)  # the randomness of the agent",
         *_separate(parts),
     ]
@@ -99,11 +108,16 @@ def _world_text(recipe: Recipe, world: World) -> WorldText:
     return table_text(world.mdp)
 
 
-def _head(recipe: Recipe, text: WorldText, params: ParameterText, changed: bool) -> str:
+def _remarks_on_run(changed: bool, lane: str) -> list[str]:
+    """Return in which ways the run was more than the script."""
+    return [*([f"It contains lane {lane} only."] if lane else []), *([_CHANGED] if changed else [])]
+
+
+def _head(recipe: Recipe, text: WorldText, params: ParameterText, remarks_on_run: list[str]) -> str:
     title = recipe.scenario.title.replace("\\", "/").replace('"', "'")
     algorithm = params.algorithm
     policy = "" if algorithm.planner else f", policy {params.policy.name}"
-    remarks = [*text.remarks, *([_CHANGED] if changed else [])]
+    remarks = [*text.remarks, *remarks_on_run]
     sentences = " ".join([f"{_NEEDS} (this algorithm: {algorithm.source}).", *remarks])
     first = textwrap.wrap(f"{algorithm.name} on “{title}”{policy}.", WIDEST)
     return '"""' + "\n".join([*first, "", *textwrap.wrap(sentences, WIDEST)]) + '\n"""'

@@ -63,6 +63,11 @@ class Lesson:
         """The pages that set a task."""
         return tuple(page for page in self.pages if page.task is not None)
 
+    @property
+    def counted_predictions(self) -> tuple[Page, ...]:
+        """The pages whose prediction counts among the right or wrong ones: all but guesses."""
+        return tuple(page for page in self.pages if page.prediction is not None and not page.guess)
+
     def page(self, page_id: str) -> Page:
         """Return the page of this id; raises KeyError where there is none."""
         for page in self.pages:

@@ -92,9 +92,9 @@ class LessonRecord:
 
     @property
     def predictions(self) -> tuple[int, int]:
-        """How many predictions were right, and how many were made."""
-        pages = [page.id for page in self.lesson.pages if page.prediction is not None]
-        made = [given for page in pages if (given := self.given_on(page)) is not None]
+        """How many predictions were right, and how many were made. Guesses do not count."""
+        pages = self.lesson.counted_predictions
+        made = [given for page in pages if (given := self.given_on(page.id)) is not None]
         return sum(given.is_right for given in made), len(made)
 
     @property

@@ -134,8 +134,8 @@ class Measured(FileSection):
 class Ask(FileSection):
     """Something to answer: a number, right within ``tolerance``, or one of several ``choices``.
 
-    Of a prediction, the truth is shown once ``steps`` more steps were taken; ``shows`` is measured of the run
-    at that very step, to stand beside it.
+    Of a prediction, the truth is shown once ``steps`` more steps were taken, by the ``keys`` that the page
+    asks for, in their order; ``shows`` is measured of the run at that very step, to stand beside it.
     """
 
     ask: Prose
@@ -144,6 +144,7 @@ class Ask(FileSection):
     wrong: Annotated[tuple[WrongAnswer, ...], _list("wrong answers")] = ()
     choices: Annotated[tuple[AnswerChoice, ...], _list("choices")] = ()
     steps: Count = 0
+    keys: Annotated[tuple[ShortLine, ...], _list("keys")] = ()
     shows: Measured | None = None
 
     @model_validator(mode="after")
@@ -154,6 +155,8 @@ class Ask(FileSection):
             raise refused(f"{len(self.choices)} choices", "two or more, one of them with right = true")
         if self.shows is not None and not self.steps:
             raise refused("shows without steps", "in how many steps it is measured: steps")
+        if self.keys and not self.steps:
+            raise refused("keys without steps", "how many steps they take to the truth: steps")
         return self
 
     def is_right(self, answer: float) -> bool:
@@ -252,6 +255,7 @@ class Page(FileSection):
 
     ``setup`` begins another run than the page before, where it differs. ``spotlight`` is the id of the panel
     to look at. ``hides`` is kept back until the page is done. The ``explanation`` is shown once it is.
+    ``guess`` marks a prediction that cannot be worked out: it does not count among the right ones.
     """
 
     id: Word
@@ -267,6 +271,7 @@ class Page(FileSection):
         ),
     ] = ()
     prediction: Ask | None = None
+    guess: TruthValue = False
     question: Ask | None = None
     task: Task | None = None
     explanation: Prose = ""
@@ -278,6 +283,8 @@ class Page(FileSection):
             raise refused(" and ".join(asked), "at most one of them on a page")
         if self.question is not None and self.question.shows is not None:
             raise refused("a question that shows a measure", "a prediction: a question waits for no step")
+        if self.guess and self.prediction is None:
+            raise refused("guess without a prediction", "a prediction, or no guess")
         return self
 
     @property

@@ -110,13 +110,12 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "what is best for this γ (in short γ-best): the return, undiscounted too, of the policy that is best "
         "for the γ in force. At a smaller γ another policy can collect more than that one. What exploring "
         "costs is exact too: the return of the greedy policy less that of the agent as it acts now, with its "
-        "ε. A greedy policy "
-        "that may never end has no return: its line has a gap there. The vertical axis is that of the best "
-        "and of most episodes: an arrow stands where a line goes below it. The other one counts "
-        "finished episodes, the top line the one that the agent is in. On it ◈ marks where "
-        "the world was drawn anew, ✗ where that cut off an episode, which counts in no mean; what is best is "
-        "dotted from there on. Where the run cannot keep up with the wanted speed, the top line ends with "
-        "the one measured.",
+        "ε. A greedy policy that may collect rewards for ever has no return: its line has a gap there. The "
+        "vertical axis is that of the best and of most episodes: an arrow stands where a line goes below it. "
+        "The other one counts finished episodes, the top line the one that the agent is in. On it ◈ marks "
+        "where the world was drawn anew, ✗ where that cut off an episode, which counts in no mean; what is "
+        "best is dotted from there on. Where the run cannot keep up with the wanted speed, the top line ends "
+        "with the one measured.",
         caption="what each episode has earned",
         terms=(
             "return",
@@ -358,8 +357,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "least three steps on which two readings of the code predict different numbers, all of them for one "
         "and none for the other; declared means that it rests on a number read from the code. A risk is what "
         "may go wrong by bad luck. Each says what was seen, on how many steps, shows the line in the source, "
-        "marked ▸, and the correction in the terms of the book. The arrows choose one, enter goes to the "
-        "first step that shows it.",
+        "marked ▸, and the correction. The arrows choose one, enter goes to the first step that shows it.",
         caption="what is wrong, and where",
         terms=("finding", "program", "departs", "informative-step", "bootstrap", "terminal", "truncated"),
         opened_by=OpeningKey(

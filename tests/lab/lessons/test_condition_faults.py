@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from lab.lessons.lesson_sessions import TEXT
 from lab.lessons.task_samples import inline, task_text
 
 from rl_tui.common.errors import ScenarioError
@@ -82,6 +83,19 @@ def test_a_condition_that_makes_no_sense(asked: dict[str, Any], place: str) -> N
 )
 def test_a_condition_that_does(asked: dict[str, Any]) -> None:
     assert places(task_text(asked)) == []
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "found"),
+    [
+        ('id = "quiz"', 'id = "quiz"\nguess = true', "guess without a prediction"),
+        ("steps = 1 }", 'keys = ["s"] }', "keys without steps"),
+    ],
+)
+def test_what_only_a_prediction_has_a_use_for(before: str, after: str, found: str) -> None:
+    with pytest.raises(ScenarioError) as raised:
+        lesson_of(TEXT.replace(before, after), Path("sample.toml"))
+    assert [fault.found for fault in raised.value.faults] == [found]
 
 
 def test_a_near_name_is_given() -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import json
+import weakref
 from typing import Any, Final
 
 import pytest
@@ -10,8 +12,12 @@ from click.testing import CliRunner
 from lesson_samples import with_figures
 
 from rl_tui.cli.main import program
+from rl_tui.lab.experiments.seeded_runs import SeededRuns
+from rl_tui.lab.lessons.figures.expression import FigureError
 from rl_tui.lab.lessons.figures.figures import LessonFigures
 from rl_tui.lab.lessons.figures.functions import FUNCTIONS
+from rl_tui.lab.lessons.figures.step_budget import FIGURE_STEPS, STEPPED, StepBudget
+from rl_tui.lab.run.run import Run
 
 pytestmark = pytest.mark.unit
 
@@ -130,7 +136,7 @@ def test_another_value_is_not_so(value: str, by: str) -> None:
         ("1", "mean('first_reward_episode', steps=1)", "a number under every seed"),
         ("1", "ahead('steps', 1, {}, steps=9)", "a table of settings"),
         ("1", "run('steps', steps=9, changes=5)", "a list of changes"),
-        ("1", "mean('steps', steps=30_000_000)", "at most 1,000,000,000"),
+        ("1", f"mean('steps', steps={FIGURE_STEPS})", f"at most {FIGURE_STEPS:,} steps in a figure"),
         ("1", "attempt('doo', 'study', 'steps')", 'did you mean "do"?'),
         ("1", "attempt('do', 'studi', 'steps')", 'did you mean "study"?'),
         ("1", "sqrt(-1)", "sqrt(x)"),
@@ -227,6 +233,83 @@ def test_exact_figures_are_those_of_the_commands() -> None:
     assert (asked.value("value"), asked.value("long")) == (evaluated["value_at_start"], evaluated["steps"])
     why = document("why", "frozenlake", "--ties", "first")
     assert asked.value("wait") == why["first_update"]["mean_episodes"]
+
+
+def counted(by: str, budget: StepBudget) -> str:
+    """What is wrong with a figure that may take no more than ``budget``; empty where it is worked out."""
+    lesson = with_figures(f"tried = {{ value = '1', by = {json.dumps(by)} }}")
+    try:
+        LessonFigures(lesson, budget).value("tried")
+    except FigureError as fault:
+        return f"{fault.found}; {fault.expected}"
+    return ""
+
+
+@pytest.mark.parametrize(
+    ("by", "steps"),
+    [
+        ("run('steps', steps=40)", 40),
+        ("run('steps', steps=40) + run('episodes', steps=60)", 100),
+        ("run('steps', steps=40) + run('episodes', steps=40)", 40),
+        ("mean('steps', seeds=50, steps=3)", 150),
+        ("mean('steps', steps=3) + share('episodes', steps=3, at_least=1)", 300),
+        ("ahead('steps', {'epsilon': 0.1}, {'epsilon': 1}, steps=3)", 300),
+        ("attempt('do', 'study', 'steps')", 1),
+        ("run('steps', steps=4, algorithm='dyna-q', planning_steps=5)", 24),
+        ("run('steps', steps=4, algorithm='dyna-q', planning_steps=2, changes=['1:planning_steps=5'])", 24),
+        ("run('steps', steps=4, changes=['1:planning_steps=5', '2:algorithm=dyna-q'])", 44),
+        ("run('steps', steps=4, planning_steps=5)", 4),
+        ("run('steps', steps=4, scenario='cartpole')", 4 * STEPPED),
+    ],
+)
+def test_steps_are_counted_one_by_one(by: str, steps: int) -> None:
+    exactly = StepBudget(figure=steps)
+    assert counted(by, exactly) == ""
+    assert (exactly.taken, exactly.of_figures["tried"]) == (steps, steps)
+    assert f"at most {steps - 1:,} steps in a figure" in counted(by, StepBudget(figure=steps - 1))
+
+
+@pytest.mark.parametrize("by", ["run('steps', episodes=9)", "mean('steps', episodes=9)"])
+def test_runs_of_any_length_are_counted_by_what_they_took(by: str) -> None:
+    free = StepBudget()
+    assert counted(by, free) == ""
+    assert counted(by, StepBudget(figure=free.taken)) == ""
+    little = StepBudget(figure=free.taken - 1)
+    assert counted(by, little).startswith(f"more than {free.taken - 1:,} steps of figure tried; ")
+    assert little.taken == free.taken - 1  # all that it was allowed, wherever its threads were
+
+
+def test_figures_of_a_file_share_its_budget() -> None:
+    lesson = with_figures(
+        """sixty = { value = "60", by = "run('steps', steps=60)" }""",
+        """large = { value = "41", by = "run('steps', steps=41)" }""",
+        """both = { value = "101", by = "sixty + large" }""",
+        """small = { value = "40", by = "run('steps', steps=40)" }""",
+    )
+    figures = LessonFigures(lesson, StepBudget(figure=60, file=100))
+    found = {name: figures.finding(name) for name in ("sixty", "large", "both", "small")}
+    assert (found["sixty"], found["small"]) == (None, None)
+    assert found["large"] is not None
+    assert found["large"].found == "41 steps of figure large"
+    assert found["large"].expected == "at most 100 steps in a file, of which 40 are left"
+    assert found["both"] is not None
+    assert found["both"].found == found["large"].found
+
+
+def test_of_runs_over_seeds_only_measures_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    made, new_run = list[weakref.ref[Run]](), SeededRuns.new_run
+
+    def watched(seeded: SeededRuns, seed: int) -> Run:
+        run = new_run(seeded, seed)
+        made.append(weakref.ref(run))
+        return run
+
+    monkeypatch.setattr(SeededRuns, "new_run", watched)
+    figures = LessonFigures(with_figures("tried = { value = '1', by = \"mean('steps', steps=9)\" }"))
+    assert figures.value("tried") == 9
+    gc.collect()
+    assert len(made) == 50
+    assert not any(each() for each in made)
 
 
 def test_every_function_has_its_line() -> None:

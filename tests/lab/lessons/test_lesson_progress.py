@@ -8,6 +8,7 @@ from pathlib import Path
 
 from lesson_sessions import TEXT, all_done, guess, lesson, run_of, setup, write
 
+from rl_tui.lab.course.grade import LessonGrading
 from rl_tui.lab.course.progress import StoredProgress
 from rl_tui.lab.lessons.lesson import lesson_of
 from rl_tui.lab.lessons.record import begun
@@ -40,6 +41,17 @@ def test_all_done(tmp_path: Path) -> None:
     assert progress is not None
     assert (progress.page, progress.tasks_passed, progress.finished) == ("lake", 3, True)
     assert (progress.predictions_right, progress.predictions_made) == (1, 1)
+
+
+def test_a_guess_does_not_count_among_the_predictions(tmp_path: Path) -> None:
+    guessing = lesson(text=TEXT.replace('id = "guess"', 'id = "guess"\nguess = true'))
+    session = write(tmp_path, "a.json", all_done(guessing))
+    progress = StoredProgress(tmp_path).of(guessing)
+    assert progress is not None
+    assert (progress.predictions_right, progress.predictions_made) == (0, 0)
+    assert all_done(guessing).predictions == (0, 0)
+    (tmp_path / "evening.toml").write_text(guessing.text, encoding="utf-8")
+    assert LessonGrading(str(tmp_path / "evening.toml")).grade(session).predictions == (0, 0, 0)
 
 
 def test_lessons_of_one_name_in_two_folders_are_two(tmp_path: Path) -> None:

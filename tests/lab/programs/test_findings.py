@@ -35,6 +35,7 @@ from rl_tui.lab.detective.verdict import (
 from rl_tui.lab.grading.watch_report import finding_as_json
 from rl_tui.lab.programs.messages import StepFlag
 from rl_tui.lab.programs.program_log import FoundTable, ProgramEnvironment, ProgramLog
+from rl_tui.lab.programs.recording import Recording
 from rl_tui.worlds.mdp.space import FloatArray
 
 SEEDS = range(3)
@@ -293,7 +294,14 @@ def test_a_shared_row_is_told_only_where_rows_move_alike() -> None:
     assert found(log, Q_LEARNING) == ()
 
 
-def standing(episodes: int, action_of: Callable[[int], int]) -> ProgramLog:
+def often_the_first(number: int) -> int:
+    """Take every action now and then, and else action 0."""
+    return number % 4 if number % 10 == 0 else 0
+
+
+def standing(
+    episodes: int, action_of: Callable[[int], int], recording: Recording | None = None
+) -> ProgramLog:
     """Return a program that never leaves the corner of the frozen lake, with a table of zeros."""
     count = 100 * episodes
     number = np.arange(count)
@@ -301,7 +309,8 @@ def standing(episodes: int, action_of: Callable[[int], int]) -> ProgramLog:
     columns[:, 2] = [action_of(each) for each in number]
     columns[99::100, 5] = StepFlag.TRUNCATED
     columns[:, 6], columns[:, 7] = number // 100, number % 100
-    log = ProgramLog(table=FoundTable("Q", "array", (16, 4), "float64"), ended=True)
+    table = FoundTable("Q", "array", (16, 4), "float64")
+    log = ProgramLog(recording or Recording(), table=table, ended=True)
     log.environments.append(ProgramEnvironment(0, "FrozenLake-v1", {"is_slippery": False}, (16,), 4, 100))
     log.recording.find_table(0, 4, np.zeros(64))
     log.recording.add(columns, np.empty((0, 4)))
@@ -312,7 +321,7 @@ def standing(episodes: int, action_of: Callable[[int], int]) -> ProgramLog:
     ("action_of", "fault"),
     [
         (lambda number: 0, CodeFault.NEVER_EXPLORES),
-        (lambda number: number % 4 if number % 10 == 0 else 0, CodeFault.FIRST_OF_TIES),
+        (often_the_first, CodeFault.FIRST_OF_TIES),
     ],
     ids=["never", "first"],
 )
@@ -323,6 +332,25 @@ def test_a_risk_is_told_where_random_ties_would_have_seen_a_reward(
     assert finding.fault is fault
     assert finding.kind == "risk"
     assert found(standing(50, action_of), UNKNOWN) == ()  # too few episodes: it may be bad luck
+
+
+def test_a_dict_that_gets_rows_of_zeros_has_learned_nothing() -> None:
+    log, absent = standing(700, often_the_first), np.full(64, np.nan)
+    log.recording.find_table(0, 4, absent)
+    cells = np.arange(4.0)
+    log.recording.add(np.empty((0, 8)), np.column_stack((np.zeros(4), cells, absent[:4], np.zeros(4))))
+    assert [each.fault for each in found(log, UNKNOWN)] == [CodeFault.FIRST_OF_TIES]
+    one = np.array([[2.0, 0.0, 0.0, 1.0]])
+    log.recording.add(np.empty((0, 8)), one)
+    assert found(log, UNKNOWN) == ()
+
+
+def test_a_long_run_is_judged_by_the_episodes_that_are_kept() -> None:
+    log = standing(1400, often_the_first, Recording(most=100_000))
+    (finding,) = found(log, UNKNOWN)
+    assert log.recording.first > 0
+    assert finding.fault is CodeFault.FIRST_OF_TIES
+    assert finding.step >= log.recording.first
 
 
 def test_where_all_actions_are_taken_there_is_no_risk() -> None:

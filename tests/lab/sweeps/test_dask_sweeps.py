@@ -188,6 +188,7 @@ def test_a_worker_of_another_version_gets_nothing_whenever_it_comes(
     assert {task["worker"] for task in cluster.client.get_task_stream()} == {good}
 
 
+@pytest.mark.exhaustive("starts a cluster and a process for each shard")
 def test_three_shards_from_two_kinds_of_machine_are_the_whole(
     cluster: Cluster, expected: str, tmp_path: Path
 ) -> None:
@@ -221,6 +222,7 @@ def test_three_shards_from_two_kinds_of_machine_are_the_whole(
     assert 0 < sum(machine["machine"] == "abacus" for machine in machines) < 120
 
 
+@pytest.mark.exhaustive("starts two clusters")
 def test_what_is_finished_stays_when_the_scheduler_goes_and_the_rest_can_follow(
     tmp_path: Path, plan: SweepPlan, expected: str
 ) -> None:

@@ -14,12 +14,13 @@ from rl_tui.agents.catalogue import parameters_of
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding, Location, shown
 from rl_tui.lab.lessons.figures.expression import FigureError
-from rl_tui.lab.lessons.figures.subject import FigureSubject
 from rl_tui.lab.lessons.figures.written import written_number
 from rl_tui.lab.run.changes import read_change
 from rl_tui.worlds.drawing import Grid
 
 if TYPE_CHECKING:
+    from rl_tui.lab.lessons.figures.figures import LessonFigures
+    from rl_tui.lab.lessons.figures.subject import FigureSubject
     from rl_tui.lab.lessons.lesson import Lesson
     from rl_tui.lab.lessons.schema import Page
 
@@ -49,13 +50,13 @@ _NUMERAL: Final = re.compile(
 )
 
 
-def numeral_findings(lesson: Lesson, raw: Mapping[str, Any], known: dict[Any, Any]) -> Iterator[Finding]:
+def numeral_findings(lesson: Lesson, raw: Mapping[str, Any], figures: LessonFigures) -> Iterator[Finding]:
     """Yield the numbers that nothing stands behind. ``raw`` is the file as it was read, without figures."""
     for location, text in _texts({key: value for key, value in raw.items() if key != "pages"}, ()):
         yield from _findings(location, text, _ALWAYS, ())
     pages = raw.get("pages", [])
     for number, (page, table) in enumerate(zip(lesson.pages, pages, strict=True)):
-        allowed, states = _allowed(lesson, page, known)
+        allowed, states = _allowed(page, figures)
         for location, text in _texts(table, ("pages", number)):
             yield from _findings(location, text, allowed, states)
 
@@ -106,12 +107,12 @@ def _is_same(one: float, other: float) -> bool:
     return abs(one - other) <= _SAME * max(1.0, abs(one))
 
 
-def _allowed(lesson: Lesson, page: Page, known: dict[Any, Any]) -> tuple[tuple[float, ...], tuple[str, ...]]:
+def _allowed(page: Page, figures: LessonFigures) -> tuple[tuple[float, ...], tuple[str, ...]]:
     """Return the numbers of which a page is made, without signs, and the names of its world's states."""
     numbers = set(_ALWAYS)
     names: tuple[str, ...] = ()
     try:
-        subject = FigureSubject.of_page(lesson, page.id, known)
+        subject = figures.subject_of_page(page.id)
         numbers.update(_settings(subject), _world(subject))
         names = tuple(subject.world.space.state_names)
     except (FigureError, UserError):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding, Location, shown
 from rl_tui.lab.course.checks.waiting import waiting_findings
+from rl_tui.lab.lessons.figures.expression import FigureError
 from rl_tui.lab.lessons.figures.written import in_digits_of
 from rl_tui.lab.lessons.judging.attempts import judged_claim, judged_program
 from rl_tui.lab.lessons.judging.conditions import judged_task, verdict
@@ -18,6 +19,7 @@ from rl_tui.lab.run.changes import TAKE, read_change
 
 if TYPE_CHECKING:
     from rl_tui.lab.lessons.figures.figures import LessonFigures
+    from rl_tui.lab.lessons.figures.step_budget import StepBudget
     from rl_tui.lab.lessons.lesson import Lesson
     from rl_tui.lab.lessons.schema import Attempt, Condition, ImpossibilityProof, Page, ProgramToWrite, Task
     from rl_tui.lab.lessons.view import TaskView
@@ -56,13 +58,16 @@ class _Judged(NamedTuple):
 class TaskCheck:
     """Checks the task of one ``page``, whose place among the pages is ``number``."""
 
-    def __init__(self, lesson: Lesson, number: int, page: Page, task: Task, *, quick: bool) -> None:
+    def __init__(
+        self, lesson: Lesson, number: int, page: Page, task: Task, budget: StepBudget, *, quick: bool
+    ) -> None:
         self._lesson = lesson
         self._page = page
         self._task = task
         self._quick = quick
         self._where: Location = ("pages", number, "task")
-        self._panels: Panels = UndecidedPanels() if quick else PanelsAtOnce()
+        self._budget = budget
+        self._panels: Panels = UndecidedPanels() if quick else PanelsAtOnce(budget.charge)
 
     def warnings(self) -> Iterator[Finding]:
         """Yield what a learner or a teacher will miss."""
@@ -97,7 +102,11 @@ class TaskCheck:
             yield from self._skeleton_findings(self._task.program)
             return
         on_attempt("waiting")
-        yield from waiting_findings(judged_task(self._lesson, self._page.id), self._where, ends, self._panels)
+        task = judged_task(self._lesson, self._page.id)
+        try:
+            yield from waiting_findings(task, self._where, ends, self._panels, self._budget.charge)
+        except FigureError as fault:
+            yield Finding(self._where, f"waiting: {fault.found}", fault.expected)
 
     def _skeleton_findings(self, program: ProgramToWrite) -> Iterator[Finding]:
         """Yield that what the learner begins with passes as it is."""
@@ -112,7 +121,13 @@ class TaskCheck:
                 if attempt.claim or self._task.program is not None or _is_by_hand(attempt):
                     continue
                 on_attempt(attempt.name)
-                passed = sum(self._passes(attempt, seed) for seed in range(SEEDS_OF_VARIANTS))
+                try:
+                    passed = sum(self._passes(attempt, seed) for seed in range(SEEDS_OF_VARIANTS))
+                except FigureError as fault:
+                    yield Finding(
+                        (*self._where, key, place), f"{shown(attempt.name)}: {fault.found}", fault.expected
+                    )
+                    return
                 wanted = SEEDS_OF_VARIANTS if key == "accepts" else 0
                 if passed != wanted:
                     found = f"{shown(attempt.name)}, which passes under {passed} of {SEEDS_OF_VARIANTS} seeds"
@@ -122,6 +137,9 @@ class TaskCheck:
         """Yield that an attempt is judged as it should not be; ``ends`` takes the step at which it ended."""
         try:
             judged = self._judged(attempt)
+        except FigureError as fault:
+            yield Finding(where, f"{shown(attempt.name)}: {fault.found}", fault.expected)
+            return
         except UserError as fault:
             yield Finding(where, f"{shown(attempt.name)}: {fault}", "an attempt that can be replayed")
             return
@@ -138,17 +156,23 @@ class TaskCheck:
         return _Judged(judged_program(judged_task(self._lesson, self._page.id), code), 0)
 
     def _passes(self, attempt: Attempt, seed: int) -> bool:
-        """Return whether an attempt passes under ``seed``; one that breaks down there does not."""
+        """Return whether an attempt passes under ``seed``; one that breaks down there does not.
+
+        Raises FigureError where its runs take too many steps.
+        """
         try:
             return self._judged(attempt, seed).view.passed is not None
+        except FigureError:
+            raise
         except UserError:
             return False
 
     def _judged(self, attempt: Attempt, seed: int | None = None) -> _Judged:
         if self._task.program is not None and not attempt.claim:
             return self._judged_program(attempt.program)
+        self._budget.check_any_left()
         task = judged_task(self._lesson, self._page.id, seed)
-        run = attempted_run(self._lesson, self._page.id, attempt, seed)
+        run = attempted_run(self._lesson, self._page.id, attempt, seed, self._budget.charge)
         judge = judged_claim if attempt.claim else verdict
         return _Judged(judge(task, run, self._panels), run.step)
 

@@ -8,8 +8,10 @@ from typing import Final
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding, Location
 from rl_tui.lab.experiments.training import Goal, train
+from rl_tui.lab.lessons.figures.expression import FigureError
 from rl_tui.lab.lessons.judging.conditions import JudgedTask, verdict
 from rl_tui.lab.lessons.judging.moment import Kept
+from rl_tui.lab.lessons.judging.replays import OnEnd, ignore_end
 from rl_tui.lab.lessons.judging.verdicts import Panels
 from rl_tui.lab.run.library import episodes_of
 from rl_tui.lab.run.recipe import begin
@@ -27,13 +29,13 @@ MOST_STEPPED: Final = 20_000
 
 
 def waiting_findings(
-    task: JudgedTask, where: Location, ends: Sequence[int], panels: Panels
+    task: JudgedTask, where: Location, ends: Sequence[int], panels: Panels, on_end: OnEnd = ignore_end
 ) -> Iterator[Finding]:
     """Yield that the task is passed with its setup as it is and nothing done.
 
     It is judged at the start, at each of the first steps, at the end of each of the first episodes, after
     1,000 steps and more, after the usual number of episodes, and at the steps at which attempts ended:
-    ``ends``.
+    ``ends``. ``on_end`` hears of the run, and may raise.
     """
     beginning = begin(task.setup)
     run, kept = Run(task.setup, beginning, evaluate=False, episode_limit=beginning.world.budget), Kept()
@@ -43,15 +45,19 @@ def waiting_findings(
                 found = f"a pass after {run.step:,} steps in which nothing was done"
                 yield Finding(where, found, "a task that cannot be passed by waiting")
                 return
+    except FigureError:
+        raise  # too many steps for one file
     except UserError:
         return  # it breaks down, as where an episode never ends: nobody waits any longer
+    finally:
+        on_end(run, _most(run))
 
 
 def _moments(run: Run, ends: Sequence[int]) -> Iterator[None]:
     """Advance ``run`` from one moment to the next at which it is to be judged."""
     yield
     episodes = episodes_of(run.recipe.scenario)
-    most = MOST_STEPS if run.learner.rewindable else MOST_STEPPED
+    most = _most(run)
     wanted = {*range(1, EVERY_STEP + 1), *ROUND, *ends}
     targets = sorted(each for each in wanted if each <= most)
     while not run.over:
@@ -65,6 +71,11 @@ def _moments(run: Run, ends: Sequence[int]) -> Iterator[None]:
         yield
     if run.learner.episodes < episodes and not run.over and _goes_on(run, Goal(episodes=episodes), most):
         yield
+
+
+def _most(run: Run) -> int:
+    """Return how far anybody waits."""
+    return MOST_STEPS if run.learner.rewindable else MOST_STEPPED
 
 
 class _TooLongError(Exception):

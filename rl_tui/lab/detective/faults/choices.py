@@ -31,10 +31,9 @@ def risk_of_choices(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Pr
     And only where a policy that breaks ties at random would have seen a reward in as many episodes with a
     chance above 0.9999.
     """
-    initial = evidence.recording.initial
-    if initial is None or evidence.recording.changes.step.size or evidence.recording.first:
-        return None
-    if not len(evidence) or np.nan_to_num(initial).any() or evidence.reward.any():
+    if evidence.changes.step.size or evidence.initial.any():
+        return None  # a dict that gets rows of zeros has learned nothing
+    if not len(evidence) or evidence.reward.any():
         return None
     taken = np.bincount(evidence.action, minlength=evidence.actions)
     favourite, total = int(taken.argmax()), int(taken.sum())
@@ -65,9 +64,10 @@ def _chance_at_random(log: ProgramLog, episodes: int) -> float | None:
 def _risk(evidence: Evidence, favourite: int, episodes: int, names: CodeNames) -> Proof:
     chosen = np.flatnonzero(evidence.action == favourite)
     others = len(evidence) - len(chosen)
+    the_last = "the last " if evidence.recording.first else ""
     without = (
-        f"no reward was seen in {episodes:,} episodes, and nothing learned; by random actions one would have "
-        f"been seen with a chance above {_SURE}"
+        f"no reward was seen in {the_last}{episodes:,} episodes, and nothing learned; by random actions one "
+        f"would have been seen with a chance above {_SURE}"
     )
     if not others:
         return Proof(

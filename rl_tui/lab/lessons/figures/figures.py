@@ -9,6 +9,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding, near, shown
 from rl_tui.lab.lessons.figures.expression import FigureError, SeedMean, evaluate, read_expression
 from rl_tui.lab.lessons.figures.functions import called
+from rl_tui.lab.lessons.figures.step_budget import StepBudget
 from rl_tui.lab.lessons.figures.subject import SETTINGS, FigureSubject, plain_name, subject_of
 from rl_tui.lab.lessons.figures.written import WrittenNumber, in_digits_of, written_number
 
@@ -23,29 +24,41 @@ OVER_SEEDS: Final = frozenset(
 
 
 class LessonFigures:
-    """Works out the figures of ``lesson``, each once. ``known`` are results shared with other lessons."""
+    """Works out the figures of ``lesson``, each once, by runs that keep within ``budget``."""
 
-    def __init__(self, lesson: Lesson, known: dict[Any, Any] | None = None) -> None:
+    def __init__(self, lesson: Lesson, budget: StepBudget | None = None) -> None:
         self._lesson = lesson
-        self._known = {} if known is None else known
+        self._known: dict[Any, Any] = {}
+        self._budget = budget or StepBudget()
         self._by_name = {name.replace("-", "_"): name for name in lesson.figures}
         self._values: dict[str, Any] = {}
+        self._faults: dict[str, UserError] = {}
         self._under_way: list[str] = []
 
     def value(self, name: str) -> Any:
         """Return the figure of this name: a number or a text. Raises UserError where it has none."""
+        if name in self._faults:
+            raise self._faults[name]
         if name not in self._values:
             if name in self._under_way:
                 circle = " → ".join([*self._under_way[self._under_way.index(name) :], name])
                 raise FigureError(f"{circle}, a circle", "figures that do not ask for themselves")
             self._under_way.append(name)
             try:
-                self._values[name] = self._worked_out(self._lesson.figures[name])
+                with self._budget.of_figure(name):
+                    self._values[name] = self._worked_out(self._lesson.figures[name])
+            except UserError as fault:
+                self._faults[name] = fault
+                raise
             except RecursionError:
                 raise FigureError("figures of figures of figures, too deep", "a shorter way") from None
             finally:
                 self._under_way.pop()
         return self._values[name]
+
+    def subject_of_page(self, page: str) -> FigureSubject:
+        """Return the subject of the setup that applies on a page. Raises UserError."""
+        return subject_of(self._lesson, self._lesson.setup_of(page), {}, self._known, self._budget)
 
     def needs_seeds(self, name: str) -> bool:
         """Return whether a figure, or one that it asks for, takes runs over many seeds."""
@@ -84,7 +97,7 @@ class LessonFigures:
         tree = read_expression(figure.by)
 
         def subject_with(overrides: dict[str, Any]) -> FigureSubject:
-            return subject_of(self._lesson, setup, overrides, self._known)
+            return subject_of(self._lesson, setup, overrides, self._known, self._budget)
 
         def look(name: str) -> Any:
             if plain_name(name) in SETTINGS:

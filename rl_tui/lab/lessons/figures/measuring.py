@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import threading
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.findings import near, shown
@@ -28,17 +29,19 @@ def measured(run: Run, measure: str, arguments: Mapping[str, Any]) -> Value:
         raise FigureError(f"{measure}: {reason}", "a measure that has a value at that step") from reason
 
 
-def measured_of_each(runs: Iterable[Run], measure: str, arguments: Mapping[str, Any]) -> list[Value | None]:
-    """Return a measure of each of ``runs``, None where it has no value."""
-    condition, kept = _condition(measure, arguments), Kept()
-    return [_or_none(run, condition, kept) for run in runs]
+def measuring(measure: str, arguments: Mapping[str, Any]) -> Callable[[Run], Value | None]:
+    """Return what measures any run, from several threads if need be: None where there is no value."""
+    condition = _condition(measure, arguments)
+    in_turn, kept = threading.Lock(), Kept()
 
+    def of_run(run: Run) -> Value | None:
+        with in_turn:
+            try:
+                return MEASURES[measure].of(JudgedMoment(run, run.recipe, kept), condition)
+            except MissingError:
+                return None
 
-def _or_none(run: Run, condition: Condition, kept: Kept) -> Value | None:
-    try:
-        return MEASURES[condition.measure].of(JudgedMoment(run, run.recipe, kept), condition)
-    except MissingError:
-        return None
+    return of_run
 
 
 def _condition(measure: str, arguments: Mapping[str, Any]) -> Condition:

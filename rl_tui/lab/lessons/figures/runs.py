@@ -12,9 +12,9 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
 from rl_tui.lab.experiments.patience import cores
 from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
-from rl_tui.lab.experiments.training import Goal, OnProgress, train
+from rl_tui.lab.experiments.training import Goal, train
 from rl_tui.lab.lessons.figures.expression import FigureError, SeedMean
-from rl_tui.lab.lessons.figures.measuring import measured, measured_of_each
+from rl_tui.lab.lessons.figures.measuring import measured, measuring
 from rl_tui.lab.lessons.figures.subject import FigureSubject, name_of, whole
 from rl_tui.lab.lessons.judging.replays import attempted_run
 from rl_tui.lab.run.changes import journal_of, read_change
@@ -28,11 +28,9 @@ LEAST_SEEDS: Final = 50
 """Of what is said about learning: fewer may say anything."""
 MOST_SEEDS: Final = 10_000
 MOST_STEPS: Final = 10**9
-"""Of all runs of a figure together."""
-MOST_STEPPED: Final = 10**7
-"""Of an environment that is stepped for real, which takes its time."""
+"""Steps or episodes of one run. How many all of them may take, the budget says."""
 MOST_KEPT: Final = 4
-"""Runs over seeds that are kept, of which other measures may be asked."""
+"""Single runs that are kept, of which other measures may be asked. Of runs over seeds only measures are."""
 
 
 def run(
@@ -45,12 +43,15 @@ def run(
 ) -> Value:
     """Return a measure of one run under the setup's seed, after so many steps or episodes."""
     goal, journal = _goal(steps, episodes), _journal(subject, changes)
-    key = "run", id(subject), goal, journal
-    if key not in subject.known:
+
+    def trained() -> Run:
         made = Run(subject.recipe, None, evaluate=False)
-        train(made, goal, _bounded(made, goal, 1), journal)
-        subject.known[key] = made
-    return measured(subject.known[key], _name(measure), arguments)
+        with subject.budget.counted(made, journal, goal, 1) as watch:
+            train(made, goal, watch(made), journal)
+        return made
+
+    made = _kept(subject, ("run", id(subject), goal, journal), trained)
+    return measured(made, _name(measure), arguments)
 
 
 def attempt(subject: FigureSubject, page: object, name: object, measure: object, **arguments: Any) -> Value:
@@ -65,10 +66,23 @@ def attempt(subject: FigureSubject, page: object, name: object, measure: object,
     called = name_of(name)
     if called not in attempts:
         raise FigureError(shown(called), f"the name of an attempt of that task{near(called, attempts)}")
-    key = "attempt", id(lesson), wanted, called
-    if key not in subject.known:
-        subject.known[key] = attempted_run(lesson, wanted, attempts[called])
-    return measured(subject.known[key], _name(measure), arguments)
+    made = _kept(
+        subject,
+        ("attempt", id(lesson), wanted, called),
+        lambda: attempted_run(lesson, wanted, attempts[called], on_end=subject.budget.charge),
+    )
+    return measured(made, _name(measure), arguments)
+
+
+def _kept(subject: FigureSubject, key: object, make: Callable[[], Run]) -> Run:
+    """Return the run of this ``key``, made anew where it is not among the last few."""
+    kept: dict[object, Run] = subject.known.setdefault("runs", {})
+    if key not in kept:
+        made = make()
+        while len(kept) >= MOST_KEPT:
+            kept.pop(next(iter(kept)))
+        kept[key] = made
+    return kept[key]
 
 
 def mean(subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> SeedMean:
@@ -179,51 +193,30 @@ def _measured(
     name = _name(measure)
     key = "seeds", id(subject), goal, journal, seeds, name, repr(sorted(rest.items()))
     if key not in subject.known:
-        subject.known[key] = measured_of_each(_runs(subject, goal, journal, seeds), name, rest)
+        subject.known[key] = _of_each_seed(subject, goal, journal, seeds, measuring(name, rest))
     found: list[Value | None] = subject.known[key]
     return found
 
 
-def _runs(subject: FigureSubject, goal: Goal, journal: tuple[JournalEntry, ...], seeds: int) -> list[Run]:
-    """Return the runs of the seeds, on all cores; those of the last questions are kept for the next."""
-    key = id(subject), goal, journal, seeds
-    kept: dict[Any, list[Run]] = subject.known.setdefault("runs", {})
-    if key in kept:
-        return kept[key]
+def _of_each_seed(
+    subject: FigureSubject,
+    goal: Goal,
+    journal: tuple[JournalEntry, ...],
+    seeds: int,
+    measure: Callable[[Run], Value | None],
+) -> list[Value | None]:
+    """Return what ``measure`` gives of the run of each seed, trained on all cores; no run is kept."""
     seeded = SeededRuns(subject.with_seed(0), journal)
-    _bounded(seeded.first, goal, seeds)  # before anything takes long
-    seeded.get_machine_code(seeds, goal, no_compiling)
+    with subject.budget.counted(seeded.first, journal, goal, seeds) as watch:
+        seeded.get_machine_code(seeds, goal, no_compiling)
 
-    def trained(seed: int) -> Run:
-        made = seeded.new_run(seed)
-        seeded.train(made, goal, _bounded(made, goal, seeds))
-        return made
+        def of_seed(seed: int) -> Value | None:
+            made = seeded.new_run(seed)
+            seeded.train(made, goal, watch(made))
+            return measure(made)
 
-    with ThreadPoolExecutor(min(cores(), seeds), thread_name_prefix="figure") as pool:
-        runs = list(pool.map(trained, range(seeds)))
-    while len(kept) >= MOST_KEPT:
-        kept.pop(next(iter(kept)))
-    kept[key] = runs
-    return runs
-
-
-def _bounded(run: Run, goal: Goal, seeds: int) -> OnProgress:
-    """Return what ends ``run``, one of so many, where all of them would take too many steps.
-
-    Raises FigureError, at once where ``goal`` says so already.
-    """
-    in_all = MOST_STEPS if run.learner.rewindable else MOST_STEPPED
-    most = in_all // seeds
-    found = f"a run of more than {most:,} steps"
-    expected = f"fewer: all runs of a figure together take at most {in_all:,}"
-    if (goal.steps or 0) > most:
-        raise FigureError(found, expected)
-
-    def on_progress(done: int, wanted: int) -> None:
-        if run.step > most:
-            raise FigureError(found, expected)
-
-    return on_progress
+        with ThreadPoolExecutor(min(cores(), seeds), thread_name_prefix="figure") as pool:
+            return list(pool.map(of_seed, range(seeds)))
 
 
 def _many(seeds: object) -> int:

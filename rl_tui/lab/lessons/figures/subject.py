@@ -18,6 +18,7 @@ from rl_tui.lab.run.recipe import Recipe, begin
 
 if TYPE_CHECKING:
     from rl_tui.agents.exact.solution import Returns, Solution
+    from rl_tui.lab.lessons.figures.step_budget import StepBudget
     from rl_tui.lab.lessons.lesson import Lesson
     from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
     from rl_tui.worlds.world import World
@@ -29,7 +30,7 @@ SETTINGS: Final = ("algorithm", *PARAMETERS)
 class FigureSubject:
     """A recipe of the lesson, and what is worked out of it once: its world and its exact answer.
 
-    ``known`` are results of runs, shared by all subjects of one check.
+    ``known`` are results of runs, and ``budget`` counts their steps: all subjects of one check share both.
     """
 
     def __init__(
@@ -37,18 +38,15 @@ class FigureSubject:
         lesson: Lesson,
         recipe: Recipe,
         known: dict[Any, Any],
+        budget: StepBudget,
         changed: Callable[[Mapping[str, Any]], FigureSubject],
     ) -> None:
         self.lesson = lesson
         self.recipe = recipe
         self.known = known
+        self.budget = budget
         self.changed = changed
         """Returns the subject with other settings besides."""
-
-    @classmethod
-    def of_page(cls, lesson: Lesson, page: str, known: dict[Any, Any]) -> FigureSubject:
-        """Return the subject of the setup that is in force on a page. Raises UserError."""
-        return subject_of(lesson, lesson.setup_of(page), {}, known)
 
     @property
     def values(self) -> Hyperparameters:
@@ -115,7 +113,7 @@ class FigureSubject:
 
 
 def subject_of(
-    lesson: Lesson, setup: str, overrides: Mapping[str, Any], known: dict[Any, Any]
+    lesson: Lesson, setup: str, overrides: Mapping[str, Any], known: dict[Any, Any], budget: StepBudget
 ) -> FigureSubject:
     """Return the subject of a setup, with ``overrides``: setup or scenario, seed, and settings by name.
 
@@ -144,9 +142,9 @@ def subject_of(
             found = find(scenario)
 
         def changed(more: Mapping[str, Any]) -> FigureSubject:
-            return subject_of(lesson, setup, {**overrides, **more}, known)
+            return subject_of(lesson, setup, {**overrides, **more}, known, budget)
 
-        known[key] = FigureSubject(lesson, recipe_for(found, settings, seed), known, changed)
+        known[key] = FigureSubject(lesson, recipe_for(found, settings, seed), known, budget, changed)
     subject: FigureSubject = known[key]
     return subject
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Final
 
 from rl_tui.common.errors import UserError
@@ -21,10 +21,21 @@ MOST_STEPS: Final = 20_000_000
 """Of an attempt, of evidence or of a branch: what goes further is not replayed."""
 
 
-def attempted_run(lesson: Lesson, page: str, attempt: Attempt, seed: int | None = None) -> Run:
+OnEnd = Callable[[Run, int], None]
+"""Hears of a run that went as far as it does, and how many steps of it count at most."""
+
+
+def ignore_end(run: Run, most: int) -> None:
+    """Ignore how far a run went."""
+
+
+def attempted_run(
+    lesson: Lesson, page: str, attempt: Attempt, seed: int | None = None, on_end: OnEnd = ignore_end
+) -> Run:
     """Return the run that ``attempt`` comes to: as far as it says, else until all its changes are made.
 
-    Raises UserError where a setting or a change does not fit, a step breaks the run down, or it goes too far.
+    ``on_end`` hears of it even if it fails, and may raise. Raises UserError where a setting or a change does
+    not fit, a step breaks the run down, or it goes too far.
     """
     name = lesson.setup_of(page)
     setup = lesson.setups[name]
@@ -48,7 +59,10 @@ def attempted_run(lesson: Lesson, page: str, attempt: Attempt, seed: int | None 
         if max(run.step, goal.steps or 0) > MOST_STEPS:
             raise UserError(f"it goes on for more than {MOST_STEPS:,} steps")
 
-    train(run, goal, on_progress, journal)
+    try:
+        train(run, goal, on_progress, journal)
+    finally:
+        on_end(run, MOST_STEPS)
     return run
 
 

@@ -14,6 +14,7 @@ from rl_tui.lab.lessons.judging.condition_faults import MOST_STEPS_OF_A_SEED
 from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, Value
 from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
 from rl_tui.lab.lessons.judging.panel_request import KnownPanels, SeedValues
+from rl_tui.lab.lessons.judging.replays import OnEnd, ignore_end
 from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict, found_in_words, is_met
 
 if TYPE_CHECKING:
@@ -38,12 +39,13 @@ def worked_out(
     conditions: Sequence[Condition],
     on_seed: OnSeed = no_news,
     known: Sequence[SeedValues] = (),
+    on_end: OnEnd = ignore_end,
 ) -> tuple[ConditionVerdict, ...]:
     """Return the verdict on each of ``conditions`` for runs of ``recipe`` under the seeds from 0.
 
     Those that go equally far share their runs. ``on_seed`` hears how many seeds of how many are done, and
     what came of the last one; ``known`` is what it heard of the first ones before, which are not run again.
-    Raises UserError where the world cannot be built.
+    ``on_end`` hears of each run, and may raise. Raises UserError where the world cannot be built.
     """
     begun = replace(recipe, seed=0)
     order = sorted(range(len(conditions)), key=lambda place: _extent(conditions[place]))
@@ -60,7 +62,7 @@ def worked_out(
         if len(values) < first.seeds:
             runs.get_machine_code(first.seeds - len(values), goal, no_compiling)
         for seed in range(len(values), first.seeds):
-            values.append(_of_seed(runs, seed, goal, [conditions[place] for place in group]))
+            values.append(_of_seed(runs, seed, goal, [conditions[place] for place in group], on_end))
             done += 1
             on_seed(done, wanted, values[-1])
         for number, place in enumerate(group):
@@ -72,7 +74,9 @@ def _extent(condition: Condition) -> tuple[int, int, int]:
     return condition.seeds, condition.episodes or 0, condition.steps or 0
 
 
-def _of_seed(runs: SeededRuns, seed: int, goal: Goal, conditions: Sequence[Condition]) -> SeedValues:
+def _of_seed(
+    runs: SeededRuns, seed: int, goal: Goal, conditions: Sequence[Condition], on_end: OnEnd
+) -> SeedValues:
     """Return what each of ``conditions`` measures of one seed; None where that has no value."""
     run = runs.new_run(seed)
 
@@ -84,6 +88,8 @@ def _of_seed(runs: SeededRuns, seed: int, goal: Goal, conditions: Sequence[Condi
         runs.train(run, goal, on_progress)
     except (_TooLongError, UserError):
         return [None] * len(conditions)
+    finally:
+        on_end(run, MOST_STEPS_OF_A_SEED)
     if (
         run.step > MOST_STEPS_OF_A_SEED
     ):  # it depends on how the work was cut whether that was noticed on the way
@@ -117,10 +123,11 @@ def _over_seeds(condition: Condition, values: Sequence[Value | None]) -> Conditi
 
 
 class PanelsAtOnce:
-    """Works them out where they are asked for, and remembers them."""
+    """Works them out where they are asked for, and remembers them; ``on_end`` hears of each run for that."""
 
-    def __init__(self) -> None:
+    def __init__(self, on_end: OnEnd = ignore_end) -> None:
         self._known = KnownPanels()
+        self._on_end = on_end
 
     waits = ""
 
@@ -128,6 +135,6 @@ class PanelsAtOnce:
         """Return the verdict on each of ``conditions`` for runs of ``recipe``."""
         known = self._known.of(recipe, conditions)
         if known is None:
-            known = worked_out(recipe, conditions)
+            known = worked_out(recipe, conditions, on_end=self._on_end)
             self._known.keep(recipe, conditions, known)
         return known

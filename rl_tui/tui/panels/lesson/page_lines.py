@@ -15,6 +15,7 @@ from rl_tui.tui.draw.pieces import Line, Piece, wrapped
 from rl_tui.tui.panels.lesson.prose import prose_lines
 from rl_tui.tui.panels.lesson.stage import PageStage, open_page, stage_of, steps_to_truth
 from rl_tui.tui.panels.lesson.words import (
+    NOT_COUNTED,
     answer_text,
     condition_sign,
     counted,
@@ -91,7 +92,7 @@ class _Writer:
         return self._out
 
     def _prediction(self, ask: Ask) -> None:
-        self._head("Predict")
+        self._head("Guess" if self._page.guess else "Predict")
         self._prose(ask.ask)
         given = self._record.given_on(self._page.id)
         if given is None:
@@ -111,6 +112,9 @@ class _Writer:
         self._row([verdict_piece(given.is_right, self._look), Piece(truth, self._palette.text)])
         self._in_run(ask)
         self._reply(reply_to(ask, given.answer, is_right=given.is_right))
+        if self._page.guess:
+            self._say(NOT_COUNTED, is_dim=True)
+            return
         right, made = self._record.predictions
         self._say(f"{right} of {counted(made, 'prediction')} right so far.", is_dim=True)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Final
 
 from rl_tui.lab.lessons.record import Given
 from rl_tui.lab.lessons.schema import Ask
@@ -25,6 +26,9 @@ from rl_tui.tui.panels.lesson.stage import (
 from rl_tui.tui.theme.glyphs import Glyphs
 from rl_tui.tui.theme.look import Look
 
+NOT_COUNTED: Final = "A guess does not count as a prediction."
+
+_ACT: Final = "y"
 _LEAST_TITLE = 8
 _LONGEST_SAID = 16
 _MOST_ONE_BY_ONE = 12
@@ -124,8 +128,13 @@ def next_keys(
 
 
 def _ways_to_truth(ask: Ask, missing: int, snapshot: Snapshot, *, is_manual: bool) -> tuple[str, ...]:
-    """Return the keys that take the ``missing`` steps to the truth, and how many, the longest form first."""
-    if missing > _MOST_ONE_BY_ONE:
+    """Return the keys that take the ``missing`` steps to the truth, and how many, the longest form first.
+
+    These are the keys that the page asks for, where it names any. Who acts already need not begin to.
+    """
+    if ask.keys:
+        key = " then ".join(each for each in ask.keys if not (is_manual and each == _ACT)) or "act"
+    elif missing > _MOST_ONE_BY_ONE:
         key = "space or u"
     elif snapshot.agent.row.planner:
         key = "e or s"

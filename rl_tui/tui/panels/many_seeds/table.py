@@ -171,13 +171,14 @@ def _cells(text: str, look: Look) -> int:
 
 
 def _missing(study: SeedStudy, figure: StudyFigure, look: Look, width: int) -> Iterator[Line]:
-    """Yield of the greedy policies, lane by lane, how many have no return, since they never end."""
+    """Yield of the greedy policies, lane by lane, how many have no return, since they may never end."""
     for number, lane in enumerate(study.lanes, 1):
         estimate = lane.estimates.get(figure.id)
         missing = study.seeds - (0 if estimate is None else estimate.count)
         if figure is GREEDY and missing > 0:
             whose = "the" if len(study.lanes) == 1 else f"lane {number}'s"
-            text = f"in {missing} of {study.seeds} seeds {whose} greedy policy never ends: these are left out"
+            where = f"in {missing} of {study.seeds} seeds"
+            text = f"{where} {whose} greedy policy may never end: these are left out"
             yield from wrapped(text, width, look.palette.dim, look, "   ", "   ")
 
 

@@ -36,11 +36,14 @@ _KINDS: Final = {
 _LOOKS_AT_PROGRESS: Final = 0.1
 
 
-def export_choice(glyphs: Glyphs, *, bandit: bool, no_returns: str, has_drawing: bool) -> Choice:
+def export_choice(
+    glyphs: Glyphs, *, bandit: bool, no_returns: str, has_drawing: bool, lane: str = ""
+) -> Choice:
     """Return the choice of what to write; with ``has_drawing`` the drawn policy is among it.
 
     For a ``bandit`` the script shows what is hidden from the agent; the dialog warns of that. ``no_returns``
-    says why there are no returns, empty if there are.
+    says why there are no returns, empty if there are. ``lane`` is the one that is written (``1 of 2``), empty
+    if there is one run.
     """
     secret = {SCRIPT: (_SECRET,)} if bandit else {}
     refused = {RETURNS: f"{no_returns}."} if no_returns else {}
@@ -49,7 +52,7 @@ def export_choice(glyphs: Glyphs, *, bandit: bool, no_returns: str, has_drawing:
         for what, (name, sentence) in _KINDS.items()
         if what != POLICY or has_drawing
     )
-    return Choice("Export", candidates, "", glyphs)
+    return Choice(f"Export · lane {lane}" if lane else "Export", candidates, "", glyphs)
 
 
 def ask_new_file(title: str, name: str, glyphs: Glyphs) -> Prompt:

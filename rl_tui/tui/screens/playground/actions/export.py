@@ -54,6 +54,7 @@ class ExportActions(Subject):
             bandit=is_bandit,
             no_returns=_without_returns(snapshot),
             has_drawing=bool(snapshot.answers.drawn.choices),
+            lane=_lane(snapshot),
         )
         self.ask(choice, partial(self._export, snapshot))
 
@@ -192,7 +193,20 @@ def script_of(snapshot: Snapshot) -> str:
     recipe, journal, step = _run_of(snapshot)
     changes = [entry.change for entry in entries_until(journal, step)]
     drawn = drawn_recipe(in_force(snapshot), [each for each in changes if isinstance(each, WorldChange)])
-    return script(drawn, episodes_of(recipe.scenario), snapshot.world, changed=bool(changes))
+    return script(
+        drawn,
+        episodes_of(recipe.scenario),
+        snapshot.world,
+        changed=bool(changes),
+        episodes_of_run=snapshot.counters.episodes,
+        lane=_lane(snapshot),
+    )
+
+
+def _lane(snapshot: Snapshot) -> str:
+    """Return which lane of how many is shown, such as ``1 of 2``; empty where there is one run."""
+    group = snapshot.run_group
+    return f"{group.shown + 1} of {len(group.lanes)}" if group.lanes else ""
 
 
 def _about_command(snapshot: Snapshot) -> str:
