@@ -8,6 +8,7 @@ import struct
 import termios
 import tty
 
+import pytest
 from pseudo_terminal import RL_TUI, PseudoTerminal
 from throttled import ThrottledTerminal
 
