@@ -61,6 +61,9 @@ class OpenSection:
     side: int
     drawn_from_seed: bool = False
 
+    def sketch(self) -> Grid:
+        return Grid(self.side, self.side, (), (), ())
+
     def build(self, generator: Generator) -> World:
         return open_grid(self.side)
 
