@@ -88,6 +88,13 @@ def test_it_finds_the_exact_answer(algorithm: str, mdp: TabularMDP, gamma: float
     assert ours.q == pytest.approx(solve(mdp, gamma).q, abs=1e-8)
 
 
+@pytest.mark.exhaustive(
+    "solves large lakes",
+    but=[
+        "random-frozenlake-slippery-0.99-value-iteration",
+        "random-frozenlake-slippery-0.99-policy-iteration",
+    ],
+)
 @both
 @pytest.mark.parametrize("gamma", [0.99, 1.0])
 @pytest.mark.parametrize("name", ["frozenlake", "frozenlake-slippery", "frozenlake-8x8-slippery"])

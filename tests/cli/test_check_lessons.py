@@ -172,6 +172,7 @@ def test_a_task_of_variants_has_to_be_solved_under_any_seed(tmp_path: Path) -> N
     assert not check_lesson(path, quick=True).faults
 
 
+@pytest.mark.exhaustive("plays every attempt")
 def test_what_tasks_are_tried_by_counts_for_the_file(tmp_path: Path) -> None:
     path, free = written(tmp_path, changed(*VARIANTS)), StepBudget()
     assert not check_lesson(path, budget=free).faults

@@ -76,6 +76,7 @@ a = {{ kind = "floor", only = ["up"], reward = {pays} }}
 """
 
 
+@pytest.mark.exhaustive("compiles all that learn")
 @pytest.mark.parametrize(("limit", "pays"), [("", 2), ("", -1), ("time_limit = 60", 2)])
 def test_where_a_greedy_policy_may_never_end_a_time_limit_is_asked_for(
     limit: str, pays: int, tmp_path: Path
@@ -91,6 +92,7 @@ def test_where_a_greedy_policy_may_never_end_a_time_limit_is_asked_for(
     assert ("time_limit" in plain.stderr) is bool(asked)
 
 
+@pytest.mark.exhaustive("compiles all that learn")
 def test_the_lakes_have_the_values_that_are_known_of_them() -> None:
     slippery = document("frozenlake-slippery")
     assert slippery["random_return"] == pytest.approx(0.013939795959171436, abs=1e-15)
@@ -101,6 +103,7 @@ def test_the_lakes_have_the_values_that_are_known_of_them() -> None:
     assert first["mean_episodes"] == pytest.approx(526, abs=0.5)
 
 
+@pytest.mark.exhaustive("compiles all that learn")
 @pytest.mark.parametrize(
     ("episodes", "cells", "warned"),
     [(100, "S.G", ""), (100, "SHG", "nothing is ever learned"), (3, "S....G", "a training has 3 episodes")],

@@ -31,6 +31,7 @@ def test_ours_stand_beside_the_numbers_of_the_book() -> None:
     assert "⣀" in result.stdout  # the curves
 
 
+@pytest.mark.exhaustive("measures a figure of the book")
 def test_with_a_file_the_picture_is_there_and_nowhere_else(tmp_path: Path) -> None:
     path = tmp_path / "maze.svg"
     result = run("8.2", "--runs", "3", "--out", str(path))

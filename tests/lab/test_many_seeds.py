@@ -160,7 +160,7 @@ def test_every_seed_has_every_change() -> None:
 
 def test_lanes_have_as_many_episodes_as_the_one_with_the_fewest() -> None:
     playback = begin(recipe("cliff"))
-    do(playback, AddLane((SetParameter("epsilon", 1.0),)), Train(20_000))
+    do(playback, AddLane((SetParameter("epsilon", 1.0),)), Train(4_000))
     finished = [run.learner.episodes for run in playback.group.runs]
     assert study_request(playback.group, is_awaited=True).episodes == min(finished) < finished[0]
 

@@ -76,6 +76,7 @@ async def test_it_lists_the_shipped_scenarios_in_teaching_order(make_app: MakeAp
         assert [option.id for option in options if not option.disabled] == [each.id for each in shipped()]
 
 
+@pytest.mark.exhaustive("builds every scenario")
 async def test_the_cursor_passes_over_the_headings_of_groups(make_app: MakeApp) -> None:
     async with make_app().run_test(size=(80, 24)) as pilot:
         await settle(pilot)
