@@ -138,7 +138,6 @@ async def _seen(side: int, edits: int) -> float:
         screen.send(OpenEditor(is_open=True))
         await screen.settled()
         for number in range(edits):
-            assert screen.snapshot is not None
             before, start = screen.snapshot.world, time.perf_counter()
             screen.send(_edit(side, number))
             while screen.snapshot.world is before or not _is_answered(screen.snapshot):

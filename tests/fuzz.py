@@ -92,7 +92,6 @@ def _child(figures: Figures, kind: str, seed: int, first: int, count: int, scree
             child.kill()
             child.wait()
             reader.join()
-            assert child.stdout is not None
             child.stdout.close()
         stderr.seek(0)
         written = stderr.read().decode("utf-8", "replace")

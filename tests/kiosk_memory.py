@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 os.environ["RL_TUI_KIOSK"] = "1"
 
+from seams import on_screen, tap
+
 from rl_tui.cli.kiosk import MOST_DATA, confine, enter_kiosk
 
 DIALOGS = ("m", "j", "o", "u", "a", "p", "n", "i", "g", "question_mark", "ctrl+p", "c")
@@ -40,15 +42,12 @@ async def abuse(rounds: int) -> None:
     """Start the program without a terminal, and misuse it."""
     from rl_tui.tui.app.app import RlTuiApp
     from rl_tui.tui.app.display import Display
-    from rl_tui.tui.app.screenshot import settle
 
     app = RlTuiApp(Display(), kiosk=True)
     confine()
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(app, (120, 40)) as pilot:
         _tell("the catalogue")
-        await pilot.press("down", "down", "enter")
-        await settle(pilot)
+        await tap(pilot, "down", "down", "enter")
         _tell("the playground")
         for number in range(rounds):
             for key in DIALOGS:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from typing import Any, TypeVar
 
 from textual.app import App
@@ -12,7 +14,7 @@ from textual.widget import Widget
 from textual.widgets import OptionList
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import Train
+from rl_tui.lab.live.commands import Command, Train
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.controls.slider import Slider
@@ -54,12 +56,40 @@ def slider(app: App[Any], name: str) -> Slider:
 # What is done
 
 
+@asynccontextmanager
+async def on_screen(
+    app: App[Any], size: tuple[int, int] = (80, 24), **options: Any
+) -> AsyncIterator[Pilot[Any]]:
+    """Run ``app`` in a terminal of ``size`` columns and rows, once all is drawn that it begins with."""
+    async with app.run_test(size=size, **options) as pilot:
+        await settle(pilot)
+        yield pilot
+
+
 async def press(pilot: Pilot[UserError], *keys: str) -> Snapshot:
     """Press ``keys``, each when the one before is done and drawn; return what the playground shows then."""
     for key in keys:
         await pilot.press(key)
         await settle(pilot)
     return snapshot(pilot)
+
+
+async def tap(pilot: Pilot[Any], *keys: str) -> None:
+    """Press ``keys`` without a wait between them; return once all they do is drawn."""
+    await pilot.press(*keys)
+    await settle(pilot)
+
+
+async def click(pilot: Pilot[Any], *where: Any, **offset: Any) -> None:
+    """Click as the pilot does; return once all that does is drawn."""
+    await pilot.click(*where, **offset)
+    await settle(pilot)
+
+
+async def order(pilot: Pilot[Any], command: Command) -> None:
+    """Send ``command`` to the run; return once all it does is drawn."""
+    playground(pilot).send(command)
+    await settle(pilot)
 
 
 async def choose(pilot: Pilot[UserError], id: str) -> None:  # noqa: A002

@@ -118,7 +118,6 @@ def test_the_python_that_is_needed_is_the_one_that_installs() -> None:
 def test_a_number_of_the_program_is_so(file: str, name: str) -> None:
     written, held = said_of(file).constants[name]
     found = written_number(written)
-    assert found is not None
     assert found.agrees_with(held)
 
 

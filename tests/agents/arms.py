@@ -50,6 +50,5 @@ def pulls(ours: Learner, steps: int) -> list[tuple[int, float]]:
     taken = []
     for _ in range(steps):
         ours.advance(1)
-        assert ours.last_step is not None
         taken.append((ours.last_step.pair, ours.last_step.reward))
     return taken

@@ -72,12 +72,7 @@ def test_the_agent_goes_on_by_itself(algorithm: str) -> None:
 @pytest.mark.parametrize(
     "algorithm",
     [
-        "q-learning",
-        "sarsa",
-        "expected-sarsa",
-        "monte-carlo",
-        "n-step-sarsa",
-        "sarsa-lambda",
+        *("q-learning", "sarsa", "expected-sarsa", "monte-carlo", "n-step-sarsa", "sarsa-lambda"),
         "q-lambda",
         "prioritized-sweeping",
     ],

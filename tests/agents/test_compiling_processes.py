@@ -98,7 +98,6 @@ def files(cache: Path) -> list[str]:
 def test_of_many_processes_one_compiles_and_the_others_read(tmp_path: Path) -> None:
     children = [started(ONE_OF_MANY, tmp_path) for _ in range(3)]
     for child in children:
-        assert child.stdin is not None
         child.stdin.write("\n")
         child.stdin.flush()
     assert sorted(map(said, children)) == ["compiled", "found", "found"]
@@ -126,7 +125,6 @@ def test_a_kiosk_compiles_and_writes_nothing(tmp_path: Path) -> None:
 
 def test_the_worker_ends_with_its_parent_in_the_middle_of_compiling(tmp_path: Path) -> None:
     parent = started(PARENT, tmp_path)
-    assert parent.stdout is not None
     worker = int(parent.stdout.readline())
     assert os.getsid(worker) == worker
     until(lambda: any(tmp_path.rglob(".compiling.lock")))

@@ -34,7 +34,6 @@ def followed(ours: Learner) -> Iterator[tuple[list[float], float, int]]:
         gamma = ours.hyperparameters.gamma
         ours.advance(1)
         ours.drain_episodes()
-        assert ours.last_step is not None
         rewards.append(ours.last_step.reward)
         total += discount * rewards[-1]
         discount *= gamma
@@ -42,7 +41,6 @@ def followed(ours: Learner) -> Iterator[tuple[list[float], float, int]]:
 
 
 def shown(ours: Learner) -> tuple[list[float], float, int]:
-    assert ours.last_step is not None
     return ours.rewards.tolist(), ours.discounted_return, ours.last_step.episode_step
 
 
@@ -131,6 +129,5 @@ def test_a_step_knows_its_number_in_its_episode_and_a_backup_in_its_sweep() -> N
     numbers = []
     for _ in range(2 * int(np.count_nonzero(np.diff(ours.space.first_pair)))):
         ours.advance(1)
-        assert ours.last_step is not None
         numbers.append(ours.last_step.episode_step)
     assert numbers == [*range(1, len(numbers) // 2 + 1)] * 2

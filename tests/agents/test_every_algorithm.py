@@ -194,7 +194,6 @@ def test_the_update_that_is_reported_is_the_one_that_was_made(
         ours.advance(1)
         ours.drain_episodes()
         last = ours.last_step
-        assert last is not None
         moved = np.flatnonzero(ours.q != before)
         if not last.learned:
             assert (len(moved), last.others) == (0, 0)
@@ -219,7 +218,6 @@ def test_a_terminated_step_does_not_bootstrap_a_truncated_one_does(
     ours = learner(mdp, algorithm, hyperparameters)
     ours.advance(1)
     last = ours.last_step
-    assert last is not None
     assert (last.terminated, last.truncated, last.after) == (ends, not ends, value)
 
 
@@ -236,7 +234,6 @@ def test_the_bootstrap_was_read_from_the_state_that_is_named(
         ours.advance(1)
         ours.drain_episodes()
         last = ours.last_step
-        assert last is not None
         state, is_elsewhere = last.bootstrap_state, last.updated_pair != last.pair
         if state == NO_STATE:
             assert row.planner or last.bootstrap == 0.0
@@ -264,7 +261,6 @@ def test_the_last_td_errors_are_kept_with_the_pairs_that_moved(
         ours.advance(1)
         ours.drain_episodes()
         last = ours.last_step
-        assert last is not None
         if last.step == step and last.learned:  # a planner that is done takes no more
             updates.append((last.td_error, last.updated_pair))
     at_once.advance(ours.step)

@@ -16,12 +16,7 @@ from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
 
 @pytest.mark.parametrize(
     ("map_name", "slippery", "value"),
-    [
-        ("4x4", False, 0.95099),
-        ("4x4", True, 0.54203),
-        ("8x8", False, 0.87752),
-        ("8x8", True, 0.41464),
-    ],
+    [("4x4", False, 0.95099), ("4x4", True, 0.54203), ("8x8", False, 0.87752), ("8x8", True, 0.41464)],
 )
 def test_frozen_lake_value_at_start(map_name: str, slippery: bool, value: float) -> None:
     assert solve(lake(map_name, slippery), 0.99).value_at_start == pytest.approx(value, abs=1e-5)

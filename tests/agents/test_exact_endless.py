@@ -73,9 +73,7 @@ def test_the_best_policy_that_ends_may_be_worse_than_one_that_does_not() -> None
 
 def test_a_loop_that_balances_is_no_gain() -> None:
     mdp = world(
-        ("A", "in", [(1.0, "B", 0.1)]),
-        ("A", "out", [(1.0, "end", 1.0)]),
-        ("B", "back", [(1.0, "A", -0.1)]),
+        ("A", "in", [(1.0, "B", 0.1)]), ("A", "out", [(1.0, "end", 1.0)]), ("B", "back", [(1.0, "A", -0.1)])
     )
     assert solve(mdp, 1.0).v[0] == pytest.approx(1.0, abs=1e-12)
 
@@ -118,8 +116,7 @@ def test_a_time_limit_bounds_the_return_but_not_the_value() -> None:
 
 def test_an_end_too_unlikely_for_numbers_is_refused_in_one_line() -> None:
     mdp = world(
-        ("A", "on", [(1.0, "B", -1.0)]),
-        ("B", "back", [(1.0 - 1e-12, "A", -1.0), (1e-300, "end", -1.0)]),
+        ("A", "on", [(1.0, "B", -1.0)]), ("B", "back", [(1.0 - 1e-12, "A", -1.0), (1e-300, "end", -1.0)])
     )
     with pytest.raises(NoExactAnswer, match="an end is too unlikely"):
         solve(mdp, 1.0)

@@ -27,7 +27,6 @@ def random_map(seed: int, characters: str, **rules: Any) -> TabularMDP:
     legend = {"X": {"kind": "floor", "exit": True, "reward": 0.3}}
     section = GridSection.model_validate({"map": lines, "legend": legend, "step_reward": -0.02, **rules})
     mdp = section.build(np.random.default_rng(0)).mdp
-    assert mdp is not None
     assert mdp.states > MOST_DENSE
     return mdp
 

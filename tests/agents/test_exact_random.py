@@ -49,7 +49,6 @@ def test_the_same_values_as_long_value_iteration(mdp: TabularMDP, gamma: float) 
 @given(worlds(largest_reward=1_000_000, states=3), st.sampled_from([0.9, 0.9999, 0.999999]))
 def test_exact_to_the_last_digits_where_gamma_is_near_one(mdp: TabularMDP, gamma: float) -> None:
     best = best_rational(mdp, Fraction(gamma))
-    assert best is not None
     for state, value in best.items():
         assert abs(Fraction(float(solve(mdp, gamma).v[state])) - value) <= Fraction(1e-9) + abs(value) / 2**51
 

@@ -164,10 +164,8 @@ def test_the_shortest_recurrence_of_known_sequences() -> None:
     assert found is not None
     assert whole_numbers(found, moduli).tolist() == [1, -1, -1]
     ends = shortest_recurrence(np.array([[5, 3, 7, 0, 0, 0, 0, 0]] * 2), moduli)
-    assert ends is not None
     assert ends.tolist() == [[1, 0, 0, 0]] * 2
     silent = shortest_recurrence(np.zeros((2, 8), dtype=np.int64), moduli)
-    assert silent is not None
     assert silent.tolist() == [[1]] * 2
     assert shortest_recurrence(np.array([[0, 1, 1, 2], [1, 1, 2, 3]]), moduli) is None
 

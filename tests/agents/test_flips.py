@@ -221,8 +221,7 @@ def test_a_way_that_goes_round_until_a_slip_leads_out_turns_only_at_the_start() 
 
 def test_where_the_start_itself_turns_the_way_does() -> None:
     mdp = world(
-        ("start", "search", [(0.9, "start", 1.0), (0.1, "end", 1.0)]),
-        ("start", "leave", [(1.0, "end", 4.0)]),
+        ("start", "search", [(0.9, "start", 1.0), (0.1, "end", 1.0)]), ("start", "leave", [(1.0, "end", 4.0)])
     )
     (flip,) = flips(mdp)
     assert flip.gamma == pytest.approx(5 / 6)

@@ -86,7 +86,6 @@ def test_the_last_step_holds_the_numbers_of_its_update() -> None:
     ours = learner(endless(reward=2.0), Hyperparameters(alpha=0.25, gamma=0.5, initial_q=4.0))
     ours.advance(1)
     last = ours.last_step
-    assert last is not None
     assert (last.step, last.episode, last.state, last.pair, last.next_state) == (1, 1, 0, 0, 0)
     assert (last.before, last.bootstrap, last.target, last.td_error) == (4.0, 4.0, 4.0, 0.0)
     assert last.after == last.before + last.step_size * last.td_error
@@ -98,7 +97,6 @@ def test_epsilon_decays_by_episode() -> None:
     seen = []
     for _ in range(4):
         ours.advance(1)
-        assert ours.last_step is not None
         seen.append(ours.last_step.epsilon)
     assert seen == pytest.approx([0.1 + 0.9 * math.exp(-0.5 * n) for n in range(4)])
     assert seen == [hyperparameters.epsilon_at(n) for n in range(4)]

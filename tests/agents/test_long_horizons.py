@@ -100,7 +100,6 @@ def test_larger_worlds_take_longer() -> None:
     models = []
     for name in ("student", "frozenlake-8x8-slippery", "taxi"):
         mdp = world(name)
-        assert mdp is not None
         models.append(seconds_of(backward_induction.model_of(mdp, mdp.reward)))
     assert models == sorted(models)
     assert COMPILED_LOOPS

@@ -50,7 +50,6 @@ def test_the_model_holds_what_was_observed_last(algorithm: str) -> None:
     for _ in range(50):
         ours.advance(1)
         last = ours.last_step
-        assert last is not None
         expected[last.pair] = (last.reward, -2 if last.terminated else last.next_state)
         _, _, rewards, next_states, *_ = ours.checkpoint().memory
         model = {pair: (rewards[pair], next_states[pair]) for pair in range(2) if next_states[pair] != -1}
@@ -95,12 +94,10 @@ def test_dyna_practises_the_states_alike_and_then_the_actions() -> None:
 def test_one_pass_through_a_corridor_is_enough_for_prioritized_sweeping() -> None:
     ours = learner(corridor(5), "prioritized-sweeping", alpha=1.0, gamma=0.5, planning_steps=5, threshold=0.0)
     ours.advance(4)
-    assert ours.last_step is not None
     assert not ours.last_step.learned
     ours.advance(1)
     assert ours.q.tolist() == [0.0625, 0.125, 0.25, 0.5, 1.0]
     last = ours.last_step
-    assert last is not None
     assert (last.updated_pair, last.before, last.target, last.after, last.others) == (4, 0.0, 1.0, 1.0, 4)
 
 

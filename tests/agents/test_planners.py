@@ -104,7 +104,6 @@ def test_a_step_is_the_backup_of_a_state_and_an_episode_a_sweep() -> None:
     seen = []
     for _ in range(4):
         ours.advance(1)
-        assert ours.last_step is not None
         assert ours.last_step.planned
         seen.append((ours.last_step.state, ours.last_step.episode, ours.episodes, ours.episode_step))
     assert seen == [(0, 1, 0, 1), (1, 1, 0, 2), (2, 1, 1, 0), (0, 2, 1, 1)]
@@ -118,7 +117,6 @@ def test_the_record_explains_the_best_pair() -> None:
     ours = learner(row([1.0, 2.0]), "value-iteration", Hyperparameters(gamma=0.5, initial_q=3.0))
     ours.advance(1)
     last = ours.last_step
-    assert last is not None
     assert (last.updated_pair, last.before, last.gathered, last.bootstrap, last.after) == (
         1,
         3.0,
@@ -160,7 +158,6 @@ def test_policy_iteration_evaluates_the_equal_policy_then_improves_it() -> None:
 def test_the_record_of_an_evaluation_is_of_the_pair_that_the_policy_takes() -> None:
     ours = learner(row([-1.0]), "policy-iteration", Hyperparameters(gamma=0.5))
     assert ours.advance(10**6) is Stop.CONVERGED
-    assert ours.last_step is not None
     assert (ours.last_step.state, ours.last_step.updated_pair) == (0, 0)
 
 
@@ -284,7 +281,6 @@ def test_a_planner_knows_rewards_where_they_have_drifted_to() -> None:
     ours.advance(100)
     ours.switch("value-iteration")
     assert ours.advance(100) is Stop.CONVERGED
-    assert ours.mdp is not None
     assert ours.q.tolist() == ours.mdp.reward.tolist()
     assert ours.q.tolist() != [0.0] * 3
 

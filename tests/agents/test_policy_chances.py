@@ -155,7 +155,6 @@ def test_a_new_policy_is_its_module_and_its_row(monkeypatch: pytest.MonkeyPatch)
     ours = Learner(COINS, "expected-sarsa", Hyperparameters(policy=CURIOUS.id, epsilon=1.0), streams(0))
     ours.advance(4)
     assert ours.visits.tolist() == [1, 1, 1, 1]
-    assert ours.last_step is not None
     assert ours.last_step.epsilon == 1.0
     ours.configure(replace(ours.hyperparameters, epsilon=0.5))
     ours.advance(1)

@@ -69,9 +69,6 @@ def test_a_runaway_stops_both_forms_at_the_same_step_with_the_same_bits(
     mdp = stretched(data.draw(worlds_for(loop)), scale, std)
     fit = replace(fitting(loop, hyperparameters), temperature=hyperparameters.temperature)
     as_machine_code, as_python = (learner_in(mdp, loop, fit, seed) for _ in range(2))
-    stops = [
-        advance(as_machine_code, 60, is_interpreted=False),
-        advance(as_python, 60, is_interpreted=True),
-    ]
+    stops = [advance(as_machine_code, 60, is_interpreted=False), advance(as_python, 60, is_interpreted=True)]
     assert stops[0] == stops[1]
     assert all_bits(as_machine_code) == all_bits(as_python)

@@ -93,7 +93,6 @@ def test_the_sample_average_can_be_asked_for_in_two_ways(fields: dict[str, str])
     for _ in range(30):
         ours.advance(1)
         last = ours.last_step
-        assert last is not None
         assert last.step_size == 1.0 / ours.visits[last.pair]
 
 
@@ -113,7 +112,6 @@ def test_a_learner_follows_both_schedules_episode_by_episode(schedule: str) -> N
     for episode in range(20):
         ours.advance(1)
         last = ours.last_step
-        assert last is not None
         assert (last.step_size, last.epsilon) == (
             hyperparameters.alpha_at(episode),
             hyperparameters.epsilon_at(episode),

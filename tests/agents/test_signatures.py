@@ -142,7 +142,6 @@ def test_what_all_share_is_called_with_the_types_of_its_examples(
 ) -> None:
     monkeypatch.setattr(many_policies, "COMPILED_LOOPS", {SHARED})
     mdp = world("frozenlake").mdp
-    assert mdp is not None
     policy = np.full(mdp.pairs, 0.25)
     policy_values(mdp, policy, 3)
     policy_values(mdp, policy, 3, mdp.reward + 1)

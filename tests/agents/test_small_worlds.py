@@ -114,7 +114,6 @@ def test_values_are_those_of_the_chain_and_missing_where_it_has_none(drawn: Draw
     live = np.diff(mdp.first_pair) > 0
     for policy, v, at_start in zip(policies, values.v, values.at_start, strict=True):
         chain = by_chain(mdp, policy, gamma)
-        assert chain is not None
         close = 1e-15 * np.nanmax(np.abs(chain.v), initial=0.0)
         assert v == pytest.approx(chain.v[live], rel=1e-12, abs=close, nan_ok=True)
         assert np.isnan(at_start) == (chain.at_start is None)
@@ -201,7 +200,6 @@ def test_a_chain_that_hardly_ends_is_left_and_worked_out_as_before() -> None:
     assert by_kernel(mdp, policies, 1.0).left.tolist() == [True, False, False]
     found = expected_returns(mdp, policies)
     chain = by_chain(mdp, policies[0], 1.0)
-    assert chain is not None
     assert found[0] == chain.at_start == pytest.approx(-1e11, rel=1e-4)
     assert found[1:].tolist() == [-1.0, pytest.approx(-2.0, rel=1e-9)]
 

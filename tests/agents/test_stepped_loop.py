@@ -199,7 +199,6 @@ def test_a_failure_keeps_what_was_learned_until_then() -> None:
     assert learner.advance(100) is Stop.WORLD_FAILED
     assert learner.stop_reason == "at step 4 the wheel is lost"
     last = learner.last_step
-    assert last is not None
     assert (learner.step, last.step, learner.visits[0], learner.episodes, learner.episode_step) == (
         3,
         3,
@@ -216,7 +215,6 @@ def test_a_failure_to_start_again_keeps_the_episode_before_it() -> None:
     assert (learner.step, learner.episodes, learner.episode_step) == (2, 1, 0)
     assert learner.drain_episodes().returns.tolist() == [2.0]
     assert learner.stop_reason == "after step 2 the wheel is lost"
-    assert learner.last_step is not None
     assert learner.last_step.terminated
 
 
@@ -230,8 +228,6 @@ def test_a_truncated_step_still_bootstraps_and_a_terminated_one_does_not() -> No
     for learner in (cut, over):
         learner.advance(1)
         assert learner.episodes == 1
-    assert cut.last_step is not None
-    assert over.last_step is not None
     assert (cut.last_step.bootstrap, over.last_step.bootstrap) == (2.0, 0.0)
 
 
@@ -272,5 +268,4 @@ def test_hyperparameters_change_between_steps() -> None:
     assert learner.q[0] == 1.0
     learner.configure(Hyperparameters(alpha="sample-average", gamma=0.0))
     learner.advance(1)
-    assert learner.last_step is not None
     assert learner.last_step.step_size == pytest.approx(1 / 3)

@@ -50,7 +50,6 @@ def test_one_step_teaches_all_that_led_to_it(algorithm: str) -> None:
     assert ours.q.tolist() == [0.125, 0.25, 0.5]
     assert traces(ours) == [0.0, 0.0, 0.0]
     last = ours.last_step
-    assert last is not None
     assert (last.updated_pair, last.others, last.step_size, last.after) == (2, 2, 0.5, 0.5)
 
 
@@ -61,7 +60,6 @@ def test_without_trace_decay_it_is_the_one_step_method(algorithm: str) -> None:
     assert ours.q.tolist() == [0.0, 0.0, 0.5]
     ours.advance(3)
     assert ours.q.tolist() == [0.0, 0.25, 0.75]
-    assert ours.last_step is not None
     assert ours.last_step.others == 0
 
 
@@ -76,7 +74,6 @@ def test_a_second_visit(algorithm: str, kind: str, trace: float) -> None:
     error = 1.0 + 0.5 * second - first
     ours.advance(1)
     assert ours.q.tolist() == [first + 0.5 * trace * error, second + 0.5 * 0.5 * error]
-    assert ours.last_step is not None
     assert ours.last_step.truncated
     assert ours.last_step.step_size == 0.5 * trace
     assert traces(ours) == [0.0, 0.0]
@@ -117,7 +114,6 @@ def test_only_watkins_cuts_traces_before_an_action_that_is_not_greedy(algorithm:
         greedy = ours.q[1:3] == ours.q[1:3].max()
         trace = traces(ours)[0]
         ours.advance(1)
-        assert ours.last_step is not None
         taken = ours.last_step.pair
         assert trace == (0.0 if cut and not greedy[taken - 1] else 1.0)
         assert ours.last_step.others == (trace > 0.0)
@@ -139,7 +135,6 @@ def test_faded_traces_are_dropped(algorithm: str) -> None:
     ours.advance(90)
     kept = [trace for trace in traces(ours) if trace]
     assert kept == [0.25**age for age in range(19, 0, -1)]
-    assert ours.last_step is not None
     assert ours.last_step.others == 19
 
 

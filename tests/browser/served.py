@@ -18,7 +18,6 @@ class Served:
     """A running ``rl-tui serve`` at ``url``."""
 
     def __init__(self, process: subprocess.Popen[str]) -> None:
-        assert process.stdout is not None
         self.process = process
         self.said = process.stdout.readline()
         found = re.search(r"http://\S+", self.said)

@@ -106,10 +106,7 @@ def test_the_lakes_have_the_values_that_are_known_of_them() -> None:
     [(100, "S.G", ""), (100, "SHG", "nothing is ever learned"), (3, "S....G", "a training has 3 episodes")],
 )
 def test_where_nothing_will_be_learned_that_is_said(
-    episodes: int,
-    cells: str,
-    warned: str,
-    tmp_path: Path,
+    episodes: int, cells: str, warned: str, tmp_path: Path
 ) -> None:
     path = tmp_path / "quiet.toml"
     text = f"[defaults]\nepisodes = {episodes}\n[grid]\ntime_limit = 10\nmap = '{cells}'\n"

@@ -290,7 +290,6 @@ def test_the_share_of_the_best(scenario: str) -> None:
     mdp = begin(recipe).world.mdp
     assert mdp is not None
     measured = yardstick_of(mdp, recipe.hyperparameters.gamma)
-    assert measured is not None
     best = measured.best
     assert measured.share(best) == 1.0
     shares = [measured.share(value) for value in (best - 3.0, best - 1.0, best)]

@@ -121,10 +121,7 @@ def test_csv_has_the_episodes(tmp_path: Path):
             ["solve", "gym:Blackjack-v1"],
             "gym:Blackjack-v1 has no exact answer: this environment has no transition table",
         ),
-        (
-            ["train", "gym:Blackjak-v1"],
-            'gym:Blackjak-v1: found "Blackjak-v1"; expected the id of',
-        ),
+        (["train", "gym:Blackjak-v1"], 'gym:Blackjak-v1: found "Blackjak-v1"; expected the id of'),
         (["train", "gym:CartPole-v1"], "[gymnasium.bins] in a scenario file"),
         (["train", "gym:Blackjack-v1", "--algorithm", "value-iteration"], "this environment has none"),
         (["bench", "gym:Blackjack-v1"], "choose a scenario such as frozenlake"),

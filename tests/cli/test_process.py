@@ -12,10 +12,7 @@ from rl_tui.cli import main
 NAME = "OPENBLAS_NUM_THREADS"
 
 
-@pytest.mark.parametrize(
-    ("given", "then"),
-    [({}, "1"), ({NAME: "4"}, "4"), ({"OMP_NUM_THREADS": "4"}, None)],
-)
+@pytest.mark.parametrize(("given", "then"), [({}, "1"), ({NAME: "4"}, "4"), ({"OMP_NUM_THREADS": "4"}, None)])
 def test_linear_algebra_gets_one_thread_unless_somebody_wants_more(
     given: dict[str, str], then: str | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:

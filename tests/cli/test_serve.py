@@ -123,11 +123,7 @@ def test_another_address_is_warned_of_and_confirmed(started: list[tuple[str, ...
 
 @pytest.mark.parametrize(("answer", "status", "servers"), [("y", 0, 1), ("n", 1, 0), ("", 1, 0)])
 def test_a_person_is_asked(
-    started: list[tuple[str, ...]],
-    monkeypatch: pytest.MonkeyPatch,
-    answer: str,
-    status: int,
-    servers: int,
+    started: list[tuple[str, ...]], monkeypatch: pytest.MonkeyPatch, answer: str, status: int, servers: int
 ) -> None:
     monkeypatch.setattr(serve, "is_interactive", lambda: True)
     result = CliRunner().invoke(program, ["serve", "--host", "0.0.0.0", "--port", "0"], input=f"{answer}\n")

@@ -212,29 +212,6 @@ def test_a_picture_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     assert target in one_line(result)
 
 
-def test_a_run_that_breaks_down_is_a_failure_naming_the_step(tmp_path: Path) -> None:
-    file = tmp_path / "runaway.toml"
-    file.write_text(
-        """
-        [defaults]
-        alpha = 1.0
-        gamma = 1.0
-        [mdp]
-        start = "A"
-        place = { A = [0, 0], B = [1, 0] }
-        [[mdp.transition]]
-        state = "A"
-        action = "go"
-        reward = 1e9
-        to = { A = 0.999, B = 0.001 }
-        """,
-        encoding="utf-8",
-    )
-    result = run("train", str(file), "--json")
-    assert result.exit_code == 1
-    assert "at step" in one_line(result)
-
-
 def test_check_reports_every_fault_and_fails(tmp_path: Path) -> None:
     good = tmp_path / "good.toml"
     good.write_text(

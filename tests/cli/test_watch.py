@@ -143,12 +143,7 @@ def test_what_the_script_raises_stands_in_the_document_and_in_a_line(tmp_path: P
     path = script_in(tmp_path, "x = 1\nprint('printed')\nraise ValueError('of\\nits own')\n")
     code, text, complaint = run(path, "--json")
     assert code == 1
-    assert json.loads(text)["error"] == {
-        "type": "ValueError",
-        "text": "of\nits own",
-        "file": path,
-        "line": 3,
-    }
+    assert json.loads(text)["error"] == {"type": "ValueError", "text": "of\nits own", "file": path, "line": 3}
     assert complaint == f"rl-tui: {path}, line 3: ValueError: of its own\n"
 
 

@@ -68,7 +68,6 @@ def study(algorithm: str, *, fails: bool = False, epsilon: float = 0.2, **change
 def test_the_greatest_of_the_next_state_is_what_q_learning_expects() -> None:
     # .8 (−2 + .9·10) + .2 (−2 + .9·6.3): the estimate before the update counts where the student stays
     backup = backup_of(study("q-learning"))
-    assert backup is not None
     assert backup.expected == pytest.approx(0.8 * 7.0 + 0.2 * 3.67)
     assert backup.sampled == pytest.approx(7.0)
     assert [leaf.value for leaf in backup.leaves] == [10.0, 6.3]
@@ -82,7 +81,6 @@ def test_on_policy_methods_expect_the_mean_over_their_policy(algorithm: str) -> 
     # π = .9, .1 in Class: V = .9·6.3 + .1·5 = 6.17
     shown = study(algorithm, fails=True, bootstrap=5.0 if algorithm == "sarsa" else 6.17)
     backup = backup_of(shown)
-    assert backup is not None
     assert backup.expected == pytest.approx(0.8 * 7.0 + 0.2 * (-2.0 + 0.9 * 6.17))
     assert backup.sampled == pytest.approx(-2.0 + 0.9 * (5.0 if algorithm == "sarsa" else 6.17))
     found = sources(shown)
@@ -95,12 +93,10 @@ def test_each_of_two_tables_judges_the_best_of_the_other() -> None:
     own, other = Q.copy(), Q + np.array([0.3, 0.5, 0.0, 0.0, 1.0])
     shown = changed(study("double-q-learning", table=1, bootstrap=11.0), tables=(own, other))
     backup = backup_of(shown)
-    assert backup is not None
     # the best of table 1 in Class is study, before the update 6.3; table 2 takes it for 6.67
     assert backup.expected == pytest.approx(0.8 * (-2.0 + 0.9 * 11.0) + 0.2 * (-2.0 + 0.9 * 6.67))
     assert sources(shown) == {SLEEP: 1.0}
     without = backup_of(changed(shown, tables=()))
-    assert without is not None
     assert without.expected is None
 
 
@@ -108,7 +104,6 @@ def test_nothing_follows_an_end() -> None:
     ended = study("q-learning", state=2, pair=SLEEP, updated_pair=SLEEP, outcome=5, next_state=3,
                   reward=10.0, gathered=10.0, terminated=True, bootstrap=0.0)  # fmt: skip
     backup = backup_of(ended)
-    assert backup is not None
     assert backup.leaves == (Leaf(1.0, 4, 10.0, 0.0, 3, True, 0.0, True),)
     assert (backup.sampled, backup.expected) == (10.0, 10.0)
     assert backup.is_certain
@@ -123,7 +118,6 @@ def test_equal_estimates_share_what_was_looked_up() -> None:
 def test_what_spans_many_steps_has_no_expected_target() -> None:
     for algorithm in ("n-step-sarsa", "monte-carlo"):
         backup = backup_of(study(algorithm, gathered=3.0, discount=0.81))
-        assert backup is not None
         assert (backup.sampled, backup.expected) == (None, None)
 
 
@@ -142,7 +136,6 @@ def test_before_the_first_step_there_is_none() -> None:
 
 def test_updates_beside_the_one_told_of_make_the_estimates_newer_than_it() -> None:
     backup = backup_of(study("dyna-q", others=10))
-    assert backup is not None
     assert not backup.is_current
 
 
@@ -157,7 +150,6 @@ def test_without_chance_sample_and_expectation_agree(algorithm: str) -> None:
         run.advance(1)
         shown = snapshot_of(run)
         backup = backup_of(shown)
-        assert backup is not None
         assert backup.is_certain
         if algorithm != "sarsa":
             assert backup.expected == pytest.approx(backup.sampled, abs=1e-12)
@@ -179,7 +171,6 @@ def test_the_samples_of_a_slippery_step_have_the_expected_target_for_their_mean(
     run.advance(1)
     shown = snapshot_of(run)
     backup = backup_of(shown)
-    assert backup is not None
     assert backup.expected is not None
     targets = [leaf.reward + backup.gamma * (leaf.value or 0.0) for leaf in backup.leaves]
     assert backup.expected == pytest.approx(sum(targets) / 3, abs=1e-12)
@@ -196,8 +187,6 @@ def test_a_planner_backs_up_the_expectation_itself(algorithm: str) -> None:
         run.advance(1)
         shown = snapshot_of(run)
         backup = backup_of(shown)
-        assert backup is not None
-        assert shown.counters.last_step is not None
         assert backup.sampled == backup.expected == shown.counters.last_step.target
         assert expected_target(backup.leaves, backup.gamma) == pytest.approx(
             shown.counters.last_step.target, abs=1e-12
@@ -208,7 +197,6 @@ def test_of_a_world_without_a_table_only_the_sample_is_known() -> None:
     run = Run(recipe("blackjack"), evaluate=False)
     run.advance(50)
     backup = backup_of(snapshot_of(run))
-    assert backup is not None
     assert len(backup.leaves) == 1
     assert backup.leaves[0].probability is None
     assert backup.expected is None

@@ -7,16 +7,7 @@ from playing import assert_true_to_the_record, begin, do, stand
 from recipes import recipe, replay
 from test_going_back import through_a_file
 
-from rl_tui.lab.live.commands import (
-    AddBranch,
-    AddLane,
-    Apply,
-    ChooseBranch,
-    ChooseLane,
-    GoTo,
-    Take,
-    Train,
-)
+from rl_tui.lab.live.commands import AddBranch, AddLane, Apply, ChooseBranch, ChooseLane, GoTo, Take, Train
 from rl_tui.lab.live.playback import Playback
 from rl_tui.lab.run.recipe import (
     EditWorld,

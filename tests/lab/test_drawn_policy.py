@@ -22,13 +22,7 @@ from rl_tui.lab.answers.drawn_policy import DrawnPolicy
 from rl_tui.lab.answers.left_to_chance import left_to_chance
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.export.policy import evaluate_line, policy_text
-from rl_tui.lab.live.commands import (
-    ClearDrawing,
-    DrawAction,
-    Restart,
-    Step,
-    StudyPolicy,
-)
+from rl_tui.lab.live.commands import ClearDrawing, DrawAction, Restart, Step, StudyPolicy
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.run.recipe import begin as begin_run
 from rl_tui.lab.sessions.session import SessionError, checksum_of, encoded, read_session
@@ -81,7 +75,6 @@ def test_commands_draw_and_the_run_knows_nothing_of_it() -> None:
     seen = do(drawing, DrawAction(1, None), Step())
     assert seen.answers.drawn.choices == ((0, RIGHT),)
     left = seen.answers.left_to_chance
-    assert left is not None
     assert left.sum() == 10
     alone = do(plain, Step(), Step(), Step())
     assert seen.agent.q.tobytes() == alone.agent.q.tobytes()
@@ -194,7 +187,6 @@ def test_the_command_says_of_the_file_what_the_drawing_is_worth(
     assert words[:3] == ["rl-tui", "evaluate", scenario]
     answer = json.loads(CliRunner().invoke(program, [*words[1:], "--json"]).stdout)
     expected = figures(mdp, drawn.chances(mdp), gamma)
-    assert expected.v is not None
     assert answer["gamma"] == gamma
     assert answer["value_at_start"] == expected.value_at_start
     assert answer["expected_return"] == expected.expected_return

@@ -48,7 +48,6 @@ def plain(made_from: Recipe, pulls: int) -> Plain:
     for _ in range(pulls):
         run.advance(1)
         last = run.learner.last_step
-        assert last is not None
         best = max(done.means)
         done.rewards.append(done.means[last.pair] + 2.0 * world.standard_normal())
         assert last.reward == pytest.approx(done.rewards[-1], rel=1e-12)
@@ -65,7 +64,6 @@ def test_regret_and_best_arms_are_added_up_pull_by_pull(drifting: Recipe) -> Non
     run.advance(400)
     wanted = plain(drifting, 400)
     spent = run.bandit
-    assert spent is not None
     assert spent.pulls == 400
     assert spent.winnings == pytest.approx(sum(wanted.rewards))
     assert spent.regret == wanted.regret
@@ -73,7 +71,6 @@ def test_regret_and_best_arms_are_added_up_pull_by_pull(drifting: Recipe) -> Non
     assert spent.best_arm_rate == sum(wanted.optimal) / 400
     assert np.concatenate(optimal_pulls).tolist() == wanted.optimal
     mdp = run.learner.mdp
-    assert mdp is not None
     assert mdp.reward.tolist() == pytest.approx(wanted.means, abs=1e-12)
     assert run.world.space.reward.tolist() == [0.5, 0.5, -1.0]  # type: ignore[attr-defined]
 
@@ -122,8 +119,6 @@ def assert_same(one: Run, other: Run) -> None:
     assert one.bandit == other.bandit
     assert one.learner.q.tobytes() == other.learner.q.tobytes()
     mine, yours = one.learner.mdp, other.learner.mdp
-    assert mine is not None
-    assert yours is not None
     assert mine.reward.tobytes() == yours.reward.tobytes()
     assert one.results.marks.step.tolist() == other.results.marks.step.tolist()
     assert one.results.marks.expected_return.tobytes() == other.results.marks.expected_return.tobytes()
@@ -158,7 +153,6 @@ def test_each_of_many_runs_whose_means_begin_to_drift_is_held_against_its_own(tm
         run = Run(recipe(str(path), seed=row["seed"]), evaluate=False)
         train(run, Goal(episodes=150), journal=journal)
         mdp = run.learner.mdp
-        assert mdp is not None
         assert row["max_error"] == np.abs(run.learner.q - mdp.expected_reward).max()
 
 
@@ -167,17 +161,14 @@ def test_the_screen_is_told_the_means_of_the_moment(drifting: Recipe) -> None:
     while busy(playback):
         playback.work()
     at_first = playback.snapshot()
-    assert at_first.exact_answer.solution is not None
     assert at_first.exact_answer.solution.q.tolist() == [0.5, 0.5, -1.0]
     playback.handle(Train(40))
     while busy(playback):
         playback.work()
     playback.handle(Step())
     snapshot, wanted = playback.snapshot(), plain(drifting, 41)
-    assert snapshot.exact_answer.solution is not None
     assert snapshot.exact_answer.solution.q.tolist() == pytest.approx(wanted.means, abs=1e-12)
     assert snapshot.results.greedy_return == pytest.approx(wanted.means[int(snapshot.agent.q.argmax())])
-    assert snapshot.results.bandit is not None
     assert snapshot.results.bandit.regret == wanted.regret
 
 
@@ -186,7 +177,6 @@ def test_a_bandit_that_stands_still_has_the_same_figures_from_its_visits() -> No
     run.advance(300)
     means = run.world.space.reward  # type: ignore[attr-defined]
     assert run.learner.drifted is None
-    assert run.bandit is not None
     assert run.bandit.regret == pytest.approx(float(run.learner.visits @ (means.max() - means)))
     assert run.bandit.best_arm_rate == run.learner.visits[means.argmax()] / 300
     assert run.bandit.best_possible == pytest.approx(300 * means.max())

@@ -37,7 +37,6 @@ def test_small_worlds_are_answered_at_once_and_remembered() -> None:
 
     answers = ExactAnswers(STUDENT, nobody, counted)
     first = answers.answer(0.9).solution
-    assert first is not None
     assert first.v[0] == pytest.approx(5.2 / 0.82, abs=1e-9)
     assert answers.answer(0.5).solution is not None
     assert answers.answer(0.9).solution is first
@@ -210,7 +209,6 @@ def test_runs_side_by_side_in_two_worlds_have_each_its_answer_worked_out_once(
     do(playback, DrawWorld(read_edits("world.cell[0,1]=H")), AddBranch(0))
     before = len(solved)
     shown = do(playback, Train(20), Step(), Step(), ChooseLane(1), Step())
-    assert shown.beside is not None
     assert shown.world is not shown.beside.world
     assert shown.exact_answer.solution is not shown.beside.exact_answer.solution
     assert len(solved) - before <= 1, "in a branch that goes on into its own change"
@@ -243,9 +241,7 @@ def test_the_answer_of_an_edited_world_is_sought_near_the_one_before(
         mdp = run.world.mdp
         assert mdp is not None
         found = answers.of(run).solution
-        assert found is not None
         near, carried = nears[-1], run.edited.carried_from(edited, run.recipe).states
-        assert near is not None
         assert near.tolist() == [0.0 if old == NEW else before.v[old] for old in carried]
         alone = solve(mdp, found.gamma)
         assert found.v == pytest.approx(alone.v, abs=1e-9)

@@ -21,16 +21,7 @@ from rl_tui.cli.main import program
 from rl_tui.common.errors import UserError
 from rl_tui.lab.export.recipe_line import LONGEST_LINE, recipe_line
 from rl_tui.lab.export.tables import write_q_csv, write_returns
-from rl_tui.lab.live.commands import (
-    Apply,
-    DrawWorld,
-    GoTo,
-    RedoStroke,
-    Step,
-    Take,
-    Train,
-    UndoStroke,
-)
+from rl_tui.lab.live.commands import Apply, DrawWorld, GoTo, RedoStroke, Step, Take, Train, UndoStroke
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm
 from rl_tui.tui.screens.playground.actions.export import script_of
@@ -111,7 +102,6 @@ def test_the_script_is_one_of_the_world_as_it_was_drawn(name: str, tmp_path: Pat
     text = script_of(planned)
     assert "or another world at first" in " ".join(text.split())
     names, mdp = ran(text, "# How good is it?"), planned.world.mdp
-    assert mdp is not None
     live = [state for state in range(mdp.states) if mdp.pairs_of(state)]
     assert len(names["states"]) == len(live)
     best = solve(mdp, planned.agent.hyperparameters.gamma).q

@@ -30,13 +30,10 @@ def test_nothing_is_said_before_many_episodes_unless_it_is_asked() -> None:
     few = do(run, *[RunEpisode()] * (MANY_EPISODES - 1))
     assert few.answers.first_update is None
     many = do(run, RunEpisode()).answers.first_update
-    assert many is not None
     assert (many.is_long, many.has_moved) == (True, False)
-    assert many.answer is not None
     assert many.answer.wait.median_episodes == 127_966
     assert do(run, EpisodeBack()).answers.first_update is None
     asked = do(run, AskWhy(is_asked=True)).answers.first_update
-    assert asked is not None
     assert not asked.is_long
     assert do(run, AskWhy(is_asked=False)).answers.first_update is None
 
@@ -45,7 +42,6 @@ def test_it_is_that_of_the_settings_in_force_and_of_the_q_it_began_with() -> Non
     run = playback(ties="first", initial_q=1.0, gamma=1.0)
     changed = do(run, AskWhy(is_asked=True), Apply(SetParameter("ties", "random")))
     view, world = changed.answers.first_update, changed.world
-    assert view is not None
     assert world.mdp is not None
     settings = run.group.current.run.recipe.hyperparameters.changed("ties", "random")
     assert view.answer == first_update(world.mdp, "q-learning", settings)
@@ -55,7 +51,6 @@ def test_once_an_estimate_has_moved_nothing_is_said_unless_it_is_asked() -> None
     run = playback("cliff")
     assert do(run, Train(2_000)).answers.first_update is None
     asked = do(run, AskWhy(is_asked=True)).answers.first_update
-    assert asked is not None
     assert (asked.has_moved, asked.is_long) == (True, False)
 
 
@@ -63,7 +58,6 @@ def test_where_there_is_no_answer_it_is_said_why() -> None:
     refused = []
     for scenario, values in (("frozenlake", {"policy": "softmax"}), ("discount", {}), ("blackjack", {})):
         view = do(playback(scenario, **values), AskWhy(is_asked=True)).answers.first_update
-        assert view is not None
         assert view.answer is None
         refused.append(view.refused)
     assert "softmax" in refused[0]
@@ -73,7 +67,6 @@ def test_where_there_is_no_answer_it_is_said_why() -> None:
 
 def test_a_large_world_is_left_to_the_command() -> None:
     view = do(begin(open_grid_recipe(80)), AskWhy(is_asked=True)).answers.first_update
-    assert view is not None
     assert view.refused == TOO_LARGE
 
 

@@ -61,8 +61,6 @@ def test_it_survives_its_way_between_processes_to_the_last_bit(
         again = of_json(json.loads(json.dumps(as_json(answer))))
         assert again.flips == answer.flips
         assert again.state is FlipState.KNOWN
-        assert again.curves is not None
-        assert answer.curves is not None
         assert np.array_equal(again.curves.q, answer.curves.q)
         assert np.array_equal(again.curves.gamma, answer.curves.gamma)
 
@@ -70,7 +68,6 @@ def test_it_survives_its_way_between_processes_to_the_last_bit(
 def test_q_by_gamma_is_what_solve_finds(known: dict[str, tuple[TabularMDP, FlipAnswer]]) -> None:
     for mdp, answer in known.values():
         curves = answer.curves
-        assert curves is not None
         assert (curves.gamma[0], curves.gamma[-1]) == (0.0, 1.0)
         for place in (0, 57, 181, 200):
             exact = solve(mdp, float(curves.gamma[place]))
@@ -117,11 +114,9 @@ def test_beyond_a_flip_is_a_round_number(known: dict[str, tuple[TabularMDP, Flip
 
 def test_where_there_is_nothing_to_work_out_that_is_known_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     bandit = at_once(table("bandit"))
-    assert bandit is not None
     assert bandit.is_idle
     assert bandit.flips == ()
     large = at_once(table("taxi"))
-    assert large is not None
     assert large.state is FlipState.REFUSED
     with pytest.raises(NoExactAnswer) as refusal:
         flips(table("taxi"))
@@ -130,7 +125,6 @@ def test_where_there_is_nothing_to_work_out_that_is_known_at_once(monkeypatch: p
     assert at_once(table("student")) is None
     monkeypatch.setattr(flip_answers, "in_kiosk", lambda: True)
     in_kiosk = at_once(table("student"))
-    assert in_kiosk is not None
     assert in_kiosk.state is FlipState.REFUSED
 
 

@@ -237,7 +237,6 @@ def test_between_two_episodes_it_is_the_end_of_one_unless_a_beginning_was_asked_
     first = do(playback, RunEpisode())
     ended = do(playback, RunEpisode()).counters
     last = ended.last_step
-    assert last is not None
     assert (ended.state, ended.step_from, ended.is_at_beginning) == (last.next_state, 0, False)
     do(playback, Step())
     shown = do(playback, EpisodeBack())

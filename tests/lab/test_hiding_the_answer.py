@@ -39,13 +39,7 @@ def test_a_bandit_hides_its_answer_and_others_show_it_unless_the_file_says_other
 
 @pytest.mark.parametrize(("scenario", "hidden"), [("student", True), ("frozenlake", False), ("bandit", True)])
 def test_it_is_hidden_from_the_first_picture_on(scenario: str, hidden: bool) -> None:
-    made = Playback(
-        recipe(scenario),
-        speed=None,
-        automatic=False,
-        clock=lambda: 0.0,
-        on_exact=lambda: None,
-    )
+    made = Playback(recipe(scenario), speed=None, automatic=False, clock=lambda: 0.0, on_exact=lambda: None)
     made.work()
     assert made.snapshot().answers.is_hidden is hidden
     while made.on_the_way:
@@ -57,7 +51,6 @@ def test_a_person_decides_for_all_lanes() -> None:
     playback = begin(recipe("frozenlake"))
     do(playback, AddLane((SetParameter("alpha", 0.5),)))
     hidden = do(playback, HideAnswer(is_hidden=True))
-    assert hidden.beside is not None
     assert hidden.answers.is_hidden
     assert hidden.beside.answers.is_hidden
     assert not do(playback, Step(), HideAnswer(is_hidden=False)).answers.is_hidden

@@ -18,16 +18,13 @@ from rl_tui.lab.timeline.table_samples import TableSamples
 def test_the_history_of_a_cell_is_what_it_was() -> None:
     playback = begin(recipe("frozenlake-slippery"))
     shown = do(playback, Train(5_000), FollowCell(3))
-    assert shown.cell is not None
     assert (shown.cell.pair, len(shown.cell.step)) == (3, len(shown.cell.value))
     assert 100 < len(shown.cell.step) <= 257
     for step, value in zip(shown.cell.step.tolist()[::20], shown.cell.value.tolist()[::20], strict=True):
         assert replay(shown.recipe, (), step).learner.q[3] == value
     shown = do(playback, GoTo(777))
-    assert shown.cell is not None
     assert (shown.cell.step[0], shown.cell.step[-1], shown.cell.value[-1]) == (0, 777, shown.agent.q[3])
     shown = do(playback, Apply(SetParameter("alpha", 0.9)), Train(5_000))
-    assert shown.cell is not None
     assert shown.cell.value[-1] == shown.agent.q[3]
     straight = replay(shown.recipe, shown.timeline.current.journal, int(shown.cell.step[-3]))
     assert straight.learner.q[3] == shown.cell.value[-3]
@@ -41,7 +38,6 @@ def test_a_mark_is_taken_after_a_step_by_hand_as_after_any_other() -> None:
 def test_steps_by_hand_do_not_stop_the_history_of_cells() -> None:
     playback = begin(recipe("frozenlake"))
     shown = do(playback, *(Take(1) for _ in range(5)), FollowCell(1), Train(50))
-    assert shown.cell is not None
     assert shown.cell.step.tolist() == list(range(56))
 
 
@@ -64,7 +60,6 @@ def test_checkpoints_keep_within_their_bounds() -> None:
         kept.add(run.checkpoint())
         assert len(kept) == min(taken, MOST)  # never half of them at once: memory stays where it is
     found = kept.last_before(Target(0, 10**9, step=1000))
-    assert found is not None
     assert 1000 - 3 * 16 < found.step <= 1000
     assert kept.last_before(Target(0, 10**9, step=0)) is None
     one, many = kept.up_to(10**9, 0), kept.up_to(10**9, 0)

@@ -109,13 +109,6 @@ def test_the_figures_are_those_of_train_runs_to_the_bit(scenario: str, steps: in
     assert_equal_to_runs(told.lanes[0], many_runs(made_from, 8, Goal(episodes=told.episodes)))
 
 
-def test_they_are_those_of_the_command_line() -> None:
-    told = studied(recipe("student"), Train(500))
-    command = ["train", "student", "--runs", "8", "--episodes", str(told.episodes), "--json"]
-    done = subprocess.run([sys.executable, "-m", "rl_tui.cli", *command], capture_output=True, check=True)
-    assert_equal_to_runs(told.lanes[0], json.loads(done.stdout))
-
-
 def test_it_grows_by_doubling() -> None:
     made_from = recipe("bandit")
     told = reports(made_from, Train(40), most=32)
@@ -130,7 +123,6 @@ def test_what_was_set_on_the_way_counts() -> None:
     changes = (Train(100), Apply(SetParameter("gamma", 0.5)), Train(100), Apply(SwitchAlgorithm("sarsa")))
     playback = begin(made_from)
     told = do(playback, *changes, Train(300), StudySeeds()).study
-    assert told is not None
     assert (told.episodes, told.steps) == (None, 500)
     journal, figures = playback.record.lanes[0].branches[0].journal, []
     for seed in range(8):
@@ -145,8 +137,6 @@ def test_what_was_set_on_the_way_counts() -> None:
 def test_this_seed_is_the_run_on_screen() -> None:
     playback = begin(recipe("bandit"))
     told = do(playback, Train(150), StudySeeds())
-    assert told.study is not None
-    assert told.results.bandit is not None
     this_seed = told.study.lanes[0].this_seed
     assert this_seed["winnings"] == told.results.bandit.winnings
     assert this_seed["regret"] == told.results.bandit.regret
@@ -157,7 +147,6 @@ def test_this_seed_is_the_run_on_screen() -> None:
 def test_beside_a_planner_this_seed_is_the_run_on_screen() -> None:
     changes = (Train(300), Apply(SwitchAlgorithm("value-iteration")), Train(300))
     told = do(begin(recipe("student")), *changes, StudySeeds())
-    assert told.study is not None
     this_seed = told.study.lanes[0].this_seed
     assert (this_seed["steps"], told.study.steps) == (told.counters.step, told.counters.step)
     assert this_seed["expected_return"] == told.results.greedy_return
@@ -222,7 +211,6 @@ def test_lanes_are_held_against_each_other_seed_by_seed() -> None:
 
 def test_a_difference_is_of_seeds_that_have_both() -> None:
     found = difference_of([1.0, None, 5.0, 2.0], [0.0, 3.0, 7.0, 2.0])
-    assert found is not None
     assert (found.mean.mean, found.mean.count, found.greater, found.equal) == (pytest.approx(-1 / 3), 3, 1, 1)
     assert difference_of([None], [1.0]) is None
 
@@ -285,7 +273,6 @@ def test_a_stepped_environment_has_eight_seeds() -> None:
     assert request.most == 8
     assert "8" in request.message
     told = do(playback, StudySeeds()).study
-    assert told is not None
     assert told.state is StudyState.DONE
     assert told.episodes is not None
     assert_equal_to_runs(told.lanes[0], many_runs(recipe("blackjack"), 8, Goal(episodes=told.episodes)))
@@ -298,7 +285,6 @@ def test_a_stepped_environment_has_eight_seeds() -> None:
 
 def refusal_of(playback: Playback, *before: Command, state: StudyState = StudyState.REFUSED) -> str:
     snapshot = do(playback, *before, Play(), StudySeeds())
-    assert snapshot.study is not None
     assert (snapshot.study.state, snapshot.study.lanes) == (state, ())
     assert snapshot.playback.phase is Phase.RUNNING
     return snapshot.study.message
@@ -370,11 +356,9 @@ def test_what_an_environment_prints_goes_nowhere_and_its_failure_is_told(
     do(playback, Train(6))
     capfd.readouterr()
     told = do(playback, StudySeeds()).study
-    assert told is not None
     assert (told.state, told.seeds) == (StudyState.DONE, 8)
     broken.touch()
     told = do(playback, StudySeeds()).study
-    assert told is not None
     assert told.state is StudyState.FAILED
     assert told.message.startswith("seed 0: ")
     assert "out of breath" in told.message
@@ -403,7 +387,6 @@ def test_it_is_outdated_where_runs_were_changed_and_only_there(monkeypatch: pyte
 
     def is_outdated(*commands: Command) -> bool:
         told = do(playback, *commands).study
-        assert told is not None
         return told.is_outdated
 
     start = playback.group.current.recipe
@@ -534,7 +517,6 @@ def test_it_ends_with_its_parent_however_that_ends(number: signal.Signals, is_ru
         stdout=subprocess.PIPE,
         text=True,
     )
-    assert parent.stdout is not None
     child = int(parent.stdout.readline())
     assert os.getsid(child) == child
     if is_running:

@@ -42,11 +42,7 @@ def test_the_rest_takes_as_long_as_what_is_done_has_taken(clock: Clock) -> None:
 
 @pytest.mark.parametrize(
     ("is_busy", "waits", "is_held_up"),
-    [
-        (True, PATIENCE, True),
-        (True, PATIENCE - 0.1, False),
-        (False, 10 * PATIENCE, False),
-    ],
+    [(True, PATIENCE, True), (True, PATIENCE - 0.1, False), (False, 10 * PATIENCE, False)],
 )
 def test_it_is_held_up_where_it_does_not_get_on_while_others_keep_the_machine_busy(
     clock: Clock, is_busy: bool, waits: float, is_held_up: bool

@@ -91,7 +91,6 @@ def test_pins_go_with_their_cell_and_its_action() -> None:
     pinned(playback, 1, 2)
     shown = do(playback, Train(20), draw("rows=+1@1"))
     assert_pinned(shown, 2, 2)
-    assert shown.cell is not None
     assert shown.cell.pair == pair_at(shown, 2, 2)
     shown = do(playback, Step(), draw("columns=-1@1"))
     assert_pinned(shown, 2, 1)
@@ -127,7 +126,6 @@ def test_a_run_stops_at_its_breakpoint_wherever_the_world_has_moved_it() -> None
         shown = do(playback, RunUntil(Until(Event.STEP, 150)))
         if shown.playback.paused_by.startswith("breakpoint"):
             break
-    assert shown.counters.last_step is not None
     assert shown.counters.last_step.next_state == state_at(shown, 3, 2)
 
 
@@ -197,12 +195,10 @@ def test_a_lane_beside_in_another_world_has_them_by_its_own_numbers() -> None:
     do(playback, Train(20), AddLane((SetParameter("alpha", 0.9),)), draw("rows=+1@1"))
     pinned(playback, 3, 0)
     shown = do(playback, StudyPolicy(PolicyKind.DRAWN))
-    assert shown.beside is not None
     assert_pinned(shown, 3, 0)
     assert_pinned(shown.beside, 2, 0)
     assert state_at(shown, 3, 0) >= shown.beside.world.space.states, "there is no such number there"
     drawn = shown.beside.answers.policies[PolicyKind.DRAWN].policy
-    assert drawn is not None
     assert drawn[pair_at(shown.beside, 2, 0)] == 1.0
     shown = do(playback, Step())
     assert shown.beside is not None
@@ -253,11 +249,9 @@ def test_the_run_beside_has_pins_by_the_numbers_of_its_own_world() -> None:
     added, moved = state_at(shown, 2, 3), state_at(shown, 5, 0)
     do(playback, DrawAction(added, DOWN), DrawAction(moved, DOWN))
     shown = do(playback, ToggleBreakpoint(added), ToggleBreakpoint(moved))
-    assert shown.beside is not None
     assert shown.beside.world.space.states < moved
     there = state_at(shown.beside, 2, 0)
     assert shown.beside.answers.drawn.choices == ((there, DOWN),)
-    assert shown.beside.answers.left_to_chance is not None
     assert not shown.beside.answers.left_to_chance[there]
     assert shown.beside.playback.breakpoints.states == {there}
     assert shown.answers.drawn.choices == ((added, DOWN), (moved, DOWN))
@@ -305,5 +299,4 @@ def test_how_an_estimate_went_begins_with_the_world_it_is_of() -> None:
     do(playback, draw("rows=+2@3"), Train(5))
     last = playback.group.current.world.space.pairs - 1
     shown = do(playback, FollowCell(last))
-    assert shown.cell is not None
     assert shown.cell.step.tolist() == [1, 2, 3, 4, 5]

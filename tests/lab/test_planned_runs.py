@@ -46,7 +46,6 @@ def test_what_was_pulled_stays_the_same_while_a_planner_is_at_work(scenario: str
     run.advance()
     assert run.learner.converged
     assert run.bandit == before
-    assert before is not None
     assert before.pulls == 100
 
 
@@ -55,7 +54,6 @@ def test_sweeps_are_not_taken_from_the_budget() -> None:
     run.advance()
     run.apply(LEARN)
     run.advance()
-    assert run.bandit is not None
     assert (run.bandit.pulls, run.history.curve().episode[-1], run.spent) == (50, 50, True)
 
 
@@ -86,7 +84,6 @@ def test_whoever_takes_over_is_seen_where_it_begins() -> None:
     assert seen_state(run) == run.learner.state == 0
     run.advance(episodes=1)
     last = run.learner.last_step
-    assert last is not None
     assert seen_state(run) == last.state != 0
     run.apply(LEARN)
     assert seen_state(run) == run.learner.state == 0

@@ -57,7 +57,6 @@ def test_the_world_is_shown_before_the_learner_is_there() -> None:
     second = playback.snapshot()
     assert second.playback.phase is Phase.PAUSED
     assert second.world is first.world
-    assert second.exact_answer.solution is not None
     assert second.exact_answer.solution.value_at_start == pytest.approx(5.2 / 0.82)
     assert second.playback.speed == 10.0
 
@@ -121,7 +120,6 @@ def test_step_pauses_and_takes_one_step() -> None:
     after = playback.snapshot()
     assert after.counters.step == before + 1
     assert after.playback.phase is Phase.PAUSED
-    assert after.counters.last_step is not None
     assert after.counters.last_step.step == after.counters.step
 
 
@@ -194,7 +192,6 @@ def test_changes_are_journalled_at_the_step_they_came() -> None:
     playback.handle(Step())
     snapshot = playback.snapshot()
     assert snapshot.agent.hyperparameters.gamma == 0.5
-    assert snapshot.exact_answer.solution is not None
     assert snapshot.exact_answer.solution.gamma == 0.5
     journal = (JournalEntry(1, SetParameter("gamma", 0.5)), JournalEntry(1, SetParameter("alpha", 1.0)))
     assert snapshot.agent.q.tolist() == replay(snapshot.recipe, journal, 2).learner.q.tolist()
@@ -215,7 +212,6 @@ def test_a_spent_budget_ends_the_run() -> None:
         pass
     spent = playback.snapshot()
     assert spent.playback.phase is Phase.SPENT
-    assert spent.results.bandit is not None
     assert spent.results.bandit.pulls == spent.counters.episodes == 100
     for command in (Play(), Step(), RunEpisode(), Train(5), Pause()):
         playback.handle(command)
@@ -268,7 +264,6 @@ def test_a_planner_that_is_done_goes_on_with_another_discount() -> None:
         playback.work()
     again = playback.snapshot()
     assert again.playback.phase is Phase.DONE
-    assert again.exact_answer.solution is not None
     assert abs(again.agent.q - again.exact_answer.solution.q).max() < 1e-8
 
 

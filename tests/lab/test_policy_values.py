@@ -14,13 +14,7 @@ from rl_tui.agents.exact.policy_figures import expected_return
 from rl_tui.agents.policies.chances import action_chances
 from rl_tui.lab.answers import policy_values
 from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.lab.answers.policy_values import (
-    NO_CHANCES,
-    PLANS,
-    TOO_MANY,
-    WHILE_RUNNING,
-    PolicyAnswer,
-)
+from rl_tui.lab.answers.policy_values import NO_CHANCES, PLANS, TOO_MANY, WHILE_RUNNING, PolicyAnswer
 from rl_tui.lab.live.commands import (
     AddLane,
     Apply,
@@ -119,7 +113,6 @@ def test_what_was_drawn_is_done_and_all_else_is_random() -> None:
     assert answer(playback, DRAWN).expected_return == answer(playback, UNIFORM).expected_return
     playback.handle(DrawAction(0, 0))
     found = answer(playback, DRAWN)
-    assert found.policy is not None
     assert found.policy[:2].tolist() == [1.0, 0.0]
 
 
@@ -158,9 +151,7 @@ def test_other_policies_are_asked_state_by_state(policy: str) -> None:
 def test_a_gradient_bandit_acts_by_what_it_prefers() -> None:
     playback = after(bandit(1_000, policy="gradient"), 50)
     run, found = playback.group.current.run, answer(playback, BEHAVIOUR)
-    assert found.policy is not None
     assert found.policy.tolist() == run.learner.rule.probability.tolist()
-    assert run.world.mdp is not None
     assert found.expected_return == pytest.approx(float(found.policy @ run.world.mdp.expected_reward))
 
 

@@ -145,11 +145,7 @@ def test_changes_are_put_in_the_order_of_their_steps() -> None:
     journal = journal_of(changes, ACTIONS)
     assert [
         (entry.step, entry.change.name) for entry in journal if isinstance(entry.change, SetParameter)
-    ] == [
-        (2, "alpha"),
-        (9, "gamma"),
-        (9, "epsilon"),
-    ]
+    ] == [(2, "alpha"), (9, "gamma"), (9, "epsilon")]
 
 
 @pytest.mark.parametrize(

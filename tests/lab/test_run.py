@@ -124,7 +124,6 @@ def test_a_journal_entry_counts_from_the_next_step_on() -> None:
     run = Run(recipe("student", alpha=0.1))
     run.advance(steps=5)
     run.apply(SetParameter("alpha", 0.5))
-    assert run.learner.last_step is not None
     assert run.learner.last_step.step_size == 0.1
     run.advance(steps=1)
     assert run.learner.last_step.step_size == 0.5
@@ -169,7 +168,6 @@ def test_a_bandit_settles_its_accounts() -> None:
     means = run.world.space.reward
     visits = run.learner.visits
     figures = snapshot.results.bandit
-    assert figures is not None
     assert figures.pulls == figures.budget == 1000
     assert figures.regret == pytest.approx(sum(visits * (means.max() - means)))
     assert figures.best_arm_rate == visits[means.argmax()] / 1000
@@ -199,11 +197,9 @@ def test_the_agent_is_seen_where_an_episode_ended_until_the_next_begins() -> Non
     run = Run(recipe("student"))
     run.advance(episodes=1)
     ended = snapshot_of(run)
-    assert ended.counters.last_step is not None
     assert ended.counters.state == ended.counters.last_step.next_state != run.learner.state
     run.advance(steps=1)
     begun = snapshot_of(run)
-    assert begun.counters.last_step is not None
     assert begun.counters.last_step.state == int(run.world.space.start_state[0])
 
 

@@ -103,7 +103,6 @@ def test_a_table_comes_out_to_the_last_bit(
     q, visits = np.array([each[0] for each in pairs]), np.array([each[1] for each in pairs], np.int64)
     record = replace(SOUND, table=LearnedTable(q, visits, episodes, state))
     table = stored(path, record).record().table
-    assert table is not None
     assert (table.q.dtype, table.q.tobytes()) == (np.dtype(float), q.tobytes())
     assert (table.visits.dtype, table.visits.tolist()) == (np.dtype(np.int64), visits.tolist())
     assert (table.episodes, table.state) == (episodes, state)

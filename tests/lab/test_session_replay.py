@@ -89,11 +89,7 @@ def test_training_refuses_an_action_after_the_end() -> None:
 
 
 @settings(max_examples=25, deadline=None)
-@given(
-    st.lists(st.integers(0, 100), max_size=5),
-    st.integers(0, 120),
-    st.integers(1, 150),
-)
+@given(st.lists(st.integers(0, 100), max_size=5), st.integers(0, 120), st.integers(1, 150))
 def test_how_it_is_cut_makes_no_difference(steps: list[int], step: int, chunk: int) -> None:
     journal = [
         JournalEntry(at, SetParameter("alpha", 0.1 + number / 10)) for number, at in enumerate(sorted(steps))

@@ -64,7 +64,6 @@ def test_a_large_world_is_copied_whole_until_somebody_says_what_is_shown(run: Ru
 def test_only_what_is_in_sight_is_copied(run: Run) -> None:
     snapshot = shown(run, NEAR)
     window = snapshot.agent.part
-    assert window is not None
     held = np.flatnonzero(window.held)
     assert set(held.tolist()) == set(window.pairs.tolist())
     # cells and rows on either side of the agent, and what the last step met
@@ -104,9 +103,7 @@ def test_parts_that_were_scrolled_to_are_there_as_well(run: Run) -> None:
 
 def test_what_the_last_step_met_is_there(run: Run) -> None:
     last = run.learner.last_step
-    assert last is not None
     snapshot = shown(run, Viewport())
-    assert snapshot.agent.part is not None
     assert snapshot.agent.holds(last.updated_pair)
     assert all(map(snapshot.agent.holds, run.world.space.pairs_of(last.next_state)))
     assert snapshot.agent.part.held.sum() <= 3 * 4
@@ -118,7 +115,6 @@ def test_a_sight_beyond_the_edges_is_cut_off() -> None:
         run,
         Viewport(Cells(500, 500, top=150, left=150), RowRange(1_000_000, first=run.world.space.pairs - 4)),
     )
-    assert snapshot.agent.part is not None
     assert snapshot.agent.part.held.all()
 
 
@@ -126,7 +122,6 @@ def test_a_snapshot_never_changes_and_cannot_be_changed() -> None:
     run = Run(open_grid_recipe(SIDE), evaluate=False)
     run.advance(1_000)
     first = shown(run, NEAR)
-    assert first.agent.part is not None
     q, visits = (
         first.agent.q[first.agent.part.pairs].tolist(),
         first.agent.visits[first.agent.part.pairs].tolist(),
@@ -159,7 +154,6 @@ def test_to_look_at_a_part_changes_nothing_but_the_pictures(run: Run) -> None:
     plain.advance(3)
     after = playback.snapshot()
     assert (after.counters.step, after.counters.state) == (3, plain.learner.state)
-    assert after.agent.part is not None
     assert np.array_equal(after.agent.q[after.agent.part.pairs], plain.learner.q[after.agent.part.pairs])
 
 
@@ -167,13 +161,11 @@ def test_what_was_shown_of_a_larger_world_is_left_out(run: Run) -> None:
     pairs = run.world.space.pairs
     far = Viewport(Cells(9, 7, 10 * SIDE, 10 * SIDE), RowRange(40, 10 * pairs), pairs)
     window = shown(run, far).agent.part
-    assert window is not None
     assert set(window.pairs.tolist()) == set(near_pairs(run))
 
 
 def near_pairs(run: Run) -> list[int]:
     window = shown(run, NEAR).agent.part
-    assert window is not None
     pairs: list[int] = window.pairs.tolist()
     return pairs
 
@@ -194,7 +186,6 @@ def test_a_table_follows_the_agent_to_the_end_of_its_episode() -> None:
     run = Run(made_from, evaluate=False)
     run.advance(episodes=1)
     last, goal = run.learner.last_step, 8
-    assert last is not None
     assert last.next_state == goal
     assert followed_state(run.world.space, goal, last) == last.state
     assert followed_state(run.world.space, 4, last) == 4

@@ -27,7 +27,6 @@ from rl_tui.lab.run.recipe import SetParameter
 def test_a_run_pauses_at_breakpoints_and_at_what_was_waited_for() -> None:
     playback = begin(recipe("frozenlake-slippery"))
     shown = do(playback, RunUntil(Until(Event.REWARD)))
-    assert shown.counters.last_step is not None
     assert (shown.counters.last_step.reward, shown.playback.paused_by) == (1.0, "the next reward")
     straight = replay(shown.recipe, (), shown.counters.step - 1)
     assert straight.learner.visits.sum() == shown.counters.step - 1
@@ -75,7 +74,6 @@ def test_the_best_arm_is_looked_for_where_it_drifts_to() -> None:
     playback = begin(recipe("bandit-drifting", seed=1))
 
     def is_best(shown: Snapshot) -> bool:
-        assert shown.exact_answer.solution is not None
         return bool(shown.exact_answer.solution.greedy[int(shown.agent.q.argmax())])
 
     assert not is_best(do(playback, Train(20)))

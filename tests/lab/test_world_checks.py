@@ -42,8 +42,6 @@ def test_a_snapshot_tells_what_the_command_prints_and_nothing_once_it_is_closed(
     assert playback.snapshot().world_check is None
     snapshot = do(playback, AskCheck(is_asked=True))
     view = snapshot.world_check
-    assert view is not None
-    assert view.report is not None
     assert view.report.stage is CheckStage.DONE
     printed = CliRunner().invoke(program, ["check", "--deep", scenario, "--json"])
     told = json.loads(json.dumps(check_document([], snapshot.world, view.report)))
@@ -57,8 +55,6 @@ def test_it_is_about_the_world_and_the_settings_in_force() -> None:
 
     def told() -> tuple[float | None, float, int]:
         view = playback.snapshot().world_check
-        assert view is not None
-        assert view.report is not None
         assert not view.is_outdated
         return view.report.best_return, view.gamma, len(view.report.never_reached or ())
 
@@ -122,10 +118,8 @@ def test_figures_come_before_the_algorithms_are_tried(beside: Beside) -> None:
     run = run_of("student")
     assert beside.checks.of(run).report is None
     first = beside.until(run, has_figures).report
-    assert first is not None
     assert (first.best_return, first.tried) == (7.5, None)
     last = beside.until(run, is_whole).report
-    assert last is not None
     assert (last.best_return, len(last.flips or ())) == (7.5, 1)
     assert last.tried is not None
     assert len(beside.processes) == 1
@@ -143,7 +137,6 @@ def test_of_many_changes_the_newest_counts_and_not_each_begins_a_process(beside:
     other = run_of(QUICK)
     view = beside.checks.of(other)
     assert view.is_outdated
-    assert view.world is not None
     assert view.world.space.states == 48, "the report goes on to be about its own world"
     assert beside.until(other, is_whole).report is not None
     assert beside.processes[1].wait(LONGEST) is not None
@@ -173,7 +166,6 @@ def test_what_is_broken_off_keeps_its_figures_and_says_so(beside: Beside) -> Non
     beside.processes[0].kill()
     view = beside.until(run, lambda view: bool(view.refused))
     assert view.refused == BROKEN_OFF
-    assert view.report is not None
     assert view.report.best_return == -13.0
     assert beside.checks.of(run).refused == BROKEN_OFF, "it is not begun again by itself"
     assert len(beside.processes) == 1

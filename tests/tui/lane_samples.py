@@ -76,14 +76,7 @@ def showing(snapshot: Snapshot, lane: LaneView) -> Snapshot:
 
 def without_episodes(lane: LaneView) -> LaneView:
     """``lane`` as it was before its first episode ended."""
-    return changed(
-        lane,
-        step=0,
-        episodes=0,
-        curve=Curve(),
-        marks=marks(0, 0.0, 0.0, 0),
-        return_last_100=None,
-    )
+    return changed(lane, step=0, episodes=0, curve=Curve(), marks=marks(0, 0.0, 0.0, 0), return_last_100=None)
 
 
 @cache

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
-from seams import choose, notes, playground, press, snapshot
+from seams import choose, notes, on_screen, playground, press, snapshot
 from textual.pilot import Pilot
 
 from rl_tui.agents.hyperparameters import PARAMETERS
@@ -231,8 +231,6 @@ class Learner:
     async def write_program(self, code: str) -> None:
         """Have the file of the page begun in the working folder, write ``code`` into it, and check it."""
         task = self.page.task
-        assert task is not None
-        assert task.program is not None
         file = Path(task.program.file)
         if not file.exists():
             await self.keys("A", "enter")
@@ -265,8 +263,7 @@ async def taking(
         Display(fps=1000.0), start, partial(Player, automatic=False), picture=True, sessions=sessions
     )
     app.NOTIFICATION_TIMEOUT = 3600.0
-    async with app.run_test(size=size, notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(app, size, notifications=True) as pilot:
         yield Learner(pilot, lesson)
 
 

@@ -104,7 +104,6 @@ def unknown(reason: str = "several cells moved in most steps", **changes: Any) -
     """A program whose update is not known: only the change of the cell is."""
     picture = watched(program(verdict=ProgramVerdict(update=UpdateFound(reason=reason))))
     last = picture.counters.last_step
-    assert last is not None
     moved = last.after - last.before
     # what a playback fills in where it knows nothing: terms that come to the estimate after it
     open_step = replace(last, step_size=1.0, gamma=1.0, gathered=last.after, discount=0.0, bootstrap=0.0)

@@ -15,16 +15,7 @@ from rl_tui.worlds.world import World
 LEFT, DOWN, RIGHT, UP = range(4)
 DIRECTIONS = ((0, -1), (1, 0), (0, 1), (-1, 0))
 LAKE = ("SFFF", "FHFH", "FFFH", "HFFG")
-BIG_LAKE = (
-    "SFFFFFFF",
-    "FFFFFFFF",
-    "FFFHFFFF",
-    "FFFFFHFF",
-    "FFFHFFFF",
-    "FHHFFFHF",
-    "FHFFHFHF",
-    "FFFHFFFG",
-)
+BIG_LAKE = ("SFFFFFFF", "FFFFFFFF", "FFFHFFFF", "FFFFFHFF", "FFFHFFFF", "FHHFFFHF", "FHFFHFHF", "FFFHFFFG")
 KINDS = {"S": CellKind.START, "F": CellKind.FLOOR, "H": CellKind.HOLE, "G": CellKind.GOAL}
 
 

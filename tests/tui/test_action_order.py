@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from conftest import MakeApp
 from sample_worlds import bandit_world, lake_world, student_world
-from seams import notes, press
+from seams import notes, on_screen, press
 
 from rl_tui.lab.run.library import find
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.draw.action_order import shown_order, shown_pairs, shown_place
 from rl_tui.tui.theme.glyphs import UNICODE
 from rl_tui.worlds.drawing import Grid
@@ -57,7 +56,6 @@ async def test_the_key_of_ties_says_in_which_order_the_first_counts_where_anothe
     make_app: MakeApp,
 ) -> None:
     for scenario, order in (("frozenlake", "← ↓ → ↑"), ("cliff", "")):
-        async with make_app(scenario).run_test(size=(80, 24), notifications=True) as pilot:
-            await settle(pilot)
+        async with on_screen(make_app(scenario), notifications=True) as pilot:
             await press(pilot, "t")
             assert notes(pilot.app)[-1].endswith(order or "is taken")

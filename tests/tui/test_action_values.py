@@ -12,13 +12,12 @@ from drawn_grids import large_lake, paying, q_of, style_at, visited
 from rich.style import Style
 from sample_worlds import DOWN, LEFT, RIGHT, UP
 from samples import big_lake, lake, look
-from seams import notes, playground, press, train
+from seams import notes, on_screen, playground, press, train
 from snapshots import changed
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.until import Breakpoints
 from rl_tui.lab.timeline.trail import TrailStep
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.draw.number_form import NumberForm
 from rl_tui.tui.panels.world.grid.action_form import (
     ActionForm,
@@ -99,10 +98,7 @@ def learned() -> Snapshot:
     ],
 )
 def test_cells_take_the_first_form_that_fits(
-    kinds: ActionKinds,
-    cells: tuple[int, int],
-    size: tuple[int, int],
-    form: tuple[Places, int, int] | None,
+    kinds: ActionKinds, cells: tuple[int, int], size: tuple[int, int], form: tuple[Places, int, int] | None
 ) -> None:
     found = whole_map_form(kinds, *cells, *size, digits=3, sign_width=1, tints=True)
     assert (found and found[:3]) == form
@@ -115,7 +111,6 @@ def test_tints_alone_are_no_form_without_colours() -> None:
 def test_of_a_map_that_does_not_fit_a_part_has_numbers_if_it_is_large_enough() -> None:
     assert part_form(SIX, 29, 23, 59, 20, digits=3, sign_width=1) is None
     alone = part_form(SIX, 29, 23, 118, 36, digits=3, sign_width=1)
-    assert alone is not None
     assert alone.places is Places.TWO_LISTS
     snapshot = large_lake()
     view = with_actions(snapshot)
@@ -321,30 +316,24 @@ def test_every_size_is_filled_exactly(size: tuple[int, int], plain: bool) -> Non
 @pytest.mark.screen
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
 async def test_a_key_turns_cells_to_q_and_back(size: tuple[int, int], make_app: MakeApp) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=size, notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), size, notifications=True) as pilot:
         await train(pilot, 300)
         world = playground(pilot).board.world
-        assert world is not None
         before = str(world.border_title)
         await press(pilot, "V")
         assert str(world.border_title).startswith("World · Q of every action")
-        assert not notes(app)
+        assert not notes(pilot.app)
         await press(pilot, "V")
         assert str(world.border_title) == before
 
 
 @pytest.mark.screen
 async def test_where_cells_are_too_small_it_says_so_and_the_zoom_helps(make_app: MakeApp) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=(60, 18), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (60, 18), notifications=True) as pilot:
         world = playground(pilot).board.world
-        assert world is not None
         before = str(world.border_title)
         await press(pilot, "V")
-        assert notes(app) == ["cells too small for Q of every action; f, the world alone, has room"]
+        assert notes(pilot.app) == ["cells too small for Q of every action; f, the world alone, has room"]
         assert str(world.border_title) == before
         await press(pilot, "f")
         assert not world.lacks_room
@@ -357,22 +346,17 @@ async def test_where_cells_are_too_small_it_says_so_and_the_zoom_helps(make_app:
     [("student", "Q of every action stands in the table"), ("bandit", "each bar is Q of its arm")],
 )
 async def test_other_worlds_say_where_q_stands(scenario: str, where: str, make_app: MakeApp) -> None:
-    app = make_app(scenario)
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app(scenario), notifications=True) as pilot:
         await press(pilot, "V")
-        assert notes(app)[0].endswith(where)
+        assert notes(pilot.app)[0].endswith(where)
         assert not playground(pilot).board.legends.shows_actions
 
 
 @pytest.mark.screen
 async def test_the_next_scenario_shows_them_too(make_app: MakeApp) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         await press(pilot, "V", "right_square_bracket")
         world = playground(pilot).board.world
-        assert world is not None
         assert world.shows_actions
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from conftest import MakeApp
-from seams import notes, screen_text
+from seams import notes, on_screen, screen_text, tap
 from textual.command import CommandPalette
 
 from rl_tui.common.errors import UserError
@@ -40,8 +40,7 @@ def test_importing_the_app_loads_neither_numba_nor_gymnasium() -> None:
 @pytest.mark.parametrize("scenario", [None, "student"])
 async def test_a_small_terminal_is_told_so_and_recovers(make_app: MakeApp, scenario: str | None) -> None:
     app = make_app(scenario)
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app) as pilot:
         message, keys = app.screen.query_one("#too-small"), app.screen.query_one("#keys")
         assert not message.display
         await pilot.resize_terminal(50, 15)
@@ -62,8 +61,7 @@ async def test_a_small_terminal_is_told_so_and_recovers(make_app: MakeApp, scena
 @pytest.mark.parametrize("scenario", [None, "student"])
 async def test_q_quits(make_app: MakeApp, scenario: str | None) -> None:
     app = make_app(scenario)
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app) as pilot:
         await pilot.press("q")
     assert app.return_value is None
     assert app.return_code == 0
@@ -77,10 +75,8 @@ async def test_it_can_be_quit_before_anything_is_ready(make_app: MakeApp) -> Non
 
 
 async def test_the_palette_finds_and_does_the_actions_of_the_screen(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        screen = app.screen
+    async with on_screen(make_app("student")) as pilot:
+        screen = pilot.app.screen
         assert isinstance(screen, Playground)
         provider = ActionProvider(screen)
         offered = [hit.display async for hit in provider.discover()]
@@ -94,20 +90,18 @@ async def test_the_palette_finds_and_does_the_actions_of_the_screen(make_app: Ma
         assert screen.snapshot
         assert screen.snapshot.counters.step == 1
         await pilot.press("ctrl+p")
-        assert isinstance(app.screen, CommandPalette)
+        assert isinstance(pilot.app.screen, CommandPalette)
 
 
 async def test_the_theme_changes_the_colours_of_what_is_drawn(make_app: MakeApp) -> None:
-    app = make_app("student", theme="dark")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        screen = app.screen
+    async with on_screen(make_app("student", theme="dark")) as pilot:
+        screen = pilot.app.screen
         assert isinstance(screen, Playground)
         before = screen.board.table.look.palette
-        app.theme = "light"
+        pilot.app.theme = "light"
         await settle(pilot)
         assert screen.board.table.look.palette != before
-        assert screen.board.table.look.palette == app.look.palette
+        assert screen.board.table.look.palette == pilot.app.look.palette
 
 
 def test_an_unknown_theme_is_refused_with_the_known_ones() -> None:
@@ -120,8 +114,7 @@ async def test_a_world_that_cannot_be_built_ends_what_play_started(tmp_path: Pat
     file.write_text(NOT_REGISTERED)
     recipe = recipe_for(read_scenario(file, ask_environment=False), {}, 0)
     app = RlTuiApp(Display(), recipe, make_player=partial(Player, automatic=False))
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app) as pilot:
         await pilot.pause()
     assert app.return_code == 1
     assert isinstance(app.return_value, UserError)
@@ -129,33 +122,24 @@ async def test_a_world_that_cannot_be_built_ends_what_play_started(tmp_path: Pat
 
 
 async def test_escape_leaves_a_run_only_when_pressed_again(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
-        await pilot.press("s", "escape", "s")
-        await settle(pilot)
-        await pilot.press("escape")
-        await settle(pilot)
-        assert isinstance(app.screen, Playground)
-        assert notes(app)[-1].startswith("esc again")
-        await pilot.press("escape")
-        await settle(pilot)
-        assert isinstance(app.screen, CatalogueScreen)
+    async with on_screen(make_app("student"), notifications=True) as pilot:
+        await tap(pilot, "s", "escape", "s")
+        await tap(pilot, "escape")
+        assert isinstance(pilot.app.screen, Playground)
+        assert notes(pilot.app)[-1].startswith("esc again")
+        await tap(pilot, "escape")
+        assert isinstance(pilot.app.screen, CatalogueScreen)
 
 
 async def test_escape_goes_back_to_the_catalogue(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("escape")
-        await settle(pilot)
-        assert isinstance(app.screen, CatalogueScreen)
+    async with on_screen(make_app("student")) as pilot:
+        await tap(pilot, "escape")
+        assert isinstance(pilot.app.screen, CatalogueScreen)
 
 
 async def test_in_ascii_no_character_is_left_over(make_app: MakeApp) -> None:
     app = make_app("student", ascii=True)
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app) as pilot:
         assert "v:[Q] visits - h: Q*" in screen_text(app)
         assert screen_text(app).isascii()
         await pilot.resize_terminal(50, 15)

@@ -267,7 +267,6 @@ def test_means_that_drift_are_the_current_ones() -> None:
     mdp = known.world.mdp
     assert mdp is not None
     drifts = replace(mdp, drift_std=0.1)
-    assert known.exact_answer.solution is not None
     moved = replace(known.exact_answer.solution, q=known.exact_answer.solution.q + 1.0)
     assert true_means_now(drifts, changed(known, solution=moved)) == pytest.approx(
         known.exact_answer.solution.q + 1.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from conftest import MakeApp
 from samples import answered, bandit, lake, look
-from seams import playground, press, slider, train
+from seams import on_screen, playground, press, slider, tap, train
 from test_lanes import open_lane
 from textual.containers import VerticalScroll
 from textual.geometry import Region
@@ -52,11 +52,9 @@ async def point_at(pilot: Pilot[UserError], panel: str, text: str) -> None:
 
 
 async def test_with_nothing_pointed_at_it_is_the_help(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         await press(pilot, "question_mark")
-        assert isinstance(app.screen, HelpScreen)
+        assert isinstance(pilot.app.screen, HelpScreen)
 
 
 @pytest.mark.parametrize("ascii", [False, True])
@@ -64,11 +62,9 @@ async def test_every_title_of_the_help_stands_apart_from_its_text(
     ascii: bool,  # noqa: A002
     make_app: MakeApp,
 ) -> None:
-    app = make_app("student", ascii=ascii)
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student", ascii=ascii)) as pilot:
         await press(pilot, "question_mark")
-        pages = app.screen.query(Explained)
+        pages = pilot.app.screen.query(Explained)
         lines = [page.render_line(y).text for page in pages for y in range(page.size.height)]
         assert {row.title for row in PANELS if not row.of_lesson} <= {line[:14].strip() for line in lines}
         assert [line for line in lines if line[:2] == "  " and line[13:14].strip()] == []
@@ -76,9 +72,7 @@ async def test_every_title_of_the_help_stands_apart_from_its_text(
 
 @pytest.mark.parametrize("size", [(60, 18), (80, 24), (120, 40)])
 async def test_a_slider_in_focus_is_explained_first(size: tuple[int, int], make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=size) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), size) as pilot:
         await press(pilot, "2", "question_mark")
         assert listed(pilot)[0] == "gamma"
         assert set(TERMS["controls"]) <= set(listed(pilot))
@@ -87,41 +81,33 @@ async def test_a_slider_in_focus_is_explained_first(size: tuple[int, int], make_
 
 
 async def test_the_thumb_of_a_slider_is_no_sign_of_the_map(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        alpha = slider(app, "alpha")
+    async with on_screen(make_app("student")) as pilot:
+        alpha = slider(pilot.app, "alpha")
         await pilot.hover(alpha, offset=(alpha.render_line(0).text.index("●"), 0))
         await press(pilot, "question_mark")
-        assert isinstance(app.screen, HelpScreen)
+        assert isinstance(pilot.app.screen, HelpScreen)
 
 
 async def test_a_panel_in_focus_lists_its_words_and_arrows_go_through_them(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         await press(pilot, "tab", "question_mark")
         assert listed(pilot) == [NUMBER, *TERMS["world"]]
         await press(pilot, "down", "down")
         assert glossary()[TERMS["world"][1]].text in told(pilot)
         await press(pilot, "escape")
-        assert isinstance(app.screen, Playground)
+        assert isinstance(pilot.app.screen, Playground)
 
 
 async def test_a_second_question_mark_goes_on_to_the_help(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         await press(pilot, "tab", "question_mark", "question_mark")
-        assert isinstance(app.screen, HelpScreen)
+        assert isinstance(pilot.app.screen, HelpScreen)
         await press(pilot, "escape")
-        assert isinstance(app.screen, Playground)
+        assert isinstance(pilot.app.screen, Playground)
 
 
 async def test_the_word_under_the_mouse_comes_first(make_app: MakeApp) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         await press(pilot, "s")
         await point_at(pilot, LAST_STEP, "δ =")
         await press(pilot, "question_mark")
@@ -134,9 +120,7 @@ async def test_the_word_under_the_mouse_comes_first(make_app: MakeApp) -> None:
 
 
 async def test_a_word_on_a_border_is_a_word(make_app: MakeApp) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake")) as pilot:
         world = playground(pilot).board.panel("world")
         below = world.region.height - 1
         line = world.render_lines(Region(0, below, world.region.width, 1))[0].text
@@ -146,18 +130,14 @@ async def test_a_word_on_a_border_is_a_word(make_app: MakeApp) -> None:
 
 
 async def test_beside_all_words_the_mouse_asks_nothing(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         await pilot.hover(playground(pilot).board.panel("table"), offset=(20, 12))
         await press(pilot, "question_mark")
-        assert isinstance(app.screen, HelpScreen)
+        assert isinstance(pilot.app.screen, HelpScreen)
 
 
 async def test_the_number_under_the_mouse_comes_before_the_focus(make_app: MakeApp) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         await train(pilot, 400)
         await press(pilot, "tab", "tab", "home")
         world, table = (playground(pilot).board.panel(each) for each in ("world", "table"))
@@ -178,9 +158,7 @@ async def test_the_number_under_the_mouse_comes_before_the_focus(make_app: MakeA
 
 
 async def test_typing_searches_all_words(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         await press(pilot, "tab", "question_mark", *"regret")
         assert listed(pilot)[0] == "regret"
         assert glossary()["regret"].text in told(pilot)
@@ -193,62 +171,49 @@ async def test_typing_searches_all_words(make_app: MakeApp) -> None:
 
 @pytest.mark.parametrize("scenario", ["student", None])
 async def test_slash_opens_the_whole_glossary(scenario: str | None, make_app: MakeApp) -> None:
-    app = make_app(scenario)
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("slash")
-        await settle(pilot)
-        assert isinstance(app.screen, GlossaryScreen)
+    async with on_screen(make_app(scenario)) as pilot:
+        await tap(pilot, "slash")
+        assert isinstance(pilot.app.screen, GlossaryScreen)
         assert listed(pilot) == list(glossary())
-        await pilot.press("slash", *"alpha")
-        await settle(pilot)
-        assert app.screen.query_one(Input).value.endswith("alpha")
+        await tap(pilot, "slash", *"alpha")
+        assert pilot.app.screen.query_one(Input).value.endswith("alpha")
         assert listed(pilot)[0] == "alpha"
 
 
 async def test_the_help_has_a_key_to_the_glossary(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         await press(pilot, "question_mark", "slash")
-        assert isinstance(app.screen, GlossaryScreen)
+        assert isinstance(pilot.app.screen, GlossaryScreen)
         await press(pilot, "escape")
-        assert isinstance(app.screen, HelpScreen)
+        assert isinstance(pilot.app.screen, HelpScreen)
 
 
 @pytest.mark.parametrize("height", [18, 24, 40, 80])
 async def test_the_help_of_the_catalogue_begins_at_its_beginning(height: int, make_app: MakeApp) -> None:
-    app = make_app(None)
-    async with app.run_test(size=(100, height)) as pilot:
-        await settle(pilot)
-        await pilot.press("question_mark")
-        await settle(pilot)
-        assert isinstance(app.screen, HelpScreen)
-        assert app.screen.query_one(VerticalScroll).scroll_y == 0
+    async with on_screen(make_app(None), (100, height)) as pilot:
+        await tap(pilot, "question_mark")
+        assert isinstance(pilot.app.screen, HelpScreen)
+        assert pilot.app.screen.query_one(VerticalScroll).scroll_y == 0
 
 
 @pytest.mark.parametrize("height", [18, 24, 40, 60])
 async def test_the_help_begins_at_its_beginning_with_the_panels(height: int, make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(100, height)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (100, height)) as pilot:
         await press(pilot, "question_mark")
-        assert app.screen.query_one(VerticalScroll).scroll_y == 0
+        assert pilot.app.screen.query_one(VerticalScroll).scroll_y == 0
         first_words = [
             page.render_line(y).text.split(" ")[0]
-            for page in app.screen.query(Explained)
+            for page in pilot.app.screen.query(Explained)
             for y in range(page.size.height)
         ]
         assert first_words.index("Panels") < first_words.index("Run")
 
 
 async def test_a_help_whose_notes_alone_make_it_scroll_begins_at_its_beginning(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(100, 30)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (100, 30)) as pilot:
         screen = playground(pilot)
         page = HelpScreen(screen.look, screen.actions[:2], (), "\n\n".join(["A paragraph of notes."] * 40))
-        await app.push_screen(page)
+        await pilot.app.push_screen(page)
         await settle(pilot)
         while not page.query("Markdown"):
             await pilot.pause()
@@ -259,9 +224,7 @@ async def test_a_help_whose_notes_alone_make_it_scroll_begins_at_its_beginning(m
 
 
 async def test_the_number_under_the_cursor_is_explained_first(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         await train(pilot, 400)
         now = await press(pilot, "h", "tab", "tab", "home", "question_mark")
         assert listed(pilot)[0] == NUMBER
@@ -275,26 +238,21 @@ async def test_the_number_under_the_cursor_is_explained_first(make_app: MakeApp)
 @pytest.mark.parametrize("layer", list(Layer))
 def test_every_layer_of_the_table_says_what_its_number_is(layer: Layer) -> None:
     told = number_of_pair(lake(), 24, layer, look())
-    assert told is not None
     assert "= " in told.name
     assert told.meaning.endswith(".")
 
 
 def test_what_is_secret_is_not_told() -> None:
     arm = number_of_pair(bandit(400), 5, Layer.Q, look())
-    assert arm is not None
     assert SECRET in arm.meaning
     assert "exact" not in arm.meaning
     known = number_of_pair(answered(bandit(400)), 5, Layer.Q, look())
-    assert known is not None
     assert "exact" in known.meaning
 
 
 async def test_figures_say_the_limits_of_this_world(make_app: MakeApp) -> None:
     for scenario, limit in (("frozenlake", "time limit of 100 steps"), ("cliff", "no time limit")):
-        app = make_app(scenario)
-        async with app.run_test(size=(80, 24)) as pilot:
-            await settle(pilot)
+        async with on_screen(make_app(scenario)) as pilot:
             await press(pilot, "slash", *"return")
             assert listed(pilot)[0] == "return"
             assert limit in " ".join(told(pilot).split())
@@ -302,14 +260,12 @@ async def test_figures_say_the_limits_of_this_world(make_app: MakeApp) -> None:
 
 
 async def test_of_two_lanes_a_number_says_whose_it_is(make_app: MakeApp) -> None:
-    app = make_app("frozenlake-slippery")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
         await train(pilot, 500)
         await open_lane(pilot, "algorithm", "sarsa")
         await press(pilot, "tab", "question_mark")
-        assert "lane 1" in str(app.screen.query_one(OptionList).options[0].prompt)
+        assert "lane 1" in str(pilot.app.screen.query_one(OptionList).options[0].prompt)
         assert "Q-learning" in told(pilot)
         await press(pilot, "escape", "tab", "question_mark")
-        assert "lane 2" in str(app.screen.query_one(OptionList).options[0].prompt)
+        assert "lane 2" in str(pilot.app.screen.query_one(OptionList).options[0].prompt)
         assert "SARSA" in told(pilot)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 from conftest import MakeApp
-from seams import notes, playground, press, screen_text, snapshot
+from seams import notes, on_screen, playground, press, screen_text, snapshot
 
 from rl_tui.lab.atlas import axes
 from rl_tui.lab.atlas import request as atlas_request
@@ -120,19 +120,17 @@ def small_atlas(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.process
 @pytest.mark.usefixtures("small_atlas")
 async def test_enter_opens_the_run_of_a_cell(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         await press(pilot, "S")
         await settle(pilot)
-        assert isinstance(app.screen, AtlasDialog)
-        text = screen_text(app)
+        assert isinstance(pilot.app.screen, AtlasDialog)
+        text = screen_text(pilot.app)
         assert "Atlas of ε × α" in text
         assert "runs done" in text
-        first = snapshot(app).recipe
+        first = snapshot(pilot.app).recipe
         await press(pilot, "m", "right", "up", "n", "enter")
         await settle(pilot)
-        opened = playground(app).recipe
+        opened = playground(pilot.app).recipe
         assert opened.seed == first.seed + 1
         assert opened.hyperparameters.alpha != first.hyperparameters.alpha
         assert opened.hyperparameters.epsilon != first.hyperparameters.epsilon
@@ -142,19 +140,15 @@ async def test_enter_opens_the_run_of_a_cell(make_app: MakeApp) -> None:
 @pytest.mark.process
 @pytest.mark.usefixtures("small_atlas")
 async def test_escape_leaves_the_run_as_it_is(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(120, 40), notifications=True) as pilot:
-        await settle(pilot)
-        before = playground(app)
+    async with on_screen(make_app("student"), (120, 40), notifications=True) as pilot:
+        before = playground(pilot.app)
         await press(pilot, "S", "left", "escape")
         await settle(pilot)
-        assert playground(app) is before
+        assert playground(pilot.app) is before
 
 
 @pytest.mark.screen
 async def test_where_there_is_none_it_says_why(make_app: MakeApp) -> None:
-    app = make_app("blackjack")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("blackjack"), notifications=True) as pilot:
         await press(pilot, "S")
-        assert any("stepped for real" in note for note in notes(app))
+        assert any("stepped for real" in note for note in notes(pilot.app))

@@ -44,7 +44,6 @@ def app(*arguments: str) -> Iterator[subprocess.Popen[bytes]]:
 
 
 def packet(process: subprocess.Popen[bytes]) -> bytes:
-    assert process.stdout is not None
     kind, length = process.stdout.read(1), process.stdout.read(4)
     assert kind in (b"D", b"M")
     return process.stdout.read(int.from_bytes(length, "big"))
@@ -68,7 +67,6 @@ def test_it_ends_when_the_server_is_gone(way: str) -> None:
 
 
 def send(process: subprocess.Popen[bytes], keys: bytes) -> None:
-    assert process.stdin is not None
     process.stdin.write(b"D" + len(keys).to_bytes(4, "big") + keys)
     process.stdin.flush()
 

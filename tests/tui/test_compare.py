@@ -8,7 +8,7 @@ import pytest
 from conftest import MakeApp
 from lane_samples import lane_views, showing
 from sample_worlds import bandit_world, lake_world
-from seams import choose, notes, playground, show, snapshot
+from seams import choose, notes, on_screen, playground, show, snapshot
 from snapshots import changed
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
@@ -101,8 +101,7 @@ async def test_the_last_branches_of_the_run_can_be_lanes(
 
     first = Branch("branch 1", end=1_000, here=7)
     forks = (Branch(f"branch {n}", (entry(n),), 0, n, end=700 + n, here=9) for n in range(2, 8))
-    async with make_app("frozenlake-slippery").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery")) as pilot:
         sent = await beside(pilot, 1, monkeypatch)
         show(playground(pilot), changed(snapshot(pilot), timeline=Timeline((first, *forks), 6)))
         await pilot.press("c")
@@ -118,12 +117,10 @@ async def test_the_last_branches_of_the_run_can_be_lanes(
 async def test_it_lists_the_lanes_and_what_may_be_different(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    app = make_app("frozenlake-slippery")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery")) as pilot:
         sent = await beside(pilot, 3, monkeypatch)
         await pilot.press("c")
-        assert isinstance(app.screen, Compare)
+        assert isinstance(pilot.app.screen, Compare)
         listed = rows(pilot)
         assert listed[0].split() == ["lane", "algorithm", "step", "last", "100", "greedy"]
         assert listed[1].split() == ["1", "α", "0.1", "Q-learning", "150,000", ".500", ".730"]
@@ -133,10 +130,10 @@ async def test_it_lists_the_lanes_and_what_may_be_different(
         words = next(row for row in listed if row.startswith("  α ")).split()
         assert words == ["α", "instead", "of", "constant", "0.5"]
         assert any(row.split() == ["α", "schedule", "instead", "of", "constant"] for row in listed)
-        assert app.screen.query_one(OptionList).highlighted == 2
+        assert pilot.app.screen.query_one(OptionList).highlighted == 2
         await pilot.press("up", "enter")
         assert sent == [ChooseLane(0)]
-        assert not app.screen.query(OptionList)
+        assert not pilot.app.screen.query(OptionList)
         await pilot.press("c", "down", "delete")
         assert sent[1:] == [DropLane(2)]
         await pilot.press("c", "up", "backspace")
@@ -148,8 +145,7 @@ async def test_it_lists_the_lanes_and_what_may_be_different(
 async def test_in_a_narrow_terminal_each_lane_keeps_to_its_row(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with make_app("frozenlake-slippery").run_test(size=(60, 18)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), (60, 18)) as pilot:
         await beside(pilot, 3, monkeypatch)
         await pilot.press("c")
         listed = rows(pilot)[:4]
@@ -162,8 +158,7 @@ async def test_one_run_is_compared_with_what_is_chosen(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     app = make_app("frozenlake-slippery")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(app, notifications=True) as pilot:
         sent = await beside(pilot, 1, monkeypatch)
         await pilot.press("l")
         assert notes(pilot.app)[-1] == "there is one run only; c opens a second one beside it"
@@ -203,9 +198,7 @@ async def test_one_run_is_compared_with_what_is_chosen(
 
 
 async def test_four_lanes_are_the_most(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
-    app = make_app("frozenlake-slippery")
-    async with app.run_test(size=(60, 18)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), (60, 18)) as pilot:
         await beside(pilot, 4, monkeypatch)
         await pilot.press("c")
         assert rows(pilot)[-1] == "Four lanes are the most: end one to open another."
@@ -216,9 +209,7 @@ async def test_four_lanes_are_the_most(make_app: MakeApp, monkeypatch: pytest.Mo
 
 
 async def test_a_hidden_bandit_gives_nothing_away(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
-    app = make_app("bandit", ascii=True)
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("bandit", ascii=True)) as pilot:
         sent = await beside(pilot, 2, monkeypatch)
         await pilot.press("c")
         assert rows(pilot)[1].split()[-1] == "-"
@@ -232,8 +223,7 @@ async def test_a_hidden_bandit_gives_nothing_away(make_app: MakeApp, monkeypatch
 
 
 async def test_nothing_is_asked_before_the_world_is_there(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         playground(pilot).link.snapshot = None
         await pilot.press("c")
         assert not isinstance(pilot.app.screen, Compare)

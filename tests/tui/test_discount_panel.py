@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from conftest import MakeApp
 from samples import bandit, lake, look, student
-from seams import playground, press, screen_text, snapshot, switch
+from seams import on_screen, playground, press, screen_text, snapshot, switch
 from snapshots import changed
 
 from rl_tui.lab.answers.flip_answer import HELD_UP, FlipAnswer, FlipState, refused
@@ -20,7 +20,6 @@ from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.library import recipe_named
 from rl_tui.lab.run.recipe import begin
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.draw import braille
 from rl_tui.tui.panels.discount.chart import action_lines, draw_values, ranked
 from rl_tui.tui.panels.discount.discount import HIDDEN, NO_FLIPS, PENDING, DiscountPanel
@@ -168,7 +167,6 @@ def chart(
     shown: Snapshot, state: int, width: int = 60, height: int = 16, *, is_ranked: bool = False
 ) -> list[str]:
     answer = known_of(shown)
-    assert answer.curves is not None
     lines = action_lines(shown.world, answer.curves, state, look())
     lines = ranked(lines) if is_ranked else lines
     strips = draw_values(lines, answer.curves.gamma, answer.flips, state, 0.9, None, look(), width, height)
@@ -177,7 +175,6 @@ def chart(
 
 def test_the_lines_are_the_values_of_solve() -> None:
     curves = known_of(student()).curves
-    assert curves is not None
     lines = {line.name: line.values for line in action_lines(student().world, curves, 0, look())}
     at = int(np.searchsorted(curves.gamma, 0.9))
     # by hand: Q(study) = −2 + .9 (.8 · 10 + .2 V), V = Q(study); Q(check phone) = .9 · .9 V
@@ -242,7 +239,6 @@ def test_from_worst_to_best_a_crossing_is_seen_where_values_are_close() -> None:
 
 def test_where_colours_do_not_tell_lines_apart_their_signs_do() -> None:
     answer = known_of(lake())
-    assert answer.curves is not None
     plain = look(depth="none")
     lines = action_lines(lake().world, answer.curves, 0, plain)
     strips = draw_values(lines, answer.curves.gamma, (), 0, 0.5, None, plain, 80, 20)
@@ -255,7 +251,6 @@ def test_where_colours_do_not_tell_lines_apart_their_signs_do() -> None:
 @pytest.mark.parametrize("width", [36, 56, 80])
 def test_without_colours_each_line_has_its_sign_along_it_also_where_others_cover_it(width: int) -> None:
     answer, plain = known_of(discount()), look(depth="none")
-    assert answer.curves is not None
     lines = action_lines(discount().world, answer.curves, 19, plain)
     strips = draw_values(lines, answer.curves.gamma, (), 19, 0.9, None, plain, width, 10)
     body = "".join(strip.text[4:-3] for strip in strips[:-1])
@@ -319,29 +314,23 @@ def test_keys_have_words_and_v_is_named_by_what_it_turns_to() -> None:
 
 
 async def test_its_keys_choose_a_flip_and_go_beyond_it(make_app: MakeApp) -> None:
-    app = make_app("frozenlake-slippery")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
         await press(pilot, "G", "down")
         shown = playground(pilot).board.discount
-        assert shown.chosen is not None
         assert round(shown.chosen.gamma, 4) == 0.9783
         assert (await press(pilot, "enter")).agent.hyperparameters.gamma == 0.97
         assert (await press(pilot, "enter")).agent.hyperparameters.gamma == 0.98
         assert (await press(pilot, "up", "up", "enter")).agent.hyperparameters.gamma == 0.8
         assert snapshot(pilot).exact_answer.expected_return == pytest.approx(shown.chosen.expected_return[0])
         await press(pilot, "v")
-        assert "worst to best" in screen_text(app)
+        assert "worst to best" in screen_text(pilot.app)
         await press(pilot, "G")
-        assert "earns" not in screen_text(app)
+        assert "earns" not in screen_text(pilot.app)
 
 
 async def test_it_follows_the_cursor_of_the_world_and_then_the_agent_again(make_app: MakeApp) -> None:
-    app = make_app("frozenlake-slippery")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
         board = playground(pilot).board
-        assert board.world is not None
         await press(pilot, "G")
         assert "Q* of state 0" in str(board.discount.border_title)
         board.world.focus()
@@ -356,9 +345,7 @@ async def test_it_follows_the_cursor_of_the_world_and_then_the_agent_again(make_
 
 
 async def test_a_cursor_of_the_table_counts_as_well(make_app: MakeApp) -> None:
-    app = make_app("frozenlake-slippery")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
         board = playground(pilot).board
         board.table.focus()
         await press(pilot, "down", "G")
@@ -366,33 +353,27 @@ async def test_a_cursor_of_the_table_counts_as_well(make_app: MakeApp) -> None:
 
 
 async def test_while_the_answer_is_hidden_nothing_is_shown(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
         await press(pilot, "G", "2")
-        assert HIDDEN in screen_text(app)
-        assert "earns" not in screen_text(app)
-        assert UNICODE.flip not in screen_text(app)
+        assert HIDDEN in screen_text(pilot.app)
+        assert "earns" not in screen_text(pilot.app)
+        assert UNICODE.flip not in screen_text(pilot.app)
         await press(pilot, "h")
-        assert "earns 0 below, 7.5 above" in screen_text(app)
-        assert UNICODE.flip in screen_text(app)
+        assert "earns 0 below, 7.5 above" in screen_text(pilot.app)
+        assert UNICODE.flip in screen_text(pilot.app)
 
 
 @pytest.mark.parametrize(
     ("scenario", "said"), [("bandit", "each pull ends its"), ("taxi", "at most 100 states")]
 )
 async def test_where_there_are_none_the_panel_says_why(scenario: str, said: str, make_app: MakeApp) -> None:
-    app = make_app(scenario)
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app(scenario), (120, 40)) as pilot:
         await press(pilot, "G")
-        assert said in screen_text(app)
+        assert said in screen_text(pilot.app)
 
 
 async def test_a_planner_has_them_too(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
         await switch(pilot, "value-iteration")
         await press(pilot, "G", "h", "s")
-        assert "earns 0 below" in screen_text(app)
+        assert "earns 0 below" in screen_text(pilot.app)

@@ -7,7 +7,7 @@ from functools import partial
 import pytest
 from conftest import MakeApp
 from drawing_hands import Mouse, app_of_template, map_drawn
-from seams import notes, playground, press, screen_text, slider, snapshot
+from seams import click, notes, on_screen, playground, press, screen_text, slider, snapshot, tap
 from textual.geometry import Size
 from textual.pilot import Pilot
 
@@ -91,8 +91,7 @@ def test_two_lanes_make_room_for_it(size: tuple[int, int]) -> None:
 async def test_every_tool_and_every_number_is_on_screen(
     make_app: MakeApp, scenario: str, size: tuple[int, int], ascii_only: bool
 ) -> None:
-    async with make_app(scenario, ascii=ascii_only).run_test(size=size) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app(scenario, ascii=ascii_only), size) as pilot:
         assert not pilot.app.screen.query_one(ToolList).is_on_screen
         await press(pilot, "C")
         glyphs, text = ASCII if ascii_only else UNICODE, screen_text(pilot.app)
@@ -113,8 +112,7 @@ async def test_every_tool_and_every_number_is_on_screen(
 async def test_the_brush_in_force_stands_out_and_a_click_takes_one_without_painting(
     make_app: MakeApp,
 ) -> None:
-    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         await press(pilot, "C")
         hands = Mouse(pilot)
         tools = pilot.app.screen.query_one(ToolList)
@@ -139,8 +137,7 @@ async def test_the_brush_in_force_stands_out_and_a_click_takes_one_without_paint
 
 @pytest.mark.parametrize("size", SIZES)
 async def test_a_drag_of_a_slider_is_one_stroke(make_app: MakeApp, size: tuple[int, int]) -> None:
-    async with make_app("maze").run_test(size=size) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("maze"), size) as pilot:
         await press(pilot, "C")
         noise = slider(pilot.app, "noise")
         start = noise.render_line(0).text.index("●")
@@ -153,8 +150,7 @@ async def test_a_drag_of_a_slider_is_one_stroke(make_app: MakeApp, size: tuple[i
 
 
 async def test_numbers_are_typed_and_what_cannot_be_is_refused_in_words(make_app: MakeApp) -> None:
-    async with make_app("maze").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("maze"), (120, 40)) as pilot:
         await press(pilot, "C", "3", "enter", *"1.2", "enter")
         assert notes(pilot.app)[-1] == "noise stays 0: 1.2 is not a number from 0 to 1"
         assert slider(pilot.app, "noise").has_focus
@@ -171,8 +167,7 @@ async def test_numbers_are_typed_and_what_cannot_be_is_refused_in_words(make_app
 
 
 async def test_noise_is_refused_on_slippery_ice_in_words(make_app: MakeApp) -> None:
-    async with make_app("frozenlake-slippery").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
         await press(pilot, "C", "3", "right")
         assert not strokes(pilot)
         assert notes(pilot.app)[-1].startswith("noise stays 0: ")
@@ -180,17 +175,14 @@ async def test_noise_is_refused_on_slippery_ice_in_words(make_app: MakeApp) -> N
 
 
 async def test_quick_keys_count_before_their_picture_comes(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         await press(pilot, "C", "right")
-        await pilot.press("plus", "plus", "plus")
-        await settle(pilot)
+        await tap(pilot, "plus", "plus", "plus")
         assert map_drawn(pilot).legend[map_drawn(pilot).lines[0][1]].pays == 3.0
 
 
 async def test_while_drawing_the_palette_has_every_tool_and_they_work_from_there(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake")) as pilot:
         assert "Pick up (,)" not in await palette(pilot, "pick up")
         await press(pilot, "C", "right")
         for tool in (*TOOLBOXES[Grid]().tools, *ALWAYS):
@@ -202,8 +194,7 @@ async def test_while_drawing_the_palette_has_every_tool_and_they_work_from_there
 
 @pytest.mark.parametrize("word", ["edit", "map", "wall", "paint", "draw the world"])
 async def test_drawing_is_found_by_words(make_app: MakeApp, word: str) -> None:
-    async with make_app("maze").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("maze")) as pilot:
         assert "Draw the world (C)" in await palette(pilot, word)
 
 
@@ -219,8 +210,7 @@ async def test_drawing_is_found_by_words(make_app: MakeApp, word: str) -> None:
 async def test_what_cannot_be_drawn_is_dim_with_the_reason(
     make_app: MakeApp, scenario: str, reason: str
 ) -> None:
-    async with make_app(scenario).run_test(size=(240, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app(scenario), (240, 40)) as pilot:
         sentence = (await palette(pilot, "draw the world"))["Draw the world (C)"]
         assert sentence.startswith("Not here: ")
         assert reason in sentence
@@ -230,22 +220,18 @@ async def test_what_cannot_be_drawn_is_dim_with_the_reason(
 
 
 async def test_elsewhere_the_world_in_focus_offers_it_on_the_key_line(make_app: MakeApp) -> None:
-    async with make_app("maze").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("maze")) as pilot:
         line = pilot.app.screen.query_one(KeyLine)
         assert "C draw" not in line.render_line(0).text
-        await pilot.click(playground(pilot).board.world, offset=(5, 2))
-        await settle(pilot)
+        await click(pilot, playground(pilot).board.world, offset=(5, 2))
         assert "C draw the world" in line.render_line(0).text
 
 
 async def test_a_rectangle_is_marked_copied_and_moved_by_the_mouse(make_app: MakeApp) -> None:
-    async with app_of_template("grid").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(app_of_template("grid"), (120, 40)) as pilot:
         hands = Mouse(pilot)
         await hands.begin()
         view = playground(pilot).board.world
-        assert view is not None
         await hands.tool("A arrow")
         await hands.drag(view, hands.offset((2, 2)), hands.offset((3, 3)))
         await settle(pilot)
@@ -267,8 +253,7 @@ async def test_a_rectangle_is_marked_copied_and_moved_by_the_mouse(make_app: Mak
 
 
 async def test_of_a_graph_one_outcome_is_chosen_and_changed_by_the_mouse(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
         await press(pilot, "C", "up", "down")
         hands = Mouse(pilot)
 
@@ -298,8 +283,7 @@ async def test_of_a_graph_one_outcome_is_chosen_and_changed_by_the_mouse(make_ap
 
 
 async def test_a_state_goes_with_what_leads_there(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
         await press(pilot, "C", "up", "u")  # Phone
         assert graph_drawn(pilot).states == ("Class", "Pass", "Sleep")
         await press(pilot, "z")
@@ -317,8 +301,7 @@ async def test_a_graph_without_places_gets_those_of_the_picture(tmp_path: object
     app = RlTuiApp(
         Display(fps=1000.0), recipe_for(scenario), make_player=partial(Player, automatic=False), picture=True
     )
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(app, (120, 40)) as pilot:
         before = snapshot(pilot).world.drawing
         assert isinstance(before, Graph)
         await press(pilot, "C", "comma", "V")
@@ -330,8 +313,7 @@ async def test_a_graph_without_places_gets_those_of_the_picture(tmp_path: object
 
 
 async def test_a_fast_drag_leaves_no_gaps(make_app: MakeApp) -> None:
-    async with make_app("maze").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("maze"), (120, 40)) as pilot:
         hands = Mouse(pilot)
         await hands.begin()
         view = playground(pilot).board.world
@@ -343,8 +325,7 @@ async def test_a_fast_drag_leaves_no_gaps(make_app: MakeApp) -> None:
 
 
 async def test_arms_are_drawn_by_the_mouse(make_app: MakeApp) -> None:
-    async with make_app("bandit").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("bandit"), (120, 40)) as pilot:
         await press(pilot, "C")
         hands = Mouse(pilot)
         before = arms_drawn(pilot).means
@@ -372,8 +353,7 @@ def in_kiosk(scenario: str) -> RlTuiApp:
 
 async def test_in_a_kiosk_one_draws_and_saves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rl_tui.worlds.editing.grid_draft.MOST_CELLS", 17)
-    async with in_kiosk("frozenlake").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(in_kiosk("frozenlake"), (120, 40)) as pilot:
         await press(pilot, "C", "right", "H")
         assert map_drawn(pilot).lines[0] == "SH.."
         screens = len(pilot.app.screen_stack)
@@ -402,8 +382,7 @@ async def test_limits_of_size_hold_for_states_and_arms(
     name = limit.rpartition(".")[2]
     assert getattr(limits, name) > most
     monkeypatch.setattr(f"rl_tui.worlds.editing.{limit}", most)
-    async with in_kiosk(scenario).run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(in_kiosk(scenario), (120, 40)) as pilot:
         await press(pilot, "C", *keys)
         assert not strokes(pilot)
         assert f"{most}" in screen_text(pilot.app)

@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 from conftest import MakeApp
 from open_grids import open_grid_recipe
-from seams import choose, notes, playground, press, snapshot
+from seams import choose, click, notes, on_screen, order, playground, press, snapshot
 from textual.pilot import Pilot
 from textual.widgets import Static
 
@@ -98,8 +98,7 @@ async def test_a_way_is_drawn_with_shift_and_arrows(
 async def test_in_little_room_the_mode_its_figures_and_its_signs_are_told(
     make_app: MakeApp, scenario: str, keys: tuple[str, ...], said: str
 ) -> None:
-    async with make_app(scenario).run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app(scenario)) as pilot:
         await press(pilot, "D", *keys)
         world = view(pilot)
         assert str(world.border_title) == said
@@ -122,14 +121,12 @@ async def test_where_the_policy_never_comes_nothing_need_be_drawn_and_that_is_se
         world.put_cursor(4)
         await press(pilot, "delete")
         left = snapshot(pilot).answers.left_to_chance
-        assert left is not None
         assert bold_signs() == left.sum() == 1
         assert "1 at random" in str(world.border_title)
 
 
 async def test_a_diagonal_of_two_characters_is_no_tie(make_app: MakeApp) -> None:
-    async with make_app("windy-king", ascii=True).run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("windy-king", ascii=True)) as pilot:
         await press(pilot, "D", "3", "right", "6")
         assert "@v   v>  ?" in picture(pilot)
         assert "*" not in picture(pilot)
@@ -137,8 +134,7 @@ async def test_a_diagonal_of_two_characters_is_no_tie(make_app: MakeApp) -> None
 
 
 async def test_a_name_that_fills_its_box_leaves_the_corners_whole(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         await press(pilot, "D")
         rows = picture(pilot)
         assert "│Phone?├" in rows
@@ -149,8 +145,7 @@ async def test_a_name_that_fills_its_box_leaves_the_corners_whole(make_app: Make
 
 
 async def test_digits_draw_and_the_cursor_stays(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
         await press(pilot, "D", "right", "1", "2", "down")
         assert drawn(pilot) == ((1, RIGHT),)
         await press(pilot, "3")
@@ -165,8 +160,7 @@ async def test_digits_draw_and_the_cursor_stays(make_app: MakeApp) -> None:
 
 
 async def test_the_mode_is_seen_and_ends(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(120, 40), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (120, 40), notifications=True) as pilot:
         world, keys = view(pilot), playground(pilot).query_one(KeyLine)
         before = (
             str(world.border_title),
@@ -200,8 +194,7 @@ async def test_the_mode_is_seen_and_ends(make_app: MakeApp) -> None:
 
 
 async def test_one_mode_ends_the_other(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake")) as pilot:
         screen = playground(pilot)
         await press(pilot, "D", "y")
         assert (screen.drawing.is_on, screen.manual.is_on) == (False, True)
@@ -212,45 +205,8 @@ async def test_one_mode_ends_the_other(make_app: MakeApp) -> None:
         assert snapshot(pilot).answers.studied is PolicyKind.DRAWN
 
 
-@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
-async def test_the_panel_of_policies_may_come_and_go(make_app: MakeApp, size: tuple[int, int]) -> None:
-    async with make_app("frozenlake").run_test(size=size) as pilot:
-        await settle(pilot)
-        await press(pilot, "P", "D", "shift+down")
-        if playground(pilot).board.opened is not None:
-            await press(pilot, "P")
-        assert snapshot(pilot).answers.studied is PolicyKind.DRAWN
-        assert "↓" in picture(pilot)
-        await press(pilot, "P", "P")
-        assert snapshot(pilot).answers.studied is PolicyKind.DRAWN
-        await press(pilot, "D")
-        assert snapshot(pilot).answers.studied is None
-
-
-async def test_the_run_goes_on_beside_it(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        seen = await press(pilot, "D", "shift+down", "s", "e")
-        assert seen.counters.episodes == 1
-        assert playground(pilot).drawing.is_on
-        assert drawn(pilot) == ((0, DOWN),)
-        assert view(pilot).cursor == 4
-
-
-async def test_with_another_panel_in_focus_keys_are_its_own(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await press(pilot, "D")
-        playground(pilot).board.table.focus()
-        await press(pilot, "shift+right", "2")
-        assert drawn(pilot) == ()
-        await press(pilot, "D")
-        assert not playground(pilot).drawing.is_on
-
-
 async def test_all_is_cleared_after_asking(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
         await press(pilot, "D", "C")
         assert notes(pilot.app)[-1] == "nothing is drawn yet"
         await press(pilot, "shift+down", "C")
@@ -262,8 +218,7 @@ async def test_all_is_cleared_after_asking(make_app: MakeApp) -> None:
 
 
 async def test_a_node_of_a_graph_takes_its_own_actions(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(120, 40), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (120, 40), notifications=True) as pilot:
         await press(pilot, "D")
         assert str(view(pilot).border_subtitle).startswith("1 study  2 check phone · ")
         names = snapshot(pilot).world.space.state_names
@@ -280,8 +235,7 @@ async def test_a_node_of_a_graph_takes_its_own_actions(make_app: MakeApp) -> Non
 
 
 async def test_an_arm_of_a_bandit_is_drawn(make_app: MakeApp) -> None:
-    async with make_app("bandit").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("bandit"), (120, 40)) as pilot:
         await press(pilot, "D", "down", "down", "enter")
         assert drawn(pilot) == ((0, 2),)
         await press(pilot, "7")
@@ -290,8 +244,7 @@ async def test_an_arm_of_a_bandit_is_drawn(make_app: MakeApp) -> None:
 
 
 async def test_a_world_without_a_table_refuses_with_the_reason(make_app: MakeApp) -> None:
-    async with make_app("blackjack").run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("blackjack"), notifications=True) as pilot:
         await press(pilot, "D")
         assert not playground(pilot).drawing.is_on
         assert "could not be evaluated" in notes(pilot.app)[-1]
@@ -301,16 +254,14 @@ async def test_a_large_map_says_at_least_what_is_open() -> None:
     app = RlTuiApp(
         Display(fps=1000.0), open_grid_recipe(200), make_player=partial(Player, automatic=False), picture=True
     )
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app) as pilot:
         await press(pilot, "D", "shift+right", "shift+down", "2")
         assert len(drawn(pilot)) == 3
         assert str(view(pilot).border_title) == "You draw · 39,996 at random (?)"
 
 
 async def test_another_map_ends_the_drawing_but_not_the_mode(make_app: MakeApp) -> None:
-    async with make_app("frozenlake-random", seed=1).run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-random", seed=1), (120, 40)) as pilot:
         await press(pilot, "D", "1")
         assert len(drawn(pilot)) == 1
         await press(pilot, "r")
@@ -326,8 +277,7 @@ async def test_another_map_ends_the_drawing_but_not_the_mode(make_app: MakeApp) 
 
 
 async def test_the_mouse_draws_towards_the_side_that_is_clicked_again(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         await press(pilot, "D")
         world = view(pilot)
         places = [(x, y) for y in range(world.size.height) for x in range(world.size.width)]
@@ -337,22 +287,17 @@ async def test_the_mouse_draws_towards_the_side_that_is_clicked_again(make_app: 
         for step, expected in (((0, 1), RIGHT), ((1, 0), DOWN), ((0, -1), LEFT), ((-1, 0), UP)):
             x, y = sides[step]
             if world.cursor != 6:
-                await pilot.click(world, offset=(x + 1, y + 1))
-                await settle(pilot)
+                await click(pilot, world, offset=(x + 1, y + 1))
                 assert drawn(pilot) == ()
-            await pilot.click(world, offset=(x + 1, y + 1))
-            await settle(pilot)
+            await click(pilot, world, offset=(x + 1, y + 1))
             assert drawn(pilot) == ((6, expected),)
             assert world.cursor == 6
 
 
 async def test_two_lanes_have_one_drawing(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
-        playground(pilot).send(AddLane((SetParameter("alpha", 0.5),)))
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
+        await order(pilot, AddLane((SetParameter("alpha", 0.5),)))
         seen = await press(pilot, "D", "shift+down")
-        assert seen.beside is not None
         assert seen.answers.drawn == seen.beside.answers.drawn
         assert seen.answers.drawn.choices == ((0, DOWN),)
 
@@ -361,8 +306,7 @@ async def test_what_is_exported_is_worth_what_the_screen_says(
     make_app: MakeApp, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    async with make_app("frozenlake-slippery").run_test(size=(120, 40), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), (120, 40), notifications=True) as pilot:
         await press(pilot, "x")
         with pytest.raises(Exception, match="policy"):
             pilot.app.screen.query_one("OptionList").get_option("policy")  # type: ignore[attr-defined]
@@ -383,7 +327,6 @@ async def test_what_is_exported_is_worth_what_the_screen_says(
         "frozenlake-slippery-policy.json",
     ]
     answer = json.loads(CliRunner().invoke(program, [*words[1:], "--json"]).stdout)
-    assert shown.v is not None
     assert list(answer["V"].values()) == shown.v.tolist()
     assert answer["expected_return"] == shown.expected_return
     assert answer["value_at_start"] == shown.value_at_start

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import pytest
 from drawing_hands import Hands, Keys, Mouse, app_of_template, map_drawn, plan_of
-from seams import playground, press, snapshot
+from seams import on_screen, playground, press, snapshot
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.digest import table_digest
 
@@ -34,8 +33,7 @@ def digest_of(scenario: str) -> str:
 @pytest.mark.parametrize("hands", [Keys, Mouse])
 @pytest.mark.parametrize("scenario", SCENARIOS)
 async def test_a_known_map_is_drawn_from_a_blank_one(scenario: str, hands: type[Hands]) -> None:
-    async with app_of_template("grid").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(app_of_template("grid"), (120, 40)) as pilot:
         await hands(pilot).draw(plan_of(scenario))
         assert digest(pilot) == digest_of(scenario), map_drawn(pilot).table
 
@@ -50,7 +48,6 @@ async def go_to(pilot: Pilot[UserError], state: str) -> None:
     """Go from state to state until the cursor stands on ``state``."""
     names = snapshot(pilot).world.space.state_names
     view = playground(pilot).board.world
-    assert view is not None
     assert view.cursor is not None
     await press(pilot, *["comma"] * ((names.index(state) - view.cursor) % len(names)))
 
@@ -64,8 +61,7 @@ async def set_action(pilot: Pilot[UserError], state: str, action: str, does: str
 
 @pytest.mark.exhaustive("draws a whole graph key by key")
 async def test_the_student_evening_is_drawn_from_a_blank_graph_by_keys() -> None:
-    async with app_of_template("mdp").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(app_of_template("mdp"), (120, 40)) as pilot:
         await press(pilot, "C", "down", "up")
         for source, name in (("Start", "Class"), ("Class", "Phone"), ("Class", "Pass"), ("Phone", "Sleep")):
             await go_to(pilot, source)

@@ -7,12 +7,11 @@ from pathlib import Path
 
 import pytest
 from conftest import MakeApp
-from seams import notes, playground, press, screen_text, snapshot
+from seams import click, on_screen, order, playground, press, screen_text, snapshot
 from textual.pilot import Pilot
 from textual.widgets import Input
 
 from rl_tui.common.errors import UserError
-from rl_tui.common.streams import streams
 from rl_tui.lab.live.commands import DrawWorld
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.run.changes import read_world, written_world
@@ -52,13 +51,11 @@ async def click_cell(pilot: Pilot[UserError], cell: int) -> None:
     where = next(
         (x, y) for y in range(view.size.height) for x in range(view.size.width) if view.place_at(x, y) == cell
     )
-    await pilot.click(view, offset=(where[0] + view.gutter.left, where[1] + view.gutter.top))
-    await settle(pilot)
+    await click(pilot, view, offset=(where[0] + view.gutter.left, where[1] + view.gutter.top))
 
 
 async def test_a_lake_is_drawn_anew_by_keys_alone(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         before = digest(pilot)
         await press(pilot, "C", "down", "right", "full_stop", "number_sign", "z", "z")
         assert digest(pilot) == before, "undone"
@@ -71,8 +68,7 @@ async def test_a_lake_is_drawn_anew_by_keys_alone(make_app: MakeApp) -> None:
 
 
 async def test_a_lake_is_drawn_by_the_mouse_alone(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         await press(pilot, "C")
         await click_cell(pilot, 2)
         assert lines(pilot)[0] == "S.#."
@@ -80,8 +76,7 @@ async def test_a_lake_is_drawn_by_the_mouse_alone(make_app: MakeApp) -> None:
 
 
 async def test_rewards_are_typed_and_counted_up(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         await press(pilot, "C", "right", "equals_sign", "5", "enter")
         draft = snapshot(pilot).editor.draft
         assert isinstance(draft, GridDraft)
@@ -93,8 +88,7 @@ async def test_rewards_are_typed_and_counted_up(make_app: MakeApp) -> None:
 
 
 async def test_without_a_start_it_is_a_draft_and_learning_goes_on(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         before = digest(pilot)
         shown = await press(pilot, "C", "full_stop")
         assert shown.editor.unfinished
@@ -109,8 +103,7 @@ async def test_without_a_start_it_is_a_draft_and_learning_goes_on(make_app: Make
 async def test_without_its_start_a_graph_says_what_is_missing_until_another_state_is_one(
     make_app: MakeApp,
 ) -> None:
-    async with make_app("student").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
         shown = await press(pilot, "C", "u")
         assert "Not yet: no start" in screen_text(pilot.app)
         assert title(shown)[0].startswith("Not a world yet: no start")
@@ -121,8 +114,7 @@ async def test_without_its_start_a_graph_says_what_is_missing_until_another_stat
 async def test_while_arms_are_drawn_the_legend_has_their_true_means_and_drift_is_no_mean_of_now(
     make_app: MakeApp,
 ) -> None:
-    async with make_app("bandit-drifting").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("bandit-drifting"), (120, 40)) as pilot:
         await press(pilot, "C")
         drawing = screen_text(pilot.app)
         assert "true mean" in drawing
@@ -131,8 +123,7 @@ async def test_while_arms_are_drawn_the_legend_has_their_true_means_and_drift_is
 
 
 async def test_keys_that_draw_are_not_said_to_set_something(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake")) as pilot:
         assert "i Q₀ 0" in screen_text(pilot.app)
         await press(pilot, "C")
         drawing = screen_text(pilot.app)
@@ -144,14 +135,12 @@ async def test_keys_that_draw_are_not_said_to_set_something(make_app: MakeApp) -
 
 
 async def test_the_last_step_of_another_world_is_not_told(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         assert nothing_yet(await press(pilot, "s", "C", "down", "right", "H")) == OF_ANOTHER_WORLD
 
 
 async def test_a_rectangle_is_copied_and_filled(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         await press(pilot, "C", "down", "m", "right", "y", "down", "down", "p")
         assert lines(pilot)[3] == "H.HG"
         await press(pilot, "m", "right", "right", "number_sign")
@@ -160,15 +149,13 @@ async def test_a_rectangle_is_copied_and_filled(make_app: MakeApp) -> None:
 
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
 async def test_a_lane_of_another_world_stands_beside(make_app: MakeApp, size: tuple[int, int]) -> None:
-    async with make_app("frozenlake").run_test(size=size) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), size) as pilot:
         await press(pilot, "s", "s", "s", "C", "i", "escape", "s", "b", "b", "t")
         shown = await press(pilot, "s")
         assert len(shown.timeline.branches) == 2
         playground(pilot).lanes.link.send(_beside())
         await settle(pilot)
         shown = await press(pilot, "s", "l", "s")
-        assert shown.beside is not None
         assert shown.beside.world.space.states != shown.world.space.states
         board = playground(pilot).board
         first, second = (board.query_one(f"#{each}", GridView) for each in ("world", "world-beside"))
@@ -189,41 +176,12 @@ def _beside() -> object:
     return AddBranch(0)
 
 
-async def test_what_cannot_be_drawn_says_why(make_app: MakeApp) -> None:
-    async with make_app("taxi").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
-        await press(pilot, "C")
-        assert snapshot(pilot).editor.draft is None
-        assert isinstance(pilot.app, RlTuiApp)
-        assert "cannot be drawn" in notes(pilot.app)[-1]
-
-
-async def test_a_world_is_saved_and_never_over_what_another_wrote(make_app: MakeApp, tmp_path: Path) -> None:
-    path = tmp_path / "mine.toml"
-    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
-        await press(pilot, "C", "right", "H", "w")
-        for key in ("ctrl+a", "ctrl+k"):
-            await pilot.press(key)
-        pilot.app.screen.query_one("Input").value = str(path)  # type: ignore[attr-defined]
-        await press(pilot, "enter")
-        saved = find(str(path)).build(streams(0).world).mdp
-        assert saved is not None
-        assert table_digest(saved) == digest(pilot)
-        path.write_text("another's", encoding="utf-8")
-        await press(pilot, "G", "w")
-        pilot.app.screen.query_one("Input").value = str(path)  # type: ignore[attr-defined]
-        await press(pilot, "enter", "escape")
-        assert path.read_text(encoding="utf-8") == "another's"
-
-
 async def test_after_a_save_r_starts_again_in_the_world_that_was_drawn_and_asks_nothing(
     make_app: MakeApp, tmp_path: Path
 ) -> None:
     path = tmp_path / "mine.toml"
     path.write_text("[grid]\nmap = '''\nS...G\n'''\n", encoding="utf-8")
-    async with make_app(str(path)).run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app(str(path))) as pilot:
         await press(pilot, "C", "right", "H", "w", "enter", "escape", "s")
         assert "SH..G" in path.read_text(encoding="utf-8")
         drawn = digest(pilot)
@@ -233,19 +191,6 @@ async def test_after_a_save_r_starts_again_in_the_world_that_was_drawn_and_asks_
         path.write_text("[grid]\nmap = '''\nS..G\n'''\n", encoding="utf-8")
         await press(pilot, "s", "r")
         assert isinstance(pilot.app.screen, Choice)
-
-
-@pytest.mark.parametrize(
-    ("name", "keys"), [("student", ("up", "S")), ("bandit", ("plus", "i", "equals_sign", "2", "enter"))]
-)
-async def test_graphs_and_bandits_are_drawn_as_well(
-    make_app: MakeApp, name: str, keys: tuple[str, ...]
-) -> None:
-    async with make_app(name).run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
-        before = digest(pilot)
-        await press(pilot, "C", *keys)
-        assert digest(pilot) != before
 
 
 @pytest.mark.parametrize(
@@ -261,8 +206,7 @@ async def test_graphs_and_bandits_are_drawn_as_well(
     ],
 )
 async def test_what_no_action_can_do_is_refused_while_it_is_typed(make_app: MakeApp, text: str) -> None:
-    async with make_app("student").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
         await press(pilot, "C", "enter", "enter")
         pilot.app.screen.query_one(Input).value = text
         shown = await press(pilot, "enter")
@@ -274,20 +218,17 @@ async def test_what_no_action_can_do_is_refused_while_it_is_typed(make_app: Make
 
 @pytest.mark.parametrize("name", ["A;B", "{x", "[x", "A, B 0.5"])
 async def test_a_rule_that_is_a_strange_name_comes_through_a_session(make_app: MakeApp, name: str) -> None:
-    async with make_app("student").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
         await press(pilot, "C", "enter", "enter")
         pilot.app.screen.query_one(Input).value = as_json({"reward": 0, "to": {name: 0.5, "Pass": 0.5}})
         await press(pilot, "enter")
         leave = read_edits(f'world.transition[{as_json(name)},leave]={{"to":"Class","reward":0}}')
-        playground(pilot).send(DrawWorld(leave))
-        await settle(pilot)
+        await order(pilot, DrawWorld(leave))
         await press(pilot, "o", "down", "enter")
         pilot.app.screen.query_one(Input).value = name
         shown = await press(pilot, "enter")
         strokes = [each.change for each in shown.timeline.current.journal]
         assert len(strokes) == 3
-        assert shown.world.mdp is not None
         assert shown.world.space.state_names[int(shown.world.mdp.start_state[0])] == name
         assert [read_world(written_world(each)) for each in strokes] == strokes  # type: ignore[arg-type]
 
@@ -296,6 +237,5 @@ async def test_a_world_can_be_drawn_from_the_start() -> None:
     recipe = recipe_for(find("maze"))
     player = partial(Player, automatic=False)
     app = RlTuiApp(Display(fps=1000.0), DrawingStart(recipe), make_player=player, picture=True)
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app) as pilot:
         assert snapshot(pilot).editor.draft is not None

@@ -7,7 +7,7 @@ import weakref
 
 import pytest
 from conftest import MakeApp
-from seams import playground, press, screen_text, snapshot, train
+from seams import on_screen, order, playground, press, screen_text, snapshot, train
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -43,8 +43,7 @@ def drawn(pilot: Pilot[UserError]) -> str:
 
 @pytest.mark.parametrize("size", SIZES)
 async def test_every_stroke_is_seen_before_it_is_in_force(make_app: MakeApp, size: tuple[int, int]) -> None:
-    async with make_app("frozenlake").run_test(size=size) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), size) as pilot:
         shown = await press(pilot, "C", "full_stop")
         assert "╱" in drawn(pilot)
         assert "╱ drawn" in screen_text(pilot.app), "the sign is explained"
@@ -57,44 +56,8 @@ async def test_every_stroke_is_seen_before_it_is_in_force(make_app: MakeApp, siz
         assert "╱" not in drawn(pilot)
 
 
-@pytest.mark.parametrize("size", SIZES)
-async def test_turned_states_are_marked_until_the_next_stroke(
-    make_app: MakeApp, size: tuple[int, int]
-) -> None:
-    async with make_app("frozenlake").run_test(size=size) as pilot:
-        await settle(pilot)
-        await train(pilot, 500)
-        await press(pilot, "C", "home")
-        world(pilot).put_cursor(10)
-        shown = await press(pilot, "H")
-        assert shown.editor.turned
-        assert drawn(pilot).count("↻") == len(shown.editor.turned) + ("↻ turned" in drawn(pilot))
-        assert "↻ turned" in screen_text(pilot.app)
-        await press(pilot, "z")
-        assert "↻" in drawn(pilot), "undoing turns them back"
-        await press(pilot, "h")
-        assert "↻" not in drawn(pilot), "the answer is hidden"
-        await press(pilot, "h")
-        world(pilot).put_cursor(1)
-        assert not (await press(pilot, "full_stop")).editor.turned
-        assert "↻" not in drawn(pilot)
-
-
-async def test_a_trap_is_warned_of_beside_its_cells(make_app: MakeApp) -> None:
-    async with make_app("maze").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
-        await press(pilot, "C")
-        world(pilot).put_cursor(4 * 9)
-        shown = await press(pilot, "V", "down", "right", "number_sign")
-        assert len(shown.editor.endless) == 2
-        assert drawn(pilot).count("∞") == 2 + ("∞ no" in drawn(pilot))
-        await press(pilot, "z")
-        assert "∞" not in drawn(pilot)
-
-
 async def test_the_cursor_is_on_the_line_that_was_added_and_else_keeps_its_cell(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         await press(pilot, "C")
         world(pilot).put_cursor(6)
         await press(pilot, "i")
@@ -111,8 +74,7 @@ async def test_the_cursor_is_on_the_line_that_was_added_and_else_keeps_its_cell(
 
 
 async def test_the_cursor_keeps_its_arm_and_its_state(make_app: MakeApp) -> None:
-    async with make_app("bandit").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("bandit"), (120, 40)) as pilot:
         await press(pilot, "C")
         assert isinstance(world(pilot), ArmsView)
         world(pilot).put_cursor(3)
@@ -120,36 +82,17 @@ async def test_the_cursor_keeps_its_arm_and_its_state(make_app: MakeApp) -> None
         assert world(pilot).cursor == 3, "the new arm"
         await press(pilot, "down", "z")
         assert world(pilot).cursor == 3, "the arm that was there"
-    async with make_app("student").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
         shown = await press(pilot, "C")
         names = shown.world.space.state_names
         world(pilot).put_cursor(names.index("Pass"))
         # a new state that is mentioned first gets a number of its own before it
         edit = 'world.transition[Class,study]={"to":{"Bar":0.5,"Pass":0.5},"reward":1}'
-        playground(pilot).send(DrawWorld(read_edits(edit)))
-        await settle(pilot)
+        await order(pilot, DrawWorld(read_edits(edit)))
         now = snapshot(pilot).world.space.state_names
         place = world(pilot).cursor
         assert place is not None
         assert now[place] == "Pass"
-
-
-async def test_the_curve_and_the_timeline_show_where_the_world_changed(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
-        await train(pilot, 1_000)
-        board = playground(pilot).board
-        assert "◈" not in screen_text(pilot.app)
-        shown = await press(pilot, "C", "home")
-        world(pilot).put_cursor(11 if shown.counters.state != 11 else 7)
-        shown = await press(pilot, "full_stop")
-        assert len(shown.world_changes) == 1
-        shown = await train(pilot, 1_000)
-        curve = "\n".join(board.curve.render_line(y).text for y in range(board.curve.size.height))
-        assert curve.count("◈") == 1
-        assert board.timeline.render_line(0).text.count("◈") == 1
-        assert "◈ new world" in screen_text(pilot.app)
 
 
 # Two worlds side by side
@@ -173,7 +116,6 @@ async def test_maps_of_one_size_are_compared_by_cell(make_app: MakeApp, size: tu
     async with make_app("maze").run_test(size=size) as pilot:
         shown = await two_lanes(pilot, "home", "shift+right")
         board, other = playground(pilot).board, shown.beside
-        assert other is not None
         assert not are_alike(shown.world, other.world)
         found = greedy_differences(shown, other)
         views = [board.query_one(f"#{each}", GridView) for each in ("world", beside("world"))]
@@ -204,7 +146,6 @@ async def test_two_worlds_have_a_cursor_in_common_by_cell_and_by_name(
         assert first.cursor == second.cursor == 30
         tables = [board.query_one(f"#{each}", QTable) for each in ("table", beside("table"))]
         for table, view in zip(tables, (first, second), strict=True):
-            assert table.snapshot is not None
             state = view.state_at(30)
             assert state is not None
             assert table.pointed == table.snapshot.world.space.pairs_of(state)
@@ -214,20 +155,17 @@ async def test_two_worlds_have_a_cursor_in_common_by_cell_and_by_name(
 
 
 async def test_graphs_are_compared_by_name(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
         await train(pilot, 500)
         edit = 'world.transition[Class,study]={"to":{"Bar":0.5,"Pass":0.5},"reward":-9}'
         await press(pilot, "C")
-        playground(pilot).send(DrawWorld(read_edits(edit)))
-        await settle(pilot)
+        await order(pilot, DrawWorld(read_edits(edit)))
         await press(pilot, "escape", "b", "t")
         await train(pilot, 200)
         playground(pilot).lanes.link.send(AddBranch(0))
         await settle(pilot)
         shown = snapshot(pilot)
         other = shown.beside
-        assert other is not None
         one, two = shown.world.space.state_names, other.world.space.state_names
         assert list(one) != list(two)
         for number, name in enumerate(one):

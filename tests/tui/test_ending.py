@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 from conftest import MakeApp
+from seams import on_screen
 from textual.css.query import NoMatches
 from textual.widget import MountError
 
 from rl_tui.terminal.ending import HUNG_UP
 from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.screens.playground.playground import Playground
 
 
@@ -41,8 +41,7 @@ async def test_nothing_more_is_drawn_while_the_program_ends(
         was_here.append(screen.frames.is_here)
         await close()
 
-    async with app.run_test() as pilot:
-        await settle(pilot)
+    async with on_screen(app):
         screen, close = app.screen, app._close_all
         assert isinstance(screen, Playground)
         assert screen.frames.is_here

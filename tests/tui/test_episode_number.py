@@ -6,11 +6,10 @@ import re
 
 import pytest
 from conftest import MakeApp
-from seams import playground, press, screen_text, snapshot, switch, train
+from seams import on_screen, playground, press, screen_text, snapshot, switch, train
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.last_step.last_step import ENDED, ENDED_SWEEP
 from rl_tui.tui.panels.row import LAST_STEP, MICROSCOPE
 from rl_tui.worlds.drawing import CellKind, Grid
@@ -26,9 +25,7 @@ def numbers_of(pilot: Pilot[UserError]) -> set[str]:
 
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
 async def test_every_step_of_an_episode_and_its_end(size: tuple[int, int], make_app: MakeApp) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=size) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), size) as pilot:
         for expected in ("1", "2", "3"):
             while snapshot(pilot).counters.episodes < int(expected):
                 await press(pilot, "s")
@@ -37,9 +34,7 @@ async def test_every_step_of_an_episode_and_its_end(size: tuple[int, int], make_
 
 
 async def test_the_first_reward_has_one_number_everywhere(make_app: MakeApp) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         await press(pilot, "u", "enter")  # until the next reward, which ends the episode
         assert numbers_of(pilot) == {"247"}
         now = snapshot(pilot)
@@ -55,9 +50,7 @@ async def test_the_first_reward_has_one_number_everywhere(make_app: MakeApp) -> 
 
 
 async def test_to_go_to_an_episode_leads_to_where_that_number_stands(make_app: MakeApp) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         await train(pilot, 200)
         await press(pilot, "g", *"e12", "enter")
         assert numbers_of(pilot) == {"12"}
@@ -69,9 +62,7 @@ async def test_to_go_to_an_episode_leads_to_where_that_number_stands(make_app: M
 
 
 async def test_the_sweeps_of_a_planner_too(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
         await switch(pilot, "value-iteration")
         seen = set()
         for _ in range(9):

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from conftest import MakeApp
 from open_grids import open_grid_recipe
+from seams import on_screen, order, tap
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
@@ -49,16 +50,14 @@ def shown(pilot: Pilot[UserError]) -> Snapshot:
 
 async def press(pilot: Pilot[UserError], *keys: str) -> None:
     for key in keys:
-        await pilot.press(key)
-        await settle(pilot)
+        await tap(pilot, key)
         while isinstance(pilot.app.screen, Working):
             await pilot.pause()
 
 
 async def train(pilot: Pilot[UserError], steps: int) -> None:
     await settle(pilot)
-    playground(pilot).send(Train(steps))
-    await settle(pilot)
+    await order(pilot, Train(steps))
 
 
 async def choose(pilot: Pilot[UserError], kind: str) -> None:
@@ -94,8 +93,7 @@ async def test_of_two_lanes_the_one_shown_is_exported_and_named(make_app: MakeAp
         await press(pilot, "x")
         assert pilot.app.screen.query_one("#box").border_title == "Export"
         await press(pilot, "escape")
-        playground(pilot).send(AddLane((SetParameter("alpha", 0.5),)))
-        await settle(pilot)
+        await order(pilot, AddLane((SetParameter("alpha", 0.5),)))
         await press(pilot, "x")
         both = shown(pilot)
         number = both.run_group.shown + 1
@@ -138,10 +136,7 @@ async def test_the_tables_are_those_that_are_shown(make_app: MakeApp, folder: Pa
 
 async def test_of_a_map_that_is_shown_in_parts_all_of_q_is_written(folder: Path) -> None:
     app = RlTuiApp(
-        Display(fps=1000.0),
-        open_grid_recipe(200),
-        make_player=partial(Player, automatic=False),
-        picture=True,
+        Display(fps=1000.0), open_grid_recipe(200), make_player=partial(Player, automatic=False), picture=True
     )
     async with app.run_test(size=(80, 24), notifications=True) as pilot:
         await train(pilot, 2000)
@@ -191,16 +186,14 @@ async def test_the_command_has_what_was_changed_and_can_be_copied_or_written(
 
 async def test_a_bandit_warns_that_the_script_has_the_true_means(make_app: MakeApp) -> None:
     for scenario, warns in (("bandit", True), ("student", False)):
-        async with make_app(scenario).run_test(size=(80, 24)) as pilot:
-            await settle(pilot)
+        async with on_screen(make_app(scenario)) as pilot:
             await press(pilot, "x")
             prompt = str(pilot.app.screen.query_one(OptionList).get_option("script").prompt)
             assert ("true means" in prompt) is warns
 
 
 async def test_without_an_episode_there_are_no_returns(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         await press(pilot, "x")
         assert isinstance(pilot.app.screen, Choice)
         option = pilot.app.screen.query_one(OptionList).get_option("returns")
@@ -209,8 +202,7 @@ async def test_without_an_episode_there_are_no_returns(make_app: MakeApp) -> Non
 
 
 async def test_why_there_is_no_script_is_told_in_a_line(make_app: MakeApp, folder: Path) -> None:
-    async with make_app("blackjack-table").run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("blackjack-table"), notifications=True) as pilot:
         await press(pilot, "a", "end", "enter")  # policy iteration
         await choose(pilot, "script")
         assert "transition table" in "".join(said(pilot)).replace("\n", " ")
@@ -230,13 +222,11 @@ async def test_what_takes_long_can_be_broken_off(make_app: MakeApp) -> None:
             met.ended.set()
             raise
 
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         answers: list[str | None] = []
         pilot.app.push_screen(Working("Returns", endless), answers.append)
         await pilot.pause()
         assert met.begun.wait(20)
-        await pilot.press("escape")
-        await settle(pilot)
+        await tap(pilot, "escape")
         assert met.ended.wait(20)
     assert answers == [None]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from conftest import MakeApp
 from samples import look, student
-from seams import notes, press, screen_text, slider, snapshot
+from seams import notes, on_screen, press, screen_text, slider, snapshot
 from snapshots import changed
 from textual.app import App, ComposeResult
 
@@ -14,7 +14,6 @@ from rl_tui.lab.answers.flip_answer import FlipState
 from rl_tui.lab.answers.flip_worker import worked_out
 from rl_tui.lab.run.library import recipe_named
 from rl_tui.lab.run.recipe import begin
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.controls.controls import flip_marks
 from rl_tui.tui.panels.controls.slider import Slider, key_hints
 from rl_tui.tui.panels.controls.slider_picture import SliderMark, SliderState, slider_strip
@@ -126,42 +125,36 @@ async def test_keys_go_beyond_the_next_mark_and_stay_where_there_is_none() -> No
 
 
 async def test_the_marks_come_with_the_focus_and_a_key_turns_the_policy(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
-        assert slider(app, "gamma").marks == ()
-        before = screen_text(app)
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
+        assert slider(pilot.app, "gamma").marks == ()
+        before = screen_text(pilot.app)
         await press(pilot, "2")
-        assert slider(app, "gamma").marks == (), "the student's answer is hidden at first"
+        assert slider(pilot.app, "gamma").marks == (), "the student's answer is hidden at first"
         assert snapshot(pilot).answers.flips.state is FlipState.NOT_ASKED
         shown = await press(pilot, "h")
-        assert slider(app, "gamma").marks == (QUARTER,)
-        assert UNICODE.flip in screen_text(app)
-        assert len(before) == len(screen_text(app))
+        assert slider(pilot.app, "gamma").marks == (QUARTER,)
+        assert UNICODE.flip in screen_text(pilot.app)
+        assert len(before) == len(screen_text(pilot.app))
         assert shown.exact_answer.expected_return == 7.5
         shown = await press(pilot, "left_curly_bracket")
         assert shown.agent.hyperparameters.gamma == 0.24
         assert shown.exact_answer.expected_return == 0.0
         await press(pilot, "escape")
-        assert slider(app, "gamma").marks == (QUARTER,), "they stay"
-        assert notes(app) == []
+        assert slider(pilot.app, "gamma").marks == (QUARTER,), "they stay"
+        assert notes(pilot.app) == []
 
 
 async def test_of_discount_one_flip_is_marked_and_all_while_the_panel_is_open(make_app: MakeApp) -> None:
-    app = make_app("discount")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("discount"), (120, 40)) as pilot:
         await press(pilot, "G")
-        assert len(slider(app, "gamma").marks) == 14
-        assert screen_text(app).count(UNICODE.side_flip) > 10
+        assert len(slider(pilot.app, "gamma").marks) == 14
+        assert screen_text(pilot.app).count(UNICODE.side_flip) > 10
         await press(pilot, "G")
-        assert [round(mark.value, 12) for mark in slider(app, "gamma").marks] == [0.518845036131]
+        assert [round(mark.value, 12) for mark in slider(pilot.app, "gamma").marks] == [0.518845036131]
 
 
 async def test_nobody_asks_for_them_before_somebody_may_see_them(make_app: MakeApp) -> None:
-    app = make_app("frozenlake-slippery")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery")) as pilot:
         await press(pilot, "s", "1", "right", "escape")
         assert snapshot(pilot).answers.flips.state is FlipState.NOT_ASKED
         assert snapshot(pilot).playback.handled == 2

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 from drawn_text import letters_of
-from seams import screen_text
+from seams import on_screen, screen_text, tap
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -68,15 +68,13 @@ def playing(scenario: Scenario) -> RlTuiApp:
 
 
 async def press(pilot: Pilot[UserError], *keys: str) -> str:
-    await pilot.press(*keys)
-    await settle(pilot)
+    await tap(pilot, *keys)
     return screen_text(pilot.app)
 
 
 async def test_the_catalogue_shows_them_as_they_are(folder: Path) -> None:
     app = RlTuiApp(Display(fps=1000.0), picture=True)
-    async with app.run_test(size=(160, 50)) as pilot:
-        await settle(pilot)
+    async with on_screen(app, (160, 50)) as pilot:
         listed = app.screen.query_one("#scenarios")
         listed.highlighted = listed.get_option_index("foreign")  # type: ignore[attr-defined]
         await settle(pilot)
@@ -100,8 +98,7 @@ async def notes_in_help(pilot: Pilot[UserError]) -> str:
 
 async def test_the_playground_shows_them_as_they_are(foreign: Scenario) -> None:
     app = playing(foreign)
-    async with app.run_test(size=(160, 50), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(app, (160, 50), notifications=True) as pilot:
         text = await press(pilot, *"sssss")
         assert TITLE[:20] in text
         assert "[red]go[/]" in text
@@ -113,8 +110,7 @@ async def test_the_playground_shows_them_as_they_are(foreign: Scenario) -> None:
 
 async def test_the_model_the_journal_and_the_help(foreign: Scenario) -> None:
     app = playing(foreign)
-    async with app.run_test(size=(160, 50)) as pilot:
-        await settle(pilot)
+    async with on_screen(app, (160, 50)) as pilot:
         text = await press(pilot, "s", "m")
         assert HERE in text
         assert THERE[:8] in text
@@ -131,8 +127,7 @@ async def test_the_model_the_journal_and_the_help(foreign: Scenario) -> None:
 async def test_a_link_is_shown_not_opened(foreign: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("webbrowser.open", lambda *_: pytest.fail("a browser was opened"))
     app = playing(foreign)
-    async with app.run_test(size=(160, 50), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(app, (160, 50), notifications=True) as pilot:
         await notes_in_help(pilot)
         paragraph = app.screen.query("MarkdownParagraph").last()
         await paragraph.run_action("link('http://a.example/%1b[31m')")
@@ -147,8 +142,7 @@ async def test_the_name_of_a_session_is_shown_as_it_is(foreign: Scenario, tmp_pa
     (sessions / "[bold]a[-].json").write_bytes(encoded(record, title=TITLE, kept=True))
     (sessions / "[red]b.json").write_text("{}")
     app = RlTuiApp(Display(fps=1000.0), picture=True, sessions=sessions)
-    async with app.run_test(size=(160, 50), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(app, (160, 50), notifications=True) as pilot:
         text = await press(pilot, "tab", "tab")
         assert TITLE[:20] in text
         assert "[red]b.json" in text

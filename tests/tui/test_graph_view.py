@@ -84,11 +84,7 @@ def as_view(
     world = World(mdp, Graph(places))
     nothing = np.zeros(mdp.pairs, dtype=np.int64)
     snapshot = changed(
-        student(step=0),
-        world=world,
-        q=np.zeros(mdp.pairs),
-        visits=nothing,
-        state=int(mdp.start_state[0]),
+        student(step=0), world=world, q=np.zeros(mdp.pairs), visits=nothing, state=int(mdp.start_state[0])
     )
     return GraphView(world, look(plain)), snapshot
 
@@ -315,7 +311,6 @@ def test_a_route_goes_around_boxes_and_ends_on_a_straight_cell() -> None:
     target = Box(12, 0, 4, 3)
     sheet = RoutingSheet(20, 6, {*wall.cells(), *target.cells()})
     found = route(sheet, {Port((0, 1), RIGHT): 0.0}, {Port((12, 1), RIGHT): 0.0})
-    assert found is not None
     assert not set(found.cells) & set(wall.cells())
     assert found.cells[-2:] == ((10, 1), (11, 1))
     closed = RoutingSheet(20, 6, {*Box(5, 0, 3, 6).cells(), *target.cells()})

@@ -11,12 +11,11 @@ import pytest
 from conftest import MakeApp
 from drawn_grids import picture, style_at, visited
 from samples import lake, learned_from, look
-from seams import press, screen_text, snapshot, train
+from seams import on_screen, press, screen_text, snapshot, train
 from snapshots import changed
 
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.timeline.trail import TrailStep
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.last_step.last_step import LastStepPanel
 from rl_tui.tui.panels.panel import Panel
 from rl_tui.tui.panels.world.grid.grid import GridView
@@ -85,7 +84,6 @@ def test_a_mark_hides_neither_arrows_nor_value_nor_tint() -> None:
     assert set("←↓→↑") <= set(rows[0].text[10:20])
     assert ".00" in rows[1].text[10:20]
     style = style_at(rows[1], 19)
-    assert style is not None
     assert style.bgcolor == look().palette.value(0.0).bgcolor
 
 
@@ -93,7 +91,6 @@ def test_where_a_cell_has_no_room_its_lower_row_is_underlined() -> None:
     snapshot = visited(with_trail((0, RIGHT, RIGHT, 1)), 0)
     view = GridView(snapshot.world, look(depth="none"))
     style = style_at(view.picture(snapshot, 8, 4)[0], 1)
-    assert style is not None
     assert style.underline
 
 
@@ -130,7 +127,6 @@ def windy(**rules: Any) -> World:
 def in_wind(world: World, state: int, action: int, place: int = 0) -> Snapshot:
     """The moment after ``action`` in ``state`` had its outcome at this ``place``."""
     mdp = world.mdp
-    assert mdp is not None
     pair = mdp.pair_of(state, action)
     assert pair is not None
     outcome = mdp.outcomes_of(pair)[place]
@@ -168,11 +164,7 @@ def test_the_wind_is_lit_where_it_moved_the_agent(state: int, action: int, lit: 
 
 @pytest.mark.parametrize(
     ("state", "action", "size", "told"),
-    [
-        (11, LEFT, (80, 10), "wind ↑ 1, → 5"),
-        (12, LEFT, (80, 2), "wind ↑ 2"),
-        (10, RIGHT, (80, 10), ""),
-    ],
+    [(11, LEFT, (80, 10), "wind ↑ 1, → 5"), (12, LEFT, (80, 2), "wind ↑ 2"), (10, RIGHT, (80, 10), "")],
 )
 def test_the_last_step_tells_of_the_wind(state: int, action: int, size: tuple[int, int], told: str) -> None:
     text = "\n".join(
@@ -185,7 +177,6 @@ def test_the_last_step_tells_of_the_wind(state: int, action: int, size: tuple[in
 def test_a_gust_that_is_stronger_than_usual_says_so() -> None:
     world = windy(gusts=True)
     mdp = world.mdp
-    assert mdp is not None
     pair = mdp.pair_of(11, RIGHT)
     assert pair is not None
     landings = [int(mdp.next_state[each]) for each in mdp.outcomes_of(pair)]
@@ -285,7 +276,6 @@ def test_what_differs_hides_no_number(width: int, expected: str, differs: str, t
     if differs != "≠":
         column = width // 4 + (width // 4 - 1 if tie is None else 1)
         style = style_at(row, column)
-        assert style is not None
         assert style.reverse
 
 
@@ -308,22 +298,18 @@ def test_all_states_have_their_numbers_or_none(size: tuple[int, int], shows_acti
 
 
 async def test_a_key_shows_state_numbers_on_every_map_until_it_is_pressed_again(make_app: MakeApp) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        assert STATE_NUMBERS not in screen_text(app)
+    async with on_screen(make_app("frozenlake")) as pilot:
+        assert STATE_NUMBERS not in screen_text(pilot.app)
         await press(pilot, "number_sign")
-        assert STATE_NUMBERS in screen_text(app)
+        assert STATE_NUMBERS in screen_text(pilot.app)
         await press(pilot, "right_square_bracket", "number_sign", "left_square_bracket")
-        assert STATE_NUMBERS in screen_text(app)
+        assert STATE_NUMBERS in screen_text(pilot.app)
         await press(pilot, "number_sign")
-        assert STATE_NUMBERS not in screen_text(app)
+        assert STATE_NUMBERS not in screen_text(pilot.app)
 
 
 async def test_steps_leave_a_trail_and_going_back_takes_it_away(make_app: MakeApp) -> None:
-    app = make_app("cliff")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("cliff"), (120, 40)) as pilot:
         marks = []
         for key in ("s", "s", "s", "b", "b", "b"):
             await press(pilot, key)

@@ -245,8 +245,7 @@ def test_cells_that_pay_something_unusual_say_so() -> None:
 
 
 @pytest.mark.parametrize(
-    ("size", "expected"),
-    [((60, 12), "  ←≠"), ((40, 8), " ←≠"), ((20, 4), "≠←.54"), ((12, 4), " ←≠")],
+    ("size", "expected"), [((60, 12), "  ←≠"), ((40, 8), " ←≠"), ((20, 4), "≠←.54"), ((12, 4), " ←≠")]
 )
 def test_a_state_whose_greedy_actions_differ_in_the_other_lane_says_so(
     size: tuple[int, int], expected: str

@@ -7,12 +7,11 @@ from conftest import MakeApp
 from drawn_curves import drawn as drawn_curve
 from drawn_tables import Drawn
 from samples import lake, look, student
-from seams import notes, playground, press, screen_text, snapshot, train
+from seams import notes, on_screen, order, playground, press, screen_text, snapshot, train
 from snapshots import changed
 
 from rl_tui.lab.live.commands import HideAnswer
 from rl_tui.lab.live.snapshot import Phase
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.curve.data import curve_data
 from rl_tui.tui.panels.curve.words import HIDDEN_OPTIMUM, OPTIMUM
 from rl_tui.tui.panels.microscope.cell_history import history_strips
@@ -79,7 +78,6 @@ def test_a_number_is_told_without_the_exact_one() -> None:
         (number_of_pair(SECRET, 0, Layer.Q, look()), "Q*"),
         (number_of_state(SECRET, 0, look()), "V*"),
     ):
-        assert number is not None
         assert number.meaning.endswith(f"The exact {symbol} is hidden: h shows it.")
 
 
@@ -89,24 +87,8 @@ def test_until_the_policy_is_optimal_shows_nothing_of_it() -> None:
     assert option.hint == "Compares with the exact answer without showing it."
 
 
-async def test_the_student_is_asked_before_he_is_told(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
-        asked = screen_text(pilot.app)
-        assert "Q−Q*" not in asked
-        assert HIDDEN_OPTIMUM[0] in asked
-        await press(pilot, "v")
-        assert playground(pilot).board.table.shown_layer is Layer.VISITS
-        await press(pilot, "h", "v", "v")
-        assert playground(pilot).board.table.shown_layer is Layer.OPTIMAL
-        told = screen_text(pilot.app)
-        assert "6.341" in told
-        assert not any(form in told for form in HIDDEN_OPTIMUM)
-
-
 async def test_what_a_person_hides_stays_hidden_in_the_neighbouring_scenarios(make_app: MakeApp) -> None:
-    async with make_app("cliff").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("cliff")) as pilot:
         assert is_secret(await press(pilot, "h"))
         ids = [scenario.id for scenario in scenarios()]
         there = ids[ids.index("cliff") + 2]
@@ -117,24 +99,20 @@ async def test_what_a_person_hides_stays_hidden_in_the_neighbouring_scenarios(ma
 
 
 async def test_what_a_person_has_seen_is_hidden_elsewhere(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         assert not is_secret(await press(pilot, "h"))
         await press(pilot, "left_square_bracket")
         assert is_secret(await press(pilot, "right_square_bracket"))
 
 
 async def test_nothing_is_hidden_where_there_is_no_exact_answer(make_app: MakeApp) -> None:
-    async with make_app("cartpole").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        playground(pilot).send(HideAnswer(is_hidden=True))
-        await settle(pilot)
+    async with on_screen(make_app("cartpole")) as pilot:
+        await order(pilot, HideAnswer(is_hidden=True))
         assert not is_secret(snapshot(pilot))
 
 
 async def test_h_hides_the_layer_that_is_shown_and_the_line_and_brings_both_back(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(120, 40), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (120, 40), notifications=True) as pilot:
         await press(pilot, "e", "v")
         table = playground(pilot).board.table
         assert table.shown_layer is Layer.OPTIMAL
@@ -152,8 +130,7 @@ async def test_h_hides_the_layer_that_is_shown_and_the_line_and_brings_both_back
 
 
 async def test_h_shows_the_numbers_of_the_model_while_it_is_open(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         await press(pilot, "m")
         assert ANSWER_KEY in screen_text(pilot.app)
         await press(pilot, "h")
@@ -162,10 +139,8 @@ async def test_h_shows_the_numbers_of_the_model_while_it_is_open(make_app: MakeA
 
 
 async def test_a_spent_budget_has_nothing_to_hide(make_app: MakeApp) -> None:
-    app = make_app("bandit")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("bandit"), notifications=True) as pilot:
         spent = await train(pilot, 5_000)
         assert spent.playback.phase is Phase.SPENT
         assert not is_secret(await press(pilot, "h"))
-        assert notes(app) == ["the budget is spent: nothing is hidden until r starts again"]
+        assert notes(pilot.app) == ["the budget is spent: nothing is hidden until r starts again"]

@@ -77,7 +77,6 @@ def graph(picture: Snapshot) -> str:
 def with_other_chances(picture: Snapshot) -> Snapshot:
     """``picture`` in a world whose outcomes have their probabilities turned round, pair by pair."""
     mdp = picture.world.mdp
-    assert mdp is not None
     chances, sums = np.array(mdp.probability), np.array(mdp.cumulative)
     for pair in range(mdp.pairs):
         own = list(mdp.outcomes_of(pair))

@@ -7,7 +7,7 @@ from collections.abc import AsyncIterator
 
 import pytest
 from conftest import MakeApp
-from seams import notes, playground, press, snapshot, train
+from seams import click, notes, on_screen, playground, press, snapshot, tap, train
 from textual.command import CommandPalette
 from textual.containers import VerticalScroll
 from textual.events import MouseDown
@@ -30,54 +30,45 @@ from rl_tui.tui.screens.playground.playground import Playground
 
 
 async def test_a_message_goes_with_the_next_key_and_leaving_is_asked_anew(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         await press(pilot, "s", "escape")
-        assert len(notes(app)) == 1
+        assert len(notes(pilot.app)) == 1
         await press(pilot, "v")
-        assert notes(app) == []
+        assert notes(pilot.app) == []
         await press(pilot, "escape")
-        assert isinstance(app.screen, Playground)
-        assert len(notes(app)) == 1
+        assert isinstance(pilot.app.screen, Playground)
+        assert len(notes(pilot.app)) == 1
         await pilot.press("escape")
-        assert isinstance(app.screen, CatalogueScreen)
-        assert notes(app) == []
+        assert isinstance(pilot.app.screen, CatalogueScreen)
+        assert notes(pilot.app) == []
 
 
 @pytest.mark.parametrize("size", [(60, 18), (80, 24), (120, 40)])
 async def test_a_message_covers_its_line_to_the_end(size: tuple[int, int], make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=size, notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), size, notifications=True) as pilot:
         await press(pilot, "s", "escape")
-        assert app.screen.query_one("Toast").region.bottom_right == size
+        assert pilot.app.screen.query_one("Toast").region.bottom_right == size
 
 
 async def test_a_message_goes_with_a_click_and_with_the_scenario(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         await press(pilot, "l")
-        assert len(notes(app)) == 1
-        app.post_message(MouseDown(None, 60, 5, 0, 0, 1, False, False, False))
+        assert len(notes(pilot.app)) == 1
+        pilot.app.post_message(MouseDown(None, 60, 5, 0, 0, 1, False, False, False))
         await pilot.pause()
-        assert notes(app) == []
+        assert notes(pilot.app) == []
         await press(pilot, "s", "escape")
-        await pilot.press("right_square_bracket")
-        await settle(pilot)
-        assert notes(app) == []
+        await tap(pilot, "right_square_bracket")
+        assert notes(pilot.app) == []
 
 
 async def test_what_was_written_is_told_beyond_the_next_key_but_not_behind_a_dialog(
     make_app: MakeApp,
 ) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         playground(pilot).notify("written: somewhere")
         await press(pilot, "s", "a")
-        assert notes(app) == ["written: somewhere"]
+        assert notes(pilot.app) == ["written: somewhere"]
         behind = playground(pilot).query("ToastRack").first()
         assert not behind.display
         await press(pilot, "escape")
@@ -104,30 +95,23 @@ async def test_what_was_written_is_told_beyond_the_next_key_but_not_behind_a_dia
 async def test_the_palette_finds_what_a_word_of_it_begins_with(
     make_app: MakeApp, query: str, found: list[str]
 ) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         known = {palette_name(action) for action in playground(pilot).actions}
-        provider = ActionProvider(app.screen)
+        provider = ActionProvider(pilot.app.screen)
         hits = sorted([hit async for hit in provider.search(query)], key=lambda hit: -hit.score)
         names = [str(hit.match_display) for hit in hits]
         assert [name for name in names if name in known][: len(found) or None] == found
         assert len(names) >= 1
 
 
-async def test_where_the_palette_finds_nothing_it_says_so_and_enter_shows_the_keys(
-    make_app: MakeApp,
-) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+async def test_where_the_palette_finds_nothing_it_says_so_and_enter_shows_the_keys(make_app: MakeApp) -> None:
+    async with on_screen(make_app("student")) as pilot:
         await pilot.press("ctrl+p", *"xyzzy")
-        assert isinstance(app.screen, CommandPalette)
-        await pilot.press("enter")
-        await settle(pilot)
-        assert isinstance(app.screen, HelpScreen)
-        keys = app.screen.query_one("#every-key")
-        assert keys.region.y == app.screen.query_one(VerticalScroll).region.y
+        assert isinstance(pilot.app.screen, CommandPalette)
+        await tap(pilot, "enter")
+        assert isinstance(pilot.app.screen, HelpScreen)
+        keys = pilot.app.screen.query_one("#every-key")
+        assert keys.region.y == pilot.app.screen.query_one(VerticalScroll).region.y
 
 
 # What is written on a border
@@ -147,15 +131,12 @@ async def click_on(pilot: Pilot[UserError], text: str) -> None:
     table = playground(pilot).board.table
     width, height = table.outer_size
     column = width - 3 - len(table.footing) + table.footing.index(text)
-    await pilot.click(table, offset=(column, height - 1))
-    await settle(pilot)
+    await click(pilot, table, offset=(column, height - 1))
 
 
 @pytest.mark.parametrize("ascii_only", [False, True])
 async def test_the_names_of_the_layers_answer_clicks(make_app: MakeApp, ascii_only: bool) -> None:
-    app = make_app("frozenlake", ascii=ascii_only)
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake", ascii=ascii_only), (120, 40)) as pilot:
         table = playground(pilot).board.table
         for name, layer in (("Q−Q*", Layer.ERROR), ("Q*", Layer.OPTIMAL), ("visits", Layer.VISITS)):
             await click_on(pilot, name)
@@ -165,17 +146,14 @@ async def test_the_names_of_the_layers_answer_clicks(make_app: MakeApp, ascii_on
 
 
 async def test_the_keys_of_a_dialog_answer_clicks_on_its_border(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         for hint, seed in (("esc", 0), ("enter", 7)):
             await press(pilot, "n", "7")
-            box = app.screen.query_one("#box")
+            box = pilot.app.screen.query_one("#box")
             keys = str(box.border_subtitle)
             column = box.region.right - 3 - len(keys) + keys.index(hint)
-            await pilot.click(offset=(column, box.region.bottom - 1))
-            await settle(pilot)
-            assert isinstance(app.screen, Playground)
+            await click(pilot, offset=(column, box.region.bottom - 1))
+            assert isinstance(pilot.app.screen, Playground)
             assert snapshot(pilot).recipe.seed == seed
 
 
@@ -185,8 +163,7 @@ async def test_the_keys_of_a_dialog_answer_clicks_on_its_border(make_app: MakeAp
 @pytest.mark.parametrize("key", ["enter", "ctrl+c"])
 async def test_ctrl_c_asks_and_the_keys_that_it_names_quit(make_app: MakeApp, key: str) -> None:
     app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app) as pilot:
         await train(pilot, 3)
         await pilot.press("ctrl+c")
         assert isinstance(app.screen, QuitQuestion)
@@ -231,21 +208,17 @@ async def test_escape_is_never_held_back(make_app: MakeApp, monkeypatch: pytest.
 
 
 async def test_going_to_an_episode_that_is_not_there_says_where_the_run_ends(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         await press(pilot, "e", "e", "b", "g", *"e12", "enter")
         end = snapshot(pilot).timeline.current.end
         assert snapshot(pilot).counters.step == end
-        assert [f"step {end}" in note and "space" in note for note in notes(app)] == [True]
+        assert [f"step {end}" in note and "space" in note for note in notes(pilot.app)] == [True]
         await press(pilot, "b", "g", *"e2", "enter")
-        assert notes(app) == []
+        assert notes(pilot.app) == []
 
 
 async def test_in_the_least_terminal_names_of_numbers_are_written_close_together(make_app: MakeApp) -> None:
-    app = make_app("cartpole")
-    async with app.run_test(size=(60, 18)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("cartpole"), (60, 18)) as pilot:
         table = playground(pilot).board.table
         rows = [table.render_line(y).text for y in range(table.size.height)]
         assert any("−.03,−.17" in row for row in rows)
@@ -253,22 +226,17 @@ async def test_in_the_least_terminal_names_of_numbers_are_written_close_together
 
 
 async def test_a_part_of_a_map_says_which_it_is_beside_what_it_means(make_app: MakeApp) -> None:
-    app = make_app("taxi")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("taxi")) as pilot:
         world = playground(pilot).board.world
-        assert world is not None
         assert " of 29" in world.heading
         assert "passenger down" in world.footing
 
 
 @pytest.mark.parametrize("lasts", [False, True])
 async def test_a_message_is_spelled_in_the_characters_of_the_terminal(make_app: MakeApp, lasts: bool) -> None:
-    app = make_app("student", ascii=True)
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student", ascii=True), notifications=True) as pilot:
         screen = playground(pilot)
         say = screen.notify if lasts else screen.tell
         say("converged; another γ goes on")
         await pilot.pause()
-        assert notes(app) == ["converged; another gamma goes on"]
+        assert notes(pilot.app) == ["converged; another gamma goes on"]

@@ -6,7 +6,7 @@ import asyncio
 from functools import partial
 
 import pytest
-from seams import notes
+from seams import notes, on_screen, tap
 from textual.widgets import Static
 
 from rl_tui.lab.live.player import Player
@@ -46,21 +46,18 @@ def test_the_key_line_has_none_of_it(width: int) -> None:
 
 
 async def test_the_palette_offers_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    async with kiosk("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(kiosk("student")) as pilot:
         names = {str(hit.display) async for hit in ActionProvider(pilot.app.screen).discover()}
         offered = [each for each in actions_of(Place.PLAYGROUND | Place.KIOSK) if not each.of_lesson]
         assert names == {palette_name(each) for each in offered} | {"Theme"}
         assert {ActionProvider} == pilot.app.COMMANDS, "Textual's own, such as its screenshot, are not there"
-        await pilot.press("s")
-        await settle(pilot)
+        await tap(pilot, "s")
         for key, line in (
             ("w", "no session is kept here: this is a kiosk"),
             ("x", "nothing is written here: this is a kiosk"),
             ("escape", "esc again goes to the catalogue; this run is then gone"),
         ):
-            await pilot.press(key)
-            await settle(pilot)
+            await tap(pilot, key)
             assert notes(pilot.app) == [line]
         stopped = []
         monkeypatch.setattr("os.kill", lambda *args: stopped.append(args))
@@ -70,16 +67,13 @@ async def test_the_palette_offers_the_same(monkeypatch: pytest.MonkeyPatch) -> N
 
 @pytest.mark.parametrize("place", [None, Place.LESSONS])
 async def test_the_lists_say_that_it_is_one(place: Place | None) -> None:
-    async with kiosk(place=place).run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(kiosk(place=place)) as pilot:
         assert str(pilot.app.screen.query_one("#title", Static).render()).endswith("kiosk")
 
 
 async def test_the_catalogue_keeps_no_sessions() -> None:
-    async with kiosk().run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("delete")
-        await settle(pilot)
+    async with on_screen(kiosk()) as pilot:
+        await tap(pilot, "delete")
         assert notes(pilot.app) == ["no sessions are kept here: this is a kiosk"]
 
 
@@ -114,13 +108,10 @@ async def test_a_run_that_was_forgotten_is_paused(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr("rl_tui.tui.app.app.LOOKS", 0.001)
     monkeypatch.setattr("rl_tui.tui.app.app.Idleness", partial(Idleness, clock=clock))
     app = kiosk("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("space")
-        await settle(pilot)
+    async with on_screen(app) as pilot:
+        await tap(pilot, "space")
         playground = app.screen
         assert isinstance(playground, Playground)
-        assert playground.snapshot is not None
         assert playground.snapshot.playback.phase is Phase.RUNNING
         await look_again()
         assert playground.snapshot.playback.phase is Phase.RUNNING, "somebody was there just now"

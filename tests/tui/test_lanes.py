@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from conftest import MakeApp
-from seams import choose, playground, press, snapshot, train
+from seams import choose, on_screen, playground, press, snapshot, train
 from textual.pilot import Pilot
 from textual.widgets import Input
 
@@ -33,12 +33,10 @@ def curve_text(pilot: Pilot[UserError]) -> str:
 
 
 async def test_a_branch_becomes_a_lane_from_the_journal_and_from_compare(make_app: MakeApp) -> None:
-    app = make_app("frozenlake-slippery")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), notifications=True) as pilot:
         await train(pilot, 500)
         await press(pilot, "B", "3", "right")
-        app.set_focus(None)
+        pilot.app.set_focus(None)
         await train(pilot, 100)
         for keys in (["j", "up", "c"], ["c", "up", "enter"]):
             here = snapshot(pilot).counters.step
@@ -53,9 +51,7 @@ async def test_a_branch_becomes_a_lane_from_the_journal_and_from_compare(make_ap
 
 
 async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> None:
-    app = make_app("frozenlake-slippery")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), notifications=True) as pilot:
         await train(pilot, 500)
         await open_lane(pilot, "alpha", "0.5")
         first, second = snapshot(pilot).run_group.lanes
@@ -84,13 +80,13 @@ async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> No
         assert board.table.heading == "▸2 · Q of α 0.5 − Q of α 0.1 · 11 states × 4"
         await press(pilot, "escape")
         assert board.curve.heading.endswith("· 2 lanes, ▸2 α 0.5")
-        assert app.screen.query_one("#alpha", Slider).value == 0.5
+        assert pilot.app.screen.query_one("#alpha", Slider).value == 0.5
 
         await press(pilot, "1", "left")
         shown = snapshot(pilot)
         assert shown.run_group.lanes[0].hyperparameters.alpha == 0.1
         assert shown.run_group.lanes[1].hyperparameters.alpha == shown.agent.hyperparameters.alpha != 0.5
-        app.set_focus(None)
+        pilot.app.set_focus(None)
 
         await press(pilot, "c", "delete")  # the cursor starts on the one shown
         shown = snapshot(pilot)
@@ -103,9 +99,7 @@ async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> No
 
 async def test_what_is_told_goes_to_the_lane_shown_only(make_app: MakeApp) -> None:
     """Back to a value that the first lane has all along is a change in the second."""
-    app = make_app("frozenlake-slippery")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery")) as pilot:
         await open_lane(pilot, "alpha", "0.5")
         await open_lane(pilot, "ties", "first")
         assert [lane.name for lane in snapshot(pilot).run_group.lanes] == [
@@ -128,9 +122,7 @@ async def test_what_is_told_goes_to_the_lane_shown_only(make_app: MakeApp) -> No
 
 @pytest.mark.parametrize("size", [(60, 18), (80, 24), (120, 40)])
 async def test_four_lanes_fit_every_screen(make_app: MakeApp, size: tuple[int, int]) -> None:
-    app = make_app("frozenlake-slippery")
-    async with app.run_test(size=size) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), size) as pilot:
         for value in ("0.2", "0.5", "0.9"):
             await open_lane(pilot, "alpha", value)
         await train(pilot, 3_000)
@@ -138,4 +130,4 @@ async def test_four_lanes_fit_every_screen(make_app: MakeApp, size: tuple[int, i
         named = sum(f"α {value}" in text for value in ("0.1", "0.2", "0.5", "0.9"))
         assert named == (3 if size == (60, 18) else 4)  # a name a row, and there are three rows
         await press(pilot, "c")
-        assert app.screen.query_one("#box").size.height <= size[1]
+        assert pilot.app.screen.query_one("#box").size.height <= size[1]

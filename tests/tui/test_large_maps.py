@@ -7,10 +7,9 @@ from functools import partial
 import numpy as np
 import pytest
 from open_grids import open_grid_recipe
-from seams import scroll_down
+from seams import on_screen, scroll_down, tap
 from textual.pilot import Pilot
 
-from rl_tui.lab.last_step.story import story_of
 from rl_tui.lab.live.commands import Train
 from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Snapshot
@@ -63,16 +62,12 @@ def check_complete(screen: Playground) -> None:
     """What is in view is what the newest snapshot has, and it has no more than some screens of it."""
     snapshot = newest(screen)
     assert screen.board.is_complete
-    assert snapshot.agent.part is not None
     assert snapshot.agent.part.held.sum() < 30_000
 
 
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
-async def test_map_and_table_follow_the_agent_and_snapshots_have_it(
-    size: tuple[int, int],
-) -> None:
-    async with app_of().run_test(size=size) as pilot:
-        await settle(pilot)
+async def test_map_and_table_follow_the_agent_and_snapshots_have_it(size: tuple[int, int]) -> None:
+    async with on_screen(app_of(), size) as pilot:
         screen = playground(pilot)
         for steps in (1, 1, 50, 3_000, 40_000, 1):
             await train(pilot, steps)
@@ -85,74 +80,61 @@ async def test_map_and_table_follow_the_agent_and_snapshots_have_it(
 
 
 async def test_what_was_scrolled_to_while_the_run_stands_still_is_filled_in() -> None:
-    async with app_of().run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(app_of(), (120, 40)) as pilot:
         await train(pilot, 2_000)
         screen = playground(pilot)
         view = map_of(screen)
         before = newest(screen)
         view.focus()
         for _ in range(4):
-            await pilot.press("pagedown")
-            await settle(pilot)
+            await tap(pilot, "pagedown")
             check_complete(screen)
         assert newest(screen).counters.step == before.counters.step
         assert newest(screen) is not before
         assert "◉" not in text_of(view)
         assert ".0" in text_of(view)
-        await pilot.press("escape")
-        await settle(pilot)
+        await tap(pilot, "escape")
         assert "◉" in text_of(view)
         check_complete(screen)
 
 
 async def test_the_table_may_look_elsewhere_while_the_agent_walks_on() -> None:
-    async with app_of().run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(app_of(), (120, 40)) as pilot:
         screen = playground(pilot)
         table = screen.board.table
         table.focus()
-        await pilot.press("home")
-        await settle(pilot)
-        assert table.row_range is not None
+        await tap(pilot, "home")
         assert table.row_range.first == 0
         await train(pilot, 3_000)
         check_complete(screen)
         assert newest(screen).agent.holds(0)
-        await pilot.press("end")
-        await settle(pilot)
+        await tap(pilot, "end")
         check_complete(screen)
         assert newest(screen).agent.holds(newest(screen).world.space.pairs - 1)
-        await pilot.press("escape")
-        await settle(pilot)
+        await tap(pilot, "escape")
         check_complete(screen)
         assert isinstance(table.row_range, RowRange)
         assert table.row_range.first is None
 
 
 async def test_a_panel_that_covers_all_others_and_a_new_size_have_their_cells() -> None:
-    async with app_of().run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app_of()) as pilot:
         screen = playground(pilot)
         map_of(screen).focus()
-        await pilot.press("f")
-        await settle(pilot)
+        await tap(pilot, "f")
         check_complete(screen)
         await pilot.resize_terminal(160, 50)
         await settle(pilot)
         check_complete(screen)
-        await pilot.press("f", "r")
-        await settle(pilot)
+        await tap(pilot, "f", "r")
         check_complete(screen)
 
 
 async def test_the_model_of_a_far_pair_tells_what_was_learned_of_it() -> None:
-    async with app_of().run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(app_of(), (120, 40)) as pilot:
         await train(pilot, 5_000)
         screen = playground(pilot)
-        await pilot.press("m")
-        await settle(pilot)
+        await tap(pilot, "m")
         panel = pilot.app.screen.query_one(ModelPanel)
         panel.show_pair(4)
         await settle(pilot)
@@ -160,48 +142,17 @@ async def test_the_model_of_a_far_pair_tells_what_was_learned_of_it() -> None:
         assert "not yet visited" in "\n".join(panel.render_line(y).text for y in range(panel.size.height))
 
 
-async def test_a_small_map_is_never_asked_for_in_parts() -> None:
-    async with app_of(4).run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
-        await train(pilot, 100)
-        snapshot = newest(playground(pilot))
-        assert snapshot.agent.part is None
-        assert np.array_equal(snapshot.agent.visits > 0, snapshot.agent.q != 0.0)
-
-
-async def test_a_step_on_a_large_map_is_taken_apart() -> None:
-    async with app_of().run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        screen = playground(pilot)
-        await train(pilot, 20_000)
-        await pilot.press("d")
-        await settle(pilot)
-        for _ in range(3):
-            await train(pilot, 1)
-            check_complete(screen)
-            snapshot = newest(screen)
-            story = story_of(snapshot)
-            assert story is not None
-            assert story.backup is not None
-            assert story.backup.expected == pytest.approx(story.backup.sampled)
-            assert snapshot.cell is not None
-            assert snapshot.cell.value[-1] == snapshot.agent.q[snapshot.cell.pair]
-
-
 async def test_two_lanes_show_the_same_part_and_count_what_is_in_view() -> None:
-    async with app_of().run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(app_of(), (120, 40)) as pilot:
         screen = playground(pilot)
         await train(pilot, 3_000)
         for key in ("c", "enter", "down", "enter"):
-            await pilot.press(key)
-            await settle(pilot)
+            await tap(pilot, key)
         left, right = (screen.board.panel(panel) for panel in ("world", "world-beside"))
         assert isinstance(left, GridView)
         assert isinstance(right, GridView)
         for key in ("s", "l", "s"):
-            await pilot.press(key)
-            await settle(pilot)
+            await tap(pilot, key)
             assert left.stance == right.stance
             check_complete(screen)  # both have what is around the agent of the one led
         await train(pilot, 20_000)
@@ -210,22 +161,18 @@ async def test_two_lanes_show_the_same_part_and_count_what_is_in_view() -> None:
         assert shown.beside is not None
         found = greedy_differences(shown, shown.beside)
         assert found.is_part
-        assert shown.agent.part is not None
         assert found.known <= len(np.unique(shown.agent.part.pairs)) // 4
         right.focus()
         for _ in range(3):
-            await pilot.press("pagedown")
-            await settle(pilot)
+            await tap(pilot, "pagedown")
             check_complete(screen)
             assert left.cells == right.cells
 
 
 async def test_the_wheel_scrolls_both_of_two_lanes() -> None:
-    async with app_of().run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(app_of(), (120, 40)) as pilot:
         for key in ("c", "enter", "down", "enter"):
-            await pilot.press(key)
-            await settle(pilot)
+            await tap(pilot, key)
         board = playground(pilot).board
         for row in ("world", "table"):
             pair = board.panel(row), board.panel(f"{row}-beside")

@@ -60,7 +60,6 @@ def stepped(snapshot: Snapshot, **changes: Any) -> Snapshot:
 def lake_step(**changes: Any) -> Snapshot:
     """State 6 of the slippery lake, meant left, went down: the step of the drawings."""
     mdp = LAKE.world.mdp
-    assert mdp is not None
     left = int(mdp.first_pair[6])
     outcome = next(each for each in mdp.outcomes_of(left) if mdp.outcome_action[each] == 1)
     usual = {

@@ -11,7 +11,7 @@ from conftest import MakeApp
 from drawn_grids import large_lake, paying
 from rich.style import Style
 from samples import bandit, big_lake, lake, look, planning, student
-from seams import playground, press, train
+from seams import on_screen, playground, press, train
 from textual.geometry import Size
 
 from rl_tui.lab.live.player import Player
@@ -19,7 +19,6 @@ from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.draw.names import landmark
 from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.tui.panels.curve.curve import ReturnCurve
@@ -206,9 +205,7 @@ def test_the_last_step_of_an_episode_does_not_number_it() -> None:
 async def test_a_key_hides_captions_and_legends_and_shows_them_again(
     size: tuple[int, int], make_app: MakeApp
 ) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=size) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), size) as pilot:
         await train(pilot, 2)
         board = playground(pilot).board
         titles = {each: str(board.panel(each).border_title) for each in (WORLD, TABLE)}
@@ -238,8 +235,7 @@ async def test_hidden_legends_stay_hidden_the_next_time(tmp_path: Path) -> None:
         )
 
     for expected in (True, False, True):
-        async with app().run_test(size=(80, 24)) as pilot:
-            await settle(pilot)
+        async with on_screen(app()) as pilot:
             assert playground(pilot).board.legends.is_on is expected
             await press(pilot, "L")
 
@@ -254,7 +250,6 @@ async def test_where_nothing_can_be_kept_nothing_is_remembered(tmp_path: Path) -
         picture=True,
         sessions=tmp_path / "file" / "sessions",
     )
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app) as pilot:
         await press(pilot, "L")
         assert not playground(pilot).board.legends.is_on

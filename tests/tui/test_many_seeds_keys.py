@@ -8,7 +8,7 @@ import pytest
 from conftest import MakeApp
 from lane_samples import lane_views, side_by_side
 from samples import answered, bandit, lake, look
-from seams import playground, screen_text, show, snapshot
+from seams import on_screen, playground, screen_text, show, snapshot
 from snapshots import changed
 from study_samples import bandit_study, cliff_study, lake_study
 from textual.pilot import Pilot
@@ -18,7 +18,6 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Command, EndStudy, HideAnswer, StudySeeds
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.many_seeds.figures import SeedStudy, StudyState
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.curve.curve import ReturnCurve
 from rl_tui.tui.panels.curve.data import curve_data
 from rl_tui.tui.panels.legend import legend_text
@@ -48,8 +47,7 @@ async def fed(pilot: Pilot[UserError], study: SeedStudy | None) -> str:
 async def test_m_opens_it_beside_the_curve_and_closes_it(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch, size: tuple[int, int]
 ) -> None:
-    async with make_app("frozenlake-slippery").run_test(size=size) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), size) as pilot:
         board, sent = playground(pilot).board, recorded(pilot, monkeypatch)
         await pilot.press("M")
         await pilot.pause()
@@ -74,8 +72,7 @@ async def test_m_opens_it_beside_the_curve_and_closes_it(
 
 
 async def test_another_panel_and_escape_end_it(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         board, sent = playground(pilot).board, recorded(pilot, monkeypatch)
         await pilot.press("M", "d")
         await pilot.pause()
@@ -88,8 +85,7 @@ async def test_another_panel_and_escape_end_it(make_app: MakeApp, monkeypatch: p
 
 
 async def test_a_bandit_reveals_its_regret_with_h(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
-    async with make_app("bandit").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("bandit")) as pilot:
         sent = recorded(pilot, monkeypatch)
         await pilot.press("M")
         await pilot.pause()
@@ -104,8 +100,7 @@ async def test_a_bandit_reveals_its_regret_with_h(make_app: MakeApp, monkeypatch
 
 
 async def test_arrows_scroll_it_where_it_is_small(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
-    async with make_app("frozenlake-slippery").run_test(size=(60, 18)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), (60, 18)) as pilot:
         recorded(pilot, monkeypatch)
         await pilot.press("M")
         assert "64 of 256" in await fed(pilot, lake_study())
@@ -117,8 +112,7 @@ async def test_arrows_scroll_it_where_it_is_small(make_app: MakeApp, monkeypatch
 
 
 async def test_why_there_are_none_is_said(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
-    async with make_app("frozenlake-slippery").run_test(size=(60, 18)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), (60, 18)) as pilot:
         recorded(pilot, monkeypatch)
         await pilot.press("M")
         assert "not in a kiosk" in await fed(pilot, SeedStudy(StudyState.FAILED, message="not in a kiosk"))
@@ -151,8 +145,7 @@ def test_the_band_of_many_seeds_lies_behind_the_curve() -> None:
 
 
 @pytest.mark.parametrize(
-    "study",
-    [None, lake_study(is_outdated=True), lake_study(seeds=1), lake_study(lanes=()), cliff_study()],
+    "study", [None, lake_study(is_outdated=True), lake_study(seeds=1), lake_study(lanes=()), cliff_study()]
 )
 def test_there_is_no_band_without_a_study_of_these_runs(study: SeedStudy | None) -> None:
     snapshot = changed(lake(), study=study)
@@ -201,7 +194,6 @@ def test_the_axis_has_room_for_the_mean_of_seeds() -> None:
     unlucky = chart(changed(lake(), return_last_100=0.0, greedy_return=0.0, study=cliff_one_lane()))
     pieces(unlucky)
     assert before is not None
-    assert unlucky.scale is not None
     assert unlucky.scale.low <= -24.0 < before.low
 
 
@@ -231,8 +223,7 @@ async def compared(pilot: Pilot[UserError], snapshot: Snapshot, monkeypatch: pyt
 async def test_the_dialog_has_means_and_errors_below_each_lane(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch, size: tuple[int, int]
 ) -> None:
-    async with make_app("frozenlake-slippery").run_test(size=size) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), size) as pilot:
         listed = await compared(pilot, side_by_side(2, 1, study=cliff_study()), monkeypatch)
         first, second = (listed[place].replace(" to 500", "").split() for place in (2, 4))
         assert first == ["64", "seeds", "−47.1", "±", ".5", "−13.00", "±", "0"]
@@ -245,8 +236,7 @@ async def test_the_dialog_has_means_and_errors_below_each_lane(
 async def test_without_a_study_the_dialog_says_that_it_is_one_seed(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with make_app("frozenlake-slippery").run_test(size=(60, 18)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), (60, 18)) as pilot:
         listed = await compared(pilot, side_by_side(2, 1, study=cliff_study(is_outdated=True)), monkeypatch)
         assert listed[3] == "One seed decides nothing: M counts many."
         assert not any("±" in row for row in listed)
@@ -256,8 +246,7 @@ async def test_without_a_study_the_dialog_says_that_it_is_one_seed(
 async def test_of_a_bandit_it_has_winnings_and_once_revealed_regret(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch, size: tuple[int, int]
 ) -> None:
-    async with make_app("bandit").run_test(size=size) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("bandit"), size) as pilot:
         arms = bandit(400, study=bandit_study())
         lanes = tuple(
             replace(lane, q=arms.agent.q, results=replace(lane.results, bandit=arms.results.bandit))
@@ -281,8 +270,7 @@ async def test_of_a_bandit_it_has_winnings_and_once_revealed_regret(
 async def test_the_dialog_says_where_a_greedy_policy_never_ends_and_how_many_episodes_a_mean_has(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with make_app("frozenlake-slippery").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery")) as pilot:
         one, two = lane_views(2)
         one = replace(one, episodes=27, results=replace(one.results, greedy_return=None, greedy_ends=0.0))
         snapshot = changed(side_by_side(2), lanes=(one, replace(two, episodes=35)))

@@ -214,11 +214,9 @@ def test_three_standard_errors_decide_from_32_seeds_on(
     mean: float, stderr: float, count: int, seen: bool
 ) -> None:
     found = verdict_of(LAST_100, difference(mean, stderr, 10, count=count))
-    assert found is not None
     assert (found.is_shown_better, found.is_seen) == (mean >= 0.0, seen)
     assert found.better_in == (10 if mean >= 0.0 else count - 10)
     turned = verdict_of(REGRET, difference(mean, stderr, 6, 4, count))
-    assert turned is not None
     assert (turned.is_shown_better, turned.is_seen) == (mean <= 0.0, seen)
     assert turned.better_in == (count - 10 if mean <= 0.0 else 6)
 
@@ -252,9 +250,7 @@ def test_what_is_printed_adds_up() -> None:
     one, two = cliff_study().lanes
     name = LAST_100.id
     one = replace(
-        one,
-        estimates={name: Estimate(-49.04, 2.46, 64)},
-        differences={name: difference(25.08, 2.44, 64)},
+        one, estimates={name: Estimate(-49.04, 2.46, 64)}, differences={name: difference(25.08, 2.44, 64)}
     )
     two = replace(two, estimates={name: Estimate(-23.96, 0.76, 64)})
     text = said(lanes(cliff_study(lanes=(one, two))))

@@ -25,7 +25,6 @@ NARROW, WIDE = 40, 118
 
 def with_episode(snapshot: Snapshot, rewards: list[float], **changes: Any) -> Snapshot:
     """``snapshot`` at the end of an episode with these rewards, and with the history of the updated pair."""
-    assert snapshot.counters.last_step is not None
     gamma = snapshot.counters.last_step.gamma
     told: dict[str, Any] = {
         "rewards": np.array(rewards),
@@ -104,7 +103,6 @@ def test_every_number_of_the_update_says_where_it_comes_from() -> None:
 
 
 def test_a_mean_over_the_policy_lists_its_cells() -> None:
-    assert LAKE.counters.last_step is not None
     q = LAKE.agent.q.copy()
     q[8:12] = 0.4, -0.2, 0.0, 0.1  # .925·.4 + .025·(−.2 + 0 + .1)
     mean = replace(
@@ -141,7 +139,6 @@ def test_numbers_of_cells_look_as_their_cells_do() -> None:
 def test_the_table_lights_up_what_was_looked_up() -> None:
     table, palette = QTable(look()), look().palette
     table.sources = lit_sources(LAKE)
-    assert LAKE.counters.last_step is not None
     best = LAKE.world.space.pairs_of(2)
     (source,) = table.sources
     assert source in best
@@ -237,7 +234,6 @@ def test_a_bandit_keeps_its_means_until_they_are_revealed() -> None:
 
 def test_a_planner_takes_the_expectation_itself() -> None:
     known = planning()
-    assert known.counters.last_step is not None
     pair, mdp = known.counters.last_step.pair, known.world.mdp
     assert mdp is not None
     values = np.zeros(16)

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import pytest
 from conftest import MakeApp
-from seams import playground, press, scroll_down, snapshot, train
+from seams import on_screen, order, playground, press, scroll_down, snapshot, train
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import Apply, StepBack
-from rl_tui.lab.run.recipe import SwitchAlgorithm
+from rl_tui.lab.live.commands import StepBack
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.panels.microscope.microscope import PASS_TOO_FAST, Microscope, lit_sources
+from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
 from rl_tui.tui.panels.microscope.return_text import RETURN_HEADING
 from rl_tui.tui.panels.row import CONTROLS, CURVE, MICROSCOPE, TABLE, TIMELINE, WORLD
 from rl_tui.tui.screens.playground.board import Board
@@ -32,8 +31,7 @@ def lines(pilot: Pilot[UserError]) -> str:
 
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
 async def test_d_opens_and_closes_it(make_app: MakeApp, size: tuple[int, int]) -> None:
-    async with make_app("frozenlake-slippery").run_test(size=size) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), size) as pilot:
         await press(pilot, "s", "d")
         assert board(pilot).shows(MICROSCOPE)
         assert board(pilot).shows(TABLE)
@@ -48,8 +46,7 @@ async def test_d_opens_and_closes_it(make_app: MakeApp, size: tuple[int, int]) -
 
 
 async def test_it_is_drawn_from_every_step(make_app: MakeApp) -> None:
-    async with make_app("frozenlake-slippery").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
         await press(pilot, "d")
         assert lines(pilot).strip() == "no step yet: s takes one"
         await press(pilot, "s")
@@ -62,29 +59,8 @@ async def test_it_is_drawn_from_every_step(make_app: MakeApp) -> None:
         assert not board(pilot).table.sources
 
 
-async def test_closing_it_gives_the_focus_back(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        board(pilot).curve.focus()
-        await press(pilot, "s", "d", "d")
-        assert board(pilot).curve.has_focus
-        await press(pilot, "d")
-        board(pilot).table.focus()
-        await press(pilot, "d")
-        assert board(pilot).table.has_focus
-
-
-async def test_escape_closes_it_before_it_leaves(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await press(pilot, "s", "d", "escape")
-        assert not board(pilot).opened
-        assert playground(pilot).is_attached
-
-
 async def test_it_scrolls_by_keys_and_wheel(make_app: MakeApp) -> None:
-    async with make_app("frozenlake-slippery").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery")) as pilot:
         await press(pilot, "s", "d")
         widget = board(pilot).microscope
         assert "The step" in widget.render_line(0).text
@@ -102,8 +78,7 @@ async def test_it_scrolls_by_keys_and_wheel(make_app: MakeApp) -> None:
 
 
 async def test_the_tab_key_goes_to_panels_in_view_only(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         await press(pilot, "s", "d")
         seen = set()
         for _ in range(12):
@@ -113,31 +88,17 @@ async def test_the_tab_key_goes_to_panels_in_view_only(make_app: MakeApp) -> Non
 
 
 async def test_a_slider_that_it_hides_closes_it(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
         await press(pilot, "s", "d", "1")
         assert not board(pilot).opened
         assert isinstance(pilot.app.focused, Slider)
 
 
-async def test_it_can_be_zoomed(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await press(pilot, "s", "d", "f")
-        assert board(pilot).zoomed == MICROSCOPE
-        assert board(pilot).microscope.size.width == 78
-        await press(pilot, "d")
-        assert board(pilot).zoomed is None
-        assert not board(pilot).opened
-
-
 async def test_the_cursor_of_the_table_chooses_the_cell(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
         await train(pilot, 50)
         await press(pilot, "d")
         shown = snapshot(pilot)
-        assert shown.counters.last_step is not None
         assert board(pilot).microscope.pair == shown.counters.last_step.updated_pair
         board(pilot).table.focus()
         await press(pilot, "home", "end")
@@ -148,13 +109,10 @@ async def test_the_cursor_of_the_table_chooses_the_cell(make_app: MakeApp) -> No
 
 
 async def test_the_history_is_that_of_the_run(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
         await press(pilot, "s", "d")
         for _ in range(5):
             shown = await press(pilot, "s")
-            assert shown.counters.last_step is not None
-            assert shown.cell is not None
             assert shown.cell.pair == shown.counters.last_step.updated_pair == board(pilot).microscope.pair
             assert shown.cell.step.tolist() == list(range(shown.counters.step + 1))
             assert shown.cell.value[-2:].tolist() == [
@@ -170,35 +128,20 @@ async def test_the_history_is_that_of_the_run(make_app: MakeApp) -> None:
 
 
 async def test_an_earlier_step_is_told_as_it_was_told_then(make_app: MakeApp) -> None:
-    async with make_app("frozenlake-slippery").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
         await press(pilot, "d")
         told = []
         for _ in range(4):
             await press(pilot, "s")
             told.append(lines(pilot))
         for before in reversed(told[:-1]):
-            playground(pilot).send(StepBack())
-            await settle(pilot)
+            await order(pilot, StepBack())
             assert lines(pilot) == before
-
-
-async def test_the_return_counts_the_steps_of_the_episode(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
-        await press(pilot, "d", "s", "s")
-        shown = await press(pilot, "s")
-        assert " Discounted return so far  t = 3 " in lines(pilot)
-        worked = sum(reward * 0.9**place for place, reward in enumerate(shown.counters.rewards.tolist()))
-        assert shown.counters.discounted_return == pytest.approx(worked)
-        await press(pilot, "e")
-        assert f" Discounted return so far  t = {len(snapshot(pilot).counters.rewards):,} " in lines(pilot)
 
 
 @pytest.mark.parametrize("scenario", ["frozenlake-random"])
 async def test_another_world_forgets_the_cell(make_app: MakeApp, scenario: str) -> None:
-    async with make_app(scenario).run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app(scenario), (120, 40)) as pilot:
         await train(pilot, 200)
         await press(pilot, "d")
         board(pilot).table.focus()
@@ -207,48 +150,3 @@ async def test_another_world_forgets_the_cell(make_app: MakeApp, scenario: str) 
         assert board(pilot).microscope.pair is None
         await press(pilot, "s")
         assert snapshot(pilot).cell is not None
-
-
-@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
-async def test_a_bandit_tells_its_means_only_when_revealed(make_app: MakeApp, size: tuple[int, int]) -> None:
-    async with make_app("bandit").run_test(size=size) as pilot:
-        await settle(pilot)
-        await press(pilot, "s", "d")
-        assert "every pull is an episode" in lines(pilot)
-        assert "mean reward =" not in lines(pilot)
-        await press(pilot, "h")
-        assert "expected   mean reward =" in lines(pilot)
-
-
-async def test_of_a_stepped_world_it_shows_the_sample(make_app: MakeApp) -> None:
-    async with make_app("blackjack").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
-        await press(pilot, "s", "d", "s")
-        assert "this world is stepped" in lines(pilot)
-        assert "Q(" in lines(pilot)
-
-
-@pytest.mark.parametrize("algorithm", ["value-iteration", "double-q-learning"])
-async def test_other_updates_are_told_in_their_own_words(make_app: MakeApp, algorithm: str) -> None:
-    async with make_app("frozenlake-slippery").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
-        playground(pilot).send(Apply(SwitchAlgorithm(algorithm)))
-        await settle(pilot)
-        await train(pilot, 400)
-        await press(pilot, "d", "s")
-        if algorithm == "value-iteration":
-            assert "a planner takes the expectation itself" in lines(pilot)
-        else:
-            assert "the table shows the mean of Q₁ and Q₂" in lines(pilot)
-            assert "expected   Σ p (r + γ V(s′)) = " in lines(pilot)
-
-
-async def test_at_high_speed_it_stands_still(make_app: MakeApp) -> None:
-    async with make_app("frozenlake-slippery").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
-        await press(pilot, "s", "d", *["plus"] * 12, "space")
-        await train(pilot, 1_000)
-        assert PASS_TOO_FAST in lines(pilot)
-        assert not board(pilot).table.sources
-        await press(pilot, "space")
-        assert PASS_TOO_FAST not in lines(pilot)

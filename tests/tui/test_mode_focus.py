@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from conftest import MakeApp
-from seams import notes, playground, press, screen_text, slider, snapshot
+from seams import notes, on_screen, playground, press, screen_text, slider, snapshot, tap
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -42,8 +42,7 @@ def drawn(pilot: Pilot[UserError]) -> tuple[tuple[int, int], ...]:
 async def test_the_list_of_policies_opens_beside_the_drawing(
     make_app: MakeApp, size: tuple[int, int]
 ) -> None:
-    async with make_app("frozenlake").run_test(size=size) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), size) as pilot:
         assert (await press(pilot, "D", "1", "P")).answers.studied is PolicyKind.DRAWN
         board = playground(pilot).board
         assert board.opened == POLICIES
@@ -63,8 +62,7 @@ async def test_the_list_of_policies_opens_beside_the_drawing(
 
 @pytest.mark.parametrize("size", SIZES)
 async def test_another_policy_of_the_list_ends_the_drawing(make_app: MakeApp, size: tuple[int, int]) -> None:
-    async with make_app("frozenlake").run_test(size=size, notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), size, notifications=True) as pilot:
         await press(pilot, "D", "1", "P")
         pilot.app.set_focus(playground(pilot).board.panel(POLICIES))
         await settle(pilot)
@@ -83,8 +81,7 @@ async def test_another_policy_of_the_list_ends_the_drawing(make_app: MakeApp, si
 
 
 async def test_the_list_goes_on_from_what_was_drawn_while_it_was_open(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         assert (await press(pilot, "P", "D")).answers.studied is PolicyKind.DRAWN
         await press(pilot, "D")
         assert playground(pilot).board.panel(POLICIES).has_focus  # where it was
@@ -96,8 +93,7 @@ async def test_the_list_goes_on_from_what_was_drawn_while_it_was_open(make_app: 
 async def test_in_another_panel_keys_and_key_line_are_its_own(
     make_app: MakeApp, mode: str, word: str, other: str
 ) -> None:
-    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake")) as pilot:
         screen = playground(pilot)
         await press(pilot, "s", "s", mode)
         assert word in key_line(pilot)
@@ -135,8 +131,7 @@ async def test_in_another_panel_keys_and_key_line_are_its_own(
 
 
 async def test_escape_elsewhere_ends_the_mode_before_it_leaves(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
         await press(pilot, "D", "2")
         pilot.app.set_focus(playground(pilot).board.curve)
         await press(pilot, "escape")
@@ -145,19 +140,8 @@ async def test_escape_elsewhere_ends_the_mode_before_it_leaves(make_app: MakeApp
         assert notes(pilot.app)[-1] == "what you drew is kept; D goes on drawing"
 
 
-async def test_a_number_is_typed_on_a_slider_while_a_person_acts(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await press(pilot, "y")
-        slider(pilot.app, "alpha").focus()
-        await press(pilot, "enter", "1")
-        assert key_line(pilot).split()[:4] == ["enter", "set", "esc", "drop"]
-        assert snapshot(pilot).counters.step == 0
-
-
 async def test_a_panel_opened_while_a_person_acts_leaves_the_arrows_to_that(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         pilot.app.set_focus(playground(pilot).board.table)
         await press(pilot, "y", "d")
         assert playground(pilot).board.opened == MICROSCOPE
@@ -170,8 +154,7 @@ async def test_a_panel_opened_while_a_person_acts_leaves_the_arrows_to_that(make
 
 @pytest.mark.parametrize("mode", ["D", "y"])
 async def test_a_mode_gives_the_focus_back(make_app: MakeApp, mode: str) -> None:
-    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake")) as pilot:
         table = playground(pilot).board.table
         table.focus()
         await press(pilot, mode)
@@ -183,8 +166,7 @@ async def test_a_mode_gives_the_focus_back(make_app: MakeApp, mode: str) -> None
 
 @pytest.mark.parametrize("scenario", ["frozenlake", "student"])
 async def test_after_an_episode_one_draws_where_the_next_one_starts(make_app: MakeApp, scenario: str) -> None:
-    async with make_app(scenario).run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app(scenario)) as pilot:
         ended = await press(pilot, "e")
         assert not len(ended.world.space.pairs_of(ended.counters.state))
         await press(pilot, "D", "1")
@@ -193,8 +175,7 @@ async def test_after_an_episode_one_draws_where_the_next_one_starts(make_app: Ma
 
 
 async def test_a_cursor_that_was_put_stays_where_it_is(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake")) as pilot:
         await press(pilot, "e")
         view(pilot).focus()
         view(pilot).put_cursor(9)
@@ -207,8 +188,7 @@ async def test_a_cursor_that_was_put_stays_where_it_is(make_app: MakeApp) -> Non
     [("frozenlake", "second click at a side of the cell"), ("bandit", "second click on an arm")],
 )
 async def test_the_first_words_tell_of_the_mouse(make_app: MakeApp, scenario: str, told: str) -> None:
-    async with make_app(scenario).run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app(scenario), notifications=True) as pilot:
         await press(pilot, "D")
         assert told in notes(pilot.app)[-1]
 
@@ -216,6 +196,5 @@ async def test_the_first_words_tell_of_the_mouse(make_app: MakeApp, scenario: st
 @pytest.mark.parametrize(("mode", "key"), [("D", "2"), ("y", "down")])
 async def test_a_mode_that_is_wanted_at_once_has_its_keys(make_app: MakeApp, mode: str, key: str) -> None:
     async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
-        await pilot.press(mode, key)
-        await settle(pilot)
+        await tap(pilot, mode, key)
         assert drawn(pilot) == ((0, RIGHT),) if mode == "D" else snapshot(pilot).counters.step == 1

@@ -138,8 +138,7 @@ def test_speeds(speed: float, short: str, long: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("share", "text"),
-    [(0.84, "84 %"), (0.0, "0 %"), (1.0, "100 %"), (0.9999, ">99 %"), (0.0001, "<1 %")],
+    ("share", "text"), [(0.84, "84 %"), (0.0, "0 %"), (1.0, "100 %"), (0.9999, ">99 %"), (0.0001, "<1 %")]
 )
 def test_all_and_none_are_said_only_where_it_is_so(share: float, text: str) -> None:
     assert numbers.percent(share) == text

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from conftest import MakeApp
 from sample_worlds import bandit_world, lake_world
-from seams import choose, notes, playground, press, slider, snapshot, train
+from seams import choose, notes, on_screen, playground, press, slider, snapshot, train
 from textual.widgets import Input, OptionList, Static
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
@@ -54,32 +54,29 @@ def test_every_choice_has_name_summary_and_equation() -> None:
 
 
 async def test_a_planner_is_chosen_stepped_and_done(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(100, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (100, 24), notifications=True) as pilot:
         await press(pilot, "a")
-        assert isinstance(app.screen, Choice)
+        assert isinstance(pilot.app.screen, Choice)
         await choose(pilot, "value-iteration")
         assert snapshot(pilot).agent.algorithm == "value-iteration"
         assert [each.parameter.name for each in playground(pilot).query(Slider)] == ["gamma"]
         first = await press(pilot, "s")
-        assert first.counters.last_step is not None
         assert first.counters.last_step.planned
         assert (await press(pilot, "e")).counters.episodes == 1
         await press(pilot, "m")
-        assert isinstance(app.screen, ModelScreen)
-        assert app.screen.query_one(ModelPanel).pair in range(5)
+        assert isinstance(pilot.app.screen, ModelScreen)
+        assert pilot.app.screen.query_one(ModelPanel).pair in range(5)
         await press(pilot, "escape")
         await press(pilot, "p")
-        assert notes(app)[-1] == "Value iteration tries every action: it follows no policy"
+        assert notes(pilot.app)[-1] == "Value iteration tries every action: it follows no policy"
         done = await train(pilot, 100_000)
         assert done.playback.phase is Phase.DONE
-        assert "converged after" in app.screen.query_one(StatusLine).render_line(0).text
+        assert "converged after" in pilot.app.screen.query_one(StatusLine).render_line(0).text
         await press(pilot, "space")
-        assert notes(app)[-1].startswith("converged after")
+        assert notes(pilot.app)[-1].startswith("converged after")
         await press(pilot, "1", "pagedown")
         assert snapshot(pilot).playback.phase is Phase.PAUSED
-        app.set_focus(None)
+        pilot.app.set_focus(None)
         again = await press(pilot, "e")
         assert again.counters.step > done.counters.step
         await press(pilot, "a")
@@ -97,8 +94,7 @@ async def test_a_policy_is_chosen_and_brings_its_slider(
     app = make_app("bandit")
     # a message stays while the new loop is compiled, however long that takes
     monkeypatch.setattr(app, "NOTIFICATION_TIMEOUT", 600.0)
-    async with app.run_test(size=(120, 40), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(app, (120, 40), notifications=True) as pilot:
         assert snapshot(pilot).agent.hyperparameters.sample_average
         await press(pilot, "p")
         await choose(pilot, "gradient")
@@ -116,44 +112,26 @@ async def test_a_policy_is_chosen_and_brings_its_slider(
         assert playground(pilot).recipe.hyperparameters == snapshot(pilot).agent.hyperparameters
 
 
-async def test_sliders_are_counted_on_screen(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        playground(pilot).agent.set_parameter("policy", "softmax")
-        await settle(pilot)
-        await press(pilot, "3")
-        assert app.focused is slider(app, "temperature")
-        before = snapshot(pilot).agent.hyperparameters.temperature
-        await press(pilot, "right")
-        assert snapshot(pilot).agent.hyperparameters.temperature > before
-        app.set_focus(None)
-        await press(pilot, "4")
-        assert app.focused is None
-
-
 async def test_options_list_all_that_counts_and_change_it(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         await press(pilot, "o")
-        assert isinstance(app.screen, Options)
-        listed = app.screen.query_one(OptionList)
+        assert isinstance(pilot.app.screen, Options)
+        listed = pilot.app.screen.query_one(OptionList)
         ids = [listed.get_option_at_index(number).id for number in range(listed.option_count)]
         assert {"alpha", "step_size_schedule", "epsilon_decay", "policy", "ties", "initial_q"} <= set(ids)
         assert not {"n", "temperature", "lambda", "accuracy"} & set(ids)
         await choose(pilot, "epsilon_decay")
-        assert isinstance(app.screen, Prompt)
-        app.screen.query_one(Input).value = "0.25"
+        assert isinstance(pilot.app.screen, Prompt)
+        pilot.app.screen.query_one(Input).value = "0.25"
         await press(pilot, "enter")
-        assert isinstance(app.screen, Options)
+        assert isinstance(pilot.app.screen, Options)
         assert snapshot(pilot).agent.hyperparameters.epsilon_decay == 0.25
-        listed = app.screen.query_one(OptionList)
+        listed = pilot.app.screen.query_one(OptionList)
         assert listed.highlighted_option
         assert listed.highlighted_option.id == "epsilon_decay"
         assert "0.25" in str(listed.highlighted_option.prompt)
         await choose(pilot, "epsilon_schedule")
-        assert isinstance(app.screen, Choice)
+        assert isinstance(pilot.app.screen, Choice)
         await choose(pilot, "linear")
         assert snapshot(pilot).agent.hyperparameters.epsilon_schedule == "linear"
         await press(pilot, "escape")
@@ -183,44 +161,17 @@ def test_every_option_says_what_it_is_where_there_is_least_room(name: str) -> No
 
 
 async def test_the_sample_average_can_be_chosen_and_left(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         await press(pilot, "o")
         await choose(pilot, "step_size_schedule")
         await choose(pilot, "sample-average")
         await press(pilot, "escape")
         assert snapshot(pilot).agent.hyperparameters.sample_average
-        assert slider(app, "alpha").value == "sample-average"
+        assert slider(pilot.app, "alpha").value == "sample-average"
         await press(pilot, "1", "right")
         values = snapshot(pilot).agent.hyperparameters
         assert not values.sample_average
-        assert slider(app, "alpha").value == values.alpha
-
-
-async def test_initial_q_among_the_options_starts_again(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await train(pilot, 20)
-        await press(pilot, "o")
-        await choose(pilot, "initial_q")
-        app.screen.query_one(Input).value = "3"
-        await press(pilot, "enter", "escape")
-        assert snapshot(pilot).counters.step == 0
-        assert set(snapshot(pilot).agent.q.tolist()) == {3.0}
-
-
-async def test_values_out_of_range_are_refused_with_the_range(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await press(pilot, "o")
-        await choose(pilot, "epsilon_min")
-        app.screen.query_one(Input).value = "2"
-        await press(pilot, "enter")
-        assert isinstance(app.screen, Prompt)
-        assert "type a number from 0 to 1" in str(app.screen.query_one(".error").render())
+        assert slider(pilot.app, "alpha").value == values.alpha
 
 
 def test_every_planner_has_a_reason_to_follow_no_policy() -> None:
@@ -229,12 +180,10 @@ def test_every_planner_has_a_reason_to_follow_no_policy() -> None:
 
 
 async def test_an_option_that_changes_nothing_says_why(make_app: MakeApp) -> None:
-    app = make_app("bandit")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        assert [each.id for each in app.screen.query(Slider)] == ["alpha", "epsilon"]
+    async with on_screen(make_app("bandit")) as pilot:
+        assert [each.id for each in pilot.app.screen.query(Slider)] == ["alpha", "epsilon"]
         await press(pilot, "o")
-        choices, hint = app.screen.query_one(OptionList), app.screen.query_one(".hint", Static)
+        choices, hint = pilot.app.screen.query_one(OptionList), pilot.app.screen.query_one(".hint", Static)
         for name, reason in (("gamma", "every pull ends its episode"), ("epsilon", "")):
             choices.highlighted = choices.get_option_index(name)
             await settle(pilot)

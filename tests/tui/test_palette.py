@@ -48,21 +48,8 @@ VGA = TerminalTheme(
 RGB_PALETTES = [palette_for(depth, dark) for depth in ("truecolor", "256") for dark in BOTH]
 NAMES = [palette.name for palette in RGB_PALETTES]
 LINES = (
-    "text",
-    "dim",
-    "strong",
-    "accent",
-    "greedy",
-    "optimum",
-    "greedy_line",
-    "episodes",
-    "good",
-    "bad",
-    "unvisited",
-    "lane_1",
-    "lane_2",
-    "lane_3",
-    "lane_4",
+    *("text", "dim", "strong", "accent", "greedy", "optimum", "greedy_line", "episodes", "good", "bad"),
+    *("unvisited", "lane_1", "lane_2", "lane_3", "lane_4"),
 )
 
 

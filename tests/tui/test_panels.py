@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 
 import pytest
-from seams import notes
+from seams import notes, on_screen
 from test_playground import playground, press
 from textual.strip import Strip
 
@@ -18,7 +18,6 @@ from rl_tui.tui.actions.registry import all_actions
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.palette_entries import ActionProvider
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.draw.pieces import Piece, strips_of
 from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.tui.panels.panel import Panel
@@ -57,8 +56,7 @@ def app_with(row: PanelRow, scenario: str = "student") -> RlTuiApp:
 
 @pytest.mark.parametrize("size", SIZES)
 async def test_its_key_opens_and_closes_it_where_its_row_says(size: tuple[int, int]) -> None:
-    async with app_with(STEPS).run_test(size=size) as pilot:
-        await settle(pilot)
+    async with on_screen(app_with(STEPS), size) as pilot:
         board = playground(pilot).board
         place = board.curve.region
         board.table.focus()
@@ -80,8 +78,7 @@ async def test_its_key_opens_and_closes_it_where_its_row_says(size: tuple[int, i
 
 @pytest.mark.parametrize("size", SIZES)
 async def test_escape_closes_it_zoom_covers_all_and_tab_comes_by(size: tuple[int, int]) -> None:
-    async with app_with(STEPS).run_test(size=size) as pilot:
-        await settle(pilot)
+    async with on_screen(app_with(STEPS), size) as pilot:
         screen, board = playground(pilot), playground(pilot).board
         await press(pilot, "f9", "f")
         assert board.panel("step_count").region == board.region
@@ -101,8 +98,7 @@ async def test_escape_closes_it_zoom_covers_all_and_tab_comes_by(size: tuple[int
 
 
 async def test_one_of_them_is_open_at_a_time() -> None:
-    async with app_with(STEPS).run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app_with(STEPS)) as pilot:
         board = playground(pilot).board
         await press(pilot, "d", "f9")
         assert board.opened == "step_count"
@@ -114,8 +110,7 @@ async def test_one_of_them_is_open_at_a_time() -> None:
 
 async def test_palette_help_and_key_line_list_it() -> None:
     app = app_with(STEPS)
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(app, (120, 40)) as pilot:
         screen = playground(pilot)
         listed = [str(hit.display) async for hit in ActionProvider(screen).discover()]
         assert "Count steps (f9)" in listed
@@ -130,13 +125,11 @@ async def test_palette_help_and_key_line_list_it() -> None:
 
 async def test_what_has_nothing_to_show_says_so() -> None:
     row = replace(STEPS, needs=lambda drawing: isinstance(drawing, Arms))
-    async with app_with(row).run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(app_with(row), notifications=True) as pilot:
         await press(pilot, "f9")
         assert playground(pilot).board.opened is None
         assert "nothing to show" in notes(pilot.app)[-1]
-    async with app_with(row, "bandit").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app_with(row, "bandit")) as pilot:
         await press(pilot, "f9")
         assert playground(pilot).board.opened == "step_count"
 

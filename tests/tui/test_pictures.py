@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import pytest
 from conftest import MakeApp
+from seams import tap
 from textual.pilot import Pilot
 from textual.widgets import OptionList
 
@@ -54,8 +55,7 @@ def test_playground(scene: str, size: tuple[int, int], snap_compare: Any, make_a
                 assert isinstance(screen, Playground)
                 screen.send(Train(key))
             else:
-                await pilot.press(key)
-            await settle(pilot)
+                await tap(pilot, key)
 
     assert snap_compare(make_app(scenario), terminal_size=size, run_before=play)
 

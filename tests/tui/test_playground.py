@@ -2,22 +2,19 @@ from __future__ import annotations
 
 import pytest
 from conftest import MakeApp
-from seams import notes, playground, press, snapshot, train
+from seams import notes, on_screen, playground, press, snapshot, tap, train
 
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.q_table.q_table import QTable
 from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.tui.screens.dialogs.model import ModelScreen
-from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import scenarios
 
 
 async def test_it_starts_paused_at_step_0_with_ten_steps_a_second(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         assert snapshot(pilot).counters.step == 0
         assert snapshot(pilot).playback.phase is Phase.PAUSED
         assert snapshot(pilot).playback.speed == 10.0
@@ -26,8 +23,7 @@ async def test_it_starts_paused_at_step_0_with_ten_steps_a_second(make_app: Make
 async def test_it_goes_on_where_a_screen_that_closed_forgot_to_tell_that_it_was_painted(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         screen = playground(pilot)
         ask, forgotten = screen.call_after_refresh, iter([True])
         monkeypatch.setattr(screen, "call_after_refresh", lambda what: next(forgotten, False) or ask(what))
@@ -36,8 +32,7 @@ async def test_it_goes_on_where_a_screen_that_closed_forgot_to_tell_that_it_was_
 
 
 async def test_s_takes_one_step_and_e_ends_the_episode(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         assert (await press(pilot, "s")).counters.step == 1
         assert (await press(pilot, "s", "s")).counters.step == 3
         done = await press(pilot, "e")
@@ -47,8 +42,7 @@ async def test_s_takes_one_step_and_e_ends_the_episode(make_app: MakeApp) -> Non
 
 
 async def test_space_runs_and_pauses(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         assert (await press(pilot, "space")).playback.phase is Phase.RUNNING
         assert (await train(pilot, 100)).counters.step == 100
         assert (await press(pilot, "space")).playback.phase is Phase.PAUSED
@@ -56,8 +50,7 @@ async def test_space_runs_and_pauses(make_app: MakeApp) -> None:
 
 
 async def test_plus_and_minus_climb_the_speeds(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         assert (await press(pilot, "plus")).playback.speed == 30.0
         assert (await press(pilot, "equals_sign")).playback.speed == 100.0
         assert (await press(pilot, "minus", "underscore", "minus")).playback.speed == 3.0
@@ -65,8 +58,7 @@ async def test_plus_and_minus_climb_the_speeds(make_app: MakeApp) -> None:
 
 
 async def test_r_starts_again_with_what_is_in_force(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         await train(pilot, 50)
         ties = await press(pilot, "t")
         assert ties.agent.hyperparameters.ties == "first"
@@ -78,21 +70,9 @@ async def test_r_starts_again_with_what_is_in_force(make_app: MakeApp) -> None:
         assert again.recipe.seed == 0
 
 
-async def test_the_same_keys_give_the_same_run(make_app: MakeApp) -> None:
-    runs = []
-    for _ in range(2):
-        async with make_app("student", seed=3).run_test(size=(80, 24)) as pilot:
-            await settle(pilot)
-            await press(pilot, "s", "t", "e", "e")
-            runs.append((await train(pilot, 321)).agent.q.tobytes())
-    assert runs[0] == runs[1]
-
-
 async def test_v_goes_round_the_layers(make_app: MakeApp) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        table = app.screen.query_one(QTable)
+    async with on_screen(make_app("frozenlake")) as pilot:
+        table = pilot.app.screen.query_one(QTable)
         seen = []
         for _ in range(4):
             seen.append(table.shown_layer)
@@ -102,9 +82,7 @@ async def test_v_goes_round_the_layers(make_app: MakeApp) -> None:
 
 
 async def test_f_zooms_the_world_or_the_panel_in_focus(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         board = playground(pilot).board
         await press(pilot, "f")
         assert board.zoomed == "world"
@@ -121,71 +99,40 @@ async def test_f_zooms_the_world_or_the_panel_in_focus(make_app: MakeApp) -> Non
 
 
 async def test_tab_goes_from_world_to_table_to_curve_to_controls(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
         board, visited = playground(pilot).board, []
         for _ in range(6):
             await press(pilot, "tab")
-            visited.append(board.panel_of(app.focused))
+            visited.append(board.panel_of(pilot.app.focused))
         assert visited == ["world", "table", "curve", "timeline", "controls", "controls"]
 
 
 async def test_m_shows_the_model_and_closes_it(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         await press(pilot, "m")
-        assert isinstance(app.screen, ModelScreen)
+        assert isinstance(pilot.app.screen, ModelScreen)
         await train(pilot, 10)
         await press(pilot, "m")
-        assert isinstance(app.screen, Playground)
-
-
-async def test_help_opens_over_the_playground(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await press(pilot, "question_mark")
-        assert isinstance(app.screen, HelpScreen)
-        await press(pilot, "escape")
-        assert isinstance(app.screen, Playground)
+        assert isinstance(pilot.app.screen, Playground)
 
 
 async def test_the_notes_are_at_the_end_of_the_help(make_app: MakeApp) -> None:
     app = make_app("student")
-    async with app.run_test(size=(160, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app, (160, 24)) as pilot:
         await press(pilot, "question_mark", "pagedown")
         assert "student MDP" in str(app.screen.query("MarkdownParagraph").last().render())
 
 
 async def test_h_reveals_a_bandit_until_it_starts_again(make_app: MakeApp) -> None:
-    app = make_app("bandit")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("bandit")) as pilot:
         assert is_secret(await press(pilot))
         assert not is_secret(await press(pilot, "h"))
         assert is_secret(await press(pilot, "h"))
         assert is_secret(await press(pilot, "h", "r"))
 
 
-async def test_a_spent_budget_stops_the_run_and_reveals(make_app: MakeApp) -> None:
-    app = make_app("bandit")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
-        spent = await train(pilot, 5000)
-        assert spent.playback.phase is Phase.SPENT
-        assert spent.counters.episodes == 1000
-        assert not is_secret(spent)
-        assert (await press(pilot, "space", "s")).counters.step == spent.counters.step
-        assert (await press(pilot, "r")).playback.phase is Phase.PAUSED
-
-
 async def test_brackets_go_to_the_neighbouring_scenario(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         ids = [scenario.id for scenario in scenarios()]
         await press(pilot, "left_square_bracket")
         assert snapshot(pilot).recipe.scenario.id == ids[ids.index("student") - 1]
@@ -194,19 +141,15 @@ async def test_brackets_go_to_the_neighbouring_scenario(make_app: MakeApp) -> No
 
 
 async def test_h_explains_itself_where_nothing_is_hidden(make_app: MakeApp) -> None:
-    app = make_app("cartpole")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("cartpole"), notifications=True) as pilot:
         await press(pilot, "h")
-        assert notes(app) == ["there is nothing to hide: this world has no exact answer"]
+        assert notes(pilot.app) == ["there is nothing to hide: this world has no exact answer"]
 
 
 async def test_a_notice_is_one_line_at_the_bottom_right_where_it_hides_no_title(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         await press(pilot, "l")
-        notice = app.screen.query_one("Toast").region
+        notice = pilot.app.screen.query_one("Toast").region
         assert (notice.bottom, notice.height) == (24, 1)
         assert notice.right >= 78
         assert RlTuiApp.NOTIFICATION_TIMEOUT <= 3
@@ -215,7 +158,6 @@ async def test_a_notice_is_one_line_at_the_bottom_right_where_it_hides_no_title(
 async def test_scenarios_may_be_changed_faster_than_they_load(make_app: MakeApp) -> None:
     app = make_app("student")
     async with app.run_test(size=(120, 40)) as pilot:
-        await pilot.press(*["right_square_bracket"] * 4, *["left_square_bracket"] * 3)
-        await settle(pilot)
+        await tap(pilot, *["right_square_bracket"] * 4, *["left_square_bracket"] * 3)
         shipped = [scenario.id for scenario in scenarios()]
         assert snapshot(pilot).recipe.scenario.id == shipped[shipped.index("student") + 1]

@@ -5,19 +5,16 @@ from __future__ import annotations
 import asyncio
 
 from conftest import MakeApp
-from seams import notes, playground, press, slider, snapshot, train
+from seams import click, notes, on_screen, playground, press, slider, snapshot, train
 from snapshots import changed
 from textual.widgets import Input
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.bandit import true_means
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.controls.settings import AgentSettings
 from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.panels.world.arms.arms import ArmsView
 from rl_tui.tui.panels.world.grid.grid import GridView
-from rl_tui.tui.screens.dialogs.choice import Choice
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.screens.key_line import KeyLine
 from rl_tui.tui.screens.playground.playground import Playground
@@ -31,54 +28,22 @@ def holes_of(shown: Snapshot) -> list[int]:
 
 
 async def test_a_slider_moves_by_keys_and_acts_at_once(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        slider(app, "epsilon").focus()
+    async with on_screen(make_app("student")) as pilot:
+        slider(pilot.app, "epsilon").focus()
         before = snapshot(pilot).agent.hyperparameters.epsilon
         now = (await press(pilot, "right")).agent.hyperparameters.epsilon
         assert now > before
-        assert slider(app, "epsilon").value == now
+        assert slider(pilot.app, "epsilon").value == now
         assert (await press(pilot, "left")).agent.hyperparameters.epsilon == before
         assert snapshot(pilot).counters.step == 0
 
 
-async def test_a_slider_follows_click_and_drag(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
-        gamma = slider(app, "gamma")
-        await pilot.mouse_down(gamma, offset=(8, 0))
-        await pilot.hover(gamma, offset=(gamma.size.width // 2, 0))
-        await pilot.mouse_up(gamma, offset=(gamma.size.width // 2, 0))
-        await settle(pilot)
-        dragged = snapshot(pilot).agent.hyperparameters.gamma
-        assert 0.2 < dragged < 0.8
-        assert gamma.value == dragged
-        await pilot.click(gamma, offset=(8, 0))
-        await settle(pilot)
-        assert snapshot(pilot).agent.hyperparameters.gamma < 0.2
-
-
-async def test_every_slider_keeps_its_value_through_a_restart(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        slider(app, "alpha").focus()
-        changed = (await press(pilot, "right", "right")).agent.hyperparameters.alpha
-        again = await press(pilot, "r")
-        assert again.recipe.hyperparameters.alpha == changed
-        assert slider(app, "alpha").value == changed
-
-
 async def test_1_2_3_go_to_the_sliders_even_out_of_a_zoom(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         for key, name in (("1", "alpha"), ("2", "gamma"), ("3", "epsilon")):
             playground(pilot).board.table.focus()
             await press(pilot, "f", key)
-            assert app.focused is slider(app, name)
+            assert pilot.app.focused is slider(pilot.app, name)
             assert playground(pilot).board.zoomed is None
         typed = await press(pilot, "enter", "1", "enter")
         assert typed.agent.hyperparameters.epsilon == 1.0
@@ -87,12 +52,10 @@ async def test_1_2_3_go_to_the_sliders_even_out_of_a_zoom(make_app: MakeApp) -> 
 async def test_a_digit_goes_to_its_slider_from_another_one_and_letters_do_what_they_say(
     make_app: MakeApp,
 ) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         for key, name in (("2", "gamma"), ("3", "epsilon"), ("1", "alpha"), ("3", "epsilon")):
             await press(pilot, key)
-            assert app.focused is slider(app, name)
+            assert pilot.app.focused is slider(pilot.app, name)
         values = (await press(pilot, *"0.4", "s")).agent.hyperparameters
         assert (values.gamma, values.epsilon) == (0.9, 0.4)
         assert snapshot(pilot).counters.step == 1
@@ -102,67 +65,56 @@ async def test_a_digit_goes_to_its_slider_from_another_one_and_letters_do_what_t
 
 
 async def test_enter_and_escape_give_the_focus_back_to_where_it_was(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         await press(pilot, "s", "2", "escape")
-        assert app.focused is None
-        assert notes(app) == []
+        assert pilot.app.focused is None
+        assert notes(pilot.app) == []
         await press(pilot, "tab")
-        before = app.focused
+        before = pilot.app.focused
         assert before is not None
         await press(pilot, "2", "3", "escape")
-        assert app.focused is before
+        assert pilot.app.focused is before
         await press(pilot, "3", "0", "enter")
-        assert app.focused is before
-        assert notes(app) == []
-        assert isinstance(app.screen, Playground)
+        assert pilot.app.focused is before
+        assert notes(pilot.app) == []
+        assert isinstance(pilot.app.screen, Playground)
 
 
 async def test_a_value_that_is_none_is_told_and_the_slider_stays(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         await press(pilot, "3", "enter", *"30.4", "tab")
-        assert app.focused is slider(app, "epsilon")
-        assert notes(app) == ["ε stays 0.1: 30.4 is not a number from 0 to 1"]
+        assert pilot.app.focused is slider(pilot.app, "epsilon")
+        assert notes(pilot.app) == ["ε stays 0.1: 30.4 is not a number from 0 to 1"]
         await press(pilot, "1")
-        assert app.focused is slider(app, "alpha")
-        assert notes(app) == []
+        assert pilot.app.focused is slider(pilot.app, "alpha")
+        assert notes(pilot.app) == []
 
 
 async def test_while_a_person_acts_digits_act_but_on_a_slider_they_are_typed(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        slider(app, "epsilon").focus()
+    async with on_screen(make_app("student")) as pilot:
+        slider(pilot.app, "epsilon").focus()
         await press(pilot, "y")
         assert (await press(pilot, "1")).counters.step == 1
-        slider(app, "epsilon").focus()
+        slider(pilot.app, "epsilon").focus()
         typed = await press(pilot, "enter", "1", "enter")
         assert (typed.counters.step, typed.agent.hyperparameters.epsilon) == (1, 1.0)
         assert (await press(pilot, "1")).counters.step == 2
 
 
 async def test_the_key_line_says_what_space_does_now_and_nothing_moves(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        line = app.screen.query_one(KeyLine)
+    async with on_screen(make_app("student")) as pilot:
+        line = pilot.app.screen.query_one(KeyLine)
         paused = line.render_line(0).text
         await press(pilot, "space")
         running = line.render_line(0).text
         assert running == paused.replace("run  ", "pause", 1)
-        await pilot.click(line, offset=(running.index("pause"), 0))
-        await settle(pilot)
+        await click(pilot, line, offset=(running.index("pause"), 0))
         assert line.render_line(0).text == paused
 
 
 async def test_the_key_line_says_what_keys_do_on_a_slider_and_answers_clicks(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(60, 18)) as pilot:
-        await settle(pilot)
-        line = app.screen.query_one(KeyLine)
+    async with on_screen(make_app("student"), (60, 18)) as pilot:
+        line = pilot.app.screen.query_one(KeyLine)
         usual = line.render_line(0).text
         await press(pilot, "2")
         assert line.render_line(0).text.startswith(" γ discount   ← → move   enter type   esc leave")
@@ -171,9 +123,8 @@ async def test_the_key_line_says_what_keys_do_on_a_slider_and_answers_clicks(mak
         assert "enter type a number" in line.render_line(0).text
         await pilot.resize_terminal(60, 18)
         await settle(pilot)
-        await pilot.click(line, offset=(line.render_line(0).text.index("enter"), 0))
-        await settle(pilot)
-        assert slider(app, "gamma").is_typing
+        await click(pilot, line, offset=(line.render_line(0).text.index("enter"), 0))
+        assert slider(pilot.app, "gamma").is_typing
         assert line.render_line(0).text.startswith(" enter set")
         for width in (60, 80, 120):
             await pilot.resize_terminal(width, 24)
@@ -199,106 +150,78 @@ async def test_a_value_typed_before_there_is_a_world_is_set_once_there_is(
 
 
 async def test_what_is_being_typed_outlasts_another_policy(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         await press(pilot, "2", "0", "full_stop")
         playground(pilot).agent.set_parameter("policy", "softmax")
         await settle(pilot)
-        assert app.focused is slider(app, "gamma")
-        assert [each.id for each in app.screen.query(Slider)] == ["alpha", "gamma", "temperature"]
+        assert pilot.app.focused is slider(pilot.app, "gamma")
+        assert [each.id for each in pilot.app.screen.query(Slider)] == ["alpha", "gamma", "temperature"]
         assert (await press(pilot, "5", "enter")).agent.hyperparameters.gamma == 0.5
 
 
 async def test_a_slider_that_goes_gives_the_focus_back(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         await press(pilot, "3")
         playground(pilot).agent.set_parameter("policy", "softmax")
         await settle(pilot)
-        assert app.focused is None
+        assert pilot.app.focused is None
 
 
 async def test_the_tie_rule_says_what_is_in_force_now(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         for ties in ("first", "random"):
             assert (await press(pilot, "t")).agent.hyperparameters.ties == ties
-            assert [ties in note for note in notes(app)] == [True]
+            assert [ties in note for note in notes(pilot.app)] == [True]
 
 
 async def test_initial_q_is_asked_for_and_starts_again(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         await train(pilot, 10)
         await press(pilot, "i")
-        assert isinstance(app.screen, Prompt)
-        app.screen.query_one(Input).value = "5"
+        assert isinstance(pilot.app.screen, Prompt)
+        pilot.app.screen.query_one(Input).value = "5"
         again = await press(pilot, "enter")
-        assert not isinstance(app.screen, Prompt)
+        assert not isinstance(pilot.app.screen, Prompt)
         assert again.counters.step == 0
         assert again.agent.q.tolist() == [5.0] * 5
 
 
 async def test_a_prompt_names_the_range_and_stays(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         for key, wrong, expected in (
             ("i", "much", "type a number from -1e12 to 1e12"),
             ("n", "", "type a whole number, 0 or more"),
         ):
             await press(pilot, key)
-            assert isinstance(app.screen, Prompt)
-            app.screen.query_one(Input).value = wrong
+            assert isinstance(pilot.app.screen, Prompt)
+            pilot.app.screen.query_one(Input).value = wrong
             await press(pilot, "enter")
-            assert isinstance(app.screen, Prompt)
-            assert expected in str(app.screen.query_one(".error").render())
+            assert isinstance(pilot.app.screen, Prompt)
+            assert expected in str(pilot.app.screen.query_one(".error").render())
             await press(pilot, "escape")
-            assert isinstance(app.screen, Playground)
+            assert isinstance(pilot.app.screen, Playground)
         assert snapshot(pilot).recipe.seed == 0
 
 
 async def test_a_seed_is_typed(make_app: MakeApp) -> None:
-    app = make_app("bandit")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("bandit")) as pilot:
         means = snapshot(pilot).world.space.reward
         again = await press(pilot, "n", "4", "2", "enter")
         assert again.recipe.seed == 42
         assert again.world.space.reward.tolist() != means.tolist()
 
 
-async def test_the_algorithm_is_chosen_from_a_list(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await press(pilot, "a")
-        assert isinstance(app.screen, Choice)
-        assert (await press(pilot, "enter")).agent.algorithm == "q-learning"
-        assert isinstance(app.screen, Playground)
-
-
 async def test_hints_and_settings_can_be_clicked(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.click("#keys", offset=(14, 0))
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
+        await click(pilot, "#keys", offset=(14, 0))
         assert snapshot(pilot).counters.step == 1
-        await pilot.click("#settings", offset=(31, 0))
-        await settle(pilot)
+        await click(pilot, "#settings", offset=(31, 0))
         assert snapshot(pilot).agent.hyperparameters.ties == "first"
 
 
 async def test_every_setting_is_drawn_once_whatever_the_height(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
-        settings = app.screen.query_one(AgentSettings)
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
+        settings = pilot.app.screen.query_one(AgentSettings)
         decaying = changed(snapshot(pilot), hyperparameters=Hyperparameters(epsilon_decay=0.1))
         for each, lines in ((snapshot(pilot), 3), (decaying, 3), (decaying, 20)):
             settings.show(each)
@@ -311,17 +234,14 @@ async def test_every_setting_is_drawn_once_whatever_the_height(make_app: MakeApp
 
 
 async def test_a_slider_that_is_not_there_is_told(make_app: MakeApp) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
         await pilot.press("3", "4")
-        assert app.focused is slider(app, "epsilon")
-        assert notes(app) == ["there is no fourth slider here"]
+        assert pilot.app.focused is slider(pilot.app, "epsilon")
+        assert notes(pilot.app) == ["there is no fourth slider here"]
 
 
 async def test_another_seed_shows_its_own_map(make_app: MakeApp) -> None:
-    async with make_app("frozenlake-random").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-random"), (120, 40)) as pilot:
         first = snapshot(pilot)
         second = await press(pilot, "n", "5", "enter")
         holes = holes_of(second)
@@ -330,19 +250,3 @@ async def test_another_seed_shows_its_own_map(make_app: MakeApp) -> None:
         text = "".join(view.render_line(y).text for y in range(view.size.height))
         assert text.count(UNICODE.hole) == len(holes)
         assert (await press(pilot, "e")).counters.episodes == 1
-
-
-async def test_another_seed_reveals_its_own_means(make_app: MakeApp) -> None:
-    async with make_app("bandit").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
-        await press(pilot, "n", "5", "enter")
-        after = await press(pilot, "h")
-        assert after.world.mdp is not None
-        best = int(true_means(after.world.mdp).argmax())
-        view = playground(pilot).query_one(ArmsView)
-        starred = [
-            line.split()[0]
-            for y in range(view.size.height)
-            if UNICODE.goal in (line := view.render_line(y).text)
-        ]
-        assert starred == [str(best)]

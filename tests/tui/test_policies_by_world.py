@@ -6,13 +6,12 @@ from dataclasses import replace
 
 from conftest import MakeApp
 from samples import bandit, stepped_lake
-from seams import press, screen_text
+from seams import on_screen, press, screen_text
 from snapshots import changed
 from test_policies_panel import SIZES, drawn, said, studied
 
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.run.exact_answers import NO_TABLE
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.policies.notes import OF_MEANS_NOW
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -35,8 +34,7 @@ def test_of_a_world_without_a_table_one_sentence_is_said() -> None:
 
 async def test_the_border_names_the_key_that_leads_back_to_v_where_there_is_v(make_app: MakeApp) -> None:
     for scenario, leads_back in (("student", True), ("bandit", False)):
-        async with make_app(scenario).run_test(size=(120, 40)) as pilot:
-            await settle(pilot)
+        async with on_screen(make_app(scenario), (120, 40)) as pilot:
             await press(pilot, "P")
             text = screen_text(pilot.app)
             assert ("P: back to V" in text, "keep it in view · P: close" in text) == (

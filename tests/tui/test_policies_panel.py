@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from conftest import MakeApp
 from samples import bandit, lake, look, student
-from seams import playground, press, screen_text, show, snapshot, train
+from seams import click, on_screen, playground, press, screen_text, show, snapshot, train
 from snapshots import changed
 from textual.pilot import Pilot
 
@@ -236,8 +236,7 @@ def headings(pilot: Pilot[UserError]) -> list[str]:
 async def test_p_opens_it_beside_the_world_and_its_cursor_says_what_that_shows(
     make_app: MakeApp, size: tuple[int, int]
 ) -> None:
-    async with make_app("student").run_test(size=size) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), size) as pilot:
         board = playground(pilot).board
         assert snapshot(pilot).answers.studied is None
         assert (await press(pilot, "P")).answers.studied is PolicyKind.UNIFORM
@@ -260,16 +259,14 @@ async def test_p_opens_it_beside_the_world_and_its_cursor_says_what_that_shows(
 
 
 async def test_escape_goes_back_and_another_panel_ends_it(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         assert (await press(pilot, "P", "down", "escape")).answers.studied is None
         assert (await press(pilot, "P")).answers.studied is PolicyKind.GREEDY  # where the cursor was
         assert (await press(pilot, "d")).answers.studied is None
 
 
 async def test_enter_keeps_it_on_world_table_and_curve(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
         await train(pilot, 400)
         board = playground(pilot).board
         assert Layer.POLICY not in board.table.layer_choices
@@ -291,23 +288,19 @@ async def test_enter_keeps_it_on_world_table_and_curve(make_app: MakeApp) -> Non
 
 
 async def test_the_arrows_of_a_map_are_the_likeliest_actions(make_app: MakeApp) -> None:
-    async with make_app("cliff").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("cliff"), (120, 40)) as pilot:
         await press(pilot, "P", "end", "up")
         world = playground(pilot).board.world
-        assert world is not None
         assert world.studied is PolicyKind.OPTIMAL
         rows = [world.render_line(y).text for y in range(14)]
         assert max(row.count("→") for row in rows) >= 11  # along the cliff
         told = number_here(world, look())
-        assert told is not None
         assert told.name.startswith("Vπ(36) = −13")
         assert told.term == "policy-value"
 
 
 async def test_a_state_that_a_policy_may_never_leave_has_a_dash(make_app: MakeApp) -> None:
-    async with make_app("cliff").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("cliff"), (120, 40)) as pilot:
         await train(pilot, 300)
         await press(pilot, "P", "down")
         assert "γ 1 " in screen_text(pilot.app)
@@ -318,29 +311,24 @@ async def test_a_state_that_a_policy_may_never_leave_has_a_dash(make_app: MakeAp
         state = int(np.flatnonzero(np.isnan(values))[0])
         await press(pilot, *["v"] * board.table.layer_choices.index(Layer.POLICY))
         for panel in (board.world, board.table):
-            assert panel is not None
             text = "\n".join(panel.render_line(y).text for y in range(panel.size.height))
             assert " – " in text
             assert "nan" not in text
         world = board.world
-        assert world is not None
         assert "none" in [sign.meaning for sign in world.legend(shown)]
         assert "none" in [sign.meaning for sign in board.table.legend(shown)]
         world.put_cursor(state)
         told = number_here(world, look())
-        assert told is not None
         assert told.name == f"Vπ({state}): none"
 
 
 async def test_a_click_chooses(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         await press(pilot, "P")
         panel = playground(pilot).board.panel(POLICIES)
         rows = [panel.render_line(y).text for y in range(8)]
         y = next(y for y, row in enumerate(rows) if "as it acts" in row)
-        await pilot.click(panel, offset=(4, y + 1))
-        await settle(pilot)
+        await click(pilot, panel, offset=(4, y + 1))
         assert snapshot(pilot).answers.studied is PolicyKind.BEHAVIOUR
 
 
@@ -349,8 +337,7 @@ def board_title(pilot: Pilot[UserError]) -> object:
 
 
 async def test_two_lanes_show_the_same_policy_each_its_own(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
         screen = playground(pilot)
         from rl_tui.lab.live.commands import AddLane
         from rl_tui.lab.run.recipe import SetParameter
@@ -359,13 +346,11 @@ async def test_two_lanes_show_the_same_policy_each_its_own(make_app: MakeApp) ->
         await settle(pilot)
         await train(pilot, 500)
         both = await press(pilot, "P", "down", "down", "enter")
-        assert both.beside is not None
         assert both.beside.answers.studied is PolicyKind.BEHAVIOUR
         assert screen.board.is_paired
         text = screen_text(pilot.app)
         assert text.count("V of the agent as it acts") == 2
         world = screen.board.world
-        assert world is not None
         left, right = (as_studied(each).agent.policy > 0.0 for each in sides(both))
         differs = {both.world.space.state_of(pair) for pair in np.flatnonzero(left != right).tolist()}
         assert world.differing == differs
@@ -374,8 +359,7 @@ async def test_two_lanes_show_the_same_policy_each_its_own(make_app: MakeApp) ->
 
 
 async def test_a_dear_world_says_while_it_runs_what_to_do(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
         screen, now = playground(pilot), snapshot(pilot)
         waits = {kind: PolicyAnswer(refused=WHILE_RUNNING) for kind in PolicyKind}
         show(screen, replace(now, answers=AnswersView(studied=PolicyKind.GREEDY, policies=waits)))

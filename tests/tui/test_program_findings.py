@@ -9,12 +9,7 @@ from program_samples import AFTER_END, KNOWN, SOURCE, TIES, drawn, failed, progr
 from samples import look
 from seams import sized
 
-from rl_tui.lab.detective.verdict import (
-    CodeFault,
-    ProgramVerdict,
-    Rule,
-    UpdateFound,
-)
+from rl_tui.lab.detective.verdict import CodeFault, ProgramVerdict, Rule, UpdateFound
 from rl_tui.lab.programs.program_log import OutputLine
 from rl_tui.tui.panels.program.findings import (
     EXAMINED,

@@ -11,14 +11,7 @@ from snapshots import changed
 
 from rl_tui.agents.catalogue import OWN_PROGRAM
 from rl_tui.agents.last_step import Author
-from rl_tui.lab.detective.verdict import (
-    CodeFault,
-    MovedCell,
-    ProgramVerdict,
-    Rule,
-    UpdateFound,
-    UpdateTarget,
-)
+from rl_tui.lab.detective.verdict import CodeFault, MovedCell, ProgramVerdict, Rule, UpdateFound, UpdateTarget
 from rl_tui.lab.last_step.story import story_of
 from rl_tui.lab.live.program_view import ProgramView
 from rl_tui.lab.live.snapshot import Phase, Snapshot
@@ -29,9 +22,7 @@ from rl_tui.tui.panels.microscope.backup_tree import AFTER_END as AFTER_THE_END
 from rl_tui.tui.panels.microscope.backup_tree import NOT_KNOWN
 from rl_tui.tui.panels.microscope.microscope import page
 from rl_tui.tui.panels.microscope.return_text import return_section
-from rl_tui.tui.panels.program.findings import (
-    FindingsPanel,
-)
+from rl_tui.tui.panels.program.findings import FindingsPanel
 from rl_tui.tui.panels.program.output import OutputPanel
 from rl_tui.tui.panels.program.program import UNKNOWN, ProgramPanel
 from rl_tui.tui.panels.program.words import IN_SHORT, ranked, share_text, update_texts
@@ -182,10 +173,7 @@ def test_without_a_program_they_are_blank(kind: type[ProgramPanel | FindingsPane
             replace(KNOWN, place=MovedCell.MOVED, reward="own"),
             "Q(s′,a) ← Q(s′,a) + .1·(own r + .99·max Q(s′,·) − Q(s′,a))",
         ),
-        (
-            UpdateFound(rule=Rule.MONTE_CARLO, alpha_schedule="1/N"),
-            "Q(s,a) ← Q(s,a) + 1/N·(G − Q(s,a))",
-        ),
+        (UpdateFound(rule=Rule.MONTE_CARLO, alpha_schedule="1/N"), "Q(s,a) ← Q(s,a) + 1/N·(G − Q(s,a))"),
     ],
 )
 def test_an_update_is_written_with_what_is_known_of_it(update: UpdateFound, equation: str) -> None:
@@ -241,7 +229,6 @@ def test_a_step_whose_update_is_not_known_tells_only_what_moved() -> None:
 def test_a_step_that_moved_several_cells_says_how_many() -> None:
     assert "this step moved 5 cells" in story(unknown(others=4), 110)
     last = unknown().counters.last_step
-    assert last is not None
     text = story(unknown(others=4, before=last.after), 110)  # the cell told of is as it was, others are not
     assert "this step moved 5 cells" in text
     assert "changed nothing" not in text
@@ -259,7 +246,6 @@ def test_a_step_size_that_varies_is_that_of_the_step() -> None:
     by_visits = ProgramVerdict(update=replace(KNOWN, alpha=None, alpha_schedule="1/N"))
     picture = changed(watched(program(verdict=by_visits)), algorithm=OWN_PROGRAM.id)
     last = picture.counters.last_step
-    assert last is not None
     seventh = replace(last, step_size=1 / 7, after=last.before + last.td_error / 7)
     assert " + 1/7 · (" in story(changed(picture, last_step=seventh), 80)
 
@@ -278,7 +264,6 @@ def test_monte_carlo_departs_from_nothing() -> None:
 def test_a_step_that_changed_nothing() -> None:
     picture = unknown()
     last = picture.counters.last_step
-    assert last is not None
     same = changed(picture, last_step=replace(last, before=last.after))
     assert "stays" in story(same, 80)
     none = changed(picture, last_step=replace(last, updated_pair=-1))
@@ -320,7 +305,6 @@ def test_what_a_fault_puts_into_the_target_is_written_as_it_is() -> None:
     text = story(picture, 80)
     assert "target = r before + γ · max Q(·,a)" in text
     found = story_of(picture)
-    assert found is not None
     assert found.sources == {}
     assert found.backup is None
     assert "your program looked up max Q(·,a)" in "\n".join(
@@ -337,7 +321,6 @@ def test_after_the_end_of_an_episode_there_is_nothing_to_look_up() -> None:
 def test_an_action_that_is_one_of_all_equal_ones_is_not_called_greedy() -> None:
     picture = unknown()
     last = picture.counters.last_step
-    assert last is not None
     pairs, q = picture.world.space.pairs_of(last.state), picture.agent.q.copy()
     q[pairs.start : pairs.stop] = last.before
     q[last.updated_pair] = last.after
@@ -356,16 +339,13 @@ def test_a_mean_over_actions_is_taken_apart_only_with_the_epsilon_that_is_known(
     last = picture.counters.last_step
     assert last is not None
     known, other = (story_of(changed(picture, last_step=replace(last, epsilon=each))) for each in (0.1, 0.0))
-    assert known is not None
     assert known.backup is not None
-    assert other is not None
     assert other.backup is None
 
 
 def test_a_target_that_bootstraps_after_the_end_is_no_luck() -> None:
     picture = watched()
     last = picture.counters.last_step
-    assert last is not None
     over = changed(picture, last_step=replace(last, terminated=True, bootstrap_state=last.next_state))
     text = "\n".join(row.text for row in page(over, 0, look(), 120, 24))
     assert "it bootstraps after the end" in text

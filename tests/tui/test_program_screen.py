@@ -9,7 +9,7 @@ from pathlib import Path
 from textwrap import dedent
 
 import pytest
-from seams import choose, notes, playground, press, screen_text, snapshot, train
+from seams import choose, notes, on_screen, playground, press, screen_text, snapshot, train
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -19,7 +19,6 @@ from rl_tui.lab.live_programs.watched_program import WatchedProgram
 from rl_tui.lab.programs.program_process import ProgramRequest
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.curve.words import GREEDY, NO_LINE_WITHOUT_TABLE
 from rl_tui.tui.panels.discount.discount import DiscountPanel
 from rl_tui.tui.panels.legend import MAY_NEVER_END
@@ -83,8 +82,7 @@ async def watching(path: Path, size: tuple[int, int] = (120, 40)) -> AsyncIterat
             Display(fps=1000.0), program, make_player=partial(Player, automatic=False), picture=True
         )
         app.NOTIFICATION_TIMEOUT = 3600.0
-        async with app.run_test(size=size, notifications=True) as pilot:
-            await settle(pilot)
+        async with on_screen(app, size, notifications=True) as pilot:
             yield pilot
     finally:
         program.end()
@@ -192,7 +190,6 @@ async def test_a_finding_leads_to_the_first_step_that_shows_it(tmp_path: Path) -
         while not snapshot(pilot).program.ended:  # type: ignore[union-attr]
             await train(pilot, 4_000)
         program = snapshot(pilot).program
-        assert program is not None
         (finding,) = program.verdict.findings
         await press(pilot, "F")
         assert playground(pilot).board.shows(FINDINGS)
@@ -200,7 +197,6 @@ async def test_a_finding_leads_to_the_first_step_that_shows_it(tmp_path: Path) -
         assert "target = " in screen_text(pilot.app)
         now = await press(pilot, "enter")
         assert now.counters.step == finding.step + 1
-        assert now.counters.last_step is not None
         assert now.counters.last_step.terminated
 
 
@@ -219,8 +215,6 @@ async def test_another_table_can_be_chosen(script: Path) -> None:
     async with watching(script) as pilot:
         await train(pilot, 50)
         program = snapshot(pilot).program
-        assert program is not None
-        assert program.table is not None
         assert program.table.others
         await press(pilot, "T")
         asked = screen_text(pilot.app)
@@ -230,8 +224,6 @@ async def test_another_table_can_be_chosen(script: Path) -> None:
         assert snapshot(pilot).counters.step == 0
         await train(pilot, 50)
         chosen = snapshot(pilot).program
-        assert chosen is not None
-        assert chosen.table is not None
         assert chosen.table.name == program.table.others[0]
 
 
@@ -262,7 +254,6 @@ async def test_an_agent_of_ours_beside_it(script: Path) -> None:
         await press(pilot, "c")
         await choose(pilot, "sarsa")
         beside = snapshot(pilot).beside
-        assert beside is not None
         assert beside.agent.algorithm == "sarsa"
         assert beside.counters.step == 60
         assert playground(pilot).board.is_paired
@@ -313,8 +304,7 @@ async def test_without_a_program_these_keys_say_how_to_watch_one() -> None:
 
     recipe = recipe_for(find("student"), {}, 0)
     app = RlTuiApp(Display(fps=1000.0), recipe, make_player=partial(Player, automatic=False), picture=True)
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app) as pilot:
         for key in ("F", "O"):
             await press(pilot, key)
             assert NO_PROGRAM in notes(app)[-1]

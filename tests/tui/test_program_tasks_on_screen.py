@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from lab.lessons.program_tasks import SKELETON, program_lesson, updating
-from seams import notes, playground, press, screen_text, snapshot
+from seams import notes, on_screen, order, press, screen_text, snapshot
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -20,7 +20,6 @@ from rl_tui.lab.live.player import Player
 from rl_tui.terminal.driver_choice import IN_BROWSER
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.screens.playground.actions.lesson.own_program import NOT_HERE
 
 LESSON = program_lesson()
@@ -33,16 +32,13 @@ async def page(size: tuple[int, int] = (120, 40), *, kiosk: bool = False) -> Asy
     make = partial(Player, automatic=False)
     app = RlTuiApp(Display(fps=1000.0), recipe, make, picture=True, kiosk=kiosk)
     app.NOTIFICATION_TIMEOUT = 3600.0
-    async with app.run_test(size=size, notifications=True) as pilot:
-        await settle(pilot)
-        playground(pilot).send(KeepLesson(begun(LESSON)))
-        await settle(pilot)
+    async with on_screen(app, size, notifications=True) as pilot:
+        await order(pilot, KeepLesson(begun(LESSON)))
         yield pilot
 
 
 def record(pilot: Pilot[UserError]) -> LessonRecord:
     view = snapshot(pilot).lesson
-    assert view is not None
     return view.record
 
 

@@ -132,7 +132,6 @@ def test_a_long_table_scrolls_and_follows_the_agent() -> None:
 def test_the_layout_does_not_change_with_the_first_negative_number() -> None:
     start = big_lake(step=0)
     mdp = start.world.mdp
-    assert mdp is not None
     costly = replace(start.world, space=replace(mdp, reward=mdp.reward - 1.0))
     before = changed(start, world=costly)
     heads = [Drawn(each, 56, 28).rows[0].split() for each in (start, before)]

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from seams import notes, playground, screen_text, snapshot
+from seams import notes, on_screen, playground, screen_text, snapshot, tap
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -19,7 +19,6 @@ from rl_tui.lab.sessions.folder import sessions_in
 from rl_tui.lab.sessions.session import read_session
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.tui.screens.dialogs.choice import Choice
 from rl_tui.tui.screens.playground.playground import Playground
@@ -63,35 +62,28 @@ def cells(pilot: Pilot[UserError]) -> int:
 
 async def test_without_a_change_r_starts_again_at_once(file: Path, app_of: MakeApp) -> None:
     app = app_of(recipe_named(str(file)))
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("s", "r")
-        await settle(pilot)
+    async with on_screen(app) as pilot:
+        await tap(pilot, "s", "r")
         assert isinstance(app.screen, Playground)
         assert snapshot(pilot).counters.step == 0
 
 
 async def test_the_new_content_is_offered_and_taken(file: Path, app_of: MakeApp, tmp_path: Path) -> None:
     app = app_of(recipe_named(str(file), {"alpha": 0.5}, 3))
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("s", "s", "plus", "plus")
-        await settle(pilot)
+    async with on_screen(app) as pilot:
+        await tap(pilot, "s", "s", "plus", "plus")
         speed = snapshot(pilot).playback.speed
         file.write_text(text("S....G", 0.5), encoding="utf-8")
         await pilot.press("r")
         assert isinstance(app.screen, Choice)
-        await pilot.press("escape")
-        await settle(pilot)
+        await tap(pilot, "escape")
         assert (cells(pilot), snapshot(pilot).counters.step) == (4, 2), "nothing is done"
-        await pilot.press("r", "enter")
-        await settle(pilot)
+        await tap(pilot, "r", "enter")
         assert (cells(pilot), snapshot(pilot).counters.step) == (6, 0)
         recipe = snapshot(pilot).recipe
         assert (recipe.hyperparameters.alpha, recipe.hyperparameters.gamma, recipe.seed) == (0.5, 0.5, 3)
         assert snapshot(pilot).playback.speed == playground(pilot).wanted.speed == speed
-        await pilot.press("s")
-        await settle(pilot)
+        await tap(pilot, "s")
     (newer, older), _ = sessions_in(tmp_path / "sessions")
     assert newer.document.scenario.text == text("S....G", 0.5)
     assert (older.document.scenario.text, older.step) == (text(), 2)
@@ -101,28 +93,21 @@ async def test_an_answer_that_a_person_hid_stays_hidden_in_the_new_content(
     file: Path, app_of: MakeApp
 ) -> None:
     app = app_of(recipe_named(str(file)))
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("h", "s")
-        await settle(pilot)
+    async with on_screen(app) as pilot:
+        await tap(pilot, "h", "s")
         file.write_text(text("S....G"), encoding="utf-8")
-        await pilot.press("r", "enter")
-        await settle(pilot)
+        await tap(pilot, "r", "enter")
         assert (cells(pilot), is_secret(snapshot(pilot))) == (6, True)
 
 
 async def test_the_old_content_may_be_kept(file: Path, app_of: MakeApp) -> None:
     app = app_of(recipe_named(str(file)))
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("s")
-        await settle(pilot)
+    async with on_screen(app) as pilot:
+        await tap(pilot, "s")
         file.write_text(text("S....G"), encoding="utf-8")
-        await pilot.press("r", "down", "enter")
-        await settle(pilot)
+        await tap(pilot, "r", "down", "enter")
         assert (cells(pilot), snapshot(pilot).counters.step) == (4, 0)
-        await pilot.press("s", "r")
-        await settle(pilot)
+        await tap(pilot, "s", "r")
         assert (cells(pilot), snapshot(pilot).counters.step) == (4, 0), "it is not asked again"
         file.write_text(text("S.....G"), encoding="utf-8")
         await pilot.press("r")
@@ -132,22 +117,17 @@ async def test_the_old_content_may_be_kept(file: Path, app_of: MakeApp) -> None:
 
 async def test_faults_of_the_new_content_are_told_and_the_old_one_stays(file: Path, app_of: MakeApp) -> None:
     app = app_of(recipe_named(str(file)))
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("s")
-        await settle(pilot)
+    async with on_screen(app) as pilot:
+        await tap(pilot, "s")
         file.write_text(FAULTY, encoding="utf-8")
-        await pilot.press("r")
-        await settle(pilot)
+        await tap(pilot, "r")
         assert (cells(pilot), snapshot(pilot).counters.step) == (4, 0)
         assert any("mine.toml: line 2" in each and "0,5" in each for each in notes(app))
         assert any("the run starts again" in each for each in notes(app))
         file.unlink()
-        await pilot.press("s")
-        await settle(pilot)
+        await tap(pilot, "s")
         assert notes(app) == []
-        await pilot.press("r")
-        await settle(pilot)
+        await tap(pilot, "r")
         assert (cells(pilot), snapshot(pilot).counters.step) == (4, 0)
 
 
@@ -155,31 +135,25 @@ async def test_a_session_brings_its_own_world(
     file: Path, app_of: MakeApp, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     app = app_of(recipe_named(str(file)))
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("s")
-        await settle(pilot)
+    async with on_screen(app) as pilot:
+        await tap(pilot, "s")
     file.write_text(text("S....G"), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     ((session,), _) = sessions_in(tmp_path / "sessions")
     app = app_of(read_session(session.path))
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("r")
-        await settle(pilot)
+    async with on_screen(app) as pilot:
+        await tap(pilot, "r")
         assert (cells(pilot), snapshot(pilot).counters.step) == (4, 0)
 
 
 async def test_a_kiosk_reads_no_files(file: Path, app_of: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
     app = app_of(recipe_named(str(file)))
     file.write_text(text("S....G"), encoding="utf-8")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app) as pilot:
         monkeypatch.setenv(VARIABLE, "1")
         assert isinstance(app.screen, Playground)
         app.screen.place |= type(app.screen.place).KIOSK
-        await pilot.press("r")
-        await settle(pilot)
+        await tap(pilot, "r")
         assert cells(pilot) == 4
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from drawn_text import letters_of, rows_of, words_of
 from rich.console import Console
-from seams import notes
+from seams import notes, on_screen, tap
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
@@ -108,8 +108,7 @@ def step(pilot: Pilot[UserError]) -> int:
 
 
 async def test_without_sessions_there_is_no_section(app_with_sessions: MakeSessionApp) -> None:
-    async with app_with_sessions().run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app_with_sessions()) as pilot:
         assert not listed(pilot).display
         assert pilot.app.screen.query_one("#scenarios").size.height == 19
 
@@ -117,10 +116,8 @@ async def test_without_sessions_there_is_no_section(app_with_sessions: MakeSessi
 async def test_no_file_name_steers_the_terminal(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:
     write(tmp_path, "a\x1b[31m.json", order=2)
     (tmp_path / "b\x1b[2J.json").write_text("{", encoding="utf-8")
-    async with app_with_sessions().run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("tab", "tab")
-        await settle(pilot)
+    async with on_screen(app_with_sessions()) as pilot:
+        await tap(pilot, "tab", "tab")
         drawn = rows_of(listed(pilot))
         assert any("\\u001b[2J" in line for line in drawn)
         assert r"/a\u001b[31m.json" in letters_of(pilot.app.screen.query_one("#facts"))
@@ -133,25 +130,20 @@ async def test_the_last_one_saved_is_the_first_and_faulty_ones_are_last(
     write(tmp_path, "old.json", order=1)
     write(tmp_path, "new.json", order=2, title="an evening")
     (tmp_path / "half.json").write_text('{"format": "rl-tui session", "vers', encoding="utf-8")
-    async with app_with_sessions().run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app_with_sessions()) as pilot:
         assert pilot.app.screen.query_one("#scenarios").has_focus, "the cursor begins in the scenarios"
-        await pilot.press("tab", "tab")
-        await settle(pilot)
+        await tap(pilot, "tab", "tab")
         assert "step 7" in details(pilot)
         assert about(pilot) == "Session: an evening"
-        await pilot.press("end")
-        await settle(pilot)
+        await tap(pilot, "end")
         assert "cut off or damaged" in details(pilot)
         await pilot.press("enter")
-        await pilot.press("delete")
-        await settle(pilot)
+        await tap(pilot, "delete")
         assert notes(pilot.app)[-2:] == [
             "this file cannot be resumed",
             "a faulty file is left alone; remove it yourself",
         ]
-        await pilot.press("shift+tab")
-        await settle(pilot)
+        await tap(pilot, "shift+tab")
         assert about(pilot) == LEARN
 
 
@@ -159,21 +151,18 @@ async def test_tab_goes_from_each_list_to_what_is_said_of_its_entry(
     app_with_sessions: MakeSessionApp, tmp_path: Path
 ) -> None:
     write(tmp_path, "a.json", title="an evening")
-    async with app_with_sessions().run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app_with_sessions()) as pilot:
         await pilot.press("down", "down")
         told = []
         for _ in range(5):
             await settle(pilot)
             focused = pilot.app.focused
-            assert focused is not None
             told.append((focused.id, about(pilot)))
             await pilot.press("tab")
         lake, evening = find("frozenlake").title, "Session: an evening"
         in_order = [("scenarios", lake), ("details", lake), ("sessions", evening), ("details", evening)]
         assert told == [*in_order, in_order[0]]
-        await pilot.press("pagedown")
-        await settle(pilot)
+        await tap(pilot, "pagedown")
         assert pilot.app.screen.query_one("#details").scroll_target_y > 0, "the notes are within reach"
 
 
@@ -183,8 +172,7 @@ async def test_rows_of_one_title_can_be_told_apart(app_with_sessions: MakeSessio
         what = record(40, *(JournalEntry(0, change) for change in changes))
         write(tmp_path, f"{number}.json", what, order=number)
     write(tmp_path, "other.json", record(40), order=9, title="an evening")
-    async with app_with_sessions().run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(app_with_sessions(), (120, 40)) as pilot:
         rows = [row.strip() for row in rows_of(listed(pilot)) if row.strip(" │┃█")]
     text = "\n".join(rows)
     assert "step 40 · SARSA" in text
@@ -217,8 +205,7 @@ def test_what_is_different_stands_before_the_algorithm_that_is_not(tmp_path: Pat
 async def test_enter_goes_on_where_it_was_left(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:
     journal = (JournalEntry(3, SetParameter("alpha", 0.5)), JournalEntry(5, SetParameter("ties", "first")))
     path = write(tmp_path, "a.json", record(40, *journal))
-    async with app_with_sessions().run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app_with_sessions()) as pilot:
         await pilot.press("tab", "tab", "enter")
         await finished(pilot, "resume the session")
         await settle(pilot)
@@ -228,10 +215,8 @@ async def test_enter_goes_on_where_it_was_left(app_with_sessions: MakeSessionApp
         assert (step(pilot), screen.snapshot.playback.speed) == (40, 30.0)
         told = screen.recipe.hyperparameters
         assert (told.alpha, told.ties) == (0.5, "first")
-        await pilot.press("s")
-        await settle(pilot)
-        await pilot.press("escape", "escape")
-        await settle(pilot)
+        await tap(pilot, "s")
+        await tap(pilot, "escape", "escape")
         assert isinstance(pilot.app.screen, CatalogueScreen)
         assert read_session(path).step == 41
 
@@ -239,46 +224,21 @@ async def test_enter_goes_on_where_it_was_left(app_with_sessions: MakeSessionApp
 async def test_what_is_done_is_listed_when_one_comes_back(
     app_with_sessions: MakeSessionApp, tmp_path: Path
 ) -> None:
-    async with app_with_sessions(student()).run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("s", "s", "t")
-        await settle(pilot)
-        await pilot.press("escape", "escape")
-        await settle(pilot)
+    async with on_screen(app_with_sessions(student())) as pilot:
+        await tap(pilot, "s", "s", "t")
+        await tap(pilot, "escape", "escape")
         assert listed(pilot).option_count == 1
         (session,), _ = sessions_in(tmp_path)
         assert (session.step, session.changes, session.document.kept) == (2, 1, False)
         assert session.document.digest
 
 
-async def test_looking_leaves_nothing(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:
-    async with app_with_sessions(student()).run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("v", "plus", "m", "escape", "space", "space")
-        await settle(pilot)
-        await pilot.press("escape")
-        await settle(pilot)
-    assert os.listdir(tmp_path) == []
-
-
-async def test_starting_again_keeps_what_was_before(
-    app_with_sessions: MakeSessionApp, tmp_path: Path
-) -> None:
-    async with app_with_sessions(student()).run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("s", "s", "r", "s")
-        await settle(pilot)
-    assert sorted(each.step for each in sessions_in(tmp_path)[0]) == [1, 2]
-
-
 async def test_w_saves_under_a_name_and_goes_on_there(
     app_with_sessions: MakeSessionApp, tmp_path: Path
 ) -> None:
     write(tmp_path, "evening.json", title="evening")
-    async with app_with_sessions(student()).run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("s")
-        await settle(pilot)
+    async with on_screen(app_with_sessions(student())) as pilot:
+        await tap(pilot, "s")
         await pilot.press("w")
         assert isinstance(pilot.app.screen, Prompt)
         pilot.app.screen.query_one(Input).value = "Evening"
@@ -294,8 +254,7 @@ async def test_w_saves_under_a_name_and_goes_on_there(
         assert any(f"saved: {tmp_path.resolve()}/evening-2.json" in each for each in notes(pilot.app))
         await pilot.pause()
         assert "Evening 2" in words_of(pilot.app.screen.query_one("#status"))
-        await pilot.press("s")
-        await settle(pilot)
+        await tap(pilot, "s")
         await pilot.press("w")
         assert pilot.app.screen.query_one(Input).value == "Evening 2"
         await pilot.press("escape")
@@ -307,11 +266,9 @@ async def test_the_name_is_that_of_the_session_under_way(
     app_with_sessions: MakeSessionApp, tmp_path: Path
 ) -> None:
     app = app_with_sessions(read_session(write(tmp_path, "a.json", title="an evening")))
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app) as pilot:
         assert "an evening" in words_of(app.screen.query_one("#status"))
-        await pilot.press("r", "s")
-        await settle(pilot)
+        await tap(pilot, "r", "s")
         assert "an evening" not in words_of(app.screen.query_one("#status")), "that is another one"
     assert app.kept
     assert (app.kept.title, app.kept.step) == ("A student's evening", 1)
@@ -321,37 +278,28 @@ async def test_what_was_kept_before_another_scenario_is_looked_at_stays_known(
     app_with_sessions: MakeSessionApp,
 ) -> None:
     app = app_with_sessions(student())
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("s")
-        await settle(pilot)
-        await pilot.press("escape", "escape")
-        await settle(pilot)
-        await pilot.press("enter")
-        await settle(pilot)
+    async with on_screen(app) as pilot:
+        await tap(pilot, "s")
+        await tap(pilot, "escape", "escape")
+        await tap(pilot, "enter")
         assert isinstance(app.screen, Playground)
-        await pilot.press("right_square_bracket")
-        await settle(pilot)
+        await tap(pilot, "right_square_bracket")
     assert app.kept
     assert (app.kept.title, app.kept.step) == ("A student's evening", 1)
 
 
 async def test_where_no_session_is_kept_w_says_so(app_with_sessions: MakeSessionApp) -> None:
     app = RlTuiApp(Display(fps=1000.0), student(), make_player=partial(Player, automatic=False), picture=True)
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("w")
-        await settle(pilot)
+    async with on_screen(app) as pilot:
+        await tap(pilot, "w")
         assert notes(app) == ["no session is kept here"]
 
 
 async def test_delete_asks_first(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:
     write(tmp_path, "a.json", order=1)
     write(tmp_path, "b.json", order=2)
-    async with app_with_sessions().run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("delete")
-        await settle(pilot)
+    async with on_screen(app_with_sessions()) as pilot:
+        await tap(pilot, "delete")
         assert notes(pilot.app) == ["only sessions can be deleted"]
         await pilot.press("tab", "tab", "delete")
         assert isinstance(pilot.app.screen, Confirm)
@@ -378,10 +326,8 @@ async def test_one_that_is_open_elsewhere_is_gone_on_with_in_a_copy(
 ) -> None:
     path = write(tmp_path, "a.json", title="an evening")
     first, second = app_with_sessions(read_session(path)), app_with_sessions(read_session(path))
-    async with first.run_test(size=(80, 24)) as one:
-        await settle(one)
-        async with second.run_test(size=(80, 24)) as other:
-            await settle(other)
+    async with on_screen(first) as one:
+        async with on_screen(second) as other:
             assert any(f"a.json {OPEN_ELSEWHERE}" in each for each in notes(second))
             await other.press("s", "s")
             await settle(other)
@@ -398,20 +344,16 @@ async def test_other_bits_are_told_and_the_file_is_left_alone(
     path = tmp_path / "a.json"
     path.write_bytes(encoded(record(7), digest="0" * 64))
     app = app_with_sessions(read_session(path))
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app) as pilot:
         assert any("Q does not come out as it was saved" in each for each in notes(app))
-        await pilot.press("s")
-        await settle(pilot)
+        await tap(pilot, "s")
     assert sorted(each.step for each in sessions_in(tmp_path)[0]) == [7, 8]
     assert read_session(path).step == 7
 
 
 async def test_the_right_bits_are_no_news(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:
-    async with app_with_sessions(student()).run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("e", "e")
-        await settle(pilot)
+    async with on_screen(app_with_sessions(student())) as pilot:
+        await tap(pilot, "e", "e")
         screen = pilot.app.screen
         assert isinstance(screen, Playground)
         assert screen.snapshot
@@ -419,35 +361,9 @@ async def test_the_right_bits_are_no_news(app_with_sessions: MakeSessionApp, tmp
     (session,), _ = sessions_in(tmp_path)
     assert session.document.digest == digest_of(q)
     app = app_with_sessions(session)
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app) as pilot:
         assert step(pilot) == session.step
         assert notes(app) == []
-
-
-async def test_what_cannot_be_saved_is_said_once(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("in the way", encoding="utf-8")
-    app = RlTuiApp(
-        Display(fps=1000.0),
-        student(),
-        make_player=partial(Player, automatic=False),
-        picture=True,
-        sessions=tmp_path / "file" / "sessions",
-    )
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("s", "s")
-        await settle(pilot)
-        screen = app.screen
-        assert isinstance(screen, Playground)
-        assert screen.session.autosave
-        screen.session.autosave.close()
-        await pilot.pause()
-        (told,) = notes(app)
-        assert told.startswith("this session is not being saved: ")
-        await pilot.press("s")
-        await settle(pilot)
-        assert step(pilot) == 3
 
 
 def test_ages_in_few_letters_and_in_words() -> None:

@@ -9,7 +9,7 @@ import pytest
 from conftest import MakeApp
 from lane_samples import side_by_side
 from samples import lake, look
-from seams import notes, playground, press, snapshot, train
+from seams import notes, on_screen, playground, press, snapshot, train
 from snapshots import changed
 from test_lanes import open_lane
 from textual.geometry import Size
@@ -65,8 +65,7 @@ def with_greedy(snapshot: Snapshot, actions: dict[int, int]) -> Snapshot:
 
 
 async def test_without_room_for_two_lanes_the_first_key_says_so(make_app: MakeApp) -> None:
-    async with make_app("cliff").run_test(size=(60, 18), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("cliff"), (60, 18), notifications=True) as pilot:
         await open_lane(pilot, "algorithm", "sarsa")
         await press(pilot, "z")
         assert "no room" in notes(pilot.app)[-1]
@@ -92,9 +91,7 @@ def test_a_tie_is_another_set_of_greedy_actions_than_one_of_the_two() -> None:
 
 
 async def test_two_lanes_at_120x40_from_the_first_key_to_the_last(make_app: MakeApp) -> None:
-    app = make_app("cliff")
-    async with app.run_test(size=(120, 40), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("cliff"), (120, 40), notifications=True) as pilot:
         await train(pilot, 3_000)
         await open_lane(pilot, "algorithm", "sarsa")
         board = board_of(pilot)
@@ -105,7 +102,6 @@ async def test_two_lanes_at_120x40_from_the_first_key_to_the_last(make_app: Make
         assert left.heading == "▸1 Q-learning · α 0.5 ε 0.1"
         assert right.heading == "2 SARSA · α 0.5 ε 0.1"
         shown = snapshot(pilot)
-        assert shown.beside is not None
         assert np.array_equal(left_table.snapshot.agent.q, shown.agent.q)  # type: ignore[union-attr]
         assert np.array_equal(right_table.snapshot.agent.q, shown.beside.agent.q)  # type: ignore[union-attr]
         assert shown.beside.counters.step == shown.counters.step == 3_000
@@ -132,22 +128,20 @@ async def test_two_lanes_at_120x40_from_the_first_key_to_the_last(make_app: Make
 
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
 async def test_cursor_and_focus_go_through_all_panels(make_app: MakeApp, size: tuple[int, int]) -> None:
-    app = make_app("frozenlake-slippery")
-    async with app.run_test(size=size) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), size) as pilot:
         await train(pilot, 2_000)
         await open_lane(pilot, "alpha", "0.5")
         left, right = worlds(pilot)
         panels = FOUR if size == (120, 40) else FOUR[:2]
         for panel in (*panels, "curve"):
             await press(pilot, "tab")
-            assert app.focused is board_of(pilot).panel(panel)
+            assert pilot.app.focused is board_of(pilot).panel(panel)
         right.focus()
         await press(pilot, "right", "down")
         assert right.shown_cursor is not None
         assert left.shown_cursor == right.shown_cursor == right.cursor
         await press(pilot, "shift+tab")
-        assert app.focused is left  # and goes on from there
+        assert pilot.app.focused is left  # and goes on from there
         await press(pilot, "left")
         assert left.shown_cursor == right.shown_cursor == left.cursor
         for table in tables(pilot):
@@ -160,9 +154,7 @@ async def test_cursor_and_focus_go_through_all_panels(make_app: MakeApp, size: t
 
 
 async def test_tables_scroll_and_turn_together(make_app: MakeApp) -> None:
-    app = make_app("frozenlake-8x8")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-8x8"), (120, 40)) as pilot:
         await train(pilot, 1_000)
         await open_lane(pilot, "alpha", "0.5")
         left, right = tables(pilot)
@@ -182,9 +174,7 @@ async def test_tables_scroll_and_turn_together(make_app: MakeApp) -> None:
 
 
 async def test_a_smaller_terminal_shows_one_lane_and_a_larger_one_both(make_app: MakeApp) -> None:
-    app = make_app("frozenlake-slippery")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
         await train(pilot, 1_000)
         await open_lane(pilot, "alpha", "0.5")
         await press(pilot, "l")
@@ -195,7 +185,7 @@ async def test_a_smaller_terminal_shows_one_lane_and_a_larger_one_both(make_app:
         board = board_of(pilot)
         assert not board.is_paired
         assert board.world is left
-        assert app.focused is tables(pilot)[0]
+        assert pilot.app.focused is tables(pilot)[0]
         assert left.lane == ()
         assert left.snapshot is snapshot(pilot)  # the one led, which is the second
         await press(pilot, "l")
@@ -204,8 +194,8 @@ async def test_a_smaller_terminal_shows_one_lane_and_a_larger_one_both(make_app:
         await settle(pilot)
         assert board.is_paired
         assert not board.shows("table")
-        assert app.focused is left  # no table is in view
-        assert app.screen.size == Size(80, 24)
+        assert pilot.app.focused is left  # no table is in view
+        assert pilot.app.screen.size == Size(80, 24)
         await pilot.resize_terminal(120, 40)
         await settle(pilot)
         assert all(board.shows(panel) for panel in FOUR)
@@ -213,9 +203,7 @@ async def test_a_smaller_terminal_shows_one_lane_and_a_larger_one_both(make_app:
 
 
 async def test_one_lane_alone_by_a_key_and_by_the_zoom(make_app: MakeApp) -> None:
-    app = make_app("frozenlake-slippery")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery")) as pilot:
         await press(pilot, "z")  # with one run it says so
         await open_lane(pilot, "alpha", "0.5")
         board, (left, _) = board_of(pilot), worlds(pilot)
@@ -238,9 +226,7 @@ async def test_one_lane_alone_by_a_key_and_by_the_zoom(make_app: MakeApp) -> Non
 
 
 async def test_of_three_lanes_the_one_marked_stands_beside(make_app: MakeApp) -> None:
-    app = make_app("frozenlake-slippery")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
         await open_lane(pilot, "alpha", "0.5")
         await open_lane(pilot, "alpha", "0.9")
         left, right = worlds(pilot)
@@ -255,9 +241,7 @@ async def test_of_three_lanes_the_one_marked_stands_beside(make_app: MakeApp) ->
 
 
 async def test_who_acts_by_hand_acts_in_the_lane_led(make_app: MakeApp) -> None:
-    app = make_app("frozenlake-slippery")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
         await open_lane(pilot, "alpha", "0.5")
         left, right = worlds(pilot)
         await press(pilot, "y")
@@ -267,9 +251,7 @@ async def test_who_acts_by_hand_acts_in_the_lane_led(make_app: MakeApp) -> None:
 
 
 async def test_what_a_bandit_keeps_secret_is_revealed_in_both(make_app: MakeApp) -> None:
-    app = make_app("bandit")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("bandit"), (120, 40)) as pilot:
         await train(pilot, 200)
         await open_lane(pilot, "epsilon", "0")
         left, right = worlds(pilot)

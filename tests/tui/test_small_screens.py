@@ -9,7 +9,7 @@ from conftest import MakeApp
 from lane_samples import side_by_side
 from program_samples import failed, watched
 from samples import bandit, lake, look, planning, stepped_lake, student
-from seams import screen_text, sized
+from seams import on_screen, screen_text, sized
 from snapshots import changed
 from study_samples import lake_study
 from textual.pilot import Pilot
@@ -21,7 +21,6 @@ from rl_tui.lab.workers.answering_process import AnsweringProcess
 from rl_tui.lab.workers.pace import Pace
 from rl_tui.tui.actions.action import Place
 from rl_tui.tui.actions.registry import actions_of
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.draw.canvas import Canvas
 from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.tui.panels.panel import Panel
@@ -65,7 +64,6 @@ def panel_of(row: PanelRow, snapshot: Snapshot) -> Panel | None:
 def test_every_panel_draws_itself_at_any_size(row: PanelRow, sizes: list[tuple[int, int]]) -> None:
     for snapshot in samples():
         panel = panel_of(row, snapshot)
-        assert panel is not None
         panel.is_explained = True
         for width, height in sizes:
             sized(panel, width, height)
@@ -109,8 +107,7 @@ def opened(pilot: Pilot[UserError]) -> list[object]:
 
 @pytest.mark.usefixtures("no_processes")
 async def test_all_that_keys_open_can_be_opened_small_and_resized(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake")) as pilot:
         count = 0
         for action in actions_of(Place.PLAYGROUND):
             if action.id in LEAVES or action.id.startswith(MOVES):

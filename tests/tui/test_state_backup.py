@@ -107,7 +107,6 @@ def test_what_is_printed_can_be_worked_out(scenario: str, algorithm: str) -> Non
 def test_the_value_told_is_the_one_drawn(phase: SweepPhase) -> None:
     shown = snapshot_of(swept("student", "evaluation", phase))
     backup = backup_in(shown)
-    assert backup is not None
     assert state_values(shown.world.space, shown).value[backup.state] == backup.value
 
 

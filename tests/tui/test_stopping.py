@@ -6,13 +6,12 @@ from collections.abc import Callable
 
 import pytest
 from conftest import MakeApp
-from seams import notes, playground, press, switch
+from seams import click, notes, on_screen, order, playground, press, switch
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import ClearBreakpoints, Command, RunUntil, ToggleBreakpoint, Train
-from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.live.until import Event, Until
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.screens.dialogs.prompt import Prompt
@@ -41,27 +40,23 @@ def record(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Com
 async def test_u_runs_until_what_is_chosen_and_remembers_it(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake")) as pilot:
         asked = record(pilot, monkeypatch)
         await press(pilot, "u", "enter")
         assert asked == [RunUntil(Until(Event.REWARD))]
         await press(pilot, "u", "down", "down", "enter")
         assert asked[1:] == [RunUntil(Until(Event.POLICY_CHANGE))]
         await press(pilot, "u")
-        chosen = app.screen.query_one(OptionList).highlighted_option
-        assert chosen is not None
+        chosen = pilot.app.screen.query_one(OptionList).highlighted_option
         assert chosen.id == "policy"
         await press(pilot, "escape")
-        assert isinstance(app.screen, Playground)
+        assert isinstance(pilot.app.screen, Playground)
         assert len(asked) == 2
 
 
 async def test_numbers_are_asked_for(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
     app = make_app("frozenlake")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app) as pilot:
         asked = record(pilot, monkeypatch)
         await press(pilot, "u", *["down"] * 4, "enter")
         assert isinstance(app.screen, Prompt)
@@ -78,9 +73,7 @@ async def test_numbers_are_asked_for(make_app: MakeApp, monkeypatch: pytest.Monk
 async def test_a_value_is_that_of_the_pair_under_the_cursor(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake")) as pilot:
         asked = record(pilot, monkeypatch)
         playground(pilot).board.table.focus()
         await press(pilot, "down", "right", "u", *["down"] * 6, "enter", *"0.5", "enter")
@@ -90,29 +83,24 @@ async def test_a_value_is_that_of_the_pair_under_the_cursor(
 async def test_what_cannot_be_waited_for_says_why_and_stays(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    app = make_app("blackjack")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("blackjack")) as pilot:
         asked = record(pilot, monkeypatch)
         await press(pilot, "u", "down", "down", "down")
-        about = str(app.screen.query_one("#about", Static).render())
+        about = str(pilot.app.screen.query_one("#about", Static).render())
         assert about.startswith("Not here. No exact answer")
         await press(pilot, "enter")
-        assert isinstance(app.screen, UntilChoice)
+        assert isinstance(pilot.app.screen, UntilChoice)
         assert not asked
 
 
 async def test_k_stops_where_the_cursor_is(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
         asked = record(pilot, monkeypatch)
         board = playground(pilot).board
         await press(pilot, "k")  # nothing in focus: where the agent is
         board.table.focus()
         await press(pilot, "k", "down", "right", "k")
-        assert notes(app) == ["breakpoint on 1,→: pauses each time it is taken"]
-        assert board.world is not None
+        assert notes(pilot.app) == ["breakpoint on 1,→: pauses each time it is taken"]
         board.world.focus()
         await press(pilot, "k", "down", "right", "k")
         assert asked == [
@@ -122,21 +110,18 @@ async def test_k_stops_where_the_cursor_is(make_app: MakeApp, monkeypatch: pytes
             ToggleBreakpoint(state=0),
             ToggleBreakpoint(state=5),
         ]
-        assert notes(app)[-1] == "breakpoint on state 5: pauses each time it is reached"
+        assert notes(pilot.app)[-1] == "breakpoint on state 5: pauses each time it is reached"
 
 
 async def test_a_wall_is_no_place_to_stop_at(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
-    app = make_app("taxi")
-    async with app.run_test(size=(120, 40), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("taxi"), (120, 40), notifications=True) as pilot:
         asked = record(pilot, monkeypatch)
         world = playground(pilot).board.world
-        assert world is not None
         world.focus()
         world.put_cursor(5)  # the line of wall between the first two towns
         await press(pilot, "k")
         assert not asked
-        assert notes(app) == ["here is no state to stop at"]
+        assert notes(pilot.app) == ["here is no state to stop at"]
 
 
 async def test_arms_and_nodes_have_breakpoints(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -154,49 +139,39 @@ async def test_arms_and_nodes_have_breakpoints(make_app: MakeApp, monkeypatch: p
             "breakpoint on state Pass: pauses each time it is reached",
         ),
     ):
-        app = make_app(scenario)
-        async with app.run_test(size=(80, 24), notifications=True) as pilot:
-            await settle(pilot)
+        async with on_screen(make_app(scenario), notifications=True) as pilot:
             asked = record(pilot, monkeypatch)
             await press(pilot, "tab", *moves, "k")
             assert asked == [command]
-            assert notes(app) == [said]
+            assert notes(pilot.app) == [said]
 
 
 async def test_a_bandit_without_a_cursor_says_how_to_get_one(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    app = make_app("bandit")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("bandit"), notifications=True) as pilot:
         asked = record(pilot, monkeypatch)
         await press(pilot, "k")
-        assert notes(app) == [
+        assert notes(pilot.app) == [
             "a breakpoint of a bandit is on an arm: tab goes to them, the arrows choose one"
         ]
         await press(pilot, "K")
-        assert notes(app) == ["there are no breakpoints; k sets one where the cursor is"]
+        assert notes(pilot.app) == ["there are no breakpoints; k sets one where the cursor is"]
         assert not asked
 
 
 async def test_a_spent_budget_has_nothing_to_wait_for(make_app: MakeApp) -> None:
-    app = make_app("bandit")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
-        playground(pilot).send(Train(1000))
-        await settle(pilot)
+    async with on_screen(make_app("bandit"), notifications=True) as pilot:
+        await order(pilot, Train(1000))
         await press(pilot, "u")
-        assert isinstance(app.screen, Playground)
-        assert notes(app) == ["the run has come to its end; r starts again"]
+        assert isinstance(pilot.app.screen, Playground)
+        assert notes(pilot.app) == ["the run has come to its end; r starts again"]
 
 
 async def test_the_cursor_of_one_panel_shows_in_the_other(make_app: MakeApp) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake")) as pilot:
         board = playground(pilot).board
         world, table = board.world, board.table
-        assert world is not None
         world.focus()
         await settle(pilot)
         assert str(world.border_subtitle) == "arrows: cursor · k: breakpoint"
@@ -214,31 +189,13 @@ async def test_the_cursor_of_one_panel_shows_in_the_other(make_app: MakeApp) -> 
         assert table.cursor_pair is None
         await press(pilot, "shift+tab", "escape")  # the first leaves the cursor, the second would the screen
         assert world.cursor is None
-        assert isinstance(app.screen, Playground)
-        await pilot.click(world, offset=(1, 1))
-        await settle(pilot)
+        assert isinstance(pilot.app.screen, Playground)
+        await click(pilot, world, offset=(1, 1))
         assert world.cursor == 0
 
 
-async def test_a_run_stops_right_after_the_next_reward(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        stopped = await press(pilot, "u", "enter")
-        assert stopped.playback.phase is Phase.PAUSED
-        assert stopped.counters.last_step is not None
-        assert stopped.counters.last_step.reward == 1.0
-        assert stopped.agent.visits.sum() == stopped.counters.step
-        assert (stopped.agent.q != 0.0).sum() == 1
-        assert stopped.playback.paused_by == "the next reward"
-        again = await press(pilot, "u", "enter")
-        assert again.counters.step > stopped.counters.step
-        assert again.counters.last_step is not None
-        assert again.counters.last_step.reward == 1.0
-
-
 async def test_a_breakpoint_set_in_the_world_stops_the_run_and_is_taken_away(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake")) as pilot:
         marked = await press(pilot, "tab", "down", "down", "right", "k")
         assert marked.playback.breakpoints.states == {9}
         stopped = await press(pilot, "u", *["down"] * 4, "enter", *"99999", "enter")
@@ -251,36 +208,29 @@ async def test_a_breakpoint_set_in_the_world_stops_the_run_and_is_taken_away(mak
 
 
 async def test_a_breakpoint_set_in_the_table_stops_the_run_after_its_pair(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         marked = await press(pilot, "tab", "tab", "down", "down", "k", "up", "k")
         assert marked.playback.breakpoints.pairs == {1, 2}
         for _ in range(3):
             stopped = await press(pilot, "e")
             while not stopped.playback.paused_by.startswith("breakpoint"):
                 stopped = await press(pilot, "e")
-            assert stopped.counters.last_step is not None
             assert stopped.counters.last_step.pair in (1, 2)
         assert not (await press(pilot, "K")).playback.breakpoints
-        assert notes(app)[-1] == "all breakpoints are taken away"
+        assert notes(pilot.app)[-1] == "all breakpoints are taken away"
 
 
 async def test_a_bandit_runs_until_an_arm_is_pulled_or_the_best_is_greedy(make_app: MakeApp) -> None:
-    async with make_app("bandit").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("bandit")) as pilot:
         await press(pilot, "tab", *["down"] * 7)
         world = playground(pilot).board.world
-        assert world is not None
         assert str(world.border_subtitle) == "arm 7 · k: breakpoint · esc: back"
         stopped = await press(pilot, "k", "u", "down", "down", "down", "enter")
         stopped = await press(pilot, "enter")
-        assert stopped.counters.last_step is not None
         assert stopped.counters.last_step.pair == 7
         assert stopped.agent.visits[7] == 1
         assert stopped.playback.paused_by == "breakpoint: arm 7"
         cleared = await press(pilot, "K", "u", "up", "enter")
-        assert cleared.world.mdp is not None
         best = int(cleared.world.mdp.reward.argmax())
         assert int(cleared.agent.q.argmax()) == best
         assert cleared.playback.paused_by == "the greedy arm is the best"
@@ -288,41 +238,34 @@ async def test_a_bandit_runs_until_an_arm_is_pulled_or_the_best_is_greedy(make_a
 
 
 async def test_a_stepped_world_stops_at_states_and_values(make_app: MakeApp) -> None:
-    async with make_app("blackjack").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("blackjack")) as pilot:
         await press(pilot, "s")
         table = playground(pilot).board.table
         table.focus()
         pair = table.shown_cursor
         assert pair is not None
         marked = await press(pilot, "k", "u", "down", "down", "down", "down", "enter", *"9999", "enter")
-        assert marked.counters.last_step is not None
         assert marked.counters.last_step.pair == pair
         assert marked.counters.step < 9_999
 
 
 async def test_a_planner_stops_after_a_sweep_and_at_a_state(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake")) as pilot:
         await switch(pilot, "value-iteration")
         swept = await press(pilot, "u", "down", "enter")
         assert swept.counters.episodes == 1
         world = playground(pilot).board.world
-        assert world is not None
         world.focus()
         world.put_cursor(9)
         stopped = await press(pilot, "k", "e")
-        assert stopped.counters.last_step is not None
         assert stopped.counters.last_step.state == 9
         assert stopped.counters.episodes == 1
 
 
 async def test_breakpoints_are_listed_and_taken_away_in_the_dialog(make_app: MakeApp) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake")) as pilot:
         await press(pilot, "k", "u")
-        listed = app.screen.query_one("#breakpoints", Static)
+        listed = pilot.app.screen.query_one("#breakpoints", Static)
         assert str(listed.render()) == "Breakpoints: state 0. K takes them away."
         await press(pilot, "K")
         await settle(pilot)  # the dialog stays; what the key asks for is done beneath it
@@ -330,4 +273,4 @@ async def test_breakpoints_are_listed_and_taken_away_in_the_dialog(make_app: Mak
         assert not cleared.playback.breakpoints
         assert str(listed.render()) == "Breakpoints: none; k sets one where the cursor is."
         await press(pilot, "u")
-        assert isinstance(app.screen, Playground)
+        assert isinstance(pilot.app.screen, Playground)

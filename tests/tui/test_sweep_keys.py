@@ -4,19 +4,17 @@ from __future__ import annotations
 
 from conftest import MakeApp
 from drawn_text import words_of
-from seams import notes, playground, press, screen_text, switch
+from seams import notes, on_screen, playground, press, screen_text, switch
 from textual.widgets import OptionList
 
 from rl_tui.lab.live.snapshot import Phase
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.screens.key_line import KeyLine
 
 SIZE = (80, 24)
 
 
 async def test_a_key_for_a_sweep_of_each_kind(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=SIZE) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), SIZE) as pilot:
         await switch(pilot, "policy-iteration")
         evaluated = await press(pilot, "E", "E")
         assert (evaluated.counters.episodes, evaluated.agent.sweep) == (2, "evaluation")
@@ -32,11 +30,9 @@ async def test_a_key_for_a_sweep_of_each_kind(make_app: MakeApp) -> None:
 
 
 async def test_arrows_are_those_of_the_policy_until_it_is_improved(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=SIZE) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), SIZE) as pilot:
         await switch(pilot, "policy-iteration")
         world = playground(pilot).board.world
-        assert world is not None
         await press(pilot, "E")
         assert words_of(world).count("↑→↓←") == 11
         assert world.policy_shown == "policy"
@@ -47,8 +43,7 @@ async def test_arrows_are_those_of_the_policy_until_it_is_improved(make_app: Mak
 
 
 async def test_the_key_line_has_them_where_they_do_something(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=SIZE) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), SIZE) as pilot:
         line = pilot.app.screen.query_one(KeyLine)
         assert "E I" not in words_of(line)
         await switch(pilot, "policy-iteration")
@@ -58,8 +53,7 @@ async def test_the_key_line_has_them_where_they_do_something(make_app: MakeApp) 
 
 
 async def test_elsewhere_they_say_whose_they_are(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=SIZE) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), SIZE) as pilot:
         shown = await press(pilot, "E")
         assert notes(pilot.app) == ["E evaluates the policy of policy iteration: a chooses that"]
         shown = await press(pilot, "I")
@@ -68,21 +62,17 @@ async def test_elsewhere_they_say_whose_they_are(make_app: MakeApp) -> None:
 
 
 async def test_orders_stand_in_the_journal(make_app: MakeApp) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=SIZE) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), SIZE) as pilot:
         await switch(pilot, "policy-iteration")
         await press(pilot, "E", "I", "j")
-        entries = app.screen.query_one("#entries", OptionList)
+        entries = pilot.app.screen.query_one("#entries", OptionList)
         listed = [str(entries.get_option_at_index(place).prompt) for place in range(entries.option_count)]
         assert listed[1:] == ["step 0: next sweep: evaluation", "step 11: next sweep: improvement"]
 
 
 async def test_the_state_backed_up_last_is_the_one_marked(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=SIZE) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), SIZE) as pilot:
         await switch(pilot, "value-iteration")
         for _ in range(5):
             shown = await press(pilot, "s")
-            assert shown.counters.last_step is not None
             assert shown.counters.state == shown.counters.last_step.state

@@ -5,9 +5,8 @@ from __future__ import annotations
 import gc
 
 from conftest import MakeApp
+from seams import on_screen, tap
 from textual.pilot import Pilot
-
-from rl_tui.tui.app.screenshot import settle
 
 
 def lines_kept() -> int:
@@ -20,14 +19,12 @@ def lines_kept() -> int:
 async def open_and_close_dialogs(pilot: Pilot[None]) -> int:
     """Return of how many widgets lines are kept after that."""
     for keys in (("question_mark", "escape"), ("ctrl+p", "escape"), ("m", "escape")):
-        await pilot.press(*keys)
-    await settle(pilot)
+        await tap(pilot, *keys)
     return lines_kept()
 
 
 async def test_dialogs_that_were_closed_are_forgotten(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         # Textual itself holds the last one or two for a while; what is never forgotten only grows
         kept = [await open_and_close_dialogs(pilot) for _ in range(9)]
         assert 0 < min(kept[5:]) <= max(kept[:3])

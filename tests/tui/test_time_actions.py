@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 from conftest import MakeApp
-from seams import notes, playground, show, snapshot
+from seams import notes, on_screen, playground, show, snapshot
 from snapshots import changed
 from textual.pilot import Pilot
 from textual.widgets import Input
@@ -25,7 +25,6 @@ from rl_tui.lab.live.commands import (
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.run.recipe import JournalEntry, SetParameter
 from rl_tui.lab.timeline.branches import Branch, Timeline
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 
@@ -66,8 +65,7 @@ def two(branch: int, here: int = 80) -> Timeline:
 async def test_b_goes_back_a_step_and_B_an_episode_as_often_as_they_are_pressed(  # noqa: N802
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         shows(pilot, one(100, 100))
         sent = recorded(pilot, monkeypatch)
         await pilot.press("b", "b", "b", "B", "b")
@@ -75,8 +73,7 @@ async def test_b_goes_back_a_step_and_B_an_episode_as_often_as_they_are_pressed(
 
 
 async def test_at_step_0_they_say_so(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
-    async with make_app("student").run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         shows(pilot, one(0, 100))
         sent = recorded(pilot, monkeypatch)
         await pilot.press("b")
@@ -87,8 +84,7 @@ async def test_at_step_0_they_say_so(make_app: MakeApp, monkeypatch: pytest.Monk
 async def test_the_timeline_is_scrubbed_with_keys_and_mouse(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         shows(pilot, one(200, 200))
         sent = recorded(pilot, monkeypatch)
         await pilot.press("tab", "tab", "tab", "tab", "pagedown", "pagedown", "shift+left", "home")
@@ -102,8 +98,7 @@ async def test_the_timeline_is_scrubbed_with_keys_and_mouse(
 
 async def test_the_keys_of_the_timeline_stand_above_it_while_it_has_the_focus(make_app: MakeApp) -> None:
     for size in ((80, 24), (120, 40)):
-        async with make_app("student").run_test(size=size) as pilot:
-            await settle(pilot)
+        async with on_screen(make_app("student"), size) as pilot:
             shows(pilot, one(200, 200))
             board = playground(pilot).board
             assert "move" not in board.curve.footing
@@ -115,8 +110,7 @@ async def test_the_keys_of_the_timeline_stand_above_it_while_it_has_the_focus(ma
 
 
 async def test_g_asks_where_to_and_goes_there(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         shows(pilot, one(200, 200), episodes=60)
         sent = recorded(pilot, monkeypatch)
         await pilot.press("g", *"12", "enter")
@@ -133,8 +127,7 @@ async def test_g_asks_where_to_and_goes_there(make_app: MakeApp, monkeypatch: py
 async def test_j_goes_to_another_branch_or_to_a_change_in_it(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         shows(pilot, two(1))
         sent = recorded(pilot, monkeypatch)
         await pilot.press("j", "enter")
@@ -148,8 +141,7 @@ async def test_j_goes_to_another_branch_or_to_a_change_in_it(
 async def test_on_another_branch_it_says_which_moment_that_is(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with make_app("student").run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         shows(pilot, two(1))
         recorded(pilot, monkeypatch)
         await pilot.press("j", "up", "enter")
@@ -167,8 +159,7 @@ async def test_on_another_branch_it_says_which_moment_that_is(
 
 
 async def test_a_fork_is_told_once(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         for timeline in (one(200, 200), one(20, 200)):
             shows(pilot, timeline)
         await pilot.pause()
@@ -180,8 +171,7 @@ async def test_a_fork_is_told_once(make_app: MakeApp) -> None:
 
 
 async def test_branches_that_were_there_before_are_no_news(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         shows(pilot, one(0, 0), phase=Phase.PREPARING)
         shows(pilot, two(1))
         shows(pilot, one(200, 200))
@@ -193,8 +183,7 @@ async def test_branches_that_were_there_before_are_no_news(make_app: MakeApp) ->
 async def test_controls_and_recipe_follow_what_is_in_force(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         screen = playground(pilot)
         values = snapshot(pilot).agent.hyperparameters
         later = values.changed("alpha", 0.5).changed("epsilon", 0.3)
@@ -214,8 +203,7 @@ async def test_controls_and_recipe_follow_what_is_in_force(
 async def test_what_is_still_under_way_is_not_taken_back(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         screen = playground(pilot)
         before = shows(pilot, one(200, 200))
         sent = recorded(pilot, monkeypatch)
@@ -235,8 +223,7 @@ async def test_an_episode_beyond_the_end_is_told_only_where_the_run_ends(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch, here: int, says_so: bool
 ) -> None:
     """A seek that a person holds up, or sends elsewhere, has not come to the end."""
-    async with make_app("student").run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         shows(pilot, one(100, 200), episodes=30)
         sent = recorded(pilot, monkeypatch)
         await pilot.press("g", *"e900", "enter")

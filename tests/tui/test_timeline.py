@@ -11,12 +11,7 @@ from textual.widgets import Button
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.run.recipe import EditWorld, JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
 from rl_tui.lab.timeline.branches import Branch, Timeline
-from rl_tui.tui.panels.timeline.picture import (
-    TimelineState,
-    Track,
-    timeline_form,
-    timeline_strip,
-)
+from rl_tui.tui.panels.timeline.picture import TimelineState, Track, timeline_form, timeline_strip
 from rl_tui.tui.panels.timeline.timeline import TimelineBar
 from rl_tui.tui.theme.palette import Palette
 from rl_tui.worlds.editing.edit import read_edits
@@ -188,7 +183,6 @@ class Bench(App[None]):
 
     @property
     def track(self) -> Track:
-        assert self.bar.snapshot is not None
         return timeline_form(self.bar.snapshot.timeline, self.bar.size.width).track
 
 

@@ -39,7 +39,6 @@ def test_an_agent_waits_for_all_of_it() -> None:
 
 def test_the_pair_under_the_cursor_is_not_listed_twice() -> None:
     last = lake().counters.last_step
-    assert last is not None
     listed = found(lake(), cursor=last.updated_pair)
     assert "value last" not in listed
     assert "value cursor" in listed

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 import samples
 from conftest import MakeApp
-from seams import notes, playground, press, show
+from seams import notes, on_screen, playground, press, show
 from snapshots import changed
 
 import rl_tui.agents.learner_memory
@@ -86,8 +86,7 @@ async def test_a_tick_of_a_slider_is_checked_once_when_asked_for_and_once_in_the
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     checks: Counter[str] = Counter()
-    async with make_app("student").run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student")) as pilot:
         for module in (rl_tui.lab.run.settings, rl_tui.agents.learner_memory):
 
             def check(
@@ -104,14 +103,12 @@ async def test_a_tick_of_a_slider_is_checked_once_when_asked_for_and_once_in_the
 
 
 async def test_a_run_in_preparation_has_no_journal_to_show(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         screen = playground(pilot)
         assert screen.snapshot is not None
         preparing = changed(screen.snapshot, phase=Phase.PREPARING, step=0)
         show(screen, preparing)
         screen.action_do("time.show_branches")  # as the palette does: the key would wait
         await settle(pilot)
-        assert app.screen is screen
-        assert notes(app)[-1].startswith("the run is being prepared")
+        assert pilot.app.screen is screen
+        assert notes(pilot.app)[-1].startswith("the run is being prepared")

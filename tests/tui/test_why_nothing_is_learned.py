@@ -11,13 +11,12 @@ from click.testing import CliRunner
 from conftest import MakeApp
 from drawn_curves import NARROW, NO_MARKS, drawn, flat
 from samples import lake
-from seams import choose, notes, playground, press, screen_text, snapshot
+from seams import choose, click, notes, on_screen, playground, press, screen_text, snapshot
 from textual.widgets import OptionList
 
 from rl_tui.cli.main import program
 from rl_tui.lab.answers.first_update_words import episodes_in_words
 from rl_tui.lab.answers.first_updates import FirstUpdateView
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.curve.words import NOTHING_LEARNED
 from rl_tui.tui.screens.dialogs.why import Why, remedies_of, said, written
 from rl_tui.tui.theme.glyphs import UNICODE
@@ -56,110 +55,96 @@ def test_numbers_are_written_as_elsewhere_on_screen(number: float, text: str) ->
 
 
 async def test_the_curve_and_the_dialog_tell_it_and_a_remedy_is_applied(make_app: MakeApp) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
         await press(pilot, "t", *EPISODES)
-        assert "in 11 episodes, Y tells why" in screen_text(app)
+        assert "in 11 episodes, Y tells why" in screen_text(pilot.app)
         await press(pilot, "Y")
-        assert isinstance(app.screen, Why)
-        text, found = screen_text(app), command("frozenlake", "--ties", "first")
+        assert isinstance(pilot.app.screen, Why)
+        text, found = screen_text(pilot.app), command("frozenlake", "--ties", "first")
         assert "In 11 episodes no estimate has moved" in text
         assert "ties first" in text
         for figure in figures(found["first_update"]):
             assert figure in unbroken(text)
         for place, remedy in enumerate(found["remedies"]):
-            option = app.screen.query_one(OptionList).get_option_at_index(place)
+            option = pilot.app.screen.query_one(OptionList).get_option_at_index(place)
             assert option.id == remedy["setting"]
             assert str(option.prompt).split()[-3:] == figures(remedy)
         await choose(pilot, "ties")
         now = snapshot(pilot)
         assert now.agent.hyperparameters.ties == "random"
         assert now.counters.episodes == 11
-        assert not isinstance(app.screen, Why)
+        assert not isinstance(pilot.app.screen, Why)
 
 
 async def test_what_is_known_when_it_opens_is_said_though_nothing_comes_after(make_app: MakeApp) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
         await press(pilot, "t", "Y")
         known = snapshot(pilot)
         await press(pilot, "escape")
-        await app.push_screen(Why(playground(pilot).look, known))
+        await pilot.app.push_screen(Why(playground(pilot).look, known))
         await pilot.pause()
-        assert "184,616" in screen_text(app)
+        assert "184,616" in screen_text(pilot.app)
 
 
 async def test_an_optimistic_start_begins_again_and_then_it_is_over(make_app: MakeApp) -> None:
-    app = make_app("frozenlake")
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
         await press(pilot, "s", "Y")
-        text = screen_text(app)
+        text = screen_text(pilot.app)
         assert "No estimate has moved" in text
         assert "6 steps away" in unbroken(text)
         await press(pilot, "down", "up", "enter")
         now = snapshot(pilot)
         assert (now.agent.hyperparameters.initial_q, now.counters.step) == (1.0, 0)
         await press(pilot, "Y")
-        assert "Nothing stands in the way" in screen_text(app)
-        assert "enter: change" not in screen_text(app)
+        assert "Nothing stands in the way" in screen_text(pilot.app)
+        assert "enter: change" not in screen_text(pilot.app)
         await press(pilot, "enter", "Y")
-        assert not isinstance(app.screen, Why)
+        assert not isinstance(pilot.app.screen, Why)
         await press(pilot, "e", "Y")
-        assert "An estimate has moved already" in screen_text(app)
+        assert "An estimate has moved already" in screen_text(pilot.app)
         await press(pilot, "escape")
         assert snapshot(pilot).answers.first_update is None
         assert playground(pilot).recipe.hyperparameters.initial_q == 1.0
-        assert notes(app) == []
+        assert notes(pilot.app) == []
 
 
 @pytest.mark.parametrize(
-    ("scenario", "reason"),
-    [("discount", "plans with the model"), ("blackjack", "no transition table")],
+    ("scenario", "reason"), [("discount", "plans with the model"), ("blackjack", "no transition table")]
 )
 async def test_what_cannot_be_told_is_said_with_the_reason(
     make_app: MakeApp, scenario: str, reason: str
 ) -> None:
-    app = make_app(scenario)
-    async with app.run_test(size=(60, 20)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app(scenario), (60, 20)) as pilot:
         await press(pilot, "Y")
-        assert reason in unbroken(screen_text(app))
+        assert reason in unbroken(screen_text(pilot.app))
         await press(pilot, "q")
-        assert not isinstance(app.screen, Why)
+        assert not isinstance(pilot.app.screen, Why)
 
 
 async def test_a_bandit_keeps_its_secret_until_it_is_revealed(make_app: MakeApp) -> None:
-    app = make_app("bandit-bernoulli")
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("bandit-bernoulli")) as pilot:
         await press(pilot, "Y")
-        assert "give away" in screen_text(app)
-        assert "chance" not in screen_text(app)
+        assert "give away" in screen_text(pilot.app)
+        assert "chance" not in screen_text(pilot.app)
         await press(pilot, "Y", "h", "Y")
-        assert "with chance" in screen_text(app)
+        assert "with chance" in screen_text(pilot.app)
         await press(pilot, "Y", "h", *["s"] * 20, "Y")
-        text = screen_text(app)
+        text = screen_text(pilot.app)
         assert "An estimate has moved already: the wait is over." in text
         assert "give away" not in text
         assert "chance" not in text
 
 
 async def test_the_mouse_closes_it_and_ascii_is_enough(make_app: MakeApp) -> None:
-    app = make_app("frozenlake", ascii=True)
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("frozenlake", ascii=True)) as pilot:
         await press(pilot, "t", "Y")
-        assert isinstance(app.screen, Why)
-        assert screen_text(app).isascii()
-        box = app.screen.query_one("#box")
+        assert isinstance(pilot.app.screen, Why)
+        assert screen_text(pilot.app).isascii()
+        box = pilot.app.screen.query_one("#box")
         row = box.region.bottom - 1
-        column = screen_text(app).splitlines()[row].index("esc: close")
-        await pilot.click(offset=(column, row))
-        await settle(pilot)
-        assert not isinstance(app.screen, Why)
+        column = screen_text(pilot.app).splitlines()[row].index("esc: close")
+        await click(pilot, offset=(column, row))
+        assert not isinstance(pilot.app.screen, Why)
 
 
 def test_the_curve_tells_that_no_estimate_has_moved() -> None:

@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 from conftest import MakeApp
 from samples import bandit, lake, look, student
-from seams import press, screen_text, snapshot
+from seams import on_screen, press, screen_text, snapshot
 from snapshots import changed
 
 from rl_tui.agents.hyperparameters import Hyperparameters
@@ -126,12 +126,10 @@ def test_a_report_of_another_world_names_the_states_of_that_one() -> None:
 async def test_figures_on_screen_are_the_commands(make_app: MakeApp) -> None:
     printed = CliRunner().invoke(program, ["check", "--deep", "random-walk", "--json"])
     command = json.loads(printed.stdout)
-    app = make_app("random-walk")
-    async with app.run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+    async with on_screen(make_app("random-walk"), (120, 40)) as pilot:
         await press(pilot, "Q")
         await settle(pilot)
-        text = " ".join(screen_text(app).split())
+        text = " ".join(screen_text(pilot.app).split())
         assert TITLE in text
         assert f"random policy {command['random_return']:.5f}" in text
         assert f"best policy {command['best_return']:.5f}" in text

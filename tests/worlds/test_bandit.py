@@ -66,7 +66,6 @@ def test_drift_is_part_of_the_table(mdp: Read) -> None:
 
 def test_the_shipped_bernoulli_bandit() -> None:
     world = find("bandit-bernoulli").build(streams(7).world)
-    assert world.mdp is not None
     assert (world.mdp.pairs, world.budget) == (10, 1_000)
     means = world.mdp.probability[world.mdp.reward == 1.0]
     assert means.tolist() == streams(7).world.uniform(0.0, 1.0, 10).tolist()
@@ -74,7 +73,6 @@ def test_the_shipped_bernoulli_bandit() -> None:
 
 def test_the_shipped_drifting_bandit_is_that_of_exercise_2_5() -> None:
     world = find("bandit-drifting").build(streams(7).world)
-    assert world.mdp is not None
     assert world.mdp.reward.tolist() == [0.0] * 10
     assert np.unique(world.mdp.reward_std).tolist() == [1.0]
     assert (world.mdp.drift_std, world.budget) == (0.01, 10_000)
@@ -105,10 +103,7 @@ PROBABILITY = "means from 0 to 1, since they are probabilities"
             "arms = 2\nmean = [0, 1]",
             ("bandit.mean", "[0, 1]", "a table, { normal = [mean, std] } or { uniform = [low, high] }"),
         ),
-        (
-            'rewards = "bernoulli"\nmeans = [0.5, 1.5]',
-            ("bandit.means[1]", "1.5", PROBABILITY),
-        ),
+        ('rewards = "bernoulli"\nmeans = [0.5, 1.5]', ("bandit.means[1]", "1.5", PROBABILITY)),
         (
             'arms = 2\nrewards = "bernoulli"\nmean = { uniform = [-0.5, 1] }',
             ("bandit.mean.uniform", "[-0.5, 1]", f"[low, high]: {PROBABILITY}"),

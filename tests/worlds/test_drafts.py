@@ -88,14 +88,8 @@ def test_what_is_no_valid_mdp_says_why() -> None:
 @pytest.mark.parametrize(
     "text",
     [
-        "world.cell[9,0]=#",
-        "world.cell[0]=#",
-        "world.rows=+1@9",
-        "world.rows=-2@0",
-        "world.reward[0,0]=much",
-        "world.depth=1",
-        "world.wind=5",
-        "world.wind=[1]",
+        *("world.cell[9,0]=#", "world.cell[0]=#", "world.rows=+1@9", "world.rows=-2@0"),
+        *("world.reward[0,0]=much", "world.depth=1", "world.wind=5", "world.wind=[1]"),
     ],
 )
 def test_an_edit_that_cannot_be_done_is_told_in_a_line(text: str) -> None:

@@ -60,11 +60,7 @@ ONE_FAULT = {
     ),
     "a map with several odd lines": (
         'map = "S..\\n.\\n..G\\n...."\n',
-        (
-            "map",
-            "line 2 of length 1 (and 1 more of another length)",
-            "length 3 in every line, as in line 1",
-        ),
+        ("map", "line 2 of length 1 (and 1 more of another length)", "length 3 in every line, as in line 1"),
     ),
     "an empty line inside": (
         'map = "SG\\n\\n.."\n',
@@ -147,10 +143,7 @@ ONE_FAULT = {
         ("slippery", 'slippery with moves = "king+stay"', 'moves = "four", or no slips'),
     ),
     "ice that is no truth value": (MAP + "slippery = 1\n", ("slippery", "1", "true or false")),
-    "wind for too few columns": (
-        MAP + "wind = [0, 1]\n",
-        ("wind", "2 numbers", "one for each column (4)"),
-    ),
+    "wind for too few columns": (MAP + "wind = [0, 1]\n", ("wind", "2 numbers", "one for each column (4)")),
     "wind for too many rows": (
         MAP + "wind_rows = [0, 1, 1]\n",
         ("wind_rows", "3 numbers", "one for each row (2)"),

@@ -15,16 +15,7 @@ from rl_tui.worlds.gym.tables.toy_text import world_of
 
 LAKES = {
     "4x4": ["SFFF", "FHFH", "FFFH", "HFFG"],
-    "8x8": [
-        "SFFFFFFF",
-        "FFFFFFFF",
-        "FFFHFFFF",
-        "FFFFFHFF",
-        "FFFHFFFF",
-        "FHHFFFHF",
-        "FHFFHFHF",
-        "FFFHFFFG",
-    ],
+    "8x8": ["SFFFFFFF", "FFFFFFFF", "FFFHFFFF", "FFFFFHFF", "FFFHFFFF", "FHHFFFHF", "FHFFHFHF", "FFFHFFFG"],
 }
 BOOK = "...P\n.#.N\nS..."
 
@@ -64,10 +55,7 @@ def test_cliff_walking_is_gymnasiums():
     ours = grid(
         ["." * 12, "." * 12, "." * 12, "S" + "C" * 10 + "G"],
         step_reward=-1.0,
-        legend={
-            "C": {"kind": "cliff", "reward": -99.0, "back": True},
-            "G": {"kind": "goal", "reward": 0.0},
-        },
+        legend={"C": {"kind": "cliff", "reward": -99.0, "back": True}, "G": {"kind": "goal", "reward": 0.0}},
     )
     names = theirs.action_names
     assert ours.drawing.kinds[37:47] == (CellKind.CLIFF,) * 10

@@ -321,11 +321,7 @@ ARM_EDITS = st.one_of(
 )
 
 
-SHIPPED = {
-    "grid": GRID_EDITS,
-    "mdp": GRAPH_EDITS,
-    "bandit": ARM_EDITS,
-}
+SHIPPED = {"grid": GRID_EDITS, "mdp": GRAPH_EDITS, "bandit": ARM_EDITS}
 
 
 @st.composite

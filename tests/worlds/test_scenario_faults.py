@@ -39,10 +39,7 @@ def student(old: str, new: str) -> str:
 
 
 ONE_FAULT = {
-    "no world": (
-        'title = "t"\n',
-        ("", "no world", "exactly one of [gymnasium], [mdp], [grid], [bandit]"),
-    ),
+    "no world": ('title = "t"\n', ("", "no world", "exactly one of [gymnasium], [mdp], [grid], [bandit]")),
     "two worlds": (
         BANDIT + LAKE,
         ("", "[bandit] and [gymnasium]", "exactly one of [gymnasium], [mdp], [grid], [bandit]"),
@@ -70,10 +67,7 @@ ONE_FAULT = {
             'one of p, reward, std (did you mean "reward"?)',
         ),
     ),
-    "an unknown key that needs quotes": (
-        '"a b" = 1\n' + BANDIT,
-        ('"a b"', "an unknown key", "one of .*"),
-    ),
+    "an unknown key that needs quotes": ('"a b" = 1\n' + BANDIT, ('"a b"', "an unknown key", "one of .*")),
     "probabilities below 1": (
         student("Pass = 0.8", "Pass = 0.7"),
         ("mdp.transition[0].to", "0.9", "probabilities that sum to 1 (±1e-9)"),
@@ -150,11 +144,7 @@ ONE_FAULT = {
             'to = "Phone"\n\n[[mdp.transition]]\nstate = "Phone"\naction = "scroll"',
             'to = "Class"\n\n[[mdp.transition]]\nstate = "Phone"\naction = "scroll"',
         ),
-        (
-            "mdp.transition[2].state",
-            'unreachable state "Phone"',
-            "states that can be reached from the start",
-        ),
+        ("mdp.transition[2].state", 'unreachable state "Phone"', "states that can be reached from the start"),
     ),
     "a state reached with probability 0 only": (
         '[mdp]\nstart = "A"\ntransition = [{ state = "A", action = "x", reward = 1, to = { B = 1, C = 0}}]\n',
@@ -332,10 +322,7 @@ ONE_FAULT = {
         ("line 1, column 11", "invalid TOML (.*)", "valid TOML"),
     ),
     "TOML that breaks off": ('title = "t', ("line 1", "invalid TOML (Unterminated string)", "valid TOML")),
-    "a number with too many digits": (
-        f"a = {'1' * 5000}\n",
-        ("", "invalid TOML (.*)", "valid TOML"),
-    ),
+    "a number with too many digits": (f"a = {'1' * 5000}\n", ("", "invalid TOML (.*)", "valid TOML")),
     "tables without end": (
         f"a = {'[' * 100_000}",
         ("", "tables within tables, too deep to read", "TOML of a few levels"),

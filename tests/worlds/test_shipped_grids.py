@@ -82,7 +82,6 @@ def test_the_walk_ends_on_the_right_from_each_state_with_so_many_sixths() -> Non
 
 def test_nothing_is_gained_on_the_left_of_max_bias() -> None:
     world = built("max-bias")
-    assert world.mdp is not None
     assert values_of(world, 1.0) == pytest.approx({"A": 0.0, "B": -0.1})
     assert sorted(set(world.mdp.reward_std.tolist())) == [0.0, 1.0]
     assert len(world.space.pairs_of(world.space.state_names.index("B"))) == 10
@@ -103,11 +102,7 @@ def on_the_map(name: str, gamma: float) -> list[list[float | None]]:
 
 def test_the_textbook_world_has_the_textbook_values() -> None:
     # Russell & Norvig, the 4×3 world with a reward of −0.04 a step, γ = 1
-    printed = [
-        [0.812, 0.868, 0.918, None],
-        [0.762, None, 0.660, None],
-        [0.705, 0.655, 0.611, 0.388],
-    ]
+    printed = [[0.812, 0.868, 0.918, None], [0.762, None, 0.660, None], [0.705, 0.655, 0.611, 0.388]]
     found = on_the_map("book", 1.0)
     for row, expected in zip(found, printed, strict=True):
         assert [each is None for each in row] == [each is None for each in expected]

@@ -35,7 +35,6 @@ from rl_tui.worlds.gym.stepped.states import OutsideError, ProductNames, discret
 )
 def test_every_combination_of_discrete_parts_is_a_state(space, observation, state, states):
     made = discrete_states(space)
-    assert made is not None
     assert made.state_of(observation) == state
     assert len(ProductNames(made.part_names)) == states
 

@@ -33,7 +33,6 @@ def test_every_template_is_a_scenario_without_a_fault(template: str, tmp_path: P
     path.write_text(named(template_text(template), "mine"), encoding="utf-8")
     found, faults = checked(path)
     assert not faults
-    assert found is not None
     assert found.title == "mine"
     if template in (*BLANK, *SIZES):
         assert not refusal(found, 0)
@@ -65,7 +64,6 @@ def test_what_is_drawn_can_be_solved_and_is_the_same_for_the_same_seed(
     found = scenario(text)
     assert not refusal(found, 0)
     mdp = found.build(streams(0).world).mdp
-    assert mdp is not None
     way = shortest_way(mdp, np.ones(mdp.pairs, dtype=np.bool_))
     assert way is not None
     assert way <= mdp.time_limit

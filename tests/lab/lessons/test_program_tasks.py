@@ -44,7 +44,6 @@ def test_a_program_that_is_right_passes_and_is_the_evidence() -> None:
     view = judged(RIGHT)
     assert holds(view) == [True] * 5
     assert view.remarks == ()
-    assert view.passed is not None
     assert (view.passed.page, view.passed.program, view.passed.step) == ("write", RIGHT, 0)
 
 
@@ -142,7 +141,6 @@ def test_it_is_watched_in_a_process_of_its_own(watcher: Watcher, tmp_path: Path)
     path.write_text(RIGHT)
     watcher.judge.watch(watcher.record, path)
     second = watcher.known()
-    assert second.passed is not None
     assert second.passed.program == RIGHT
     watcher.record = watcher.record.passes(second.passed)
     assert holds(watcher.view()) == [True] * 5

@@ -137,8 +137,7 @@ def test_without_evidence_the_runs_are_looked_at(
     taking: LessonRecord | None, grading: LessonGrading, tmp_path: Path
 ) -> None:
     forked = RunRecord(
-        EVENING,
-        (Branch("branch 1", (), None, 0, 9, 9), Branch("branch 2", taken(0, 1), 0, 0, 30, 30)),
+        EVENING, (Branch("branch 1", (), None, 0, 9, 9), Branch("branch 2", taken(0, 1), 0, 0, 30, 30))
     )
     graded = grading.grade(write(tmp_path, "a.json", taking, forked))
     assert passed(graded) == ["go"], "after the second step by hand, of a branch that went on"
@@ -230,7 +229,6 @@ def test_a_lesson_without_tasks_grades_nothing(tmp_path: Path) -> None:
 def test_what_a_shipped_lesson_accepts_passes_from_a_session_too(of: Lesson, tmp_path: Path) -> None:
     taking, tasks = begun(of), [page for page in of.tasks if page.task and not page.task.program]
     for page in tasks:
-        assert page.task is not None
         evidence = passes(of, page.id, page.task.accepts[0]).passed
         assert evidence is not None
         taking = taking.passes(evidence)

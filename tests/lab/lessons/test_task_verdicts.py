@@ -83,8 +83,7 @@ def test_what_was_found_has_four_digits_unless_the_verdict_takes_more(
 
 
 @pytest.mark.parametrize(
-    "measure",
-    ["episode_return", "episode_length", "episode_ended", "return_last_100", "return_mean"],
+    "measure", ["episode_return", "episode_length", "episode_ended", "return_last_100", "return_mean"]
 )
 def test_where_the_moment_has_not_come_a_condition_is_open(measure: str) -> None:
     asked = "terminated" if measure == "episode_ended" else 1.0
@@ -102,7 +101,6 @@ def test_an_attempt_that_does_what_is_asked_passes_and_its_evidence_too() -> Non
     lesson = lesson_with(*asked, **EVENING)
     view = passes(lesson, "only", attempt(changes=BY_HAND))
     assert holds(view) == [True, True]
-    assert view.passed is not None
     assert (view.passed.step, len(view.passed.journal), view.passed.claim) == (3, 3, False)
     assert evidence_holds(lesson, view.passed).passed is not None
     less = passes(lesson, "only", attempt(changes=BY_HAND[:2]))
@@ -172,7 +170,6 @@ def impossible() -> Lesson:
 
 def test_that_a_task_is_impossible_passes_where_it_is() -> None:
     view = passes(impossible(), "only", attempt(claim=True))
-    assert view.passed is not None
     assert view.passed.claim
     assert evidence_holds(impossible(), view.passed).passed is not None
 
@@ -253,7 +250,6 @@ def test_a_journal_entry_that_waits_is_no_evidence() -> None:
     run.advance(1)
     run.apply(SetParameter("gamma", 0.1))
     passed = verdict(judged, run, PanelsAtOnce()).passed
-    assert passed is not None
     assert passed.journal == (JournalEntry(0, TakeAction(0)),)
 
 

@@ -31,7 +31,6 @@ pytestmark = pytest.mark.unit
 )
 def test_what_a_text_writes(text: str, value: float) -> None:
     found = written_number(text)
-    assert found is not None
     assert found.value == pytest.approx(value, rel=1e-12)
 
 
@@ -64,7 +63,6 @@ def test_what_is_no_number(text: str) -> None:
 )
 def test_a_number_is_right_to_its_last_digit(text: str, right: float, wrong: float) -> None:
     number = written_number(text)
-    assert number is not None
     assert number.agrees_with(right)
     assert not number.agrees_with(wrong)
     assert not number.agrees_with(float("nan"))
@@ -81,6 +79,4 @@ def test_a_number_is_right_to_its_last_digit(text: str, right: float, wrong: flo
 )
 def test_a_mean_with_its_error(text: str, mean: float, error: float) -> None:
     number = written_number(text)
-    assert number is not None
-    assert number.error is not None
     assert (number.value, number.error.value) == (pytest.approx(mean), pytest.approx(error))

@@ -34,12 +34,7 @@ def atlas(values: Sequence[Sequence[float | None]], title: str = "", **more: Any
         "best": None,
     }
     return AtlasChart(
-        title,
-        "ε",
-        "n",
-        values=tuple(map(tuple, values)),
-        scale=round_axis("", known),
-        **{**settings, **more},
+        title, "ε", "n", values=tuple(map(tuple, values)), scale=round_axis("", known), **{**settings, **more}
     )
 
 

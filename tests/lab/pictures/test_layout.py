@@ -84,7 +84,6 @@ def test_curves_are_cut_at_the_axes_and_named_where_they_end() -> None:
     page = laid_out(picture(type(axes)("", axes.x, axes.y, (falling, rising))))
     lines = [shape for shape in page.shapes if isinstance(shape, Path) and shape.clip and not shape.closed]
     clip = lines[0].clip
-    assert clip is not None
     assert max(y for _, y in lines[0].points) > clip.bottom
     named = {text.text: text.y for text in texts(page)}
     assert named["rising"] < named["falling"] <= clip.bottom + 17
@@ -135,9 +134,7 @@ def test_cells_without_room_have_no_numbers() -> None:
     assert len(texts(page)) < 100
 
 
-@given(
-    st.lists(st.floats(0, 250), min_size=1, max_size=14).map(sorted),
-)
+@given(st.lists(st.floats(0, 250), min_size=1, max_size=14).map(sorted))
 def test_names_stand_apart_in_their_order_and_within_the_chart(wanted: list[float]) -> None:
     placed = spread(wanted, 17.0, 0.0, 250.0)
     assert all(later - earlier >= 17.0 - 1e-6 for earlier, later in pairwise(placed))

@@ -129,7 +129,6 @@ def test_udacitys_done_is_true_at_a_truncation_and_that_is_no_fault(tmp_path: Pa
     text = UDACITY.replace("goal = reward", "print(done)\n        goal = reward", 1)
     log = learned(agent_in(tmp_path, text), cut_off(tmp_path), 2)
     assert printed(log) == ["False", "False", "True"] * 2
-    assert log.agent is not None
     assert log.agent.done_is_either
 
 
@@ -237,7 +236,6 @@ def test_what_an_agent_does_wrong_is_told_with_its_place(
 ) -> None:
     path = agent_in(tmp_path, text)
     error = learned(path, episodes=50).error
-    assert error is not None
     assert said in error.text
     assert error.line == place
     assert place is None or error.file == str(path)

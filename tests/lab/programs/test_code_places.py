@@ -50,7 +50,6 @@ def code_of(
 
 def text_of(line: CodeLine | None, text: list[str]) -> str:
     """Return the line itself."""
-    assert line is not None
     return text[line.line - 1].strip()
 
 

@@ -7,16 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from correct_learners import (
-    ALPHA,
-    CORRECT_LEARNERS,
-    GAMMA,
-    averaging,
-    best,
-    moved,
-    q_learning,
-    sarsa,
-)
+from correct_learners import ALPHA, CORRECT_LEARNERS, GAMMA, averaging, best, moved, q_learning, sarsa
 from made_recordings import Learner, Step, recorded
 
 from rl_tui.lab.detective.detective import verdict_of
@@ -24,14 +15,7 @@ from rl_tui.lab.detective.evidence import Evidence
 from rl_tui.lab.detective.faults.cells import proof_of_cell
 from rl_tui.lab.detective.findings import findings_of
 from rl_tui.lab.detective.source.code_names import CodeNames
-from rl_tui.lab.detective.verdict import (
-    CodeFault,
-    CodeFinding,
-    MovedCell,
-    Rule,
-    UpdateFound,
-    UpdateTarget,
-)
+from rl_tui.lab.detective.verdict import CodeFault, CodeFinding, MovedCell, Rule, UpdateFound, UpdateTarget
 from rl_tui.lab.grading.watch_report import finding_as_json
 from rl_tui.lab.programs.messages import StepFlag
 from rl_tui.lab.programs.program_log import FoundTable, ProgramEnvironment, ProgramLog
@@ -319,10 +303,7 @@ def standing(
 
 @pytest.mark.parametrize(
     ("action_of", "fault"),
-    [
-        (lambda number: 0, CodeFault.NEVER_EXPLORES),
-        (often_the_first, CodeFault.FIRST_OF_TIES),
-    ],
+    [(lambda number: 0, CodeFault.NEVER_EXPLORES), (often_the_first, CodeFault.FIRST_OF_TIES)],
     ids=["never", "first"],
 )
 def test_a_risk_is_told_where_random_ties_would_have_seen_a_reward(
@@ -411,5 +392,4 @@ def test_a_cell_of_the_next_state_is_corrected_by_where_the_maximum_is_taken() -
 def test_a_state_that_step_overwrites_is_given_another_name() -> None:
     names = CodeNames(state="s", next_state="s")
     proof = proof_of_cell(Evidence(recorded(after_moving, 0).recording), names)
-    assert proof is not None
     assert proof.correction == "update Q[s, a], not Q[next_s, a]; s = next_s comes after that"

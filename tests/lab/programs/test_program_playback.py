@@ -43,7 +43,6 @@ def test_it_stands_before_its_first_step(tmp_path: Path) -> None:
         snapshot = watcher.do()
     assert snapshot.playback.phase is Phase.PAUSED
     assert (snapshot.counters.step, snapshot.counters.last_step) == (0, None)
-    assert snapshot.program is not None
     assert (snapshot.program.title, snapshot.program.environment) == ("student.py", "FrozenLake-v1")
     assert snapshot.world.mdp is not None
 
@@ -54,7 +53,6 @@ def test_a_step_is_one_step_with_all_that_it_changed(tmp_path: Path) -> None:
             assert watcher.do(commands.Step()).counters.step == step
         rewarded = watcher.do(commands.RunUntil(Until(Event.REWARD)))
     last = rewarded.counters.last_step
-    assert last is not None
     assert last.reward == 1.0
     assert (last.before, last.after) == (0.0, pytest.approx(0.1))
     assert rewarded.agent.q[last.updated_pair] == last.after
@@ -67,7 +65,6 @@ def test_an_episode_ends_where_the_environment_ends_it(tmp_path: Path) -> None:
     for number, snapshot in enumerate((first, second), start=1):
         last = snapshot.counters.last_step
         assert snapshot.counters.episodes == number
-        assert last is not None
         assert last.terminated or last.truncated
     assert len(second.results.curve.episode) == 2
 
@@ -78,7 +75,6 @@ def test_it_runs_until_a_step_an_episode_a_value_and_an_optimal_policy(tmp_path:
         assert watcher.do(commands.RunUntil(Until(Event.EPISODE, 20))).counters.episodes == 19
         changed = watcher.do(commands.RunUntil(Until(Event.POLICY_CHANGE)))
         last = changed.counters.last_step
-        assert last is not None
         pair = last.updated_pair
         reached = watcher.do(commands.RunUntil(Until(Event.VALUE, pair=pair, threshold=0.3)))
         assert reached.agent.q[pair] >= 0.3
@@ -103,7 +99,6 @@ def test_a_breakpoint_stops_it_at_the_very_step(tmp_path: Path) -> None:
         pair = snapshot.world.space.pair_of(4, 0)
         watcher.do(commands.ClearBreakpoints(), commands.ToggleBreakpoint(pair=pair))
         taken = watcher.do(commands.RunUntil(Until(Event.EPISODE, 100))).counters.last_step
-        assert taken is not None
         assert taken.pair == pair
 
 
@@ -167,7 +162,6 @@ def test_its_end_is_said_and_all_stays_on_screen(tmp_path: Path) -> None:
         assert snapshot.playback.phase is Phase.SPENT
         assert snapshot.playback.message
         assert snapshot.counters.episodes == 5
-        assert snapshot.program is not None
         assert snapshot.program.ended
         assert watcher.do(commands.GoTo(step=3)).counters.step == 3
 
@@ -209,7 +203,6 @@ for _ in range(20):
 """
     with watched(written(tmp_path, text)) as watcher:
         snapshot = watcher.do(commands.Train(60))
-    assert snapshot.program is not None
     assert snapshot.program.table is None
     assert snapshot.program.looked_for
     assert snapshot.results.greedy_return is None
@@ -227,9 +220,7 @@ def test_the_update_that_was_found_is_said_part_by_part(tmp_path: Path) -> None:
     assert found.agent.hyperparameters.alpha == pytest.approx(0.1)
     assert found.agent.hyperparameters.gamma == pytest.approx(0.99)
     assert found.agent.author is None
-    assert last is not None
     assert last.after == pytest.approx(last.before + last.step_size * (last.target - last.before))
-    assert found.program is not None
     assert found.program.gamma_source == "found"
     assert found.exact_answer.solution is not None
 
@@ -246,7 +237,6 @@ def test_lines_are_looked_at_again_once_something_is_found(tmp_path: Path) -> No
     with watched(written(tmp_path, text)) as watcher:
         found = watcher.do(commands.Train(2_000))
         lines = watcher.playback.program.log.lines
-        assert found.program is not None
         assert found.program.verdict.findings
         at_first = sum(lines.values())
         watcher.do(commands.Train(3_000))
@@ -297,7 +287,6 @@ def test_ours_beside_it_comes_to_the_same_step(tmp_path: Path) -> None:
 
 def _assert_beside(snapshot: Snapshot, step: int) -> None:
     other = snapshot.beside
-    assert other is not None
     assert other.agent.algorithm == "sarsa"
     assert (snapshot.counters.step, other.counters.step) == (step, step)
     assert [lane.step for lane in snapshot.run_group.lanes] == [step, step]
@@ -306,9 +295,7 @@ def _assert_beside(snapshot: Snapshot, step: int) -> None:
 def test_a_cell_is_followed_through_its_changes(tmp_path: Path) -> None:
     with watched(written(tmp_path)) as watcher:
         rewarded = watcher.do(commands.RunUntil(Until(Event.REWARD))).counters.last_step
-        assert rewarded is not None
         history = watcher.do(commands.FollowCell(rewarded.pair), commands.Train(200)).cell
-    assert history is not None
     assert history.value[0] == 0.0
     assert history.value[list(history.step).index(rewarded.step)] == pytest.approx(0.1)
 
@@ -421,7 +408,6 @@ def test_what_the_detective_stumbles_over_is_said_and_ends_nothing(
     with watched(written(tmp_path)) as watcher:
         snapshot = watcher.do(commands.Train(200))
     assert snapshot.counters.step == 200
-    assert snapshot.program is not None
     assert "of all things" in snapshot.program.verdict.notes[0]
 
 
@@ -439,17 +425,13 @@ def test_each_episode_begins_where_the_one_before_it_ended(tmp_path: Path) -> No
 def test_a_cell_is_followed_anew_as_it_goes_on_and_into_the_past(tmp_path: Path) -> None:
     with watched(written(tmp_path)) as watcher:
         rewarded = watcher.do(commands.RunUntil(Until(Event.REWARD))).counters.last_step
-        assert rewarded is not None
         shown = [watcher.do(commands.FollowCell(rewarded.pair)).cell]
         shown += [watcher.do(commands.Train(150)).cell for _ in range(4)]
         changes = watcher.playback.history.recording.changes
         mine = changes.step[changes.cell == watcher.playback.program.world.cell_of_pair[rewarded.pair]] + 1
         for history, step in zip(shown, (0, 150, 300, 450, 600), strict=True):
-            assert history is not None
             assert set(mine[mine <= rewarded.step + step]) <= set(history.step)
         then, now = shown[1], watcher.do(commands.GoTo(step=rewarded.step + 150)).cell
-        assert then is not None
-        assert now is not None
         assert (now.step.tolist(), now.value.tolist()) == (then.step.tolist(), then.value.tolist())
 
 

@@ -17,7 +17,6 @@ TWO_STATES = [[[[1.0, 1, 1.0, True]], [[1.0, 0, 0.0, False]]], [[[1.0, 1, 0.0, T
 def test_an_environment_with_a_table_is_known_by_its_id_and_what_it_was_made_with() -> None:
     found = world_of_program(LAKE)
     mdp = found.world.mdp
-    assert mdp is not None
     assert (mdp.states, mdp.time_limit) == (16, 100)
     assert len(mdp.next_state) == mdp.pairs  # it does not slip
     table = np.arange(64.0)
@@ -70,7 +69,6 @@ def test_a_table_that_only_the_program_has_makes_a_world_with_exact_answers() ->
         0, "Theirs-v0", None, (2,), 2, 9, transitions=TWO_STATES, start=[1.0, 0.0], first_state=(3,)
     )
     mdp = world_of_program(theirs).world.mdp
-    assert mdp is not None
     assert list(mdp.state_names) == ["3", "4"]
     assert list(mdp.reward) == [1.0, 0.0]
 

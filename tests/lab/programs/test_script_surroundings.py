@@ -150,7 +150,6 @@ def test_an_error_has_its_place_and_what_helps(tmp_path: Path, line: str, error:
         """,
     )
     found = watched(path).error
-    assert found is not None
     assert (found.type, found.file, found.line) == (error, str(path), 5)
     assert text in found.text
     assert "rl_tui/lab" not in found.traceback
@@ -160,14 +159,12 @@ def test_an_error_has_its_place_and_what_helps(tmp_path: Path, line: str, error:
 
 def test_advice_is_given_only_where_it_fits(tmp_path: Path) -> None:
     found = watched(script_in(tmp_path, "a, b, c, d = range(5)\n")).error
-    assert found is not None
     assert found.text == "too many values to unpack (expected 4)"
 
 
 def test_a_traceback_of_any_depth_is_bounded(tmp_path: Path) -> None:
     text = "def deeper(n):\n    return deeper(n + 1) if n % 2 else deeper(n - 1 + 2)\ndeeper(0)\n"
     found = watched(script_in(tmp_path, text)).error
-    assert found is not None
     assert (found.type, len(found.traceback) < 15_000) == ("RecursionError", True)
 
 
@@ -220,7 +217,6 @@ def test_a_violent_end_is_told_in_a_line(tmp_path: Path, code: str, text: str) -
         """,
     )
     log = watched(path)
-    assert log.error is not None
     assert text in log.error.text
     assert log.ended
     assert lines_of(log)[:1] == ["alive"]
@@ -241,7 +237,6 @@ def test_a_hang_ends_with_the_time_limit(tmp_path: Path) -> None:
 
     path = script_in(tmp_path, "import re\nre.match('(a+)+$', 'a' * 60 + 'b')\n")  # holds the interpreter
     log = watched_to_the_end(ProgramRequest(path), seconds=0.5)
-    assert log.error is not None
     assert log.error.text == "the program was ended after 0.5 seconds"
 
 
@@ -270,7 +265,6 @@ def test_lines_of_a_notebook_are_skipped_and_counted(tmp_path: Path) -> None:
     log = watched(path)
     assert lines_of(log) == ["3 % not a line of a notebook"]
     assert log.notes == ["4 lines of a notebook, with ! or %, are skipped"]
-    assert log.error is not None
     assert log.error.line == 11
 
 
@@ -319,7 +313,6 @@ def test_other_encodings_are_read(tmp_path: Path) -> None:
 def test_an_error_in_a_module_of_the_user_s_has_its_place_there(tmp_path: Path) -> None:
     (tmp_path / "broken.py").write_text("x = 1\nif x\n    pass\n")
     found = watched(script_in(tmp_path, "import broken\n")).error
-    assert found is not None
     assert (found.type, Path(found.file).name, found.line) == ("SyntaxError", "broken.py", 2)
 
 
@@ -353,5 +346,4 @@ def test_processes_that_the_script_forks_work_and_are_told_of(tmp_path: Path) ->
 def test_memory_is_bounded_where_that_is_asked_for(tmp_path: Path) -> None:
     path = script_in(tmp_path, "x = bytearray(3_000_000_000)\n")
     found = watched(path, memory=2 * 10**9).error
-    assert found is not None
     assert found.type == "MemoryError"

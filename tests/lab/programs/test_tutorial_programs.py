@@ -92,7 +92,6 @@ def test_it_is_understood_and_not_blamed(tutorial: tuple[Path, ProgramLog]) -> N
     path, log = tutorial
     expected, verdict = expected_of(path), verdict_of(log)
     assert (log.error, log.refused) == (None, "")
-    assert log.table is not None
     assert log.table.name == expected["table"]
     found = {name: getattr(verdict.update, name) for name in UNDERSTOOD if name in expected}
     wanted = {name: expected[name] for name in UNDERSTOOD if name in expected}
@@ -113,7 +112,6 @@ def test_steps_that_another_table_is_for_are_said_to_be_left_out(tutorial: tuple
 
 def test_the_second_table_can_be_chosen(folder: Path) -> None:
     log = watched(TUTORIALS / "huggingface_both.py", seed=1, table="Qtable_taxi")
-    assert log.table is not None
     assert (log.table.name, log.table.shape) == ("Qtable_taxi", (500, 6))
     assert log.recording.table_at(log.recording.count).tolist() == np.load("table.npy").ravel().tolist()
     update = verdict_of(log).update
@@ -174,7 +172,6 @@ def rolled_out(environment: ProgramEnvironment, table: FloatArray) -> float:
 def test_the_return_of_its_policy_is_exact(tutorial: tuple[Path, ProgramLog]) -> None:
     path, log = tutorial
     environment = environment_of(log)
-    assert environment is not None
     found = learned_figures(log, expected_of(path)["gamma"])
     assert found.expected_return is not None
     table = log.recording.table_at(log.recording.count)
@@ -205,7 +202,6 @@ def scenario_of(path: Path, log: ProgramLog, folder: Path) -> str:
     if shipped:
         return str(shipped)
     environment = environment_of(log)
-    assert environment is not None
     kwargs = {name: value for name, value in (environment.kwargs or {}).items() if name != "render_mode"}
     written = ", ".join(f"{name} = {json.dumps(value)}" for name, value in kwargs.items())
     table = "table = true\n" if environment.id == "Blackjack-v1" else ""
@@ -264,7 +260,6 @@ def test_a_script_that_learns_when_it_is_imported_is_no_agent(folder: Path) -> N
 def test_what_is_not_installed_is_said_with_its_line(tmp_path: Path) -> None:
     path = script_in(tmp_path, "import gymnasium\nimport a_plotting_library\n")
     error = watched(path).error
-    assert error is not None
     assert (error.type, error.line) == ("ModuleNotFoundError", 2)
     assert "pip install" not in error.text
 
@@ -272,7 +267,6 @@ def test_what_is_not_installed_is_said_with_its_line(tmp_path: Path) -> None:
 @pytest.mark.parametrize("line", ["get_ipython().system('pip install numpy')", "display(1)"])
 def test_what_only_a_notebook_has_is_said_to_be_of_one(line: str, tmp_path: Path) -> None:
     error = watched(script_in(tmp_path, f"import gymnasium\n{line}\n")).error
-    assert error is not None
     assert (error.type, error.line) == ("NameError", 2)
     assert "notebook" in error.text
 

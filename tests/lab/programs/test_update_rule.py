@@ -224,7 +224,6 @@ def test_numbers_of_a_long_run_are_the_same_at_every_look() -> None:
 
 def test_rows_that_a_dict_makes_as_it_goes_are_no_changes() -> None:
     recording = Made(initial=0.25).recording(3000)
-    assert recording.initial is not None
     begun, steps, made, actions = recording.initial.copy(), recording.steps, set(), recording.actions
     rows: list[tuple[float, ...]] = []
     for step in range(len(steps.state)):

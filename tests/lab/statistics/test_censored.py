@@ -42,7 +42,6 @@ def with_one_budget(times: list[float], budget: float) -> tuple[np.ndarray, np.n
 def test_with_one_budget_it_is_as_one_would_count() -> None:
     times = [3.0, 5.0, 5.0, 8.0, 9.0, 10.0, *[NEVER] * 4]
     found = arrivals_of(*with_one_budget(times, 20.0))
-    assert found is not None
     assert (found.count, found.share, found.median, found.horizon) == (10, 0.6, 9.0, 20.0)
     assert (found.share_low, found.share_high) == share_interval(6, 10)
     at_most = [min(time, 20.0) if time == time else 20.0 for time in times]
@@ -52,11 +51,9 @@ def test_with_one_budget_it_is_as_one_would_count() -> None:
 
 def test_a_median_that_was_not_seen_is_none_and_not_the_budget() -> None:
     found = arrivals_of(*with_one_budget([1.0, 2.0, NEVER, NEVER, NEVER], 10.0))
-    assert found is not None
     assert found.median is None
     assert found.restricted_mean == pytest.approx((1 + 2 + 3 * 10) / 5)
     nobody = arrivals_of(*with_one_budget([NEVER] * 12, 10.0))
-    assert nobody is not None
     assert (nobody.share, nobody.median, nobody.restricted_mean) == (0.0, None, 10.0)
     assert nobody.share_low == 0
     assert nobody.share_high == pytest.approx(0.2425, abs=1e-4)
@@ -65,7 +62,6 @@ def test_a_median_that_was_not_seen_is_none_and_not_the_budget() -> None:
 @given(st.lists(st.integers(0, 50), min_size=1, max_size=40))
 def test_if_all_arrive_it_is_their_median_and_mean(times: list[int]) -> None:
     found = arrivals_of(*with_one_budget([float(time) for time in times], 60.0))
-    assert found is not None
     assert found.share == 1
     assert found.median == sorted(times)[(len(times) - 1) // 2]
     assert found.restricted_mean == pytest.approx(np.mean(times))
@@ -75,8 +71,6 @@ def test_if_all_arrive_it_is_their_median_and_mean(times: list[int]) -> None:
 def test_another_unit_of_time_changes_nothing_else(times: list[float], scale: float) -> None:
     found = arrivals_of(*with_one_budget(times, 60.0))
     other = arrivals_of(*with_one_budget([time * scale for time in times], 60.0 * scale))
-    assert found is not None
-    assert other is not None
     assert other.share == found.share
     assert (other.median is None) == (found.median is None)
     if found.median is not None:
@@ -88,7 +82,6 @@ def test_another_unit_of_time_changes_nothing_else(times: list[float], scale: fl
 def test_a_run_that_was_watched_for_less_counts_as_long_as_it_was_seen() -> None:
     # At 4 one of four arrives; the third was watched until 6, so at 8 one of two does
     found = arrivals_of(np.array([4.0, 8.0, NEVER, NEVER]), np.array([10.0, 10.0, 6.0, 10.0]))
-    assert found is not None
     assert found.median == 8.0
     assert found.restricted_mean == pytest.approx(4 * 1 + 4 * 3 / 4 + 2 * 3 / 8)
     assert found.low is None
@@ -96,14 +89,12 @@ def test_a_run_that_was_watched_for_less_counts_as_long_as_it_was_seen() -> None
 
 def test_what_comes_after_the_last_one_seen_is_not_made_up() -> None:
     found = arrivals_of(np.array([4.0, 10.0, NEVER]), np.array([12.0, 12.0, 11.0]))
-    assert found is not None
     assert found.horizon == 12.0
     assert found.restricted_mean is None
 
 
 def test_below_ten_runs_nothing_is_claimed() -> None:
     found = arrivals_of(*with_one_budget([1.0] * 4 + [2.0] * 5, 10.0))
-    assert found is not None
     assert (found.share_low, found.share_high, found.low, found.high) == (None,) * 4
     assert arrivals_of(*with_one_budget([], 1.0)) is None
 

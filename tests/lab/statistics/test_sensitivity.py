@@ -22,7 +22,6 @@ def test_it_is_the_best_for_each_less_the_best_for_all() -> None:
     # Scenarios 0 and 1 want opposite settings; the middle one is the compromise
     scores = np.array([[0.9, 0.7, 0.1], [0.2, 0.6, 1.0]])
     found = sensitivity_of(scores[:, :, np.newaxis], ZERO, ONE)
-    assert found is not None
     assert list(found.best) == [0, 2]
     assert found.common == 1
     assert found.tuned == pytest.approx(0.95)
@@ -35,7 +34,6 @@ def test_it_is_the_best_for_each_less_the_best_for_all() -> None:
 def test_scenarios_count_alike_whatever_their_scale() -> None:
     scores = np.array([[-13.0, -50.0], [0.1, 0.5]])[:, :, np.newaxis]
     found = sensitivity_of(scores, np.array([-113.0, 0.0]), np.array([-13.0, 1.0]))
-    assert found is not None
     assert found.common == 1  # .565 on average, against .55
     assert found.value == pytest.approx((1 + 0.5) / 2 - (0.63 + 0.5) / 2)
 
@@ -43,7 +41,6 @@ def test_scenarios_count_alike_whatever_their_scale() -> None:
 def test_for_costs_the_best_is_below_the_random_policy() -> None:
     costs = np.array([[10.0, 90.0], [60.0, 50.0]])[:, :, np.newaxis]
     found = sensitivity_of(costs, np.full(2, 110.0), np.full(2, 10.0))
-    assert found is not None
     assert (list(found.best), found.common) == ([0, 1], 0)
     assert found.value == pytest.approx(0.05)
 
@@ -52,11 +49,9 @@ def test_for_costs_the_best_is_below_the_random_policy() -> None:
 def test_it_is_never_below_zero_and_zero_for_one_scenario(values: np.ndarray) -> None:
     zero, one = np.zeros(len(values)), np.ones(len(values))
     found = sensitivity_of(values, zero, one)
-    assert found is not None
     assert found.value >= -1e-12
     assert found.value == pytest.approx(found.tuned - found.in_common)
     alone = sensitivity_of(values[:1], zero[:1], one[:1])
-    assert alone is not None
     assert alone.value == 0
 
 
@@ -66,8 +61,6 @@ def test_scenarios_and_settings_may_stand_in_any_order(values: np.ndarray, rando
     zero, one = np.zeros(len(values)), np.ones(len(values))
     mixed = values[random.permutation(len(values))][:, random.permutation(values.shape[1])]
     found, other = sensitivity_of(values, zero, one), sensitivity_of(mixed, zero, one)
-    assert found is not None
-    assert other is not None
     assert other.value == pytest.approx(found.value, abs=1e-12)
 
 
@@ -85,14 +78,12 @@ def test_where_they_do_the_held_out_value_finds_it() -> None:
     random = np.random.Generator(np.random.PCG64(1))
     means = np.array([[1.0, 0.7, 0.2], [0.2, 0.7, 1.0]])[:, :, np.newaxis]
     found = sensitivity_of(means + random.normal(0, 0.1, (2, 3, 40)), ZERO, ONE)
-    assert found is not None
     assert found.held_out == pytest.approx(0.3, abs=0.05)
 
 
 def test_what_did_not_run_everywhere_is_left_out_and_a_missing_run_is_not() -> None:
     scores = np.array([[[9.0, 9.0], [0.5, np.nan], [0.1, 0.1]], [[np.nan, np.nan], [0.5, 0.7], [0.9, 0.7]]])
     found = sensitivity_of(scores, ZERO, ONE)
-    assert found is not None
     assert (list(found.best), found.common) == ([1, 2], 1)
     assert found.value == pytest.approx((0.5 + 0.8) / 2 - (0.5 + 0.6) / 2)
     assert sensitivity_of(np.full((2, 3, 1), np.nan), ZERO, ONE) is None

@@ -53,11 +53,7 @@ SPREAD = [0.01 * seed for seed in range(12)]
 def test_the_best_has_the_best_mean_and_what_is_like_it_is_told() -> None:
     with Store.without_file() as store:
         close = [each + 0.001 * (-1) ** seed for seed, each in enumerate(SPREAD)]
-        filled(
-            store,
-            PLAN,
-            {0: areas(*(each - 1 for each in SPREAD)), 1: areas(*SPREAD), 2: areas(*close)},
-        )
+        filled(store, PLAN, {0: areas(*(each - 1 for each in SPREAD)), 1: areas(*SPREAD), 2: areas(*close)})
         standings = standings_of(PLAN, store)
         assert standings.measure.id == "area"
         assert numbers(standings) == [1]
