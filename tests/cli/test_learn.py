@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import re
@@ -96,6 +97,20 @@ def test_the_list_has_every_shipped_lesson_in_its_order() -> None:
     assert all(set(row) == {"id", "title", "minutes", "tasks", "pages", "summary"} for row in rows)
     lines = run("--list").stdout.splitlines()
     assert [line.split()[0] for line in lines[1:]] == [row["id"] for row in rows]
+
+
+def test_bandits_come_before_what_needs_states_that_lead_on() -> None:
+    first = [lesson.id for lesson in shipped_lessons()][:4]
+    assert first == ["loop", "bandits", "return", "mdp"]
+
+
+def test_the_last_page_of_a_lesson_names_the_next_lesson() -> None:
+    lessons = shipped_lessons()
+    for lesson, following in itertools.pairwise(lessons):
+        ending = " ".join(lesson.pages[-1].text.split())
+        announced = ending.partition("Next")[2]
+        assert f"**{following.title}**" in announced, lesson.id
+    assert "Next" not in lessons[-1].pages[-1].text
 
 
 def test_the_list_counts_pages_and_tasks() -> None:

@@ -200,8 +200,8 @@ def test_where_the_page_hides_the_world_the_footer_names_the_way_to_it() -> None
 def test_on_the_last_page_the_footer_names_the_next_lesson() -> None:
     panel = panel_of(at("lake"))
     assert panel.keys(panel.snapshot)[0] == "the last page · esc: leave"
-    panel.following = "Return and discount"
-    assert panel.keys(panel.snapshot)[0] == "last page · . next lesson: Return and discount"
+    panel.following = "Explore or exploit"
+    assert panel.keys(panel.snapshot)[0] == "last page · . next lesson: Explore or exploit"
 
 
 @pytest.mark.parametrize(
