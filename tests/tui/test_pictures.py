@@ -8,7 +8,6 @@ from typing import Any, Final
 
 import pytest
 from conftest import MakeApp
-from seams import tap
 from textual.pilot import Pilot
 from textual.widgets import OptionList
 
@@ -55,7 +54,8 @@ def test_playground(scene: str, size: tuple[int, int], snap_compare: Any, make_a
                 assert isinstance(screen, Playground)
                 screen.send(Train(key))
             else:
-                await tap(pilot, key)
+                await pilot.press(key)
+            await settle(pilot)
 
     assert snap_compare(make_app(scenario), terminal_size=size, run_before=play)
 
