@@ -78,6 +78,7 @@ def test_it_does_what_the_box_says_in_any_order(
     assert done == (ours.converged and ours.step % states == 0)
 
 
+@pytest.mark.exhaustive("compiles its loop")
 @pytest.mark.compiled
 @given(mdp=worlds(), hyperparameters=any_hyperparameters, orders=ORDERS)
 @settings(max_examples=15, deadline=None)

@@ -32,8 +32,6 @@ from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP
 EVERYDAY: Final = {
     Loop("q-learning", "epsilon-greedy", stepped=False),
     Loop("q-learning", "epsilon-greedy", stepped=True),
-    Loop("n-step-sarsa", "softmax", stepped=False),
-    Loop("q-learning", "ucb", stepped=False),
     Loop("value-iteration", "", stepped=False),
 }
 _EXHAUSTIVE: Final = pytest.mark.exhaustive("compiles the loop of every algorithm and policy")

@@ -40,6 +40,7 @@ def test_with_a_file_the_picture_is_there_and_nowhere_else(tmp_path: Path) -> No
     assert path.read_text(encoding="utf-8").startswith("<svg")
 
 
+@pytest.mark.exhaustive("measures a figure of the book")
 def test_json_is_one_document_and_csv_has_its_curves(tmp_path: Path) -> None:
     path = tmp_path / "maze.csv"
     result = run("8.2", "--runs", "3", "--json", "--csv", str(path), "--seed", "5")

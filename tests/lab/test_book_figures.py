@@ -115,6 +115,7 @@ def test_dyna_finds_the_way_of_14_steps() -> None:
 # Figure 6.5: maximization bias with α = 0.1, ε = 0.1 and γ = 1, 300 episodes
 
 
+@pytest.mark.exhaustive("learns figure 6.5 anew")
 def test_double_q_learning_goes_left_far_less_often() -> None:
     single = document("max-bias", 1000, 300, algorithm="q-learning")
     double = document("max-bias", 1000, 300, algorithm="double-q-learning")

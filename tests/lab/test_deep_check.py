@@ -33,6 +33,7 @@ def test_the_lake_has_its_known_figures_and_survives_its_way_between_processes()
     assert as_json(of_json(json.loads(json.dumps(as_json(found))))) == as_json(found)
 
 
+@pytest.mark.exhaustive("trains under many seeds")
 def test_on_the_cliff_monte_carlo_may_learn_never_to_end() -> None:
     found = report("cliff")
     assert found.endless is not None

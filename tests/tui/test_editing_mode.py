@@ -216,6 +216,7 @@ async def test_what_no_action_can_do_is_refused_while_it_is_typed(make_app: Make
         await press(pilot, "escape", "plus")
 
 
+@pytest.mark.exhaustive("plays each name by keys", but=["A, B 0.5"])
 @pytest.mark.parametrize("name", ["A;B", "{x", "[x", "A, B 0.5"])
 async def test_a_rule_that_is_a_strange_name_comes_through_a_session(make_app: MakeApp, name: str) -> None:
     async with on_screen(make_app("student"), (120, 40)) as pilot:

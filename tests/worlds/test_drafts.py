@@ -143,6 +143,7 @@ def test_json_of_any_depth_is_refused_in_words(depth: int) -> None:
         edited(first_draft(find("student"), 0), f"world.start={'[' * depth}{']' * depth}").build()
 
 
+@pytest.mark.exhaustive("draws on a large map")
 def test_a_stroke_on_a_large_map_that_can_be_undone_is_small() -> None:
     side, strokes = 300, 30
     draft = lines(f"S{'.' * (side - 2)}G\n" + f"{'.' * side}\n" * (side - 1))
