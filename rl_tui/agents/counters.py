@@ -46,6 +46,7 @@ class Counters:
 
     def at_beginning(self) -> Counters:
         """Return these with the agent where the next episode begins, if one has just ended."""
-        if self.step_from is None or self.last_step is None or self.episode_step:
+        last = self.last_step
+        if self.step_from is None or last is None or last.episode != self.episodes or self.episode_step:
             return self
         return replace(self, state=self.step_from, is_at_beginning=True)

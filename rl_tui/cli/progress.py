@@ -87,7 +87,7 @@ def finish_compiling() -> None:
     """
     from rl_tui.agents.compiling.background import BACKGROUND
 
-    why_not = BACKGROUND.why_not(BACKGROUND.failed)
+    why_not = BACKGROUND.why_not(list(BACKGROUND.failed))
     if why_not:
         complain(why_not)
     if BACKGROUND.is_busy and sys.stderr.isatty():  # a script has no time for that

@@ -70,3 +70,11 @@ async def test_the_sweeps_of_a_planner_too(make_app: MakeApp) -> None:
             assert len(numbers_of(pilot)) == 1
             seen.add(ENDED_SWEEP in str(playground(pilot).board.panel(LAST_STEP).border_subtitle))
         assert seen == {True, False}
+
+
+async def test_an_episode_that_was_given_up_has_not_ended(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
+        await press(pilot, "s", "s", "s")
+        await switch(pilot, "value-iteration")
+        await switch(pilot, "q-learning")
+        assert numbers_of(pilot) == {"1"}

@@ -66,6 +66,7 @@ def test_a_file_tells_how_its_world_will_be_drawn(name):
         ('id = "FrozenLake-v1"\ntable = false', None),
         ('id = "somebody/Else-v0"', None),
         ('id = "Box-v0"\nbins = { edges = [[0.0], [0.0, 1.0]] }', (2, 3)),
+        (f'id = "Box-v0"\nbins = {{ count = {[1_000_000] * 60} }}', None),  # it will be refused
     ],
 )
 def test_of_gymnasium_only_what_is_sure_is_told(own_folder, text, shape):

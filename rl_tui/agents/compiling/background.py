@@ -89,7 +89,7 @@ class BackgroundCompiler:
 
     def why_not(self, loops: Iterable[Loop]) -> str:
         """Return, in a sentence, why none of ``loops`` has or gets machine code; nothing where one may."""
-        errors = [self.failed.get(loop) for loop in loops]
+        errors = [None if loop in COMPILED_LOOPS else self.failed.get(loop) for loop in loops]
         error = errors[0] if errors else None
         if error is None or None in errors:
             return ""

@@ -141,10 +141,7 @@ class Store:
             given = list(rows)
             self._database.executemany(
                 _INSERT_ROW,
-                (
-                    (cell.key, row.seed, *map(row.figures.get, FIGURES), row.failed, row.seconds, number)
-                    for row in given
-                ),
+                ((cell.key, row.seed, *_kept(row), row.failed, row.seconds, number) for row in given),
             )
             added = self._database.total_changes - before
         self._verify(cell.key, {row.seed for row in given})
@@ -252,6 +249,12 @@ class Store:
             found = self._database.execute("SELECT id FROM machines WHERE machine = ?", (machine,))
             self._machines[machine] = int(found.fetchone()[0])
         return self._machines[machine]
+
+
+def _kept(row: RunRow) -> Iterator[float | None]:
+    """Yield the figures of ``row``, None in place of one that overflowed."""
+    for figure in map(row.figures.get, FIGURES):
+        yield figure if figure is None or math.isfinite(figure) else None
 
 
 def stored(cell: Cell) -> StoredCell:

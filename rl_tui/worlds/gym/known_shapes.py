@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Final
 
+from rl_tui.common.limits import MOST_STATES
 from rl_tui.worlds.gym.stepped.layout import product_shape
 
 if TYPE_CHECKING:
@@ -26,7 +28,8 @@ _BLACKJACK_PARTS: Final = (32, 11, 2)  # sums, cards of the dealer, usable ace o
 def known_shape(section: GymnasiumSection) -> tuple[int, int] | None:
     """Return rows and columns of the drawing of ``section``, None if they are not known."""
     if section.bins is not None:
-        return product_shape(section.bins.sizes)
+        sizes = section.bins.sizes
+        return product_shape(sizes) if math.prod(sizes) <= MOST_STATES else None  # the world will be refused
     name = re.sub(r"-v\d+$", "", section.id)
     if name == _BLACKJACK:
         return _BLACKJACK_TABLE if section.table else product_shape(_BLACKJACK_PARTS)

@@ -279,6 +279,12 @@ def test_runs_of_any_length_are_counted_by_what_they_took(by: str) -> None:
     assert little.taken == free.taken - 1  # all that it was allowed, wherever its threads were
 
 
+def test_a_run_that_breaks_down_counts_as_what_it_took() -> None:
+    budget = StepBudget()
+    assert counted("run('steps', episodes=9, scenario='maze', alpha=1, gamma=1, initial_q=1e308)", budget)
+    assert 0 <= budget.taken < 10_000
+
+
 def test_figures_of_a_file_share_its_budget() -> None:
     lesson = with_figures(
         """sixty = { value = "60", by = "run('steps', steps=60)" }""",

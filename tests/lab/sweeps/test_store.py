@@ -6,6 +6,7 @@ import json
 import os
 import socket
 import sqlite3
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +43,13 @@ def test_rows_come_back_as_they_were(path: Path) -> None:
         assert store.missing(cell.key, range(9)) == [3, 4, 5, 6, 8]
         assert store.count() == 4
         assert [each.key for each in store.cells()] == [cell.key]
+
+
+def test_a_figure_that_overflowed_is_none(path: Path) -> None:
+    cell, (row,) = cell_of(*CELL), rows(1)
+    with Store.to_write(path) as store:
+        store.add(stored(cell), [replace(row, figures=row.figures | {"area": float("-inf")})])
+        assert list(store.rows(cell.key, range(1))) == [replace(row, figures=row.figures | {"area": None})]
 
 
 def test_a_row_is_kept_once(path: Path) -> None:

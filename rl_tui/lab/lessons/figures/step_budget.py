@@ -59,8 +59,9 @@ class StepBudget:
     ) -> Iterator[WatchRun]:
         """Count ``runs`` runs like ``first`` up to ``goal``; the yielded function has to watch each.
 
-        Runs that fail count with all steps of their goal. Raises FigureError at too many steps, before the
-        first step where ``goal`` is a number of steps.
+        Runs that fail count with all steps of their goal, or where that is a number of episodes with those
+        taken by then. Raises FigureError at too many steps, before the first step where ``goal`` is a number
+        of steps.
         """
         weight, left = _weight(first, journal), self._left
         asked = (goal.steps or 0) * runs * weight
@@ -81,14 +82,14 @@ class StepBudget:
 
             return on_progress
 
-        spent = left if goal.steps is None else asked
+        is_whole = False
         try:
             yield watch
-            spent = total
+            is_whole = True
         except _SpentError:
             raise self._refusal(f"more than {left:,}") from None
         finally:
-            self._spend(spent)
+            self._spend(min(total if is_whole else max(asked, total), left))
 
     def charge(self, run: Run, most: int) -> None:
         """Count at most ``most`` steps of a finished run. Raises FigureError at too many steps."""

@@ -124,6 +124,7 @@ class _PanelProcess(AnsweringProcess):
         """How many seeds of how many are done; none of none before the first."""
         self.seeds = list(seeds)
         """What came of the seeds that are done."""
+        self._new = 0  # seeds done by this process
         self.panel = recipe, conditions
         """What is worked out."""
         request = PanelRequest(recipe, conditions, frozenset(ALLOWED), seeds)
@@ -136,6 +137,8 @@ class _PanelProcess(AnsweringProcess):
     def _take_in(self, document: Any) -> None:
         if "done" in document:
             self.progress = document["done"], document["wanted"]
+            self.pace.begun = (document["done"] - self._new - 1) / document["wanted"]
+            self._new += 1
             self.seeds.append(document["values"])
             self.pace.note(document["done"] / document["wanted"])
         elif "failed" in document:
