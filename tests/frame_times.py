@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import time
-from functools import partial
 from statistics import median
 from typing import Final, NamedTuple
 
 from open_grids import open_grid_recipe
-from seams import show
+from seams import app_at, show
 
 from rl_tui.lab.live.commands import Train
-from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
 from rl_tui.tui.screens.playground.playground import Playground
 
 SIZE: Final = (120, 40)
@@ -38,12 +34,7 @@ async def painted(screen: Playground) -> None:
 
 async def frame_times(side: int, frames: int = 40) -> FrameTimes:
     """Return how long snapshot and frame take on an open side × side map at 120×40, with steps between."""
-    app = RlTuiApp(
-        Display(fps=1000.0),
-        open_grid_recipe(side),
-        make_player=partial(Player, automatic=False),
-        picture=True,
-    )
+    app = app_at(open_grid_recipe(side))
     snapshots: list[Snapshot] = []
     copied: list[float] = []
     drawn: list[float] = []

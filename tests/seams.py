@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import partial
 from typing import Any, TypeVar
 
 from textual.app import App
@@ -15,7 +16,10 @@ from textual.widgets import OptionList
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import Command, Train
+from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.tui.app.app import RlTuiApp
+from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.screens.playground.playground import Playground
@@ -54,6 +58,15 @@ def slider(app: App[Any], name: str) -> Slider:
 
 
 # What is done
+
+
+def app_at(start: object = None, **options: Any) -> RlTuiApp:
+    """An app that begins with ``start``, and whose steps pass only as it is told."""
+    app = RlTuiApp(
+        Display(fps=1000.0), start, make_player=partial(Player, automatic=False), picture=True, **options
+    )
+    app.NOTIFICATION_TIMEOUT = 3600.0  # while a loop is compiled, messages stay
+    return app
 
 
 @asynccontextmanager

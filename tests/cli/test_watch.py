@@ -147,16 +147,6 @@ def test_what_the_script_raises_stands_in_the_document_and_in_a_line(tmp_path: P
     assert complaint == f"rl-tui: {path}, line 3: ValueError: of its own\n"
 
 
-def test_what_cannot_be_watched_is_refused(tmp_path: Path) -> None:
-    text = """\
-    import gymnasium
-    gymnasium.make_vec("FrozenLake-v1", num_envs=2)
-    """
-    code, text, complaint = run(script_in(tmp_path, text), "--json")
-    assert (code, json.loads(text)["error"]["type"]) == (1, "Refused")
-    assert len(complaint.splitlines()) == 1
-
-
 def test_steps_end_the_script(tmp_path: Path) -> None:
     found = document(script_in(tmp_path, Q_LEARNING), "--steps", "123")
     assert (found["steps"], found["error"]) == (123, None)

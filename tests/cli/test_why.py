@@ -25,7 +25,7 @@ def document(*args: str) -> Any:
 def test_the_document() -> None:
     found = document("frozenlake", "--ties", "first")
     assert list(found) == [
-        *("scenario", "algorithm", "hyperparameters", "first_update", "cause", "distance", "remedies"),
+        *("scenario", "algorithm", "hyperparameters", "first_update", "cause", "distance", "remedies")
     ]
     assert found["first_update"]["chance"] == pytest.approx(5.41665e-6, rel=1e-5)
     assert found["first_update"]["mean_episodes"] == pytest.approx(184_616, rel=1e-5)

@@ -5,19 +5,16 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 
-from seams import playground, press, snapshot
+from seams import app_at, playground, press, snapshot
 from textual.events import MouseScrollDown, MouseScrollUp
 from textual.pilot import Pilot
 from textual.widget import Widget
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.player import Player
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.drawing.tool_list import ToolList
@@ -86,8 +83,7 @@ def _brush_of(entry: LegendEntry) -> str:
 def app_of_template(template: str) -> RlTuiApp:
     """The app with the blank world of that name, as ``rl-tui edit`` begins."""
     scenario = scenario_of(template_text(template), Path("my-world.toml"))
-    player = partial(Player, automatic=False)
-    return RlTuiApp(Display(fps=1000.0), recipe_for(scenario), make_player=player, picture=True)
+    return app_at(recipe_for(scenario))
 
 
 def map_drawn(pilot: Pilot[UserError]) -> GridDraft:

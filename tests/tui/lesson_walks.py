@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Final
 
-from seams import choose, notes, on_screen, playground, press, snapshot
+from seams import app_at, choose, notes, on_screen, playground, press, snapshot
 from textual.pilot import Pilot
 
 from rl_tui.agents.hyperparameters import PARAMETERS
@@ -20,11 +19,8 @@ from rl_tui.lab.lessons.lesson import Lesson
 from rl_tui.lab.lessons.record import LessonRecord, begun
 from rl_tui.lab.lessons.schema import Ask, Attempt, Page
 from rl_tui.lab.lessons.view import LessonView
-from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Phase, Snapshot
 from rl_tui.lab.run.changes import ALGORITHM, SWEEP, TAKE, ChangeText, read_change
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.lesson.stage import open_page
@@ -259,11 +255,7 @@ async def taking(
     """A learner who opens ``lesson`` on a screen of ``size``, at its first page or at ``page``."""
     record = begun(lesson)
     start = LessonStart(record.open(page) if page else record)
-    app = RlTuiApp(
-        Display(fps=1000.0), start, partial(Player, automatic=False), picture=True, sessions=sessions
-    )
-    app.NOTIFICATION_TIMEOUT = 3600.0
-    async with on_screen(app, size, notifications=True) as pilot:
+    async with on_screen(app_at(start, sessions=sessions), size, notifications=True) as pilot:
         yield Learner(pilot, lesson)
 
 

@@ -7,7 +7,7 @@ from functools import partial
 import pytest
 from conftest import MakeApp
 from drawing_hands import Mouse, app_of_template, map_drawn
-from seams import click, notes, on_screen, playground, press, screen_text, slider, snapshot, tap
+from seams import app_at, click, notes, on_screen, playground, press, screen_text, slider, snapshot, tap
 from textual.geometry import Size
 from textual.pilot import Pilot
 
@@ -298,9 +298,7 @@ async def test_a_graph_without_places_gets_those_of_the_picture(tmp_path: object
     from rl_tui.worlds.files.scenario import scenario_of
 
     scenario = scenario_of(bare, Path("bare.toml"))
-    app = RlTuiApp(
-        Display(fps=1000.0), recipe_for(scenario), make_player=partial(Player, automatic=False), picture=True
-    )
+    app = app_at(recipe_for(scenario))
     async with on_screen(app, (120, 40)) as pilot:
         before = snapshot(pilot).world.drawing
         assert isinstance(before, Graph)

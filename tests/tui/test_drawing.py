@@ -5,14 +5,13 @@ from __future__ import annotations
 import json
 import shlex
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 from conftest import MakeApp
 from open_grids import open_grid_recipe
-from seams import choose, click, notes, on_screen, order, playground, press, snapshot
+from seams import app_at, choose, click, notes, on_screen, order, playground, press, snapshot
 from textual.pilot import Pilot
 from textual.widgets import Static
 
@@ -21,10 +20,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.answers.policy_values import PolicyAnswer
 from rl_tui.lab.live.commands import AddLane, Restart
-from rl_tui.lab.live.player import Player
 from rl_tui.lab.run.recipe import SetParameter
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.pointing import part_pointed_at
 from rl_tui.tui.panels.world.view import WorldView
@@ -251,9 +247,7 @@ async def test_a_world_without_a_table_refuses_with_the_reason(make_app: MakeApp
 
 
 async def test_a_large_map_says_at_least_what_is_open() -> None:
-    app = RlTuiApp(
-        Display(fps=1000.0), open_grid_recipe(200), make_player=partial(Player, automatic=False), picture=True
-    )
+    app = app_at(open_grid_recipe(200))
     async with on_screen(app) as pilot:
         await press(pilot, "D", "shift+right", "shift+down", "2")
         assert len(drawn(pilot)) == 3

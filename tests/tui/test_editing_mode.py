@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 
 import pytest
 from conftest import MakeApp
-from seams import click, on_screen, order, playground, press, screen_text, snapshot
+from seams import app_at, click, on_screen, order, playground, press, screen_text, snapshot
 from textual.pilot import Pilot
 from textual.widgets import Input
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.commands import DrawWorld
-from rl_tui.lab.live.player import Player
 from rl_tui.lab.run.changes import read_world, written_world
 from rl_tui.lab.run.library import recipe_for
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.opening import DrawingStart
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.last_step.last_step import OF_ANOTHER_WORLD, nothing_yet
@@ -236,7 +232,6 @@ async def test_a_rule_that_is_a_strange_name_comes_through_a_session(make_app: M
 
 async def test_a_world_can_be_drawn_from_the_start() -> None:
     recipe = recipe_for(find("maze"))
-    player = partial(Player, automatic=False)
-    app = RlTuiApp(Display(fps=1000.0), DrawingStart(recipe), make_player=player, picture=True)
+    app = app_at(DrawingStart(recipe))
     async with on_screen(app) as pilot:
         assert snapshot(pilot).editor.draft is not None

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import shlex
 import threading
-from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,23 +12,18 @@ import numpy as np
 import pytest
 from conftest import MakeApp
 from open_grids import open_grid_recipe
-from seams import on_screen, order, tap
+from seams import app_at, on_screen, order, tap, train
+from seams import snapshot as shown
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import AddLane, Train
-from rl_tui.lab.live.player import Player
-from rl_tui.lab.live.snapshot import Snapshot
+from rl_tui.lab.live.commands import AddLane
 from rl_tui.lab.run.recipe import SetParameter
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
-from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.screens.dialogs.choice import Choice
 from rl_tui.tui.screens.dialogs.export import BrokenOffError, CommandLine, Working
 from rl_tui.tui.screens.dialogs.prompt import Prompt
 from rl_tui.tui.screens.playground.actions.export import script_of
-from rl_tui.tui.screens.playground.playground import Playground
 
 
 @pytest.fixture(autouse=True)
@@ -38,26 +32,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def playground(pilot: Pilot[UserError]) -> Playground:
-    return next(screen for screen in pilot.app.screen_stack if isinstance(screen, Playground))
-
-
-def shown(pilot: Pilot[UserError]) -> Snapshot:
-    snapshot = playground(pilot).snapshot
-    assert snapshot is not None
-    return snapshot
-
-
 async def press(pilot: Pilot[UserError], *keys: str) -> None:
     for key in keys:
         await tap(pilot, key)
         while isinstance(pilot.app.screen, Working):
             await pilot.pause()
-
-
-async def train(pilot: Pilot[UserError], steps: int) -> None:
-    await settle(pilot)
-    await order(pilot, Train(steps))
 
 
 async def choose(pilot: Pilot[UserError], kind: str) -> None:
@@ -73,7 +52,7 @@ def said(pilot: Pilot[UserError]) -> list[str]:
 
 
 async def test_a_script_is_written_under_the_name_offered(make_app: MakeApp, folder: Path) -> None:
-    async with make_app("frozenlake").run_test(size=(80, 24), notifications=True) as pilot:
+    async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
         await train(pilot, 50)
         await choose(pilot, "script")
         assert isinstance(pilot.app.screen, Prompt)
@@ -87,7 +66,7 @@ async def test_a_script_is_written_under_the_name_offered(make_app: MakeApp, fol
 
 
 async def test_of_two_lanes_the_one_shown_is_exported_and_named(make_app: MakeApp) -> None:
-    async with make_app("student").run_test(size=(120, 40)) as pilot:
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
         await train(pilot, 300)
         first = shown(pilot)
         await press(pilot, "x")
@@ -105,7 +84,7 @@ async def test_of_two_lanes_the_one_shown_is_exported_and_named(make_app: MakeAp
 
 async def test_what_is_there_already_is_never_written_over(make_app: MakeApp, folder: Path) -> None:
     (folder / "mine.py").write_text("mine", encoding="utf-8")
-    async with make_app("frozenlake").run_test(size=(80, 24), notifications=True) as pilot:
+    async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
         await train(pilot, 5)
         await choose(pilot, "script")
         await press(pilot, *"mine.py")
@@ -119,7 +98,7 @@ async def test_what_is_there_already_is_never_written_over(make_app: MakeApp, fo
 
 
 async def test_the_tables_are_those_that_are_shown(make_app: MakeApp, folder: Path) -> None:
-    async with make_app("student").run_test(size=(80, 24), notifications=True) as pilot:
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         await train(pilot, 300)
         for kind in ("q-csv", "q-npy", "returns"):
             await choose(pilot, kind)
@@ -135,10 +114,8 @@ async def test_the_tables_are_those_that_are_shown(make_app: MakeApp, folder: Pa
 
 
 async def test_of_a_map_that_is_shown_in_parts_all_of_q_is_written(folder: Path) -> None:
-    app = RlTuiApp(
-        Display(fps=1000.0), open_grid_recipe(200), make_player=partial(Player, automatic=False), picture=True
-    )
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+    app = app_at(open_grid_recipe(200))
+    async with on_screen(app, notifications=True) as pilot:
         await train(pilot, 2000)
         snapshot = shown(pilot)
         assert snapshot.agent.part is not None
@@ -153,7 +130,7 @@ async def test_of_a_map_that_is_shown_in_parts_all_of_q_is_written(folder: Path)
 
 
 async def test_the_picture_shows_the_screen_and_no_dialog(make_app: MakeApp, folder: Path) -> None:
-    async with make_app("student").run_test(size=(80, 24), notifications=True) as pilot:
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         await train(pilot, 20)
         await choose(pilot, "svg")
         await press(pilot, "enter")
@@ -167,7 +144,7 @@ async def test_the_command_has_what_was_changed_and_can_be_copied_or_written(
     make_app: MakeApp, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     app = make_app("frozenlake", seed=3)
-    async with app.run_test(size=(80, 24), notifications=True) as pilot:
+    async with on_screen(app, notifications=True) as pilot:
         await train(pilot, 40)
         await press(pilot, "t")
         await train(pilot, 10)

@@ -6,16 +6,14 @@ import asyncio
 from functools import partial
 
 import pytest
-from seams import notes, on_screen, tap
+from seams import app_at, notes, on_screen, tap
 from textual.widgets import Static
 
-from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.tui.actions.action import Place
 from rl_tui.tui.actions.registry import ACTIONS, actions_of
 from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.idleness import PATIENCE, Idleness
 from rl_tui.tui.app.palette_entries import ActionProvider, palette_name
 from rl_tui.tui.app.screenshot import settle
@@ -28,8 +26,7 @@ FOR_THE_OWNER = {"session.save", "export.choose", "delete_session", "suspend"}
 
 def kiosk(scenario: str | None = None, place: Place | None = None) -> RlTuiApp:
     start = recipe_for(find(scenario)) if scenario else place
-    make_player = partial(Player, automatic=False)
-    return RlTuiApp(Display(fps=1000.0), start, make_player=make_player, picture=True, kiosk=True)
+    return app_at(start, kiosk=True)
 
 
 @pytest.mark.parametrize("place", [Place.CATALOGUE, Place.LESSONS, Place.PLAYGROUND])

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 import pytest
 from open_grids import open_grid_recipe
-from seams import on_screen, scroll_down, tap
-from textual.pilot import Pilot
+from seams import app_at, on_screen, playground, scroll_down, tap, train
 
-from rl_tui.lab.live.commands import Train
-from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.live.viewport import RowRange
 from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.model.model import ModelPanel
 from rl_tui.tui.panels.side_by_side import greedy_differences
@@ -26,14 +20,7 @@ SIDE = 200
 
 
 def app_of(side: int = SIDE) -> RlTuiApp:
-    make_player = partial(Player, automatic=False)
-    return RlTuiApp(Display(fps=1000.0), open_grid_recipe(side), make_player=make_player, picture=True)
-
-
-def playground(pilot: Pilot[object]) -> Playground:
-    screen = pilot.app.screen_stack[1]
-    assert isinstance(screen, Playground)
-    return screen
+    return app_at(open_grid_recipe(side))
 
 
 def map_of(screen: Playground) -> GridView:
@@ -51,11 +38,6 @@ def text_of(panel: GridView) -> str:
     """What the map shows; the legend is hidden, which has its signs too."""
     panel.is_explained = False
     return "\n".join(panel.render_line(y).text for y in range(panel.size.height))
-
-
-async def train(pilot: Pilot[object], steps: int) -> None:
-    playground(pilot).send(Train(steps))
-    await settle(pilot)  # type: ignore[arg-type]
 
 
 def check_complete(screen: Playground) -> None:

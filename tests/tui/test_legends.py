@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import pytest
@@ -11,14 +10,12 @@ from conftest import MakeApp
 from drawn_grids import large_lake, paying
 from rich.style import Style
 from samples import bandit, big_lake, lake, look, planning, student
-from seams import on_screen, playground, press, train
+from seams import app_at, on_screen, playground, press, train
 from textual.geometry import Size
 
-from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
 from rl_tui.tui.draw.names import landmark
 from rl_tui.tui.panels.catalogue import PANELS
 from rl_tui.tui.panels.curve.curve import ReturnCurve
@@ -226,13 +223,7 @@ async def test_hidden_legends_stay_hidden_the_next_time(tmp_path: Path) -> None:
     folder = tmp_path / "state" / "sessions"
 
     def app() -> RlTuiApp:
-        return RlTuiApp(
-            Display(fps=1000.0),
-            recipe_for(find("student")),
-            make_player=partial(Player, automatic=False),
-            picture=True,
-            sessions=folder,
-        )
+        return app_at(recipe_for(find("student")), sessions=folder)
 
     for expected in (True, False, True):
         async with on_screen(app()) as pilot:
@@ -243,13 +234,7 @@ async def test_hidden_legends_stay_hidden_the_next_time(tmp_path: Path) -> None:
 @pytest.mark.screen
 async def test_where_nothing_can_be_kept_nothing_is_remembered(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    app = RlTuiApp(
-        Display(fps=1000.0),
-        recipe_for(find("student")),
-        make_player=partial(Player, automatic=False),
-        picture=True,
-        sessions=tmp_path / "file" / "sessions",
-    )
+    app = app_at(recipe_for(find("student")), sessions=tmp_path / "file" / "sessions")
     async with on_screen(app) as pilot:
         await press(pilot, "L")
         assert not playground(pilot).board.legends.is_on

@@ -4,21 +4,17 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from functools import partial
 from pathlib import Path
 from textwrap import dedent
 
 import pytest
-from seams import choose, notes, on_screen, playground, press, screen_text, snapshot, train
+from seams import app_at, choose, notes, on_screen, playground, press, screen_text, snapshot, train
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.live_programs.watched_program import WatchedProgram
 from rl_tui.lab.programs.program_process import ProgramRequest
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
 from rl_tui.tui.panels.curve.words import GREEDY, NO_LINE_WITHOUT_TABLE
 from rl_tui.tui.panels.discount.discount import DiscountPanel
 from rl_tui.tui.panels.legend import MAY_NEVER_END
@@ -78,11 +74,7 @@ async def watching(path: Path, size: tuple[int, int] = (120, 40)) -> AsyncIterat
     program = WatchedProgram(ProgramRequest(path))
     try:
         program.wait_for_environment()
-        app = RlTuiApp(
-            Display(fps=1000.0), program, make_player=partial(Player, automatic=False), picture=True
-        )
-        app.NOTIFICATION_TIMEOUT = 3600.0
-        async with on_screen(app, size, notifications=True) as pilot:
+        async with on_screen(app_at(program), size, notifications=True) as pilot:
             yield pilot
     finally:
         program.end()
@@ -303,7 +295,7 @@ async def test_without_a_program_these_keys_say_how_to_watch_one() -> None:
     from rl_tui.worlds.files.catalogue import find
 
     recipe = recipe_for(find("student"), {}, 0)
-    app = RlTuiApp(Display(fps=1000.0), recipe, make_player=partial(Player, automatic=False), picture=True)
+    app = app_at(recipe)
     async with on_screen(app) as pilot:
         for key in ("F", "O"):
             await press(pilot, key)

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import pytest
-from seams import notes, on_screen, playground, screen_text, snapshot, tap
+from seams import app_at, notes, on_screen, playground, screen_text, snapshot, tap
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.kiosk import VARIABLE
-from rl_tui.lab.live.player import Player
 from rl_tui.lab.run.library import recipe_named, recipe_with, reread
 from rl_tui.lab.sessions.folder import sessions_in
 from rl_tui.lab.sessions.session import read_session
 from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
 from rl_tui.tui.panels.snapshot_facts import is_secret
 from rl_tui.tui.screens.dialogs.choice import Choice
 from rl_tui.tui.screens.playground.playground import Playground
@@ -47,11 +44,8 @@ def app_of(tmp_path: Path) -> MakeApp:
     """An app that begins with a recipe or a session, and keeps sessions."""
 
     def make(start: object) -> RlTuiApp:
-        player = partial(Player, automatic=False)
         folder = tmp_path / "sessions"
-        app = RlTuiApp(Display(fps=1000.0), start, make_player=player, picture=True, sessions=folder)
-        app.NOTIFICATION_TIMEOUT = 3600.0
-        return app
+        return app_at(start, sessions=folder)
 
     return make
 

@@ -6,18 +6,16 @@ import os
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
-from functools import partial
 from pathlib import Path
 
 import pytest
 from drawn_text import letters_of, rows_of, words_of
 from rich.console import Console
-from seams import notes, on_screen, tap
+from seams import app_at, notes, on_screen, tap
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.library import find, recipe_for
 from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm
@@ -27,7 +25,6 @@ from rl_tui.lab.sessions.session import digest_of, encoded, read_session
 from rl_tui.lab.sessions.writer import OPEN_ELSEWHERE
 from rl_tui.lab.timeline.branches import FIRST, RunRecord
 from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
 from rl_tui.tui.screens.catalogue.scenario_list import LEARN
@@ -50,15 +47,7 @@ def app_with_sessions(tmp_path: Path) -> MakeSessionApp:
     """An app that keeps its sessions in a folder of the test."""
 
     def make(start: object = None) -> RlTuiApp:
-        app = RlTuiApp(
-            Display(fps=1000.0),
-            start,
-            make_player=partial(Player, automatic=False),
-            picture=True,
-            sessions=tmp_path,
-        )
-        app.NOTIFICATION_TIMEOUT = 3600.0
-        return app
+        return app_at(start, sessions=tmp_path)
 
     return make
 
@@ -289,7 +278,7 @@ async def test_what_was_kept_before_another_scenario_is_looked_at_stays_known(
 
 
 async def test_where_no_session_is_kept_w_says_so(app_with_sessions: MakeSessionApp) -> None:
-    app = RlTuiApp(Display(fps=1000.0), student(), make_player=partial(Player, automatic=False), picture=True)
+    app = app_at(student())
     async with on_screen(app) as pilot:
         await tap(pilot, "w")
         assert notes(app) == ["no session is kept here"]

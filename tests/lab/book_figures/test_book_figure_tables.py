@@ -9,11 +9,10 @@ import math
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.lab.book_figures import cliff, dyna_maze, step_sizes, testbed
+from rl_tui.lab.book_figures import dyna_maze, step_sizes
 from rl_tui.lab.book_figures.catalogue import FIGURES, measure
 from rl_tui.lab.book_figures.figure import BookComparison, MeasuredCurve, MeasuredFigure, read_off
 from rl_tui.lab.book_figures.files import HEADER, document_of, write_csv
@@ -86,17 +85,6 @@ def test_json_and_csv_have_the_same_curves(name: str) -> None:
 # Figure 2.2
 
 
-def test_exploring_a_little_pays_in_the_end_on_the_testbed() -> None:
-    greedy, tenth = (curve("2.2", testbed.name_of(each), testbed.REWARD) for each in (0.0, 0.1))
-    assert len(greedy.x) == testbed.PULLS
-    assert list(greedy.x[:3]) == [1, 2, 3]
-    late = [np.mean(each.mean[-100:]) for each in (greedy, tenth)]
-    assert late[1] > late[0] + 0.1
-    optimal = curve("2.2", testbed.name_of(0.1), testbed.OPTIMAL)
-    assert np.mean(optimal.mean[-100:]) > 70
-    assert np.mean(optimal.mean[:5]) < 40
-
-
 def test_the_best_arm_pays_the_expected_maximum_of_ten_normal_means() -> None:
     best = row("2.2", "reward of the best arm")
     assert best.ours is not None
@@ -106,18 +94,6 @@ def test_the_best_arm_pays_the_expected_maximum_of_ten_normal_means() -> None:
 
 
 # Example 6.6 and figure 6.3
-
-
-def test_sarsa_earns_more_than_q_learning_while_both_explore() -> None:
-    assert is_above(row("cliff", "by how much SARSA earns more"))
-    sarsa, q_learning = (curve("cliff", name) for name in ("SARSA", "Q-learning"))
-    assert np.mean(sarsa.mean[-100:]) > np.mean(q_learning.mean[-100:]) + 10
-    assert len(sarsa.x) == cliff.EPISODES
-
-
-def test_q_learning_learns_the_best_path_all_the_same() -> None:
-    path = row("cliff", "return of what Q-learning learned")
-    assert (path.ours, path.stderr) == (-13.0, 0.0)
 
 
 def test_expected_sarsa_is_best_soon_and_in_the_long_run() -> None:
@@ -141,21 +117,6 @@ def test_the_long_run_has_ten_runs_at_most_and_that_is_said() -> None:
 
 
 # Figure 8.2
-
-
-def test_planning_shortens_the_time_to_short_episodes() -> None:
-    reached = [dyna_maze.first_short(as_document(planning)) for planning in (50, 5, 0)]
-    assert None not in reached
-    assert reached == sorted(each for each in reached if each is not None)
-    assert len(set(reached)) == 3
-    ends = [np.mean(curve("8.2", dyna_maze.name_of(planning)).mean[-10:]) for planning in (0, 5, 50)]
-    assert min(ends) > 14
-    assert max(ends) < dyna_maze.SHORT + 1
-
-
-def as_document(planning: int) -> dict[str, list[float]]:
-    found = curve("8.2", dyna_maze.name_of(planning))
-    return {"episode": list(found.x), "length_mean": list(found.mean)}
 
 
 def test_the_first_episode_is_a_random_walk() -> None:
