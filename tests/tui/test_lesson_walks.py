@@ -21,15 +21,16 @@ from rl_tui.tui.panels.lesson.words import NOT_COUNTED, reply_to, truth_text
 from rl_tui.tui.theme.glyphs import UNICODE
 
 WIDE = (120, 40)
-SIZES = [WIDE, (80, 24)]
+SMALL = (80, 24)
+WALKED_SMALL = ("loop", "q-by-hand")
 LESSONS = {lesson.id: lesson for lesson in shipped_lessons()}
-WITH_WRONG_ATTEMPTS = pytest.mark.exhaustive("the other size, with all that a task must not accept")
+WITH_WRONG_ATTEMPTS = pytest.mark.exhaustive("every lesson, with all that a task must not accept")
 
 
 def walks() -> Iterator[Any]:
     """Yield each walk, in a group of its own, so that they share the processes out among them."""
     for name, lesson in LESSONS.items():
-        for size in SIZES:
+        for size in (WIDE, SMALL) if name in WALKED_SMALL else (WIDE,):
             group = pytest.mark.xdist_group(f"{name} {size[0]}")
             marks = [group, WITH_WRONG_ATTEMPTS] if size == WIDE else [group]
             yield pytest.param(lesson, size, id=f"{name}-{size[0]}", marks=marks)
@@ -114,9 +115,6 @@ async def walk(learner: Learner, *, with_wrong_attempts: bool) -> None:
         await learner.turn()
 
 
-@pytest.mark.exhaustive(
-    "plays whole lessons, whose tasks are checked without keys every day", but=["loop-80", "q-by-hand-80"]
-)
 @pytest.mark.parametrize(("lesson", "size"), walks())
 async def test_a_lesson_is_walked_to_its_end_by_keys(
     lesson: Lesson, size: tuple[int, int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
