@@ -44,9 +44,14 @@ class Counters:
     is_at_beginning: bool = False
     """Whether ``state`` is where the next episode begins, after one has ended."""
 
+    @property
+    def has_just_ended(self) -> bool:
+        """Whether the last step ended its episode, or its sweep; one that was given up has not ended."""
+        last = self.last_step
+        return last is not None and last.episode == self.episodes and not self.episode_step
+
     def at_beginning(self) -> Counters:
         """Return these with the agent where the next episode begins, if one has just ended."""
-        last = self.last_step
-        if self.step_from is None or last is None or last.episode != self.episodes or self.episode_step:
+        if self.step_from is None or not self.has_just_ended:
             return self
         return replace(self, state=self.step_from, is_at_beginning=True)

@@ -146,8 +146,7 @@ def episode_shown(snapshot: Snapshot) -> int:
     After its last step that is still the one that has ended: the next one is counted from its beginning on.
     """
     counters, last = snapshot.counters, snapshot.counters.last_step
-    is_over = last is not None and last.episode == counters.episodes and not counters.episode_step
-    if last is None or not is_over or last.planned != snapshot.agent.row.planner:
+    if last is None or not counters.has_just_ended or last.planned != snapshot.agent.row.planner:
         return episodes_begun(snapshot)
     return counters.episodes + counters.is_at_beginning
 
