@@ -124,7 +124,7 @@ class _PanelProcess(AnsweringProcess):
         """How many seeds of how many are done; none of none before the first."""
         self.seeds = list(seeds)
         """What came of the seeds that are done."""
-        self._new = 0  # seeds done by this process
+        self._known = len(seeds)
         self.panel = recipe, conditions
         """What is worked out."""
         request = PanelRequest(recipe, conditions, frozenset(ALLOWED), seeds)
@@ -137,8 +137,7 @@ class _PanelProcess(AnsweringProcess):
     def _take_in(self, document: Any) -> None:
         if "done" in document:
             self.progress = document["done"], document["wanted"]
-            self.pace.begun = (document["done"] - self._new - 1) / document["wanted"]
-            self._new += 1
+            self.pace.begun = self._known / document["wanted"]
             self.seeds.append(document["values"])
             self.pace.note(document["done"] / document["wanted"])
         elif "failed" in document:
