@@ -37,8 +37,8 @@ from warm_start import programs_are_forked, real_start  # noqa: F401
 
 from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.agents.compiling.cache_folder import was_compiled
-from rl_tui.agents.compiling.loops import compile_what_all_share
-from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, Loop
+from rl_tui.agents.compiling.loops import compile_here
+from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, SHARED, Loop
 from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.learner import UNLIMITED, Learner
 from rl_tui.lab.live.speed import interpreter
@@ -192,7 +192,7 @@ def real_collections() -> None:
 
 @pytest.fixture(autouse=True, scope="session")
 def _what_all_share_is_compiled() -> None:
-    compile_what_all_share()
+    compile_here(SHARED)  # one process at a time, so that the others find it
 
 
 @pytest.fixture(autouse=True)

@@ -6,7 +6,7 @@ import ast
 import pkgutil
 import re
 import tomllib
-from collections.abc import Iterator
+from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -38,10 +38,12 @@ def sources(*folders: Path) -> list[Path]:
     return sorted(path for path in found if not path.is_relative_to(SCRIPTS))
 
 
-def strings_in(path: Path) -> Iterator[str]:
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str):
-            yield node.value
+@cache
+def strings_in(path: Path) -> frozenset[str]:
+    nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+    return frozenset(
+        node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    )
 
 
 def named_in_strings() -> set[str]:
@@ -124,6 +126,8 @@ def test_a_folder_that_is_listed_has_such_files(folder: Path, pattern: str) -> N
 def private_names_of_textual(path: Path) -> list[str]:
     """Return what ``path`` imports of Textual that begins with one underscore."""
     names: list[str] = []
+    if "textual" not in path.read_text(encoding="utf-8"):
+        return names
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             names += [alias.name for alias in node.names]

@@ -47,7 +47,7 @@ def test_it_works_without_a_private_name(names: str) -> None:
         assert "Traceback" not in visible(terminal.written)
 
 
-@pytest.mark.exhaustive("starts it without each name", but=["ByteStream"])
+@pytest.mark.exhaustive("starts it without each name")
 @pytest.mark.parametrize(
     "names", ["ByteStream", "_input_reader,_write,_on_meta,_mouse,_enable_mouse_support"]
 )

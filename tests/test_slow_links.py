@@ -24,6 +24,7 @@ def left_in_input(terminal: PseudoTerminal) -> bytes:
     return os.read(theirs, count) if count else b""
 
 
+@pytest.mark.exhaustive("waits for a slow link")
 def test_keys_show_and_nothing_is_left_to_the_shell_on_a_slow_link() -> None:
     with ThrottledTerminal([*RL_TUI, "play", "frozenlake-slippery"], rate=10_000, room=65536) as terminal:
         terminal.wait_for("paused")

@@ -47,6 +47,7 @@ def test_it_trains_pauses_and_quits_in_the_middle_of_a_chunk() -> None:
         terminal.press("\x11")  # ctrl+q
 
 
+@pytest.mark.exhaustive("starts another terminal")
 def test_it_keeps_what_was_done_when_it_is_told_to_end(tmp_path: Path) -> None:
     with rl_tui("play", "student", status=128 + signal.SIGHUP, RL_TUI_SESSIONS_DIR=str(tmp_path)) as terminal:
         terminal.wait_for("paused")
@@ -86,6 +87,7 @@ def test_where_nothing_is_kept_nothing_is_said(tmp_path: Path) -> None:
             assert "kept" not in visible(terminal.written.rpartition(b"\x1b[?1049l")[2])
 
 
+@pytest.mark.exhaustive("starts another terminal")
 def test_it_may_be_told_to_end_while_it_takes_the_terminal() -> None:
     with rl_tui("play", "student", status=128 + signal.SIGTERM) as terminal:
         terminal.wait_until(lambda: b"\x1b[?1049h" in terminal.written)

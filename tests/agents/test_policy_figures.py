@@ -99,6 +99,7 @@ def test_random_steps_on_the_lake_as_known_and_as_a_million_episodes_have_it() -
     assert is_the_mean_of(found.steps, episodes.lengths)
 
 
+@pytest.mark.exhaustive("iterates for long")
 def test_the_best_way_over_a_slippery_lake_with_a_random_step_now_and_then() -> None:
     mdp = lake("4x4", True, 100)
     policy = softened(mdp, uniform_over(mdp, solve(mdp, 0.99).greedy), 0.1)

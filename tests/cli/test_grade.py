@@ -171,6 +171,7 @@ def test_who_never_meets_a_reward_hears_of_the_first_of_ties(tmp_path: Path) -> 
     assert "choose at random among the actions of the largest value" in finding["correction"]
 
 
+@pytest.mark.exhaustive("waits for programs that never end")
 @pytest.mark.process
 def test_what_takes_too_long_or_too_much_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rl_tui.lab.grading.grade.cores", lambda: 1)

@@ -59,6 +59,7 @@ def optimal(document: dict[str, Any], first: int, last: int) -> float:
     return float(np.mean(inside))
 
 
+@pytest.mark.exhaustive("book_figures/test_book_figure_tables has the figure every day, with fewer runs")
 @pytest.mark.parametrize(("values", "book"), [(GREEDY, 1.03), (HARDLY, 1.31), (TENTH, 1.37)])
 def test_figure_2_2_what_the_last_hundred_pulls_pay(values: dict[str, Any], book: float) -> None:
     paid = of_runs(400, **values)["summary"]["return_last_100"]
@@ -84,6 +85,7 @@ def test_figure_2_3_optimism_is_behind_at_first_and_ahead_in_the_end() -> None:
     assert margin(column(optimistic, "return_last_100"), column(realistic, "return_last_100")) > 3
 
 
+@pytest.mark.exhaustive("trains 2,000 bandits of its own")
 def test_figure_2_4_ucb_does_better_than_epsilon_greedy() -> None:
     ucb, greedy = of_runs(400, **UCB), of_runs(400, **TENTH)
     assert margin(column(ucb, "return_last_100"), column(greedy, "return_last_100")) > 3
@@ -92,6 +94,7 @@ def test_figure_2_4_ucb_does_better_than_epsilon_greedy() -> None:
     assert (paid[0][40:] > paid[1][40:]).all()
 
 
+@pytest.mark.exhaustive("trains 2,000 bandits of its own")
 def test_figure_2_4_ucb_spikes_at_the_eleventh_pull() -> None:
     # All arms tried once and all bounds alike, the eleventh pull is greedy; then that arm's bound is lower
     paid = of_runs(400, pulls=60, **UCB)["curve"]["return_mean"]

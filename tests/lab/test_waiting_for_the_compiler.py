@@ -237,6 +237,7 @@ def test_what_takes_over_on_the_way_is_waited_for_too(tmp_path: Path, wanted: li
     assert digest_of(arrived(playback).agent.q) == session.document.digest
 
 
+@pytest.mark.exhaustive("takes a million steps interpreted")
 def test_where_nothing_can_be_compiled_it_replays_interpreted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -125,6 +125,7 @@ def test_figures_come_before_the_algorithms_are_tried(beside: Beside) -> None:
     assert len(beside.processes) == 1
 
 
+@pytest.mark.exhaustive("works out the report of several worlds")
 @pytest.mark.process
 def test_of_many_changes_the_newest_counts_and_not_each_begins_a_process(beside: Beside) -> None:
     runs = [run_of("cliff") for _ in range(20)]  # each has a world of its own

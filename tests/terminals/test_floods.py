@@ -77,6 +77,7 @@ def test_a_flood_of_keys_takes_no_memory_and_keeps_no_signal_waiting(number: sig
         assert terminal.attributes == terminal.attributes_before
 
 
+@pytest.mark.exhaustive("stops it in the middle")
 def test_a_program_that_does_nothing_any_more_still_ends_and_leaves_the_terminal_in_order() -> None:
     with PseudoTerminal([*NOTHING_ELSE_HAPPENS, "play", "student"]) as terminal:
         terminal.wait_for("paused")

@@ -35,7 +35,7 @@ def student(folder: Path, *before: str, command: tuple[str, ...] = RL_TUI) -> It
         yield terminal
 
 
-@pytest.mark.exhaustive("loses a terminal in many ways", but=["told"])
+@pytest.mark.exhaustive("loses a terminal in many ways")
 @pytest.mark.parametrize("before", [CONTROLLING, CONTROLLING + DEAF], ids=["told", "deaf"])
 def test_it_ends_by_itself_when_the_terminal_is_gone(tmp_path: Path, before: tuple[str, ...]) -> None:
     with student(tmp_path, *before) as terminal:

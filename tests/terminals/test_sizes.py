@@ -29,7 +29,7 @@ class Told(PseudoTerminal):
         self.process.send_signal(signal.SIGWINCH)
 
 
-@pytest.mark.exhaustive("draws a screen without end", but=["kiosk"])
+@pytest.mark.exhaustive("draws a screen without end")
 @pytest.mark.parametrize("kiosk", [(), ("--kiosk",)], ids=["", "kiosk"])
 def test_a_terminal_that_says_it_is_endless_takes_no_memory(kiosk: tuple[str, ...]) -> None:
     columns, rows = LARGEST_SCREEN

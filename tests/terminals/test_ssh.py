@@ -116,6 +116,7 @@ def test_a_connection_that_breaks_leaves_no_process_and_loses_nothing(tmp_path: 
     assert kept_step(tmp_path / "sessions") >= 3
 
 
+@pytest.mark.exhaustive("starts another server")
 def test_from_the_classroom_recipe_there_is_no_way_out(tmp_path: Path) -> None:
     with serving(tmp_path, classroom()) as server:
         needs_a_terminal = refused([*server.login(), "echo", "out"])

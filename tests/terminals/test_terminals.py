@@ -116,6 +116,7 @@ def test_256_colours_at_every_size_look_as_if_started_there(fresh: dict[tuple[in
         leave(terminal)
 
 
+@pytest.mark.exhaustive("one more kind of colours")
 def test_16_colours_on_a_light_background_in_ascii() -> None:
     environment = {"TERM": "xterm", "LC_ALL": None, "LC_CTYPE": None, "LANG": "C"}
     with PseudoTerminal([*PLAY, "--theme", "light"], environment, (80, 24), synchronises=False) as terminal:

@@ -24,6 +24,10 @@ pytestmark = pytest.mark.slow
 
 RUNS = 60
 FEW_STEP_SIZES, FEW_EPISODES = (0.1, 0.9), 20_000
+LONG = pytest.mark.exhaustive("figure 6.3 takes many episodes, and the loops of three algorithms")
+EVERY_FIGURE = pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=LONG if name == "6.3" else ()) for name in FIGURES]
+)
 
 
 @functools.cache
@@ -49,14 +53,14 @@ def is_above(comparison: BookComparison) -> bool:
     return comparison.ours > 4 * comparison.stderr
 
 
-@pytest.mark.parametrize("name", FIGURES)
+@EVERY_FIGURE
 def test_all_agrees_with_the_book_but_what_is_said_to_differ(name: str) -> None:
     differing = [each.what for each in measured(name).table if not each.agrees]
     assert differing == (["steps of the first episode, 0 planning steps"] if name == "8.2" else [])
     assert all(each.place for each in measured(name).table)
 
 
-@pytest.mark.parametrize("name", FIGURES)
+@EVERY_FIGURE
 def test_the_picture_has_the_curves(name: str) -> None:
     found = measured(name)
     charts = [panel for panel in found.picture.panels if isinstance(panel, Chart)]
@@ -66,7 +70,7 @@ def test_the_picture_has_the_curves(name: str) -> None:
     assert svg_of(found.picture).startswith("<svg")
 
 
-@pytest.mark.parametrize("name", FIGURES)
+@EVERY_FIGURE
 def test_json_and_csv_have_the_same_curves(name: str) -> None:
     found = measured(name)
     document = json.loads(json.dumps(document_of(FIGURES[name], found, RUNS, 0, 1.0), allow_nan=False))
@@ -96,6 +100,7 @@ def test_the_best_arm_pays_the_expected_maximum_of_ten_normal_means() -> None:
 # Example 6.6 and figure 6.3
 
 
+@LONG
 def test_expected_sarsa_is_best_soon_and_in_the_long_run() -> None:
     for other in ("SARSA", "Q-learning"):
         assert is_above(row("6.3", f"interim, Expected SARSA less {other}"))
@@ -103,6 +108,7 @@ def test_expected_sarsa_is_best_soon_and_in_the_long_run() -> None:
     assert ends["Expected SARSA"] > max(ends["SARSA"], ends["Q-learning"]) + 10
 
 
+@LONG
 def test_a_large_step_size_spoils_sarsa_in_the_long_run_alone() -> None:
     spoiled = row("6.3", "asymptotic, SARSA: α = 0.9 less")
     assert spoiled.ours is not None
@@ -111,6 +117,7 @@ def test_a_large_step_size_spoils_sarsa_in_the_long_run_alone() -> None:
     assert interim[1] > interim[0] + 20
 
 
+@LONG
 def test_the_long_run_has_ten_runs_at_most_and_that_is_said() -> None:
     assert "of 10 runs" in measured("6.3").notes[0]
     assert f"{FEW_EPISODES:,} episodes" in measured("6.3").notes[0]
@@ -148,7 +155,9 @@ def shown(name: str) -> list[str]:
     return [cells[-1] for cells in rows[first : first + len(measured(name).table)]]
 
 
-@pytest.mark.parametrize("name", ["cliff", "8.2"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("cliff", marks=pytest.mark.exhaustive("as many runs as the page says")), "8.2"]
+)
 def test_the_documentation_has_the_numbers_that_are_measured(name: str) -> None:
     found = measure(FIGURES[name], Measuring(), FIGURES[name].runs)
     for text, comparison in zip(shown(name), found.table, strict=True):

@@ -82,7 +82,10 @@ def test_versions_are_in_the_key(name: str, monkeypatch: pytest.MonkeyPatch) -> 
     [
         # what neither algorithm nor policy uses
         (("lambda=0.1",), ("lambda=0.9",)),
-        (("policy=softmax", "epsilon=0.1"), ("policy=softmax", "epsilon=0.9")),
+        pytest.param(
+            *(("policy=softmax", "epsilon=0.1"), ("policy=softmax", "epsilon=0.9")),
+            marks=pytest.mark.exhaustive("takes many steps interpreted"),
+        ),
         (("algorithm=value-iteration", "alpha=0.1"), ("algorithm=value-iteration", "alpha=0.2")),
         (("algorithm=value-iteration", "policy=softmax"), ("algorithm=value-iteration", "policy=ucb")),
         # what changes nothing as things stand
