@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, Final
 from rl_tui.agents.catalogue import parameters_of
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding, Location, shown
-from rl_tui.lab.lessons.figures.expression import FigureError
 from rl_tui.lab.lessons.figures.written import written_number
 from rl_tui.lab.run.changes import read_change
 from rl_tui.worlds.drawing import Grid
@@ -115,7 +114,7 @@ def _allowed(page: Page, figures: LessonFigures) -> tuple[tuple[float, ...], tup
         subject = figures.subject_of_page(page.id)
         numbers.update(_settings(subject), _world(subject))
         names = tuple(subject.world.space.state_names)
-    except (FigureError, UserError):
+    except UserError:
         pass  # told elsewhere: a setup that cannot be played
     if page.asked is not None:
         numbers.update(_numbers(each.answer for each in page.asked.wrong))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding, Location, shown
 from rl_tui.lab.course.checks.waiting import waiting_findings
-from rl_tui.lab.lessons.figures.expression import FigureError
+from rl_tui.lab.lessons.figures.step_budget import StepBudgetError
 from rl_tui.lab.lessons.figures.written import in_digits_of
 from rl_tui.lab.lessons.judging.attempts import judged_claim, judged_program
 from rl_tui.lab.lessons.judging.conditions import judged_task, verdict
@@ -105,8 +105,8 @@ class TaskCheck:
         task = judged_task(self._lesson, self._page.id)
         try:
             yield from waiting_findings(task, self._where, ends, self._panels, self._budget.charge)
-        except FigureError as fault:
-            yield Finding(self._where, f"waiting: {fault.found}", fault.expected)
+        except StepBudgetError as fault:
+            yield _too_long(self._where, "waiting", fault)
 
     def _skeleton_findings(self, program: ProgramToWrite) -> Iterator[Finding]:
         """Yield that what the learner begins with passes as it is."""
@@ -123,10 +123,8 @@ class TaskCheck:
                 on_attempt(attempt.name)
                 try:
                     passed = sum(self._passes(attempt, seed) for seed in range(SEEDS_OF_VARIANTS))
-                except FigureError as fault:
-                    yield Finding(
-                        (*self._where, key, place), f"{shown(attempt.name)}: {fault.found}", fault.expected
-                    )
+                except StepBudgetError as fault:
+                    yield _too_long((*self._where, key, place), shown(attempt.name), fault)
                     return
                 wanted = SEEDS_OF_VARIANTS if key == "accepts" else 0
                 if passed != wanted:
@@ -137,8 +135,8 @@ class TaskCheck:
         """Yield that an attempt is judged as it should not be; ``ends`` takes the step at which it ended."""
         try:
             judged = self._judged(attempt)
-        except FigureError as fault:
-            yield Finding(where, f"{shown(attempt.name)}: {fault.found}", fault.expected)
+        except StepBudgetError as fault:
+            yield _too_long(where, shown(attempt.name), fault)
             return
         except UserError as fault:
             yield Finding(where, f"{shown(attempt.name)}: {fault}", "an attempt that can be replayed")
@@ -158,12 +156,10 @@ class TaskCheck:
     def _passes(self, attempt: Attempt, seed: int) -> bool:
         """Return whether an attempt passes under ``seed``; one that breaks down there does not.
 
-        Raises FigureError where its runs take too many steps.
+        Raises StepBudgetError where its runs take too many steps.
         """
         try:
             return self._judged(attempt, seed).view.passed is not None
-        except FigureError:
-            raise
         except UserError:
             return False
 
@@ -186,6 +182,10 @@ class TaskCheck:
         if is_met(condition, best):
             found = f"{proof.best}, {in_digits_of(best, '')}, with which {shown(condition.text)} holds"
             yield Finding((*self._where, "proof", "best"), found, "a best with which it does not hold")
+
+
+def _too_long(where: Location, what: str, fault: StepBudgetError) -> Finding:
+    return Finding(where, f"{what}: {fault.found}", fault.expected)
 
 
 def _why(view: TaskView) -> str:

@@ -8,7 +8,6 @@ from typing import Final
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding, Location
 from rl_tui.lab.experiments.training import Goal, train
-from rl_tui.lab.lessons.figures.expression import FigureError
 from rl_tui.lab.lessons.judging.conditions import JudgedTask, verdict
 from rl_tui.lab.lessons.judging.moment import Kept
 from rl_tui.lab.lessons.judging.replays import OnEnd, ignore_end
@@ -45,8 +44,6 @@ def waiting_findings(
                 found = f"a pass after {run.step:,} steps in which nothing was done"
                 yield Finding(where, found, "a task that cannot be passed by waiting")
                 return
-    except FigureError:
-        raise  # too many steps for one file
     except UserError:
         return  # it breaks down, as where an episode never ends: nobody waits any longer
     finally:

@@ -26,6 +26,14 @@ WatchRun = Callable[[Run], OnProgress]
 """Returns the callback that counts the steps of a run under way."""
 
 
+class StepBudgetError(Exception):
+    """Too many steps: how many were asked for, and how many were expected at most."""
+
+    def __init__(self, found: str, expected: str) -> None:
+        self.found, self.expected = found, expected
+        super().__init__(f"found {found}; expected {expected}")
+
+
 class _SpentError(Exception):
     """The runs under way have taken too many steps."""
 
@@ -46,10 +54,15 @@ class StepBudget:
 
     @contextmanager
     def of_figure(self, name: str) -> Iterator[None]:
-        """Count the runs in this context for a figure; a figure inside another counts for itself."""
+        """Count the runs in this context for a figure; a figure inside another counts for itself.
+
+        Raises FigureError at too many steps.
+        """
         self._under_way.append(name)
         try:
             yield
+        except StepBudgetError as fault:
+            raise FigureError(fault.found, fault.expected) from None
         finally:
             self._under_way.pop()
 
@@ -60,8 +73,8 @@ class StepBudget:
         """Count ``runs`` runs like ``first`` up to ``goal``; the yielded function has to watch each.
 
         Runs that fail count with all steps of their goal, or where that is a number of episodes with those
-        taken by then. Raises FigureError at too many steps, before the first step where ``goal`` is a number
-        of steps.
+        taken by then. Raises StepBudgetError at too many steps, before the first step where ``goal`` is a
+        number of steps.
         """
         weight, left = _weight(first, journal), self._left
         asked = (goal.steps or 0) * runs * weight
@@ -92,7 +105,7 @@ class StepBudget:
             self._spend(min(total if is_whole else max(asked, total), left))
 
     def charge(self, run: Run, most: int) -> None:
-        """Count at most ``most`` steps of a finished run. Raises FigureError at too many steps."""
+        """Count at most ``most`` steps of a finished run. Raises StepBudgetError at too many steps."""
         asked, left = min(run.step, most) * _weight(run, run.journal), self._left
         refusal = self._refusal(f"{asked:,}")
         self._spend(min(asked, left))
@@ -100,7 +113,7 @@ class StepBudget:
             raise refusal
 
     def check_any_left(self) -> None:
-        """Raise FigureError if no step is left."""
+        """Raise StepBudgetError if no step is left."""
         if self._left <= 0:
             raise self._refusal("one more")
 
@@ -115,12 +128,12 @@ class StepBudget:
         self.taken += steps
         self.of_figures.update(dict.fromkeys(self._under_way[-1:], steps))
 
-    def _refusal(self, asked: str) -> FigureError:
+    def _refusal(self, asked: str) -> StepBudgetError:
         figure = f" of figure {self._under_way[-1]}" if self._under_way else ""
         left, expected = self._most - self.taken, f"at most {self._most_of_figure:,} steps in a figure"
         if self._left == left:
             expected = f"at most {self._most:,} steps in a file, of which {left:,} are left"
-        return FigureError(f"{asked} steps{figure}", expected)
+        return StepBudgetError(f"{asked} steps{figure}", expected)
 
 
 def _weight(run: Run, journal: Sequence[JournalEntry]) -> int:
