@@ -24,9 +24,9 @@ class AnsweringProcess:
 
     ``module`` is what runs in it: its ``main`` calls :func:`~rl_tui.lab.workers.answering.answer`. In a
     thread of its own, called ``name``, ``on_answer`` gets each answer, a JSON document, and ``on_end`` is
-    called when no more will come. ``on_news`` is called after each of these, and when the process is held up.
-    An answer of which ``on_answer`` raises ValueError, KeyError or TypeError is the last. Raises OSError
-    where no process can be started.
+    called when no more will come. ``on_news`` is called after each of these, and when the process is held up
+    or no longer is. An answer of which ``on_answer`` raises ValueError, KeyError or TypeError is the last.
+    Raises OSError where no process can be started.
     """
 
     def __init__(
@@ -40,8 +40,6 @@ class AnsweringProcess:
     ) -> None:
         self.pace = Pace()
         """How it gets on."""
-        self.is_held_up = False
-        """Whether a busy machine keeps it waiting."""
         self._on_answer = on_answer
         self._on_end = on_end
         self._on_news = on_news
@@ -58,6 +56,11 @@ class AnsweringProcess:
             self._process.wait()
             self._over.set()
             raise OSError(str(error)) from error
+
+    @property
+    def is_held_up(self) -> bool:
+        """Whether a busy machine keeps it waiting."""
+        return self.pace.is_held_up and not self._over.is_set()
 
     @property
     def how_long(self) -> str:
@@ -77,30 +80,31 @@ class AnsweringProcess:
         stdin, stdout = self._process.stdin, self._process.stdout
         assert stdin is not None
         assert stdout is not None
-        with open(stdout.fileno(), "rb", closefd=False) as lines, stdout, stdin:
-            with suppress(OSError):  # it has ended already
-                self._send(stdin, pickle.dumps(request))
-            with suppress(OSError, ValueError, KeyError, TypeError):
-                while line := lines.readline(_LONGEST_LINE):
-                    self._hand_on(json.loads(line))
-            self._process.kill()
-            self._process.wait()
-        self._over.set()
-        self.is_held_up = False
+        try:
+            with open(stdout.fileno(), "rb", closefd=False) as lines, stdout, stdin:
+                with suppress(OSError):  # it has ended already
+                    self._send(stdin, pickle.dumps(request))
+                with suppress(OSError, ValueError, KeyError, TypeError):
+                    while line := lines.readline(_LONGEST_LINE):
+                        self._hand_on(json.loads(line))
+                self._process.kill()
+                self._process.wait()
+        finally:
+            self._over.set()
         self._on_end()
         self._on_news()
 
     def _hand_on(self, document: Any) -> None:
         self.pace.note()
-        self.is_held_up = False
         self._on_answer(document)
         self._on_news()
 
     def _watch(self) -> None:
         """Notice when it does not get on: no answer says so."""
+        was_held_up = False
         while not self._over.wait(_LOOKS):
-            if self.pace.is_held_up and not self.is_held_up:
-                self.is_held_up = True
+            if self.is_held_up is not was_held_up:
+                was_held_up = not was_held_up
                 self._on_news()
 
     @staticmethod
