@@ -76,10 +76,8 @@ async def test_m_opens_it_beside_the_curve_and_closes_it_as_escape_does(
         await pilot.press("M", "escape")
         await pilot.pause()
         assert board.opened is None
-        assert [each for each in sent[3:] if each in (StudySeeds(), EndStudy())] == [
-            StudySeeds(),
-            EndStudy(),
-        ] * 2
+        orders = [each for each in sent[3:] if each in (StudySeeds(), EndStudy())]
+        assert orders == [StudySeeds(), EndStudy()] * 2
 
 
 async def test_a_bandit_reveals_its_regret_with_h(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -96,7 +96,9 @@ async def test_f_zooms_the_world_or_the_panel_in_focus(make_app: MakeApp) -> Non
         assert board.query_one("#world").region.width == 42
 
 
-async def test_tab_goes_round_the_panels_and_m_shows_the_model(make_app: MakeApp) -> None:
+async def test_tab_goes_round_the_panels_m_shows_the_model_and_help_ends_with_notes(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("student"), (120, 40)) as pilot:
         board, visited = playground(pilot).board, []
         for _ in range(6):
@@ -108,13 +110,9 @@ async def test_tab_goes_round_the_panels_and_m_shows_the_model(make_app: MakeApp
         await train(pilot, 10)
         await press(pilot, "m")
         assert isinstance(pilot.app.screen, Playground)
-
-
-async def test_the_notes_are_at_the_end_of_the_help(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with on_screen(app, (160, 24)) as pilot:
+        pilot.app.set_focus(None)
         await press(pilot, "question_mark", "pagedown")
-        assert "student MDP" in str(app.screen.query("MarkdownParagraph").last().render())
+        assert "student MDP" in str(pilot.app.screen.query("MarkdownParagraph").last().render())
 
 
 async def test_h_reveals_a_bandit_until_it_starts_again(make_app: MakeApp) -> None:
