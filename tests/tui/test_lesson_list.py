@@ -166,23 +166,25 @@ async def all_work_done(pilot: Pilot[UserError]) -> None:
     await settle(pilot)
 
 
-async def test_it_lists_the_lessons_in_their_order(make_lesson_app: MakeLessonApp) -> None:
+async def test_it_lists_the_lessons_in_their_order_and_enter_begins_one_with_its_first_run(
+    make_lesson_app: MakeLessonApp,
+) -> None:
     async with make_lesson_app().run_test(size=(80, 24)) as pilot:
         await settled(pilot)
         assert listed(pilot) == "1 A walk not begun · 12 min 2 A second walk not begun · 12 min"
         assert "Three pages, two worlds." in details(pilot)
         assert "walk from page to page" in details(pilot)
-
-
-async def test_enter_begins_a_lesson_with_the_run_of_its_first_page(make_lesson_app: MakeLessonApp) -> None:
-    app = make_lesson_app()
-    async with app.run_test(size=(80, 24)) as pilot:
         await settled(pilot, "enter")
         shown = snapshot(pilot)
         assert lesson_on_screen(pilot).page == "start"
         assert (shown.recipe.scenario.id, shown.recipe.seed, shown.counters.step) == ("student", 5, 0)
         assert shown.recipe.hyperparameters.alpha == 0.5
         assert shown.playback.speed == 3.0
+        await press(pilot, "s", "s")
+        await turn_to(pilot, "nowhere")
+        assert "NoSuchWorld-v0" in notes(pilot.app)[-1]
+        assert (lesson_on_screen(pilot).page, snapshot(pilot).counters.step) == ("start", 2)
+        assert (await press(pilot, "s")).counters.step == 3
 
 
 async def test_keys_typed_before_the_lessons_are_read_count_once_they_are(
@@ -229,11 +231,10 @@ async def test_a_lesson_under_way_says_so_and_goes_on_where_it_was_left(
         assert read_session(path).step == 5
 
 
-async def test_who_acted_last_acts_again_where_a_lesson_goes_on(
-    make_lesson_app: MakeLessonApp,
-) -> None:
+async def test_who_acted_last_acts_again_where_a_lesson_goes_on(make_lesson_app: MakeLessonApp) -> None:
     async with make_lesson_app().run_test(size=(80, 24)) as pilot:
-        await settled(pilot, "enter")
+        await settled(pilot, "r")  # on a lesson that is not begun it begins it at once
+        assert lesson_on_screen(pilot).page == "start"
         await press(pilot, "y", "1", "R")
         await settled(pilot, "escape", "escape", "escape")
         assert isinstance(pilot.app.screen, LessonsScreen)
@@ -242,6 +243,7 @@ async def test_who_acted_last_acts_again_where_a_lesson_goes_on(
         assert (await press(pilot, "1")).counters.step == 2
 
 
+@pytest.mark.exhaustive("plays at another size", but=["size1"])
 @pytest.mark.parametrize("size", [(120, 40), (80, 24)])
 async def test_the_last_page_names_the_next_lesson_and_opens_it(
     make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path, size: tuple[int, int]
@@ -275,10 +277,13 @@ async def test_a_finished_lesson_is_a_reference_from_its_first_page(
     given = Given("guess", 3.0, is_right=False, step=4)
     path = keep(tmp_path, at_end(walk(lessons), given))
     before = path.read_bytes()
-    async with make_lesson_app().run_test(size=(80, 24)) as pilot:
+    (lessons / "third.toml").write_text(OTHER.replace("order = 20", "order = 30"), encoding="utf-8")
+    async with make_lesson_app(ascii=True).run_test(size=(120, 40)) as pilot:
         await settled(pilot)
-        assert "✓ finished" in listed(pilot)
-        assert "1 of 2 finished" in screen_text(pilot.app)
+        assert pilot.app.screen.query_one(LessonList).highlighted == 1  # the first that is not read
+        assert "finished" in listed(pilot)
+        assert "1 of 3 finished" in screen_text(pilot.app)
+        assert screen_text(pilot.app).isascii()
         await settled(pilot, "up")
         assert "0 of 1 right" in details(pilot)
         await settled(pilot, "enter")
@@ -301,18 +306,17 @@ async def test_with_a_task_left_a_lesson_is_read_to_its_end_but_not_finished(
         assert "at its end · 0 of 1 task" in details(pilot)
 
 
-@pytest.mark.parametrize(("is_begun", "row"), [(False, 1), (True, 2)])
-async def test_the_cursor_stands_on_the_lesson_in_progress_else_on_the_first_not_read(
-    make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path, *, is_begun: bool, row: int
+async def test_the_cursor_stands_on_the_lesson_in_progress(
+    make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path
 ) -> None:
-    (lessons / "third.toml").write_text(OTHER.replace("order = 20", "order = 30"), encoding="utf-8")
+    third = OTHER.replace("order = 20", "order = 30")
+    (lessons / "third.toml").write_text(third, encoding="utf-8")
     keep(tmp_path, at_end(walk(lessons)))
-    if is_begun:
-        third = lesson_of(OTHER.replace("order = 20", "order = 30"), lessons / "third.toml")
-        keep(tmp_path, begun(third).open("guess"))
+    keep(tmp_path, begun(lesson_of(third, lessons / "third.toml")).open("guess"))
     async with make_lesson_app().run_test(size=(80, 24)) as pilot:
         await settled(pilot)
-        assert pilot.app.screen.query_one(LessonList).highlighted == row
+        assert "✓ finished" in listed(pilot)
+        assert pilot.app.screen.query_one(LessonList).highlighted == 2
 
 
 async def test_r_asks_once_and_begins_again_beside_what_was_done(
@@ -333,12 +337,6 @@ async def test_r_asks_once_and_begins_again_beside_what_was_done(
         assert "page 1 of 4" in listed(pilot)
 
 
-async def test_r_on_a_lesson_that_is_not_begun_begins_it_at_once(make_lesson_app: MakeLessonApp) -> None:
-    async with make_lesson_app().run_test(size=(80, 24)) as pilot:
-        await settled(pilot, "r")
-        assert lesson_on_screen(pilot).page == "start"
-
-
 async def test_from_a_lesson_escape_comes_back_to_it_and_then_to_the_catalogue(
     make_lesson_app: MakeLessonApp,
 ) -> None:
@@ -355,7 +353,7 @@ async def test_from_a_lesson_escape_comes_back_to_it_and_then_to_the_catalogue(
         assert isinstance(pilot.app.screen, CatalogueScreen)
 
 
-async def test_a_file_with_faults_stands_at_the_end_with_them(
+async def test_a_file_with_faults_stands_at_the_end_with_them_and_none_at_all_is_said(
     make_lesson_app: MakeLessonApp, lessons: Path
 ) -> None:
     (lessons / "a-bad-one.toml").write_text(WALK.replace("minutes = 12", "minutes = 0"), encoding="utf-8")
@@ -367,11 +365,6 @@ async def test_a_file_with_faults_stands_at_the_end_with_them(
             await settled(pilot, key)
             assert isinstance(pilot.app.screen, LessonsScreen)
             assert notes(pilot.app)[-1] == "this file has faults; mend them first"
-
-
-async def test_a_folder_without_lessons_is_said_to_be_empty(
-    make_lesson_app: MakeLessonApp, lessons: Path
-) -> None:
     for path in lessons.iterdir():
         path.unlink()
     async with make_lesson_app().run_test(size=(80, 24)) as pilot:
@@ -402,18 +395,6 @@ async def test_another_setup_takes_the_place_of_the_run_and_the_same_session_goe
             "student",
             1,
         )
-
-
-async def test_a_setup_that_cannot_be_built_is_told_and_the_lesson_stays(
-    make_lesson_app: MakeLessonApp,
-) -> None:
-    async with make_lesson_app().run_test(size=(80, 24)) as pilot:
-        await settled(pilot, "enter")
-        await press(pilot, "s", "s")
-        await turn_to(pilot, "nowhere")
-        assert "NoSuchWorld-v0" in notes(pilot.app)[-1]
-        assert (lesson_on_screen(pilot).page, snapshot(pilot).counters.step) == ("start", 2)
-        assert (await press(pilot, "s")).counters.step == 3
 
 
 async def turn_to(pilot: Pilot[UserError], page: str) -> None:
@@ -447,13 +428,6 @@ async def test_the_catalogue_says_how_many_are_finished_and_its_sessions_are_les
         assert "1 finished" in words_of(pilot.app.screen.query_one("#facts"))
         await settled(pilot, "shift+tab", "enter")
         assert (lesson_on_screen(pilot).page, snapshot(pilot).counters.step) == ("lake", 4)
-
-
-async def test_in_ascii_it_is_ascii(make_lesson_app: MakeLessonApp, lessons: Path, tmp_path: Path) -> None:
-    keep(tmp_path, at_end(walk(lessons)))
-    async with make_lesson_app(ascii=True).run_test(size=(120, 40)) as pilot:
-        await settled(pilot)
-        assert screen_text(pilot.app).isascii()
 
 
 @pytest.mark.unit

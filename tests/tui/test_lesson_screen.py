@@ -10,7 +10,20 @@ from pathlib import Path
 
 import pytest
 from lesson_texts import LESSON, SET_INITIAL_Q, TEXT
-from seams import choose, notes, playground, press, screen_text, show, snapshot, train
+from seams import (
+    app_at,
+    choose,
+    notes,
+    on_screen,
+    order,
+    playground,
+    press,
+    screen_text,
+    show,
+    snapshot,
+    tap,
+    train,
+)
 from textual.pilot import Pilot
 from textual.widgets import Markdown
 
@@ -21,6 +34,7 @@ from rl_tui.lab.lessons.record import LessonRecord, Passed, begun
 from rl_tui.lab.lessons.setups import recipe_of
 from rl_tui.lab.live.commands import Apply, KeepLesson
 from rl_tui.lab.live.player import Player
+from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.recipe import SetParameter
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.display import Display
@@ -44,13 +58,9 @@ both_sizes = pytest.mark.parametrize(
 
 @asynccontextmanager
 async def lesson(size: tuple[int, int], page: str = "start") -> AsyncIterator[Pilot[UserError]]:
-    recipe = recipe_of(LESSON, LESSON.setup_of(page))
-    app = RlTuiApp(Display(fps=1000.0), recipe, partial(Player, automatic=False), picture=True)
-    app.NOTIFICATION_TIMEOUT = 3600.0
-    async with app.run_test(size=size, notifications=True) as pilot:
-        await settle(pilot)
-        playground(pilot).send(KeepLesson(begun(LESSON).open(page)))
-        await settle(pilot)
+    app = app_at(recipe_of(LESSON, LESSON.setup_of(page)))
+    async with on_screen(app, size, notifications=True) as pilot:
+        await order(pilot, KeepLesson(begun(LESSON).open(page)))
         yield pilot
 
 
@@ -65,15 +75,17 @@ def page_panel(pilot: Pilot[UserError]) -> LessonPanel:
 
 
 async def say(pilot: Pilot[UserError], number: str) -> None:
-    await pilot.press("A")
-    await settle(pilot)
-    await pilot.press(*number, "enter")
-    await settle(pilot)
+    await press(pilot, "A")
+    await tap(pilot, *number, "enter")
 
 
 @both_sizes
-async def test_pages_turn_by_their_keys_alone(size: tuple[int, int]) -> None:
+async def test_pages_turn_by_their_keys_alone_and_the_run_is_set_up_again_after_asking(
+    size: tuple[int, int],
+) -> None:
     async with lesson(size) as pilot:
+        screen = playground(pilot)
+        assert screen.status.render_line(0).text.strip().startswith("Q-learning by hand")
         assert record(pilot).page == "start"
         await press(pilot, ",")
         await train(pilot, 5)
@@ -82,7 +94,16 @@ async def test_pages_turn_by_their_keys_alone(size: tuple[int, int]) -> None:
         assert record(pilot).page == "predict"
         await press(pilot, ",")
         assert record(pilot).page == "start"
+        screen.send(Apply(SetParameter("alpha", 0.25)))
+        await press(pilot, "N")
         assert snapshot(pilot).counters.step == 5
+        now = await press(pilot, "enter")
+        assert now.counters.step == 0
+        assert now.agent.hyperparameters.alpha == 0.5
+        assert record(pilot).page == "start"
+        screen.send(Apply(SetParameter("alpha", 0.25)))
+        await press(pilot, "N")
+        assert snapshot(pilot).agent.hyperparameters.alpha == 0.5
 
 
 async def test_where_there_is_room_the_page_stands_beside_the_world() -> None:
@@ -96,6 +117,13 @@ async def test_where_there_is_room_the_page_stands_beside_the_world() -> None:
         await press(pilot, "R")
         assert not page_panel(pilot).has_focus
         assert board.shows(LESSON_PANEL)
+        await pilot.resize_terminal(*small)
+        await settle(pilot)
+        assert not board.shows(WORLD)
+        assert page_panel(pilot).has_focus
+        await pilot.resize_terminal(*wide)
+        await settle(pilot)
+        assert board.shows(WORLD)
 
 
 async def test_without_room_page_and_world_take_turns() -> None:
@@ -117,7 +145,7 @@ async def test_without_room_page_and_world_take_turns() -> None:
 
 
 @both_sizes
-async def test_digits_act_from_the_page_as_it_says(size: tuple[int, int]) -> None:
+async def test_digits_act_from_the_page_as_it_says_until_escape(size: tuple[int, int]) -> None:
     async with lesson(size) as pilot:
         await press(pilot, "y", "R", "1")
         assert snapshot(pilot).counters.step == 1
@@ -127,17 +155,9 @@ async def test_digits_act_from_the_page_as_it_says(size: tuple[int, int]) -> Non
             await press(pilot, "R")
         await press(pilot, "1")
         assert snapshot(pilot).counters.step == 1
-
-
-async def test_it_follows_the_size_of_the_terminal() -> None:
-    async with lesson(wide) as pilot:
-        await pilot.resize_terminal(*small)
-        await settle(pilot)
-        assert not playground(pilot).board.shows(WORLD)
-        assert page_panel(pilot).has_focus
-        await pilot.resize_terminal(*wide)
-        await settle(pilot)
-        assert playground(pilot).board.shows(WORLD)
+        await press(pilot, "y", "1", "escape")
+        assert snapshot(pilot).counters.step == 2
+        assert playground(pilot).modes.current is None
 
 
 @both_sizes
@@ -147,33 +167,51 @@ async def test_enter_on_the_page_does_what_it_asks_next(size: tuple[int, int]) -
             await press(pilot, "R")
         await press(pilot, "enter")
         assert record(pilot).page == "predict"
-        await pilot.press("enter")
-        await settle(pilot)
-        await pilot.press(*"1/2", "enter")
-        await settle(pilot)
+        await press(pilot, "enter")
+        await tap(pilot, *"1/2", "enter")
         assert [(each.page, each.answer) for each in record(pilot).given] == [("predict", 0.5)]
         await press(pilot, "enter")
         assert not page_panel(pilot).has_focus
 
 
 @both_sizes
-@pytest.mark.parametrize("key", ["space", "s", "e", "E", "I", "W", "u", "y", "c"])
-async def test_no_step_is_taken_before_the_prediction(size: tuple[int, int], key: str) -> None:
-    async with lesson(size, "predict") as pilot:
-        await press(pilot, key)
-        assert notes(pilot.app) == [PREDICT_FIRST]
-        assert snapshot(pilot).counters.step == 0
+async def test_before_the_prediction_no_step_is_taken_and_what_would_tell_is_kept_back(
+    size: tuple[int, int],
+) -> None:
+    tells, steps = "PYGMmhDxd", ("space", *"seEIWuyc")
+    async with lesson(size) as pilot:
+        for key in tells:
+            await press(pilot, key)
+            assert notes(pilot.app) == ["kept back until page 2 is done"], key
+        await press(pilot, ".")
+        for key in tells:
+            await press(pilot, key)
+            (note,) = notes(pilot.app)
+            assert "kept back until your prediction is in" in note, key
+            assert isinstance(pilot.app.screen, Playground), key
+            assert playground(pilot).board.opened is None, key
+        for key in steps:
+            await press(pilot, key)
+            assert notes(pilot.app) == [PREDICT_FIRST], key
         await train(pilot, 3)
         assert snapshot(pilot).counters.step == 0
-
-
-async def test_a_run_that_goes_on_stands_still_for_a_prediction() -> None:
-    async with lesson(wide) as pilot:
-        await press(pilot, "y")
+        await press(pilot, ".")  # skips the page, but by a second press only
+        assert notes(pilot.app) == [NOT_DONE]
+        assert record(pilot).page == "predict"
         await press(pilot, ".")
-        await press(pilot, "1")
+        assert (record(pilot).page, record(pilot).skipped) == ("quiz", ("predict",))
+        await press(pilot, ",", "s")
+        assert snapshot(pilot).counters.step == 1
+
+
+async def test_a_run_stands_still_for_a_prediction_of_what_was_not_seen() -> None:
+    async with lesson(wide) as pilot:
+        await press(pilot, "y", ".", "1")
         assert PREDICT_FIRST in notes(pilot.app)
         assert snapshot(pilot).counters.step == 0
+        await press(pilot, "escape", ",", "s", "s", "b", ".", "A")
+        assert notes(pilot.app) == [SEEN_BEFORE]
+        assert not record(pilot).given
 
 
 @both_sizes
@@ -195,176 +233,104 @@ async def test_a_prediction_is_locked_with_the_run_and_then_compared(size: tuple
         assert "not so – it is −1.5" in screen_text(pilot.app)
 
 
-async def test_what_was_seen_is_not_predicted() -> None:
-    async with lesson(wide) as pilot:
-        await press(pilot, "s", "s", "b", ".", "A")
-        assert notes(pilot.app) == [SEEN_BEFORE]
-        assert not record(pilot).given
-
-
-@both_sizes
-async def test_a_page_is_skipped_by_a_second_press_only(size: tuple[int, int]) -> None:
-    async with lesson(size, "predict") as pilot:
-        await press(pilot, ".")
-        assert notes(pilot.app) == [NOT_DONE]
-        assert record(pilot).page == "predict"
-        await press(pilot, ".")
-        assert (record(pilot).page, record(pilot).skipped) == ("quiz", ("predict",))
-        await press(pilot, ",", "s")
-        assert snapshot(pilot).counters.step == 1
-
-
 @both_sizes
 async def test_a_question_is_answered_until_it_is_right(size: tuple[int, int]) -> None:
     async with lesson(size, "quiz") as pilot:
+        if size == small:
+            await press(pilot, "R")
+        shown = screen_text(pilot.app)
+        assert all(chance in shown for chance in (".8", ".2"))
         for choice in ("0", "1"):
-            await pilot.press("A")
-            await settle(pilot)
+            await press(pilot, "A")
             await choose(pilot, choice)
         assert [each.is_right for each in record(pilot).given] == [False, True]
         assert record(pilot).page == "quiz"
         assert record(pilot).is_done("quiz")
+        await press(pilot, "P")
+        assert playground(pilot).board.opened is not None
+        await press(pilot, ",")  # to a page that keeps this panel back
+        assert playground(pilot).board.opened is None
+        assert snapshot(pilot).answers.studied is None
+
+
+def held(run: Snapshot) -> Snapshot:
+    """``run`` as it is when the task of page learn holds."""
+    assert run.lesson is not None
+    assert run.lesson.task is not None
+    task = replace(run.lesson.task, passed=Passed("learn", run.recipe, (), 0))
+    return replace(run, lesson=replace(run.lesson, task=task))
 
 
 @both_sizes
-async def test_hints_are_counted_and_the_page_shows_them(size: tuple[int, int]) -> None:
+async def test_a_task_has_hints_is_not_impossible_and_is_kept_once_it_holds(size: tuple[int, int]) -> None:
     async with lesson(size, "learn") as pilot:
+        await press(pilot, "A", "enter")
+        assert notes(pilot.app) == [CAN_BE_DONE]
+        assert not record(pilot).passed
         if size == small:
             await press(pilot, "R")
         await press(pilot, "H", "H", "H", "H")
         assert record(pilot).hints_on("learn") == 3
         assert SET_INITIAL_Q in screen_text(pilot.app)
-
-
-async def test_a_claim_is_right_only_where_there_is_a_proof() -> None:
-    async with lesson(wide, "learn") as pilot:
-        await press(pilot, "A", "enter")
-        assert notes(pilot.app) == [CAN_BE_DONE]
-        assert not record(pilot).passed
-    async with lesson(wide, "never") as pilot:
-        await press(pilot, "A", "escape")
-        assert not record(pilot).passed
-        await press(pilot, "A", "enter")
-        assert [(each.page, each.claim) for each in record(pilot).passed] == [("never", True)]
-        assert notes(pilot.app)[-1] == "task passed"
-        assert "PASSED" in screen_text(pilot.app)
-        assert record(pilot).page == "never"
-
-
-@both_sizes
-async def test_a_task_that_holds_is_kept_as_passed_and_the_page_stays(size: tuple[int, int]) -> None:
-    async with lesson(size, "learn") as pilot:
-        run = snapshot(pilot)
-        assert run.lesson is not None
-        assert run.lesson.task is not None
-        held = replace(run.lesson.task, passed=Passed("learn", run.recipe, (), 0))
-        show(playground(pilot), replace(run, lesson=replace(run.lesson, task=held)))
+        show(playground(pilot), held(snapshot(pilot)))
         await settle(pilot)
         assert record(pilot).has_passed("learn")
         assert record(pilot).page == "learn"
         assert any("task passed" in note for note in notes(pilot.app))
 
 
-async def test_a_task_that_holds_as_its_page_is_turned_is_kept_too() -> None:
+async def test_a_task_that_holds_as_its_page_is_turned_is_kept_and_a_claim_with_a_proof_too() -> None:
     async with lesson(wide, "learn") as pilot:
         run = snapshot(pilot)
-        assert run.lesson is not None
-        assert run.lesson.task is not None
-        held = replace(run.lesson.task, passed=Passed("learn", run.recipe, (), 0))
         await press(pilot, ".", ".")
-        show(playground(pilot), replace(run, lesson=replace(run.lesson, task=held)))
+        show(playground(pilot), held(run))
         await settle(pilot)
         assert record(pilot).has_passed("learn")
+        assert record(pilot).page == "never"
+        await press(pilot, "A", "escape")
+        assert not record(pilot).has_passed("never")
+        await press(pilot, "A", "enter")
+        assert [(each.page, each.claim) for each in record(pilot).passed[1:]] == [("never", True)]
+        assert notes(pilot.app)[-1] == "task passed"
+        assert "PASSED" in screen_text(pilot.app)
         assert record(pilot).page == "never"
 
 
 @both_sizes
-@pytest.mark.parametrize(("page", "tells"), [("predict", False), ("start", False), ("quiz", True)])
-async def test_the_help_keeps_the_notes_of_the_scenario_back(
-    size: tuple[int, int], page: str, *, tells: bool
-) -> None:
-    async with lesson(size, page) as pilot:
-        notes_told = playground(pilot).help_screen()
-        await pilot.app.push_screen(notes_told)
-        await settle(pilot)
-        await pilot.press("end")
-        await settle(pilot)
-        await pilot.press("end")
-        await settle(pilot)
-        markdown = "".join(each.source for each in notes_told.query(Markdown))
-        assert ("6.34" in markdown) is tells
-        assert ("kept back until" in markdown) is not tells
+async def test_the_help_keeps_the_notes_of_the_scenario_back(size: tuple[int, int]) -> None:
+    async with lesson(size) as pilot:
+        for page, keys, tells in (("start", "", False), ("predict", ".", False), ("quiz", "..", True)):
+            await press(pilot, *keys)
+            assert record(pilot).page == page
+            told = playground(pilot).help_screen()
+            await pilot.app.push_screen(told)
+            await settle(pilot)
+            await press(pilot, "end", "end")
+            markdown = "".join(each.source for each in told.query(Markdown))
+            assert ("6.34" in markdown) is tells, page
+            assert ("kept back until" in markdown) is not tells, page
+            await press(pilot, "escape")
 
 
 @both_sizes
-async def test_the_run_is_set_up_again_after_asking(size: tuple[int, int]) -> None:
-    async with lesson(size) as pilot:
-        screen = playground(pilot)
-        screen.send(Apply(SetParameter("alpha", 0.25)))
-        await press(pilot, "s", "N")
-        assert snapshot(pilot).counters.step == 1
-        await press(pilot, "enter")
-        now = snapshot(pilot)
-        assert now.counters.step == 0
-        assert now.agent.hyperparameters.alpha == 0.5
-        assert record(pilot).page == "start"
-        screen.send(Apply(SetParameter("alpha", 0.25)))
-        await press(pilot, "N")
-        assert snapshot(pilot).agent.hyperparameters.alpha == 0.5
-
-
-async def test_another_setup_is_another_playground() -> None:
-    async with lesson(wide, "never") as pilot:
+async def test_another_setup_is_another_playground_and_after_the_last_page_one_escape_leaves(
+    size: tuple[int, int],
+) -> None:
+    async with lesson(size, "never") as pilot:
         before = playground(pilot)
         await press(pilot, ".", ".")
         assert playground(pilot) is not before
         assert (record(pilot).page, record(pilot).skipped) == ("lake", ("never",))
         assert snapshot(pilot).recipe.scenario.id == "frozenlake"
-
-
-async def test_the_last_page_finishes_the_lesson_once_it_is_done() -> None:
-    async with lesson(wide, "lake") as pilot:
         await press(pilot, ".")
         assert notes(pilot.app) == [LAST_PAGE]
         assert record(pilot).page == "lake"
-
-
-@both_sizes
-async def test_from_the_last_page_one_escape_leaves_though_a_person_acts(size: tuple[int, int]) -> None:
-    async with lesson(size, "lake") as pilot:
         await press(pilot, "y", "2")
         assert playground(pilot).modes.current is playground(pilot).manual
         assert snapshot(pilot).counters.step == 1
         await pilot.press("escape")
         await pilot.pause()
         assert not isinstance(pilot.app.screen, Playground)
-    async with lesson(size) as pilot:
-        await press(pilot, "y", "1", "escape")
-        assert playground(pilot).modes.current is None
-
-
-@both_sizes
-@pytest.mark.parametrize("key", ["P", "Y", "G", "M", "m", "h", "D", "x", "d"])
-async def test_what_is_kept_back_names_what_it_waits_for(size: tuple[int, int], key: str) -> None:
-    async with lesson(size, "predict") as pilot:
-        await press(pilot, key)
-        assert len(pilot.app.screen_stack) == 1 + len(pilot.app.screen_stack[:-1])
-        assert playground(pilot).board.opened is None
-        assert isinstance(pilot.app.screen, Playground)
-        (note,) = notes(pilot.app)
-        assert "kept back until your prediction is in" in note
-    async with lesson(size) as pilot:
-        await press(pilot, key)
-        assert notes(pilot.app) == ["kept back until page 2 is done"]
-
-
-async def test_a_page_closes_the_panels_that_it_keeps_back() -> None:
-    async with lesson(wide, "quiz") as pilot:
-        await press(pilot, "P")
-        assert playground(pilot).board.opened is not None
-        await press(pilot, ",")
-        assert playground(pilot).board.opened is None
-        assert snapshot(pilot).answers.studied is None
 
 
 @both_sizes
@@ -382,59 +348,39 @@ async def test_the_spotlight_marks_its_panel_while_the_page_is_open(size: tuple[
 
 
 async def test_keys_palette_and_help_offer_a_lesson_only_where_there_is_one() -> None:
-    async with lesson(wide) as pilot:
+    app = app_at(recipe_of(LESSON, "evening"))
+    async with on_screen(app, wide, notifications=True) as pilot:
         screen = playground(pilot)
+        line = screen.query_one(KeyLine)
+        assert not any(each.of_lesson for each in screen.actions)
+        assert "R read" not in line.render_line(0).text
+        await press(pilot, "A")
+        assert notes(app) == [NO_LESSON]
+        await order(pilot, KeepLesson(begun(LESSON)))
         assert {"lesson.read", "lesson.hint"} <= {each.id for each in screen.actions}
         names = [hit.text async for hit in ActionProvider(screen).search("hint")]
         assert any(str(name).startswith("Hint") for name in names)
-        assert "R read" in screen.query_one(KeyLine).render_line(0).text
+        assert "R read" in line.render_line(0).text
         await press(pilot, "]")
-        assert notes(pilot.app) == [STAYS]
-    recipe = recipe_of(LESSON, "evening")
-    app = RlTuiApp(Display(fps=1000.0), recipe, partial(Player, automatic=False), picture=True)
-    async with app.run_test(size=wide, notifications=True) as pilot:
-        await settle(pilot)
-        screen = playground(pilot)
-        assert not any(each.of_lesson for each in screen.actions)
-        assert "R read" not in screen.query_one(KeyLine).render_line(0).text
-        await press(pilot, "A")
-        assert notes(pilot.app) == [NO_LESSON]
+        assert notes(app) == [STAYS]
 
 
 @both_sizes
-async def test_the_world_beside_a_lesson_shows_every_chance(size: tuple[int, int]) -> None:
-    async with lesson(size, "quiz") as pilot:
-        if size == small:
-            await press(pilot, "R")
-        shown = screen_text(pilot.app)
-        assert ".8" in shown
-        assert ".2" in shown
-
-
-@both_sizes
-async def test_the_status_line_names_the_lesson(size: tuple[int, int]) -> None:
-    async with lesson(size) as pilot:
-        assert playground(pilot).status.render_line(0).text.strip().startswith("Q-learning by hand")
-
-
-@both_sizes
-@pytest.mark.parametrize("ascii", [False, True])
-@pytest.mark.parametrize("panel", ["last_step", "controls", "timeline", "world"])
+@pytest.mark.parametrize("plain", [False, True])
 async def test_every_panel_in_the_spotlight_is_marked_without_colours(
-    size: tuple[int, int],
-    panel: str,
-    ascii: bool,  # noqa: A002
+    size: tuple[int, int], plain: bool
 ) -> None:
-    taught = lesson_of(TEXT.replace('spotlight = "table"', f'spotlight = "{panel}"'), Path("spot.toml"))
-    display = Display(fps=1000.0, ascii=ascii, colors="16")
-    app = RlTuiApp(display, recipe_of(taught, "evening"), partial(Player, automatic=False), picture=True)
-    async with app.run_test(size=size) as pilot:
-        await settle(pilot)
-        playground(pilot).send(KeepLesson(begun(taught)))
-        await settle(pilot)
-        if size == small:
-            await press(pilot, "R")
-        lit = playground(pilot).board.panel(panel)
-        row = lit.region.y + min(1, lit.region.height - 1)
-        assert screen_text(app).splitlines()[row][lit.region.x] == ("|" if ascii else "┃")
-        assert lit.has_class("-spotlit")
+    display = Display(fps=1000.0, ascii=plain, colors="16")
+    recipe = recipe_of(LESSON, "evening")
+    app = RlTuiApp(display, recipe, partial(Player, automatic=False), picture=True)
+    async with on_screen(app, size) as pilot:
+        for panel in ("last_step", "controls", "timeline", "world"):
+            text = TEXT.replace('spotlight = "table"', f'spotlight = "{panel}"')
+            await order(pilot, KeepLesson(begun(lesson_of(text, Path("spot.toml")))))
+            if page_panel(pilot).has_focus:
+                await press(pilot, "R")
+            lit = playground(pilot).board.panel(panel)
+            row = lit.region.y + min(1, lit.region.height - 1)
+            edge = screen_text(app).splitlines()[row][lit.region.x]
+            assert edge == ("|" if plain else "┃"), panel
+            assert lit.has_class("-spotlit"), panel

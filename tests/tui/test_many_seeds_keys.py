@@ -43,8 +43,9 @@ async def fed(pilot: Pilot[UserError], study: SeedStudy | None) -> str:
     return screen_text(pilot.app)
 
 
+@pytest.mark.exhaustive("plays at other sizes", but=["size1"])
 @pytest.mark.parametrize("size", [(60, 18), (80, 24), (120, 40), (200, 60)])
-async def test_m_opens_it_beside_the_curve_and_closes_it(
+async def test_m_opens_it_beside_the_curve_and_closes_it_as_escape_does(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch, size: tuple[int, int]
 ) -> None:
     async with on_screen(make_app("frozenlake-slippery"), size) as pilot:
@@ -69,19 +70,14 @@ async def test_m_opens_it_beside_the_curve_and_closes_it(
         assert sent[2:] == [EndStudy()]
         assert board.shows(TABLE)
         assert not board.panel(MANY_SEEDS).has_focus
-
-
-async def test_another_panel_and_escape_end_it(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        board, sent = playground(pilot).board, recorded(pilot, monkeypatch)
         await pilot.press("M", "d")
         await pilot.pause()
         assert board.opened == MICROSCOPE
-        assert sent[:2] == [StudySeeds(), EndStudy()]
         await pilot.press("M", "escape")
         await pilot.pause()
         assert board.opened is None
-        assert [each for each in sent[2:] if each in (StudySeeds(), EndStudy())] == [StudySeeds(), EndStudy()]
+        orders = [each for each in sent[3:] if each in (StudySeeds(), EndStudy())]
+        assert orders == [StudySeeds(), EndStudy()] * 2
 
 
 async def test_a_bandit_reveals_its_regret_with_h(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -99,7 +95,9 @@ async def test_a_bandit_reveals_its_regret_with_h(make_app: MakeApp, monkeypatch
         assert "146 ± 2" in await fed(pilot, study)
 
 
-async def test_arrows_scroll_it_where_it_is_small(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_keys_scroll_it_where_it_is_small_and_why_there_are_none_is_said(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
     async with on_screen(make_app("frozenlake-slippery"), (60, 18)) as pilot:
         recorded(pilot, monkeypatch)
         await pilot.press("M")
@@ -109,12 +107,6 @@ async def test_arrows_scroll_it_where_it_is_small(make_app: MakeApp, monkeypatch
         assert "64 of 256" not in text
         await pilot.press("home")
         assert "64 of 256" in screen_text(pilot.app)
-
-
-async def test_why_there_are_none_is_said(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
-    async with on_screen(make_app("frozenlake-slippery"), (60, 18)) as pilot:
-        recorded(pilot, monkeypatch)
-        await pilot.press("M")
         assert "not in a kiosk" in await fed(pilot, SeedStudy(StudyState.FAILED, message="not in a kiosk"))
 
 
@@ -219,6 +211,7 @@ async def compared(pilot: Pilot[UserError], snapshot: Snapshot, monkeypatch: pyt
     return rows(pilot)
 
 
+@pytest.mark.exhaustive("plays at another size", but=["size0", "size2"])
 @pytest.mark.parametrize("size", [(60, 18), (80, 24), (120, 40)])
 async def test_the_dialog_has_means_and_errors_below_each_lane(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch, size: tuple[int, int]
@@ -233,15 +226,7 @@ async def test_the_dialog_has_means_and_errors_below_each_lane(
         assert max(map(len, listed[:5])) <= width
 
 
-async def test_without_a_study_the_dialog_says_that_it_is_one_seed(
-    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async with on_screen(make_app("frozenlake-slippery"), (60, 18)) as pilot:
-        listed = await compared(pilot, side_by_side(2, 1, study=cliff_study(is_outdated=True)), monkeypatch)
-        assert listed[3] == "One seed decides nothing: M counts many."
-        assert not any("±" in row for row in listed)
-
-
+@pytest.mark.exhaustive("plays at another size", but=["size0"])
 @pytest.mark.parametrize("size", [(60, 18), (80, 24)])
 async def test_of_a_bandit_it_has_winnings_and_once_revealed_regret(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch, size: tuple[int, int]
@@ -267,7 +252,7 @@ async def test_of_a_bandit_it_has_winnings_and_once_revealed_regret(
         assert max(map(len, listed[:5])) <= width
 
 
-async def test_the_dialog_says_where_a_greedy_policy_never_ends_and_how_many_episodes_a_mean_has(
+async def test_without_a_study_the_dialog_says_so_and_of_how_many_episodes_a_mean_is(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with on_screen(make_app("frozenlake-slippery")) as pilot:
@@ -277,6 +262,10 @@ async def test_the_dialog_says_where_a_greedy_policy_never_ends_and_how_many_epi
         listed = await compared(pilot, snapshot, monkeypatch)
         assert "last 27–35" in listed[0]
         assert listed[1].endswith("no end")
+        await pilot.press("escape")
+        listed = await compared(pilot, side_by_side(2, 1, study=cliff_study(is_outdated=True)), monkeypatch)
+        assert listed[3] == "One seed decides nothing: M counts many."
+        assert not any("±" in row for row in listed)
 
 
 def test_the_look_of_no_colour_tells_the_band_from_the_line() -> None:

@@ -8,7 +8,7 @@ from seams import on_screen, order, playground, press, scroll_down, snapshot, tr
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import StepBack
+from rl_tui.lab.live.commands import GoTo, StepBack
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
@@ -29,52 +29,65 @@ def lines(pilot: Pilot[UserError]) -> str:
     return "\n".join(row.text.rstrip() for row in rows.picture(widget.snapshot, widget.size.width, 60))
 
 
+def top(pilot: Pilot[UserError]) -> str:
+    """The first row of it that is in view."""
+    return board(pilot).microscope.render_line(0).text
+
+
+@pytest.mark.exhaustive("plays at another size", but=["size0"])
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
-async def test_d_opens_and_closes_it(make_app: MakeApp, size: tuple[int, int]) -> None:
+async def test_d_opens_and_closes_it_and_keys_and_wheel_scroll_it(
+    make_app: MakeApp, size: tuple[int, int]
+) -> None:
     async with on_screen(make_app("frozenlake-slippery"), size) as pilot:
         await press(pilot, "s", "d")
+        widget = board(pilot).microscope
         assert board(pilot).shows(MICROSCOPE)
         assert board(pilot).shows(TABLE)
         assert board(pilot).shows(WORLD) is (size == (120, 40))
-        assert board(pilot).microscope.has_focus
+        assert widget.has_focus
         assert "Q(0," in lines(pilot)
+        if size == (80, 24):  # where it is longer than its place
+            assert "The step" in top(pilot)
+            await press(pilot, "down")
+            assert "state" in top(pilot)
+            await press(pilot, "end")
+            assert RETURN_HEADING not in top(pilot)
+            last = top(pilot)
+            await press(pilot, "pagedown")
+            assert top(pilot) == last
+            await press(pilot, "home")
+            assert "The step" in top(pilot)
+            await scroll_down(pilot, widget)
+            assert "The step" not in top(pilot)
         await press(pilot, "d")
         assert not board(pilot).shows(MICROSCOPE)
         assert board(pilot).shows(CURVE)
-        assert not board(pilot).microscope.has_focus
-        assert playground(pilot).board.microscope.pair is None
+        assert not widget.has_focus
+        assert widget.pair is None
 
 
-async def test_it_is_drawn_from_every_step(make_app: MakeApp) -> None:
+async def test_it_is_drawn_from_every_step_and_an_earlier_one_is_told_as_it_was_then(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
         await press(pilot, "d")
         assert lines(pilot).strip() == "no step yet: s takes one"
-        await press(pilot, "s")
-        assert " The step  1, episode 1" in lines(pilot)
+        told = []
+        for step in range(1, 5):
+            await press(pilot, "s")
+            told.append(lines(pilot))
+            assert f" The step  {step}, episode 1" in told[-1]
+        for before in reversed(told[:-1]):
+            await order(pilot, StepBack())
+            assert lines(pilot) == before
+        await order(pilot, GoTo(4))
         await train(pilot, 5_000)
-        assert "5,001, episode" in lines(pilot)
+        assert "5,004, episode" in lines(pilot)
         shown = await press(pilot, "s")
         assert board(pilot).table.sources == lit_sources(shown)
         await press(pilot, "d")
         assert not board(pilot).table.sources
-
-
-async def test_it_scrolls_by_keys_and_wheel(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake-slippery")) as pilot:
-        await press(pilot, "s", "d")
-        widget = board(pilot).microscope
-        assert "The step" in widget.render_line(0).text
-        await press(pilot, "down")
-        assert "state" in widget.render_line(0).text
-        await press(pilot, "end")
-        assert RETURN_HEADING not in widget.render_line(0).text
-        last = widget.render_line(0).text
-        await press(pilot, "pagedown")
-        assert widget.render_line(0).text == last
-        await press(pilot, "home")
-        assert "The step" in widget.render_line(0).text
-        await scroll_down(pilot, widget)
-        assert "The step" not in widget.render_line(0).text
 
 
 async def test_the_tab_key_goes_to_panels_in_view_only(make_app: MakeApp) -> None:
@@ -85,13 +98,6 @@ async def test_the_tab_key_goes_to_panels_in_view_only(make_app: MakeApp) -> Non
             await press(pilot, "tab")
             seen.add(board(pilot).panel_of(pilot.app.focused))
         assert seen == {TABLE, TIMELINE, MICROSCOPE, CONTROLS}
-
-
-async def test_a_slider_that_it_hides_closes_it(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), (120, 40)) as pilot:
-        await press(pilot, "s", "d", "1")
-        assert not board(pilot).opened
-        assert isinstance(pilot.app.focused, Slider)
 
 
 async def test_the_cursor_of_the_table_chooses_the_cell(make_app: MakeApp) -> None:
@@ -106,6 +112,9 @@ async def test_the_cursor_of_the_table_chooses_the_cell(make_app: MakeApp) -> No
         assert "History of Q(Pass,sleep)" in lines(pilot)
         await press(pilot, "full_stop")
         assert board(pilot).microscope.pair == shown.counters.last_step.updated_pair
+        await press(pilot, "1")  # goes to a slider that it hides
+        assert not board(pilot).opened
+        assert isinstance(pilot.app.focused, Slider)
 
 
 async def test_the_history_is_that_of_the_run(make_app: MakeApp) -> None:
@@ -127,21 +136,8 @@ async def test_the_history_is_that_of_the_run(make_app: MakeApp) -> None:
         assert snapshot(pilot).cell is None
 
 
-async def test_an_earlier_step_is_told_as_it_was_told_then(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
-        await press(pilot, "d")
-        told = []
-        for _ in range(4):
-            await press(pilot, "s")
-            told.append(lines(pilot))
-        for before in reversed(told[:-1]):
-            await order(pilot, StepBack())
-            assert lines(pilot) == before
-
-
-@pytest.mark.parametrize("scenario", ["frozenlake-random"])
-async def test_another_world_forgets_the_cell(make_app: MakeApp, scenario: str) -> None:
-    async with on_screen(make_app(scenario), (120, 40)) as pilot:
+async def test_another_world_forgets_the_cell(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake-random"), (120, 40)) as pilot:
         await train(pilot, 200)
         await press(pilot, "d")
         board(pilot).table.focus()

@@ -16,8 +16,8 @@ from rl_tui.tui.screens.key_line import KeyLine
 from rl_tui.tui.screens.playground.actions.modes.drawing_texts import NOTHING_TO_CHOOSE
 from rl_tui.tui.screens.playground.playground import Playground
 
-SIZES = [(80, 24), (120, 40)]
 LEFT, DOWN, RIGHT, UP = range(4)
+KEPT = "what you drew is kept; D goes on drawing"
 
 
 def view(pilot: Pilot[UserError]) -> WorldView:
@@ -38,11 +38,12 @@ def drawn(pilot: Pilot[UserError]) -> tuple[tuple[int, int], ...]:
     return snapshot(pilot).answers.drawn.choices
 
 
-@pytest.mark.parametrize("size", SIZES)
-async def test_the_list_of_policies_opens_beside_the_drawing(
+@pytest.mark.exhaustive("plays at another size", but=["size0"])
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+async def test_the_list_of_policies_opens_beside_the_drawing_and_another_policy_ends_it(
     make_app: MakeApp, size: tuple[int, int]
 ) -> None:
-    async with on_screen(make_app("frozenlake"), size) as pilot:
+    async with on_screen(make_app("frozenlake"), size, notifications=True) as pilot:
         assert (await press(pilot, "D", "1", "P")).answers.studied is PolicyKind.DRAWN
         board = playground(pilot).board
         assert board.opened == POLICIES
@@ -58,110 +59,100 @@ async def test_the_list_of_policies_opens_beside_the_drawing(
         assert (await press(pilot, "P")).answers.studied is PolicyKind.DRAWN
         assert view(pilot).has_focus
         assert playground(pilot).drawing.is_on
-
-
-@pytest.mark.parametrize("size", SIZES)
-async def test_another_policy_of_the_list_ends_the_drawing(make_app: MakeApp, size: tuple[int, int]) -> None:
-    async with on_screen(make_app("frozenlake"), size, notifications=True) as pilot:
-        await press(pilot, "D", "1", "P")
-        pilot.app.set_focus(playground(pilot).board.panel(POLICIES))
+        await press(pilot, "P")
+        board.panel(POLICIES).focus()
         await settle(pilot)
         assert playground(pilot).drawing.is_on
         assert "enter: keep" in screen_text(pilot.app)
         assert "draw" not in key_line(pilot)
         assert (await press(pilot, "down", "up")).answers.studied is PolicyKind.OPTIMAL  # above the drawn one
         assert not playground(pilot).drawing.is_on
-        assert notes(pilot.app)[-1] == "what you drew is kept; D goes on drawing"
+        assert notes(pilot.app)[-1] == KEPT
         assert "V of the optimal policy" in str(view(pilot).border_title)
         assert not view(pilot).has_class("-manual")
         assert (await press(pilot, "D")).answers.studied is PolicyKind.DRAWN
         assert view(pilot).has_focus
-        assert drawn(pilot) == ((0, UP),)
+        assert drawn(pilot) == ((0, DOWN),)
         assert view(pilot).has_class("-manual")
 
 
-async def test_the_list_goes_on_from_what_was_drawn_while_it_was_open(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
-        assert (await press(pilot, "P", "D")).answers.studied is PolicyKind.DRAWN
-        await press(pilot, "D")
-        assert playground(pilot).board.panel(POLICIES).has_focus  # where it was
-        assert (await press(pilot, "up")).answers.studied is PolicyKind.OPTIMAL
-
-
-@pytest.mark.parametrize(("mode", "word"), [("D", "draw"), ("y", "act")])
-@pytest.mark.parametrize("other", ["alpha", "timeline", "table"])
+@pytest.mark.parametrize(("mode", "word", "end"), [("D", "draw", "D: end"), ("y", "act", "y: hand back")])
 async def test_in_another_panel_keys_and_key_line_are_its_own(
-    make_app: MakeApp, mode: str, word: str, other: str
+    make_app: MakeApp, mode: str, word: str, end: str
 ) -> None:
     async with on_screen(make_app("frozenlake")) as pilot:
         screen = playground(pilot)
         await press(pilot, "s", "s", mode)
-        assert word in key_line(pilot)
         told = str(view(pilot).border_subtitle)
-        before = snapshot(pilot).counters.step
-        widget = screen.query_one(f"#{other}")
-        presses = 0
-        while screen.focused is not widget:
-            await press(pilot, "tab")
-            presses += 1
-            assert presses < 20
-        assert screen.modes.current is not None
-        assert word not in key_line(pilot)
-        assert not view(pilot).has_class("-manual")
-        assert view(pilot).title  # what is drawn there, and who acts, holds on
-        assert str(view(pilot).border_subtitle).endswith("D: end" if mode == "D" else "y: hand back")
-        assert "↑" not in str(view(pilot).border_subtitle)
-        if other == "alpha":
-            assert key_line(pilot).split()[:3] == ["α", "step", "size"]
-            await press(pilot, "right")
-            assert slider(pilot.app, "alpha").value > 0.1
-            assert snapshot(pilot).counters.step == before
-            await press(pilot, "escape")  # leaves the slider
-        elif other == "table":
-            await press(pilot, "down", "2")
-            assert snapshot(pilot).counters.step == before
-            assert screen.board.table.cursor_pair is not None
-        assert drawn(pilot) == ()
-        view(pilot).focus()
-        await settle(pilot)
+        for other in ("alpha", "timeline", "table"):
+            assert word in key_line(pilot), other
+            assert view(pilot).has_class("-manual"), other
+            for _ in range(20):
+                await press(pilot, "tab")
+                if screen.focused.id == other:
+                    break
+            assert screen.focused.id == other
+            assert screen.modes.current is not None, other
+            assert word not in key_line(pilot), other
+            assert not view(pilot).has_class("-manual"), other
+            assert view(pilot).title, other  # what is drawn there, and who acts, holds on
+            assert str(view(pilot).border_subtitle).endswith(end), other
+            assert "↑" not in str(view(pilot).border_subtitle), other
+            if other == "alpha":
+                assert key_line(pilot).split()[:3] == ["α", "step", "size"]
+                await press(pilot, "right")
+                assert slider(pilot.app, "alpha").value > 0.1
+                await press(pilot, "escape")  # leaves the slider
+            elif other == "table":
+                await press(pilot, "down", "2")
+                assert screen.board.table.cursor_pair is not None
+            assert snapshot(pilot).counters.step == 2, other
+            assert drawn(pilot) == ()
+            view(pilot).focus()
+            await settle(pilot)
+            assert other != "alpha" or str(view(pilot).border_subtitle) == told
         assert word in key_line(pilot)
         assert view(pilot).has_class("-manual")
-        if other == "alpha":
-            assert str(view(pilot).border_subtitle) == told
 
 
-async def test_escape_elsewhere_ends_the_mode_before_it_leaves(make_app: MakeApp) -> None:
+async def test_escape_elsewhere_ends_the_mode_before_it_leaves_and_in_it_gives_the_focus_back(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
         await press(pilot, "D", "2")
         pilot.app.set_focus(playground(pilot).board.curve)
         await press(pilot, "escape")
         assert not playground(pilot).drawing.is_on
         assert isinstance(pilot.app.screen, Playground)
-        assert notes(pilot.app)[-1] == "what you drew is kept; D goes on drawing"
+        assert notes(pilot.app)[-1] == KEPT
+        table = playground(pilot).board.table
+        for mode in ("D", "y"):
+            table.focus()
+            await press(pilot, mode)
+            assert view(pilot).has_focus, mode
+            await press(pilot, "escape")
+            assert table.has_focus, mode
+            assert playground(pilot).modes.current is None, mode
 
 
-async def test_a_panel_opened_while_a_person_acts_leaves_the_arrows_to_that(make_app: MakeApp) -> None:
+async def test_a_panel_leaves_the_arrows_to_who_acts_and_goes_on_from_what_was_drawn_beside_it(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
-        pilot.app.set_focus(playground(pilot).board.table)
+        board = playground(pilot).board
+        board.table.focus()
         await press(pilot, "y", "d")
-        assert playground(pilot).board.opened == MICROSCOPE
+        assert board.opened == MICROSCOPE
         assert (await press(pilot, "down")).counters.step == 1
         await press(pilot, "d", "P")
-        assert playground(pilot).board.opened == POLICIES
+        assert board.opened == POLICIES
         seen = await press(pilot, "down")
         assert (seen.counters.step, seen.answers.studied) == (2, PolicyKind.UNIFORM)
-
-
-@pytest.mark.parametrize("mode", ["D", "y"])
-async def test_a_mode_gives_the_focus_back(make_app: MakeApp, mode: str) -> None:
-    async with on_screen(make_app("frozenlake")) as pilot:
-        table = playground(pilot).board.table
-        table.focus()
-        await press(pilot, mode)
-        assert view(pilot).has_focus
-        await press(pilot, "escape")
-        assert table.has_focus
-        assert playground(pilot).modes.current is None
+        await press(pilot, "y", "P", "P")
+        assert (await press(pilot, "D")).answers.studied is PolicyKind.DRAWN
+        await press(pilot, "D")
+        assert board.panel(POLICIES).has_focus  # where it was
+        assert (await press(pilot, "up")).answers.studied is PolicyKind.OPTIMAL
 
 
 @pytest.mark.parametrize("scenario", ["frozenlake", "student"])
@@ -174,23 +165,21 @@ async def test_after_an_episode_one_draws_where_the_next_one_starts(make_app: Ma
         assert NOTHING_TO_CHOOSE not in str(view(pilot).border_subtitle)
 
 
-async def test_a_cursor_that_was_put_stays_where_it_is(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake")) as pilot:
+async def test_a_cursor_that_was_put_stays_and_the_first_words_tell_of_the_mouse(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
         await press(pilot, "e")
         view(pilot).focus()
         view(pilot).put_cursor(9)
-        await press(pilot, "D", "3")
+        await press(pilot, "D")
+        assert "second click at a side of the cell" in notes(pilot.app)[-1]
+        await press(pilot, "3")
         assert drawn(pilot) == ((9, DOWN),)
 
 
-@pytest.mark.parametrize(
-    ("scenario", "told"),
-    [("frozenlake", "second click at a side of the cell"), ("bandit", "second click on an arm")],
-)
-async def test_the_first_words_tell_of_the_mouse(make_app: MakeApp, scenario: str, told: str) -> None:
-    async with on_screen(make_app(scenario), notifications=True) as pilot:
+async def test_the_first_words_of_a_bandit_tell_of_its_arms(make_app: MakeApp) -> None:
+    async with on_screen(make_app("bandit"), notifications=True) as pilot:
         await press(pilot, "D")
-        assert told in notes(pilot.app)[-1]
+        assert "second click on an arm" in notes(pilot.app)[-1]
 
 
 @pytest.mark.parametrize(("mode", "key"), [("D", "2"), ("y", "down")])

@@ -88,15 +88,20 @@ async def test_a_planner_is_chosen_stepped_and_done(make_app: MakeApp) -> None:
         ]
 
 
-async def test_a_policy_is_chosen_and_brings_its_slider(
-    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_policy_is_chosen_and_an_option_that_changes_nothing_says_why(make_app: MakeApp) -> None:
     app = make_app("bandit")
-    # a message stays while the new loop is compiled, however long that takes
-    monkeypatch.setattr(app, "NOTIFICATION_TIMEOUT", 600.0)
     async with on_screen(app, (120, 40), notifications=True) as pilot:
+        assert [each.id for each in app.screen.query(Slider)] == ["alpha", "epsilon"]
         assert snapshot(pilot).agent.hyperparameters.sample_average
-        await press(pilot, "p")
+        await press(pilot, "o")
+        choices, hint = app.screen.query_one(OptionList), app.screen.query_one(".hint", Static)
+        for name, reason in (("gamma", "every pull ends its episode"), ("epsilon", "")):
+            choices.highlighted = choices.get_option_index(name)
+            await settle(pilot)
+            text = " ".join(str(hint.render()).split())
+            assert ("no effect now" in text) is bool(reason)
+            assert reason in text
+        await press(pilot, "escape", "p")
         await choose(pilot, "gradient")
         gradient = snapshot(pilot).agent.hyperparameters
         assert gradient.policy == "gradient"
@@ -136,6 +141,16 @@ async def test_options_list_all_that_counts_and_change_it(make_app: MakeApp) -> 
         assert snapshot(pilot).agent.hyperparameters.epsilon_schedule == "linear"
         await press(pilot, "escape")
         assert snapshot(pilot).counters.step == 0
+        await press(pilot, "o")
+        await choose(pilot, "step_size_schedule")
+        await choose(pilot, "sample-average")
+        await press(pilot, "escape")
+        assert snapshot(pilot).agent.hyperparameters.sample_average
+        assert slider(pilot.app, "alpha").value == "sample-average"
+        await press(pilot, "1", "right")
+        values = snapshot(pilot).agent.hyperparameters
+        assert not values.sample_average
+        assert slider(pilot.app, "alpha").value == values.alpha
 
 
 def test_what_is_in_force_is_said_in_plain_words() -> None:
@@ -160,33 +175,6 @@ def test_every_option_says_what_it_is_where_there_is_least_room(name: str) -> No
     assert meaning != name.replace("_", " ")
 
 
-async def test_the_sample_average_can_be_chosen_and_left(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        await press(pilot, "o")
-        await choose(pilot, "step_size_schedule")
-        await choose(pilot, "sample-average")
-        await press(pilot, "escape")
-        assert snapshot(pilot).agent.hyperparameters.sample_average
-        assert slider(pilot.app, "alpha").value == "sample-average"
-        await press(pilot, "1", "right")
-        values = snapshot(pilot).agent.hyperparameters
-        assert not values.sample_average
-        assert slider(pilot.app, "alpha").value == values.alpha
-
-
 def test_every_planner_has_a_reason_to_follow_no_policy() -> None:
     for algorithm in BY_ID.values():
         assert ("policy" in BY_ID[algorithm.id].parameters) is not algorithm.planner
-
-
-async def test_an_option_that_changes_nothing_says_why(make_app: MakeApp) -> None:
-    async with on_screen(make_app("bandit")) as pilot:
-        assert [each.id for each in pilot.app.screen.query(Slider)] == ["alpha", "epsilon"]
-        await press(pilot, "o")
-        choices, hint = pilot.app.screen.query_one(OptionList), pilot.app.screen.query_one(".hint", Static)
-        for name, reason in (("gamma", "every pull ends its episode"), ("epsilon", "")):
-            choices.highlighted = choices.get_option_index(name)
-            await settle(pilot)
-            text = " ".join(str(hint.render()).split())
-            assert ("no effect now" in text) is bool(reason)
-            assert reason in text

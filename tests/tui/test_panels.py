@@ -45,7 +45,6 @@ STEPS = PanelRow(
     opened_by=OpeningKey("f9", "count steps", "Count the steps.", rank=0),
     in_place_of=(CURVE,),
 )
-SIZES = [(80, 24), (120, 40)]
 
 
 def app_with(row: PanelRow, scenario: str = "student") -> RlTuiApp:
@@ -54,10 +53,11 @@ def app_with(row: PanelRow, scenario: str = "student") -> RlTuiApp:
     return RlTuiApp(Display(fps=1000.0), recipe, make_player, picture=True, panels=(*PANELS, row))
 
 
-@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.exhaustive("plays at another size", but=["size0"])
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
 async def test_its_key_opens_and_closes_it_where_its_row_says(size: tuple[int, int]) -> None:
     async with on_screen(app_with(STEPS), size) as pilot:
-        board = playground(pilot).board
+        screen, board = playground(pilot), playground(pilot).board
         place = board.curve.region
         board.table.focus()
         await press(pilot, "s", "f9")
@@ -74,17 +74,17 @@ async def test_its_key_opens_and_closes_it_where_its_row_says(size: tuple[int, i
         assert board.shows(CURVE)
         assert not board.shows("step_count")
         assert board.table.has_focus
-
-
-@pytest.mark.parametrize("size", SIZES)
-async def test_escape_closes_it_zoom_covers_all_and_tab_comes_by(size: tuple[int, int]) -> None:
-    async with on_screen(app_with(STEPS), size) as pilot:
-        screen, board = playground(pilot), playground(pilot).board
+        await press(pilot, "d", "f9")  # one of them is open at a time
+        assert board.opened == "step_count"
+        assert not board.microscope.display
+        await press(pilot, "d")
+        assert board.opened == MICROSCOPE
+        assert not panel.display
         await press(pilot, "f9", "f")
-        assert board.panel("step_count").region == board.region
-        await press(pilot, "f", "tab")
-        visited = {board.panel_of(pilot.app.focused)}
-        for _ in range(12):
+        assert panel.region == board.region
+        await press(pilot, "f")
+        visited = set()
+        for _ in range(13):
             await press(pilot, "tab")
             visited.add(board.panel_of(pilot.app.focused))
         assert {"step_count", "table"} <= visited
@@ -95,17 +95,6 @@ async def test_escape_closes_it_zoom_covers_all_and_tab_comes_by(size: tuple[int
             await press(pilot, "escape")
         assert board.opened is None
         assert screen.is_attached
-
-
-async def test_one_of_them_is_open_at_a_time() -> None:
-    async with on_screen(app_with(STEPS)) as pilot:
-        board = playground(pilot).board
-        await press(pilot, "d", "f9")
-        assert board.opened == "step_count"
-        assert not board.microscope.display
-        await press(pilot, "d")
-        assert board.opened == MICROSCOPE
-        assert not board.panel("step_count").display
 
 
 async def test_palette_help_and_key_line_list_it() -> None:

@@ -13,13 +13,6 @@ from rl_tui.tui.screens.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import scenarios
 
 
-async def test_it_starts_paused_at_step_0_with_ten_steps_a_second(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        assert snapshot(pilot).counters.step == 0
-        assert snapshot(pilot).playback.phase is Phase.PAUSED
-        assert snapshot(pilot).playback.speed == 10.0
-
-
 async def test_it_goes_on_where_a_screen_that_closed_forgot_to_tell_that_it_was_painted(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -31,47 +24,47 @@ async def test_it_goes_on_where_a_screen_that_closed_forgot_to_tell_that_it_was_
         assert (await press(pilot, "s")).counters.step == 2
 
 
-async def test_s_takes_one_step_and_e_ends_the_episode(make_app: MakeApp) -> None:
+async def test_it_starts_paused_s_takes_a_step_e_ends_the_episode_and_space_runs(make_app: MakeApp) -> None:
     async with on_screen(make_app("student")) as pilot:
+        first = snapshot(pilot)
+        assert (first.counters.step, first.playback.phase) == (0, Phase.PAUSED)
+        assert first.playback.speed == 10.0
         assert (await press(pilot, "s")).counters.step == 1
         assert (await press(pilot, "s", "s")).counters.step == 3
         done = await press(pilot, "e")
         assert done.counters.episodes == 1
         assert done.counters.episode_step == 0
         assert done.playback.phase is Phase.PAUSED
-
-
-async def test_space_runs_and_pauses(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
         assert (await press(pilot, "space")).playback.phase is Phase.RUNNING
-        assert (await train(pilot, 100)).counters.step == 100
+        here = done.counters.step + 100
+        assert (await train(pilot, 100)).counters.step == here
         assert (await press(pilot, "space")).playback.phase is Phase.PAUSED
-        assert snapshot(pilot).counters.step == 100
-
-
-async def test_plus_and_minus_climb_the_speeds(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        assert (await press(pilot, "plus")).playback.speed == 30.0
-        assert (await press(pilot, "equals_sign")).playback.speed == 100.0
-        assert (await press(pilot, "minus", "underscore", "minus")).playback.speed == 3.0
-        assert (await press(pilot, *["plus"] * 12)).playback.speed is None
-
-
-async def test_r_starts_again_with_what_is_in_force(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        await train(pilot, 50)
+        assert snapshot(pilot).counters.step == here
         ties = await press(pilot, "t")
         assert ties.agent.hyperparameters.ties == "first"
-        assert ties.counters.step == 50
-        again = await press(pilot, "r")
+        assert ties.counters.step == here
+        again = await press(pilot, "r")  # with what is in force
         assert again.counters.step == 0
         assert again.playback.phase is Phase.PAUSED
         assert again.recipe.hyperparameters.ties == "first"
         assert again.recipe.seed == 0
 
 
-async def test_v_goes_round_the_layers(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake")) as pilot:
+async def test_plus_and_minus_climb_the_speeds_and_a_notice_hides_no_title(make_app: MakeApp) -> None:
+    async with on_screen(make_app("student"), notifications=True) as pilot:
+        assert (await press(pilot, "plus")).playback.speed == 30.0
+        assert (await press(pilot, "equals_sign")).playback.speed == 100.0
+        assert (await press(pilot, "minus", "underscore", "minus")).playback.speed == 3.0
+        assert (await press(pilot, *["plus"] * 12)).playback.speed is None
+        await press(pilot, "l")
+        notice = pilot.app.screen.query_one("Toast").region
+        assert (notice.bottom, notice.height) == (24, 1)
+        assert notice.right >= 78
+        assert RlTuiApp.NOTIFICATION_TIMEOUT <= 3
+
+
+async def test_v_goes_round_the_layers_and_brackets_to_the_neighbouring_scenarios(make_app: MakeApp) -> None:
+    async with on_screen(make_app("cliff")) as pilot:
         table = pilot.app.screen.query_one(QTable)
         seen = []
         for _ in range(4):
@@ -79,6 +72,11 @@ async def test_v_goes_round_the_layers(make_app: MakeApp) -> None:
             await press(pilot, "v")
         assert len(set(seen)) == 4
         assert table.shown_layer == seen[0]
+        ids = [scenario.id for scenario in scenarios()]
+        await press(pilot, "left_square_bracket")
+        assert snapshot(pilot).recipe.scenario.id == ids[ids.index("cliff") - 1]
+        await press(pilot, "right_square_bracket")
+        assert snapshot(pilot).recipe.scenario.id == "cliff"
 
 
 async def test_f_zooms_the_world_or_the_panel_in_focus(make_app: MakeApp) -> None:
@@ -98,29 +96,23 @@ async def test_f_zooms_the_world_or_the_panel_in_focus(make_app: MakeApp) -> Non
         assert board.query_one("#world").region.width == 42
 
 
-async def test_tab_goes_from_world_to_table_to_curve_to_controls(make_app: MakeApp) -> None:
+async def test_tab_goes_round_the_panels_m_shows_the_model_and_help_ends_with_notes(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("student"), (120, 40)) as pilot:
         board, visited = playground(pilot).board, []
         for _ in range(6):
             await press(pilot, "tab")
             visited.append(board.panel_of(pilot.app.focused))
         assert visited == ["world", "table", "curve", "timeline", "controls", "controls"]
-
-
-async def test_m_shows_the_model_and_closes_it(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
         await press(pilot, "m")
         assert isinstance(pilot.app.screen, ModelScreen)
         await train(pilot, 10)
         await press(pilot, "m")
         assert isinstance(pilot.app.screen, Playground)
-
-
-async def test_the_notes_are_at_the_end_of_the_help(make_app: MakeApp) -> None:
-    app = make_app("student")
-    async with on_screen(app, (160, 24)) as pilot:
+        pilot.app.set_focus(None)
         await press(pilot, "question_mark", "pagedown")
-        assert "student MDP" in str(app.screen.query("MarkdownParagraph").last().render())
+        assert "student MDP" in str(pilot.app.screen.query("MarkdownParagraph").last().render())
 
 
 async def test_h_reveals_a_bandit_until_it_starts_again(make_app: MakeApp) -> None:
@@ -131,28 +123,10 @@ async def test_h_reveals_a_bandit_until_it_starts_again(make_app: MakeApp) -> No
         assert is_secret(await press(pilot, "h", "r"))
 
 
-async def test_brackets_go_to_the_neighbouring_scenario(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        ids = [scenario.id for scenario in scenarios()]
-        await press(pilot, "left_square_bracket")
-        assert snapshot(pilot).recipe.scenario.id == ids[ids.index("student") - 1]
-        await press(pilot, "right_square_bracket")
-        assert snapshot(pilot).recipe.scenario.id == "student"
-
-
 async def test_h_explains_itself_where_nothing_is_hidden(make_app: MakeApp) -> None:
     async with on_screen(make_app("cartpole"), notifications=True) as pilot:
         await press(pilot, "h")
         assert notes(pilot.app) == ["there is nothing to hide: this world has no exact answer"]
-
-
-async def test_a_notice_is_one_line_at_the_bottom_right_where_it_hides_no_title(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), notifications=True) as pilot:
-        await press(pilot, "l")
-        notice = pilot.app.screen.query_one("Toast").region
-        assert (notice.bottom, notice.height) == (24, 1)
-        assert notice.right >= 78
-        assert RlTuiApp.NOTIFICATION_TIMEOUT <= 3
 
 
 async def test_scenarios_may_be_changed_faster_than_they_load(make_app: MakeApp) -> None:

@@ -27,24 +27,21 @@ def holes_of(shown: Snapshot) -> list[int]:
     return [cell for cell, kind in enumerate(shown.world.drawing.kinds) if kind is CellKind.HOLE]
 
 
-async def test_a_slider_moves_by_keys_and_acts_at_once(make_app: MakeApp) -> None:
+async def test_1_2_3_go_to_the_sliders_even_out_of_a_zoom_and_what_is_set_acts_at_once(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("student")) as pilot:
-        slider(pilot.app, "epsilon").focus()
         before = snapshot(pilot).agent.hyperparameters.epsilon
-        now = (await press(pilot, "right")).agent.hyperparameters.epsilon
-        assert now > before
-        assert slider(pilot.app, "epsilon").value == now
-        assert (await press(pilot, "left")).agent.hyperparameters.epsilon == before
-        assert snapshot(pilot).counters.step == 0
-
-
-async def test_1_2_3_go_to_the_sliders_even_out_of_a_zoom(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
         for key, name in (("1", "alpha"), ("2", "gamma"), ("3", "epsilon")):
             playground(pilot).board.table.focus()
             await press(pilot, "f", key)
             assert pilot.app.focused is slider(pilot.app, name)
             assert playground(pilot).board.zoomed is None
+        now = (await press(pilot, "right")).agent.hyperparameters.epsilon
+        assert now > before
+        assert slider(pilot.app, "epsilon").value == now
+        assert (await press(pilot, "left")).agent.hyperparameters.epsilon == before
+        assert snapshot(pilot).counters.step == 0
         typed = await press(pilot, "enter", "1", "enter")
         assert typed.agent.hyperparameters.epsilon == 1.0
 
@@ -80,7 +77,7 @@ async def test_enter_and_escape_give_the_focus_back_to_where_it_was(make_app: Ma
         assert isinstance(pilot.app.screen, Playground)
 
 
-async def test_a_value_that_is_none_is_told_and_the_slider_stays(make_app: MakeApp) -> None:
+async def test_a_value_or_a_slider_that_is_none_is_told_and_so_is_the_tie_rule(make_app: MakeApp) -> None:
     async with on_screen(make_app("student"), notifications=True) as pilot:
         await press(pilot, "3", "enter", *"30.4", "tab")
         assert pilot.app.focused is slider(pilot.app, "epsilon")
@@ -88,6 +85,13 @@ async def test_a_value_that_is_none_is_told_and_the_slider_stays(make_app: MakeA
         await press(pilot, "1")
         assert pilot.app.focused is slider(pilot.app, "alpha")
         assert notes(pilot.app) == []
+        await press(pilot, "3", "4")
+        assert pilot.app.focused is slider(pilot.app, "epsilon")
+        assert notes(pilot.app) == ["there is no fourth slider here"]
+        await press(pilot, "escape")
+        for ties in ("first", "random"):
+            assert (await press(pilot, "t")).agent.hyperparameters.ties == ties
+            assert [ties in note for note in notes(pilot.app)] == [True]
 
 
 async def test_while_a_person_acts_digits_act_but_on_a_slider_they_are_typed(make_app: MakeApp) -> None:
@@ -101,7 +105,7 @@ async def test_while_a_person_acts_digits_act_but_on_a_slider_they_are_typed(mak
         assert (await press(pilot, "1")).counters.step == 2
 
 
-async def test_the_key_line_says_what_space_does_now_and_nothing_moves(make_app: MakeApp) -> None:
+async def test_the_key_line_says_what_space_does_now_and_can_be_clicked(make_app: MakeApp) -> None:
     async with on_screen(make_app("student")) as pilot:
         line = pilot.app.screen.query_one(KeyLine)
         paused = line.render_line(0).text
@@ -110,6 +114,10 @@ async def test_the_key_line_says_what_space_does_now_and_nothing_moves(make_app:
         assert running == paused.replace("run  ", "pause", 1)
         await click(pilot, line, offset=(running.index("pause"), 0))
         assert line.render_line(0).text == paused
+        await click(pilot, line, offset=(14, 0))
+        assert snapshot(pilot).counters.step == 1
+        await click(pilot, "#settings", offset=(31, 0))
+        assert snapshot(pilot).agent.hyperparameters.ties == "first"
 
 
 async def test_the_key_line_says_what_keys_do_on_a_slider_and_answers_clicks(make_app: MakeApp) -> None:
@@ -149,7 +157,9 @@ async def test_a_value_typed_before_there_is_a_world_is_set_once_there_is(
         assert slider(app, "epsilon").value == 0.4
 
 
-async def test_what_is_being_typed_outlasts_another_policy(make_app: MakeApp) -> None:
+async def test_what_is_being_typed_outlasts_another_policy_and_a_slider_that_goes_gives_the_focus_back(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("student")) as pilot:
         await press(pilot, "2", "0", "full_stop")
         playground(pilot).agent.set_parameter("policy", "softmax")
@@ -157,40 +167,18 @@ async def test_what_is_being_typed_outlasts_another_policy(make_app: MakeApp) ->
         assert pilot.app.focused is slider(pilot.app, "gamma")
         assert [each.id for each in pilot.app.screen.query(Slider)] == ["alpha", "gamma", "temperature"]
         assert (await press(pilot, "5", "enter")).agent.hyperparameters.gamma == 0.5
-
-
-async def test_a_slider_that_goes_gives_the_focus_back(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
         await press(pilot, "3")
-        playground(pilot).agent.set_parameter("policy", "softmax")
+        playground(pilot).agent.set_parameter("policy", "epsilon-greedy")
         await settle(pilot)
         assert pilot.app.focused is None
 
 
-async def test_the_tie_rule_says_what_is_in_force_now(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), notifications=True) as pilot:
-        for ties in ("first", "random"):
-            assert (await press(pilot, "t")).agent.hyperparameters.ties == ties
-            assert [ties in note for note in notes(pilot.app)] == [True]
-
-
-async def test_initial_q_is_asked_for_and_starts_again(make_app: MakeApp) -> None:
+async def test_a_prompt_names_the_range_and_stays_and_initial_q_starts_again(make_app: MakeApp) -> None:
     async with on_screen(make_app("student")) as pilot:
         await train(pilot, 10)
-        await press(pilot, "i")
-        assert isinstance(pilot.app.screen, Prompt)
-        pilot.app.screen.query_one(Input).value = "5"
-        again = await press(pilot, "enter")
-        assert not isinstance(pilot.app.screen, Prompt)
-        assert again.counters.step == 0
-        assert again.agent.q.tolist() == [5.0] * 5
-
-
-async def test_a_prompt_names_the_range_and_stays(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
         for key, wrong, expected in (
-            ("i", "much", "type a number from -1e12 to 1e12"),
             ("n", "", "type a whole number, 0 or more"),
+            ("i", "much", "type a number from -1e12 to 1e12"),
         ):
             await press(pilot, key)
             assert isinstance(pilot.app.screen, Prompt)
@@ -201,22 +189,12 @@ async def test_a_prompt_names_the_range_and_stays(make_app: MakeApp) -> None:
             await press(pilot, "escape")
             assert isinstance(pilot.app.screen, Playground)
         assert snapshot(pilot).recipe.seed == 0
-
-
-async def test_a_seed_is_typed(make_app: MakeApp) -> None:
-    async with on_screen(make_app("bandit")) as pilot:
-        means = snapshot(pilot).world.space.reward
-        again = await press(pilot, "n", "4", "2", "enter")
-        assert again.recipe.seed == 42
-        assert again.world.space.reward.tolist() != means.tolist()
-
-
-async def test_hints_and_settings_can_be_clicked(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        await click(pilot, "#keys", offset=(14, 0))
-        assert snapshot(pilot).counters.step == 1
-        await click(pilot, "#settings", offset=(31, 0))
-        assert snapshot(pilot).agent.hyperparameters.ties == "first"
+        await press(pilot, "i")
+        pilot.app.screen.query_one(Input).value = "5"
+        again = await press(pilot, "enter")
+        assert not isinstance(pilot.app.screen, Prompt)
+        assert again.counters.step == 0
+        assert again.agent.q.tolist() == [5.0] * 5
 
 
 async def test_every_setting_is_drawn_once_whatever_the_height(make_app: MakeApp) -> None:
@@ -233,17 +211,11 @@ async def test_every_setting_is_drawn_once_whatever_the_height(make_app: MakeApp
             assert ("ε now" in text) is (each is decaying)
 
 
-async def test_a_slider_that_is_not_there_is_told(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
-        await pilot.press("3", "4")
-        assert pilot.app.focused is slider(pilot.app, "epsilon")
-        assert notes(pilot.app) == ["there is no fourth slider here"]
-
-
-async def test_another_seed_shows_its_own_map(make_app: MakeApp) -> None:
+async def test_a_seed_is_typed_and_shows_its_own_map(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake-random"), (120, 40)) as pilot:
         first = snapshot(pilot)
-        second = await press(pilot, "n", "5", "enter")
+        second = await press(pilot, "n", "4", "2", "enter")
+        assert second.recipe.seed == 42
         holes = holes_of(second)
         assert holes != holes_of(first)
         view = playground(pilot).query_one(GridView)

@@ -232,6 +232,7 @@ def headings(pilot: Pilot[UserError]) -> list[str]:
     return [str(board.panel(each).border_title) for each in (WORLD, TABLE, CURVE)]
 
 
+@pytest.mark.exhaustive("plays at other sizes", but=["size1"])
 @pytest.mark.parametrize("size", [(60, 18), (80, 24), (120, 40)])
 async def test_p_opens_it_beside_the_world_and_its_cursor_says_what_that_shows(
     make_app: MakeApp, size: tuple[int, int]
@@ -256,10 +257,6 @@ async def test_p_opens_it_beside_the_world_and_its_cursor_says_what_that_shows(
         assert board.shows(TABLE)
         assert "V of" not in headings(pilot)[0]
         assert "4.04" not in screen_text(pilot.app)
-
-
-async def test_escape_goes_back_and_another_panel_ends_it(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
         assert (await press(pilot, "P", "down", "escape")).answers.studied is None
         assert (await press(pilot, "P")).answers.studied is PolicyKind.GREEDY  # where the cursor was
         assert (await press(pilot, "d")).answers.studied is None
@@ -285,21 +282,17 @@ async def test_enter_keeps_it_on_world_table_and_curve(make_app: MakeApp) -> Non
         assert (await press(pilot, "P", "P")).answers.studied is None
         assert board.table.shown_layer is Layer.Q
         assert "uniform 6.2" not in screen_text(pilot.app)
+        await press(pilot, "P")
+        panel = board.panel(POLICIES)
+        rows = [panel.render_line(y).text for y in range(8)]
+        y = next(y for y, row in enumerate(rows) if "as it acts" in row)
+        await click(pilot, panel, offset=(4, y + 1))
+        assert snapshot(pilot).answers.studied is PolicyKind.BEHAVIOUR
 
 
-async def test_the_arrows_of_a_map_are_the_likeliest_actions(make_app: MakeApp) -> None:
-    async with on_screen(make_app("cliff"), (120, 40)) as pilot:
-        await press(pilot, "P", "end", "up")
-        world = playground(pilot).board.world
-        assert world.studied is PolicyKind.OPTIMAL
-        rows = [world.render_line(y).text for y in range(14)]
-        assert max(row.count("→") for row in rows) >= 11  # along the cliff
-        told = number_here(world, look())
-        assert told.name.startswith("Vπ(36) = −13")
-        assert told.term == "policy-value"
-
-
-async def test_a_state_that_a_policy_may_never_leave_has_a_dash(make_app: MakeApp) -> None:
+async def test_a_state_that_a_policy_may_never_leave_has_a_dash_and_arrows_are_the_likeliest_actions(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("cliff"), (120, 40)) as pilot:
         await train(pilot, 300)
         await press(pilot, "P", "down")
@@ -320,16 +313,14 @@ async def test_a_state_that_a_policy_may_never_leave_has_a_dash(make_app: MakeAp
         world.put_cursor(state)
         told = number_here(world, look())
         assert told.name == f"Vπ({state}): none"
-
-
-async def test_a_click_chooses(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        await press(pilot, "P")
-        panel = playground(pilot).board.panel(POLICIES)
-        rows = [panel.render_line(y).text for y in range(8)]
-        y = next(y for y, row in enumerate(rows) if "as it acts" in row)
-        await click(pilot, panel, offset=(4, y + 1))
-        assert snapshot(pilot).answers.studied is PolicyKind.BEHAVIOUR
+        await press(pilot, "P", "end", "up")
+        assert world.studied is PolicyKind.OPTIMAL
+        rows = [world.render_line(y).text for y in range(14)]
+        assert max(row.count("→") for row in rows) >= 11  # along the cliff
+        world.put_cursor(36)
+        told = number_here(world, look())
+        assert told.name.startswith("Vπ(36) = −13")
+        assert told.term == "policy-value"
 
 
 def board_title(pilot: Pilot[UserError]) -> object:

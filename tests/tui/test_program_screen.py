@@ -15,6 +15,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.lab.live.snapshot import Phase
 from rl_tui.lab.live_programs.watched_program import WatchedProgram
 from rl_tui.lab.programs.program_process import ProgramRequest
+from rl_tui.lab.run.library import recipe_named
 from rl_tui.tui.panels.curve.words import GREEDY, NO_LINE_WITHOUT_TABLE
 from rl_tui.tui.panels.discount.discount import DiscountPanel
 from rl_tui.tui.panels.legend import MAY_NEVER_END
@@ -80,7 +81,7 @@ async def watching(path: Path, size: tuple[int, int] = (120, 40)) -> AsyncIterat
         program.end()
 
 
-async def test_it_stands_at_its_beginning_and_says_how_to_go_on(script: Path) -> None:
+async def test_it_stands_at_its_beginning_and_says_how_to_go_on_until_it_has_begun(script: Path) -> None:
     async with watching(script, (80, 24)) as pilot:
         assert snapshot(pilot).counters.step == 0
         assert notes(pilot.app) == [FIRST_KEYS]
@@ -88,8 +89,9 @@ async def test_it_stands_at_its_beginning_and_says_how_to_go_on(script: Path) ->
         assert board.shows(PROGRAM)
         assert not board.shows(CONTROLS)
         assert "cliff.py" in screen_text(pilot.app)
-        assert (await press(pilot, "s")).counters.step == 1
+        await train(pilot, 3)
         assert notes(pilot.app) == []
+        assert (await press(pilot, "s")).counters.step == 4
 
 
 DECIDED = "your program decides that: change it in cliff.py and save"
@@ -112,7 +114,9 @@ REFUSED = {
 """The keys that cannot be pressed here, and what is said of each."""
 
 
-async def test_what_cannot_be_done_says_what_to_do_instead(script: Path) -> None:
+async def test_what_cannot_be_done_says_what_to_do_instead_and_what_can_is_done(
+    script: Path,
+) -> None:
     async with watching(script) as pilot:
         screen, before = pilot.app.screen, playground(pilot).link.sent
         for key, instead in REFUSED.items():
@@ -122,13 +126,16 @@ async def test_what_cannot_be_done_says_what_to_do_instead(script: Path) -> None
             assert instead in said[0], key
         assert pilot.app.screen is screen
         assert playground(pilot).link.sent == before
-
-
-async def test_how_to_begin_is_not_said_any_more_once_it_has_begun(script: Path) -> None:
-    async with watching(script, (80, 24)) as pilot:
-        assert notes(pilot.app) == [FIRST_KEYS]
-        await train(pilot, 3)
-        assert notes(pilot.app) == []
+        await train(pilot, 50)
+        program = snapshot(pilot).program
+        assert program.table.others
+        assert program.table.other_forms == ("array",)
+        await press(pilot, "T")
+        assert "array 48×4, float64" in screen_text(pilot.app)
+        await choose(pilot, "1")
+        assert snapshot(pilot).counters.step == 0
+        await train(pilot, 50)
+        assert snapshot(pilot).program.table.name == program.table.others[0]
 
 
 async def test_without_a_table_a_flip_sets_no_gamma_and_no_greedy_policy_has_a_return(tmp_path: Path) -> None:
@@ -149,28 +156,24 @@ async def test_without_a_table_a_flip_sets_no_gamma_and_no_greedy_policy_has_a_r
         assert snapshot(pilot).agent.hyperparameters.gamma == gamma
 
 
-async def test_its_keys_stand_on_the_key_line_and_those_of_ours_do_not(script: Path) -> None:
+async def test_its_keys_and_its_output_are_at_hand_and_our_keys_are_not(script: Path) -> None:
     async with watching(script, (160, 40)) as pilot:
+        board = playground(pilot).board
+        await train(pilot, 5)
         await press(pilot, "s")
         line = screen_text(pilot.app).splitlines()[-1]
         for there in ("F findings", "O output", "space run", "b B back"):
             assert there in line
         for gone in ("algorithm", "policy", "eval", "you", "save"):
             assert gone not in line
+        await press(pilot, "O")
+        assert board.shows(OUTPUT)
+        assert not board.shows(TABLE)
+        assert "│ training starts" in screen_text(pilot.app)
+        await press(pilot, "O")
+        assert board.shows(TABLE)
         await press(pilot, "question_mark")
         assert "T chooses another of its tables" in " ".join(screen_text(pilot.app).split())
-
-
-async def test_the_step_back_is_told_as_it_was(script: Path) -> None:
-    async with watching(script) as pilot:
-        await train(pilot, 30)
-        then = screen_text(pilot.app)
-        await press(pilot, "s", "b")
-        assert snapshot(pilot).counters.step == 30
-        assert "past, only shown" in screen_text(pilot.app)
-        last = [line[62:] for line in then.splitlines() if "environment" in line or "target" in line]
-        assert last
-        assert all(line in screen_text(pilot.app) for line in last)
 
 
 async def test_a_finding_leads_to_the_first_step_that_shows_it(tmp_path: Path) -> None:
@@ -192,33 +195,6 @@ async def test_a_finding_leads_to_the_first_step_that_shows_it(tmp_path: Path) -
         assert now.counters.last_step.terminated
 
 
-async def test_its_output_has_a_panel(script: Path) -> None:
-    async with watching(script) as pilot:
-        await train(pilot, 5)
-        await press(pilot, "O")
-        assert playground(pilot).board.shows(OUTPUT)
-        assert not playground(pilot).board.shows(TABLE)
-        assert "│ training starts" in screen_text(pilot.app)
-        await press(pilot, "O")
-        assert playground(pilot).board.shows(TABLE)
-
-
-async def test_another_table_can_be_chosen(script: Path) -> None:
-    async with watching(script) as pilot:
-        await train(pilot, 50)
-        program = snapshot(pilot).program
-        assert program.table.others
-        await press(pilot, "T")
-        asked = screen_text(pilot.app)
-        assert "array 48×4, float64" in asked
-        assert program.table.other_forms == ("array",)
-        await choose(pilot, "1")
-        assert snapshot(pilot).counters.step == 0
-        await train(pilot, 50)
-        chosen = snapshot(pilot).program
-        assert chosen.table.name == program.table.others[0]
-
-
 async def test_without_a_table_nothing_looks_like_an_estimate(tmp_path: Path) -> None:
     path = tmp_path / "random_walk.py"
     path.write_text(dedent(WALK), encoding="utf-8")
@@ -238,11 +214,25 @@ async def test_without_a_table_nothing_looks_like_an_estimate(tmp_path: Path) ->
         table.shown_layer = Layer.VISITS
         shown = "".join(table.render_line(y).text for y in range(1, 12))
         assert any(str(count) in shown for count in range(1, 9))
+        await train(pilot, 40)
+        await press(pilot, "c")
+        await choose(pilot, "sarsa")
+        assert playground(pilot).board.is_paired
+        assert DIFFERS not in screen_text(pilot.app)  # it is not compared with ours
 
 
-async def test_an_agent_of_ours_beside_it(script: Path) -> None:
+async def test_the_step_back_is_told_as_it_was_and_an_agent_of_ours_stands_beside_it(script: Path) -> None:
     async with watching(script) as pilot:
-        await train(pilot, 60)
+        await train(pilot, 30)
+        then = screen_text(pilot.app)
+        await press(pilot, "s", "b")
+        assert snapshot(pilot).counters.step == 30
+        assert "past, only shown" in screen_text(pilot.app)
+        last = [line[62:] for line in then.splitlines() if "environment" in line or "target" in line]
+        assert last
+        assert all(line in screen_text(pilot.app) for line in last)
+        await press(pilot, "s")
+        await train(pilot, 29)
         await press(pilot, "c")
         await choose(pilot, "sarsa")
         beside = snapshot(pilot).beside
@@ -252,17 +242,6 @@ async def test_an_agent_of_ours_beside_it(script: Path) -> None:
         assert "cliff.py" in screen_text(pilot.app)
         await press(pilot, "c")
         assert "One seed decides nothing; rl-tui grade runs your program" in screen_text(pilot.app)
-
-
-async def test_without_a_table_it_is_not_compared_with_ours(tmp_path: Path) -> None:
-    path = tmp_path / "random_walk.py"
-    path.write_text(dedent(WALK), encoding="utf-8")
-    async with watching(path) as pilot:
-        await train(pilot, 60)
-        await press(pilot, "c")
-        await choose(pilot, "sarsa")
-        assert playground(pilot).board.is_paired
-        assert DIFFERS not in screen_text(pilot.app)
 
 
 async def test_it_starts_again_and_it_ends(script: Path) -> None:
@@ -291,11 +270,7 @@ async def _keys_after(pilot: Pilot[UserError], key: str) -> str:
 
 
 async def test_without_a_program_these_keys_say_how_to_watch_one() -> None:
-    from rl_tui.lab.run.library import recipe_for
-    from rl_tui.worlds.files.catalogue import find
-
-    recipe = recipe_for(find("student"), {}, 0)
-    app = app_at(recipe)
+    app = app_at(recipe_named("student"))
     async with on_screen(app) as pilot:
         for key in ("F", "O"):
             await press(pilot, key)

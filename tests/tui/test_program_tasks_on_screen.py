@@ -23,7 +23,6 @@ from rl_tui.tui.app.display import Display
 from rl_tui.tui.screens.playground.actions.lesson.own_program import NOT_HERE
 
 LESSON = program_lesson()
-both_sizes = pytest.mark.parametrize("size", [(120, 40), (80, 24)])
 
 
 @asynccontextmanager
@@ -48,7 +47,8 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@both_sizes
+@pytest.mark.exhaustive("plays at another size", but=["size1"])
+@pytest.mark.parametrize("size", [(120, 40), (80, 24)])
 async def test_from_the_skeleton_to_the_pass(size: tuple[int, int], here: Path) -> None:
     async with page(size) as pilot:
         await press(pilot, "A", "enter")
@@ -70,40 +70,32 @@ async def test_from_the_skeleton_to_the_pass(size: tuple[int, int], here: Path) 
         assert snapshot(pilot).counters.step == 0
 
 
-async def test_a_file_that_is_there_is_never_written_over(here: Path) -> None:
-    (here / "my_agent.py").write_text("mine", encoding="utf-8")
-    async with page() as pilot:
-        await press(pilot, "A", "enter")
-        assert (here / "my_agent.py").read_text(encoding="utf-8") == "mine"
-        assert "stays as it is" in " ".join(notes(pilot.app))
-        await press(pilot, "A", "down", "enter")
-        await press(pilot, *"b.py", "enter")
-        assert (here / "b.py").read_text(encoding="utf-8") == SKELETON
-
-
-async def test_a_name_that_leads_elsewhere_is_refused_while_it_is_typed(here: Path) -> None:
+async def test_a_file_that_is_there_is_never_written_over_nor_one_elsewhere(here: Path) -> None:
     async with page() as pilot:
         await press(pilot, "A", *"../x.py")
         assert "in this folder" in screen_text(pilot.app)
         await press(pilot, "enter", "escape")
         assert list(here.iterdir()) == []
+        (here / "my_agent.py").write_text("mine", encoding="utf-8")
+        await press(pilot, "A", "enter")
+        assert (here / "my_agent.py").read_text(encoding="utf-8") == "mine"
+        assert "stays as it is" in " ".join(notes(pilot.app))
+        await press(pilot, "A", "end", "enter", "enter")
+        assert "it can be done" in " ".join(notes(pilot.app))  # so it is not impossible
+        await press(pilot, "A", "down", "enter")
+        await press(pilot, *"b.py", "enter")
+        assert (here / "b.py").read_text(encoding="utf-8") == SKELETON
 
 
-async def test_it_can_be_called_impossible_and_is_not(here: Path) -> None:
-    async with page() as pilot:
-        await press(pilot, "A", "enter", "A", "end", "enter", "enter")
-        assert "it can be done" in " ".join(notes(pilot.app))
-
-
-@pytest.mark.parametrize("where", ["kiosk", "browser"])
-async def test_where_others_sit_nothing_is_written(
-    here: Path, monkeypatch: pytest.MonkeyPatch, where: str
-) -> None:
-    async with page(kiosk=where == "kiosk") as pilot:
-        if where == "browser":
-            monkeypatch.setenv("TEXTUAL_DRIVER", IN_BROWSER)
+async def test_where_others_sit_nothing_is_written(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    async with page(kiosk=True) as pilot:
         await press(pilot, "A")
         assert NOT_HERE in " ".join(notes(pilot.app))
         assert list(here.iterdir()) == []
         await press(pilot, ".", ".")
         assert record(pilot).page == "after"
+    async with page((80, 24)) as pilot:
+        monkeypatch.setenv("TEXTUAL_DRIVER", IN_BROWSER)
+        await press(pilot, "A")
+        assert NOT_HERE in " ".join(notes(pilot.app))
+        assert list(here.iterdir()) == []

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import pytest
+from conftest import MakeApp
+from seams import on_screen, press, screen_text, train
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.run.library import recipe_for
@@ -14,10 +16,15 @@ def recipe(name: str) -> Recipe:
     return recipe_for(find(name), {}, 0)
 
 
+@pytest.mark.exhaustive("plays at another size", but=["size0"])
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
-async def test_the_same_call_gives_the_same_bytes(size: tuple[int, int]) -> None:
+async def test_the_same_call_gives_the_same_bytes_whatever_the_terminal(
+    size: tuple[int, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
     keys = ["space", "wait:1000", "v", "tab"]
     first = await screenshot(recipe("student"), size, keys)
+    monkeypatch.setenv("NO_COLOR", "1")
+    monkeypatch.setenv("TERM", "vt100")
     assert first == await screenshot(recipe("student"), size, keys)
     assert "1,000" in first
 
@@ -27,9 +34,9 @@ async def test_the_catalogue_has_its_picture() -> None:
     assert first == await screenshot(None, (80, 24), ["down"])
 
 
-async def test_waiting_in_pieces_is_the_same_as_waiting_at_once() -> None:
-    whole = await screenshot(recipe("student"), (80, 24), ["wait:300"])
-    assert whole == await screenshot(recipe("student"), (80, 24), ["wait:100", "wait:200"])
+async def test_waiting_in_pieces_is_the_same_as_waiting_at_once_and_no_cursor_blinks() -> None:
+    whole = await screenshot(recipe("student"), (80, 24), ["wait:300", "n", "4"])
+    assert whole == await screenshot(recipe("student"), (80, 24), ["wait:100", "wait:200", "n", "4"])
 
 
 async def test_a_key_that_is_none_is_refused() -> None:
@@ -37,6 +44,7 @@ async def test_a_key_that_is_none_is_refused() -> None:
         await screenshot(recipe("student"), (80, 24), ["sapce"])
 
 
+@pytest.mark.exhaustive("the other depths", but=["dark-none", "light-256"])
 @pytest.mark.parametrize("colors", ["none", "16", "256", "truecolor"])
 @pytest.mark.parametrize("theme", ["dark", "light"])
 async def test_every_depth_has_its_picture(colors: Colours, theme: str) -> None:
@@ -45,27 +53,20 @@ async def test_every_depth_has_its_picture(colors: Colours, theme: str) -> None:
     assert first == await screenshot(recipe("student"), (80, 24), ["wait:100"], display)
 
 
-async def test_a_picture_does_not_depend_on_the_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
-    first = await screenshot(recipe("student"), (80, 24))
-    monkeypatch.setenv("NO_COLOR", "1")
-    monkeypatch.setenv("TERM", "vt100")
-    assert first == await screenshot(recipe("student"), (80, 24))
-
-
 @pytest.mark.parametrize("keys", [["wait:"], ["wait:-3"], ["wait:x"]])
 async def test_a_wait_that_is_none_is_refused(keys: list[str]) -> None:
     with pytest.raises(UserError, match="expected wait:N"):
         await screenshot(recipe("student"), (80, 24), keys)
 
 
-@pytest.mark.parametrize("keys", [[], ["question_mark"], ["m"], ["ctrl+p"], ["i"], ["a"]])
+@pytest.mark.exhaustive("plays at another size", but=["size1"])
 @pytest.mark.parametrize("size", [(60, 18), (120, 40)])
-async def test_ascii_screens_hold_ascii_characters_only(size: tuple[int, int], keys: list[str]) -> None:
-    svg = await screenshot(recipe("student"), size, ["wait:50", *keys], Display(ascii=True))
-    strange = {character for character in svg.replace("&#160;", " ") if ord(character) > 126}
-    assert not strange
-
-
-async def test_a_cursor_does_not_blink_in_a_picture() -> None:
-    first = await screenshot(recipe("student"), (80, 24), ["n", "4"])
-    assert first == await screenshot(recipe("student"), (80, 24), ["n", "4"])
+async def test_ascii_screens_hold_ascii_characters_only(make_app: MakeApp, size: tuple[int, int]) -> None:
+    async with on_screen(make_app("student", ascii=True), size) as pilot:
+        await train(pilot, 50)
+        assert screen_text(pilot.app).isascii()
+        for key in ("question_mark", "m", "ctrl+p", "i", "a"):
+            await press(pilot, key)
+            assert len(pilot.app.screen_stack) == 3, key
+            assert screen_text(pilot.app).isascii(), key
+            await press(pilot, "escape")

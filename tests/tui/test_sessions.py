@@ -96,23 +96,6 @@ def step(pilot: Pilot[UserError]) -> int:
     return screen.snapshot.counters.step
 
 
-async def test_without_sessions_there_is_no_section(app_with_sessions: MakeSessionApp) -> None:
-    async with on_screen(app_with_sessions()) as pilot:
-        assert not listed(pilot).display
-        assert pilot.app.screen.query_one("#scenarios").size.height == 19
-
-
-async def test_no_file_name_steers_the_terminal(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:
-    write(tmp_path, "a\x1b[31m.json", order=2)
-    (tmp_path / "b\x1b[2J.json").write_text("{", encoding="utf-8")
-    async with on_screen(app_with_sessions()) as pilot:
-        await tap(pilot, "tab", "tab")
-        drawn = rows_of(listed(pilot))
-        assert any("\\u001b[2J" in line for line in drawn)
-        assert r"/a\u001b[31m.json" in letters_of(pilot.app.screen.query_one("#facts"))
-        assert not any("\x1b" in line for line in [*drawn, details(pilot)])
-
-
 async def test_the_last_one_saved_is_the_first_and_faulty_ones_are_last(
     app_with_sessions: MakeSessionApp, tmp_path: Path
 ) -> None:
@@ -136,23 +119,27 @@ async def test_the_last_one_saved_is_the_first_and_faulty_ones_are_last(
         assert about(pilot) == LEARN
 
 
-async def test_tab_goes_from_each_list_to_what_is_said_of_its_entry(
+async def test_tab_goes_from_each_list_to_what_is_said_of_its_entry_and_no_name_steers_the_terminal(
     app_with_sessions: MakeSessionApp, tmp_path: Path
 ) -> None:
-    write(tmp_path, "a.json", title="an evening")
+    write(tmp_path, "a\x1b[31m.json", title="an evening")
+    (tmp_path / "b\x1b[2J.json").write_text("{", encoding="utf-8")
     async with on_screen(app_with_sessions()) as pilot:
-        await pilot.press("down", "down")
+        await tap(pilot, "down", "down")
         told = []
         for _ in range(5):
-            await settle(pilot)
-            focused = pilot.app.focused
-            told.append((focused.id, about(pilot)))
-            await pilot.press("tab")
+            told.append((pilot.app.focused.id, about(pilot)))
+            await tap(pilot, "tab")
         lake, evening = find("frozenlake").title, "Session: an evening"
         in_order = [("scenarios", lake), ("details", lake), ("sessions", evening), ("details", evening)]
         assert told == [*in_order, in_order[0]]
         await tap(pilot, "pagedown")
         assert pilot.app.screen.query_one("#details").scroll_target_y > 0, "the notes are within reach"
+        await tap(pilot, "tab")
+        drawn = rows_of(listed(pilot))
+        assert any("\\u001b[2J" in line for line in drawn)
+        assert r"/a\u001b[31m.json" in letters_of(pilot.app.screen.query_one("#facts"))
+        assert not any("\x1b" in line for line in [*drawn, details(pilot)])
 
 
 async def test_rows_of_one_title_can_be_told_apart(app_with_sessions: MakeSessionApp, tmp_path: Path) -> None:
@@ -210,16 +197,22 @@ async def test_enter_goes_on_where_it_was_left(app_with_sessions: MakeSessionApp
         assert read_session(path).step == 41
 
 
-async def test_what_is_done_is_listed_when_one_comes_back(
+async def test_what_is_done_is_listed_when_one_comes_back_and_stays_known(
     app_with_sessions: MakeSessionApp, tmp_path: Path
 ) -> None:
-    async with on_screen(app_with_sessions(student())) as pilot:
+    app = app_with_sessions(student())
+    async with on_screen(app) as pilot:
         await tap(pilot, "s", "s", "t")
         await tap(pilot, "escape", "escape")
         assert listed(pilot).option_count == 1
         (session,), _ = sessions_in(tmp_path)
         assert (session.step, session.changes, session.document.kept) == (2, 1, False)
         assert session.document.digest
+        await tap(pilot, "enter")  # another scenario is only looked at
+        assert isinstance(app.screen, Playground)
+        await tap(pilot, "right_square_bracket")
+    assert app.kept
+    assert (app.kept.title, app.kept.step) == ("A student's evening", 2)
 
 
 async def test_w_saves_under_a_name_and_goes_on_there(
@@ -263,20 +256,6 @@ async def test_the_name_is_that_of_the_session_under_way(
     assert (app.kept.title, app.kept.step) == ("A student's evening", 1)
 
 
-async def test_what_was_kept_before_another_scenario_is_looked_at_stays_known(
-    app_with_sessions: MakeSessionApp,
-) -> None:
-    app = app_with_sessions(student())
-    async with on_screen(app) as pilot:
-        await tap(pilot, "s")
-        await tap(pilot, "escape", "escape")
-        await tap(pilot, "enter")
-        assert isinstance(app.screen, Playground)
-        await tap(pilot, "right_square_bracket")
-    assert app.kept
-    assert (app.kept.title, app.kept.step) == ("A student's evening", 1)
-
-
 async def test_where_no_session_is_kept_w_says_so(app_with_sessions: MakeSessionApp) -> None:
     app = app_at(student())
     async with on_screen(app) as pilot:
@@ -307,6 +286,7 @@ async def test_delete_asks_first(app_with_sessions: MakeSessionApp, tmp_path: Pa
         await settle(pilot)
         assert os.listdir(tmp_path) == []
         assert not listed(pilot).display
+        assert pilot.app.screen.query_one("#scenarios").size.height == 19
         assert pilot.app.screen.query_one("#scenarios", OptionList).has_focus
 
 

@@ -64,13 +64,6 @@ def with_greedy(snapshot: Snapshot, actions: dict[int, int]) -> Snapshot:
     return changed(snapshot, q=q, visits=visits)
 
 
-async def test_without_room_for_two_lanes_the_first_key_says_so(make_app: MakeApp) -> None:
-    async with on_screen(make_app("cliff"), (60, 18), notifications=True) as pilot:
-        await open_lane(pilot, "algorithm", "sarsa")
-        await press(pilot, "z")
-        assert "no room" in notes(pilot.app)[-1]
-
-
 def test_only_states_known_to_both_are_counted() -> None:
     left = with_greedy(lake(0), {0: 1, 1: 2, 2: 0})
     right = with_greedy(lake(0), {0: 1, 1: 3, 4: 0})
@@ -126,6 +119,7 @@ async def test_two_lanes_at_120x40_from_the_first_key_to_the_last(make_app: Make
         assert board.controls.styles.border_top[0] == "round"
 
 
+@pytest.mark.exhaustive("plays at another size", but=["size1"])
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
 async def test_cursor_and_focus_go_through_all_panels(make_app: MakeApp, size: tuple[int, int]) -> None:
     async with on_screen(make_app("frozenlake-slippery"), size) as pilot:
@@ -203,7 +197,7 @@ async def test_a_smaller_terminal_shows_one_lane_and_a_larger_one_both(make_app:
 
 
 async def test_one_lane_alone_by_a_key_and_by_the_zoom(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake-slippery")) as pilot:
+    async with on_screen(make_app("frozenlake-slippery"), notifications=True) as pilot:
         await press(pilot, "z")  # with one run it says so
         await open_lane(pilot, "alpha", "0.5")
         board, (left, _) = board_of(pilot), worlds(pilot)
@@ -223,13 +217,23 @@ async def test_one_lane_alone_by_a_key_and_by_the_zoom(make_app: MakeApp) -> Non
         assert board.microscope.snapshot is snapshot(pilot)
         await press(pilot, "escape")
         assert board.is_paired
+        await pilot.resize_terminal(60, 18)
+        await press(pilot, "z")
+        assert "no room" in notes(pilot.app)[-1]
 
 
-async def test_of_three_lanes_the_one_marked_stands_beside(make_app: MakeApp) -> None:
+async def test_who_acts_by_hand_acts_in_the_lane_led_and_of_three_the_one_marked_stands_beside(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
         await open_lane(pilot, "alpha", "0.5")
-        await open_lane(pilot, "alpha", "0.9")
         left, right = worlds(pilot)
+        await press(pilot, "y")
+        assert (left.is_manual, right.is_manual) == (True, False)
+        await press(pilot, "l")
+        assert (left.is_manual, right.is_manual) == (False, True)
+        await press(pilot, "y", "l")
+        await open_lane(pilot, "alpha", "0.9")
         assert (left.heading[:2], right.heading[0]) == ("▸1", "2")
         await press(pilot, "c", "down", "down", "space")
         assert snapshot(pilot).run_group.beside == 2
@@ -238,16 +242,6 @@ async def test_of_three_lanes_the_one_marked_stands_beside(make_app: MakeApp) ->
         assert (left.heading[:2], right.heading[0]) == ("▸2", "3")
         await press(pilot, "l")
         assert (left.heading[0], right.heading[:2]) == ("2", "▸3")
-
-
-async def test_who_acts_by_hand_acts_in_the_lane_led(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
-        await open_lane(pilot, "alpha", "0.5")
-        left, right = worlds(pilot)
-        await press(pilot, "y")
-        assert (left.is_manual, right.is_manual) == (True, False)
-        await press(pilot, "l")
-        assert (left.is_manual, right.is_manual) == (False, True)
 
 
 async def test_what_a_bandit_keeps_secret_is_revealed_in_both(make_app: MakeApp) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 from conftest import MakeApp
-from seams import click, notes, on_screen, order, playground, press, switch
+from seams import click, notes, on_screen, order, playground, press, snapshot, switch
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
@@ -40,57 +40,31 @@ def record(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Com
 async def test_u_runs_until_what_is_chosen_and_remembers_it(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with on_screen(make_app("frozenlake")) as pilot:
+    app = make_app("frozenlake")
+    async with on_screen(app) as pilot:
         asked = record(pilot, monkeypatch)
         await press(pilot, "u", "enter")
         assert asked == [RunUntil(Until(Event.REWARD))]
         await press(pilot, "u", "down", "down", "enter")
         assert asked[1:] == [RunUntil(Until(Event.POLICY_CHANGE))]
         await press(pilot, "u")
-        chosen = pilot.app.screen.query_one(OptionList).highlighted_option
-        assert chosen.id == "policy"
+        assert app.screen.query_one(OptionList).highlighted_option.id == "policy"
         await press(pilot, "escape")
-        assert isinstance(pilot.app.screen, Playground)
+        assert isinstance(app.screen, Playground)
         assert len(asked) == 2
-
-
-async def test_numbers_are_asked_for(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
-    app = make_app("frozenlake")
-    async with on_screen(app) as pilot:
-        asked = record(pilot, monkeypatch)
-        await press(pilot, "u", *["down"] * 4, "enter")
+        await press(pilot, "u", "down", "down", "enter")
         assert isinstance(app.screen, Prompt)
         await press(pilot, *"500", "enter")
-        assert asked == [RunUntil(Until(Event.STEP, number=500))]
+        assert asked[2:] == [RunUntil(Until(Event.STEP, number=500))]
         await press(pilot, "u", "down", "enter")
         app.screen.query_one(Input).value = "1"
         await press(pilot, "enter")
         assert "type a whole number, 2 or more" in str(app.screen.query_one(".error").render())
         await press(pilot, "escape")
-        assert len(asked) == 1
-
-
-async def test_a_value_is_that_of_the_pair_under_the_cursor(
-    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async with on_screen(make_app("frozenlake")) as pilot:
-        asked = record(pilot, monkeypatch)
+        assert len(asked) == 3
         playground(pilot).board.table.focus()
-        await press(pilot, "down", "right", "u", *["down"] * 6, "enter", *"0.5", "enter")
-        assert asked == [RunUntil(Until(Event.VALUE, pair=6, threshold=0.5))]
-
-
-async def test_what_cannot_be_waited_for_says_why_and_stays(
-    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async with on_screen(make_app("blackjack")) as pilot:
-        asked = record(pilot, monkeypatch)
-        await press(pilot, "u", "down", "down", "down")
-        about = str(pilot.app.screen.query_one("#about", Static).render())
-        assert about.startswith("Not here. No exact answer")
-        await press(pilot, "enter")
-        assert isinstance(pilot.app.screen, UntilChoice)
-        assert not asked
+        await press(pilot, "down", "right", "u", "home", *["down"] * 6, "enter", *"0.5", "enter")
+        assert asked[3:] == [RunUntil(Until(Event.VALUE, pair=6, threshold=0.5))]
 
 
 async def test_k_stops_where_the_cursor_is(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -122,50 +96,6 @@ async def test_a_wall_is_no_place_to_stop_at(make_app: MakeApp, monkeypatch: pyt
         await press(pilot, "k")
         assert not asked
         assert notes(pilot.app) == ["here is no state to stop at"]
-
-
-async def test_arms_and_nodes_have_breakpoints(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
-    for scenario, moves, command, said in (
-        (
-            "bandit",
-            ["down", "down"],
-            ToggleBreakpoint(pair=2),
-            "breakpoint on arm 2: pauses each time it is pulled",
-        ),
-        (
-            "student",
-            ["right"],
-            ToggleBreakpoint(state=2),
-            "breakpoint on state Pass: pauses each time it is reached",
-        ),
-    ):
-        async with on_screen(make_app(scenario), notifications=True) as pilot:
-            asked = record(pilot, monkeypatch)
-            await press(pilot, "tab", *moves, "k")
-            assert asked == [command]
-            assert notes(pilot.app) == [said]
-
-
-async def test_a_bandit_without_a_cursor_says_how_to_get_one(
-    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async with on_screen(make_app("bandit"), notifications=True) as pilot:
-        asked = record(pilot, monkeypatch)
-        await press(pilot, "k")
-        assert notes(pilot.app) == [
-            "a breakpoint of a bandit is on an arm: tab goes to them, the arrows choose one"
-        ]
-        await press(pilot, "K")
-        assert notes(pilot.app) == ["there are no breakpoints; k sets one where the cursor is"]
-        assert not asked
-
-
-async def test_a_spent_budget_has_nothing_to_wait_for(make_app: MakeApp) -> None:
-    async with on_screen(make_app("bandit"), notifications=True) as pilot:
-        await order(pilot, Train(1000))
-        await press(pilot, "u")
-        assert isinstance(pilot.app.screen, Playground)
-        assert notes(pilot.app) == ["the run has come to its end; r starts again"]
 
 
 async def test_the_cursor_of_one_panel_shows_in_the_other(make_app: MakeApp) -> None:
@@ -209,7 +139,9 @@ async def test_a_breakpoint_set_in_the_world_stops_the_run_and_is_taken_away(mak
 
 async def test_a_breakpoint_set_in_the_table_stops_the_run_after_its_pair(make_app: MakeApp) -> None:
     async with on_screen(make_app("student"), notifications=True) as pilot:
-        marked = await press(pilot, "tab", "tab", "down", "down", "k", "up", "k")
+        assert (await press(pilot, "tab", "right", "k")).playback.breakpoints.states == {2}
+        assert notes(pilot.app) == ["breakpoint on state Pass: pauses each time it is reached"]
+        marked = await press(pilot, "K", "tab", "down", "down", "k", "up", "k")
         assert marked.playback.breakpoints.pairs == {1, 2}
         for _ in range(3):
             stopped = await press(pilot, "e")
@@ -221,12 +153,19 @@ async def test_a_breakpoint_set_in_the_table_stops_the_run_after_its_pair(make_a
 
 
 async def test_a_bandit_runs_until_an_arm_is_pulled_or_the_best_is_greedy(make_app: MakeApp) -> None:
-    async with on_screen(make_app("bandit")) as pilot:
+    async with on_screen(make_app("bandit"), notifications=True) as pilot:
+        await press(pilot, "k")
+        (said,) = notes(pilot.app)
+        assert said == "a breakpoint of a bandit is on an arm: tab goes to them, the arrows choose one"
+        await press(pilot, "K")
+        assert notes(pilot.app) == ["there are no breakpoints; k sets one where the cursor is"]
         await press(pilot, "tab", *["down"] * 7)
         world = playground(pilot).board.world
         assert str(world.border_subtitle) == "arm 7 · k: breakpoint · esc: back"
-        stopped = await press(pilot, "k", "u", "down", "down", "down", "enter")
-        stopped = await press(pilot, "enter")
+        marked = await press(pilot, "k")
+        assert notes(pilot.app) == ["breakpoint on arm 7: pauses each time it is pulled"]
+        assert marked.playback.breakpoints.pairs == {7}
+        stopped = await press(pilot, "u", "down", "down", "down", "enter", "enter")
         assert stopped.counters.last_step.pair == 7
         assert stopped.agent.visits[7] == 1
         assert stopped.playback.paused_by == "breakpoint: arm 7"
@@ -235,34 +174,33 @@ async def test_a_bandit_runs_until_an_arm_is_pulled_or_the_best_is_greedy(make_a
         assert int(cleared.agent.q.argmax()) == best
         assert cleared.playback.paused_by == "the greedy arm is the best"
         assert cleared.counters.step < 1000
+        await order(pilot, Train(1000))
+        await press(pilot, "u")
+        assert isinstance(pilot.app.screen, Playground)
+        assert notes(pilot.app)[-1] == "the run has come to its end; r starts again"
 
 
-async def test_a_stepped_world_stops_at_states_and_values(make_app: MakeApp) -> None:
+async def test_a_stepped_world_stops_at_states_and_values_and_what_it_cannot_wait_for_says_why(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("blackjack")) as pilot:
         await press(pilot, "s")
         table = playground(pilot).board.table
         table.focus()
         pair = table.shown_cursor
         assert pair is not None
-        marked = await press(pilot, "k", "u", "down", "down", "down", "down", "enter", *"9999", "enter")
+        await press(pilot, "k", "u", "down", "down", "down")
+        about = str(pilot.app.screen.query_one("#about", Static).render())
+        assert about.startswith("Not here. No exact answer")
+        await press(pilot, "enter")
+        assert isinstance(pilot.app.screen, UntilChoice)
+        assert snapshot(pilot).counters.step == 1
+        marked = await press(pilot, "down", "enter", *"9999", "enter")
         assert marked.counters.last_step.pair == pair
         assert marked.counters.step < 9_999
 
 
-async def test_a_planner_stops_after_a_sweep_and_at_a_state(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake")) as pilot:
-        await switch(pilot, "value-iteration")
-        swept = await press(pilot, "u", "down", "enter")
-        assert swept.counters.episodes == 1
-        world = playground(pilot).board.world
-        world.focus()
-        world.put_cursor(9)
-        stopped = await press(pilot, "k", "e")
-        assert stopped.counters.last_step.state == 9
-        assert stopped.counters.episodes == 1
-
-
-async def test_breakpoints_are_listed_and_taken_away_in_the_dialog(make_app: MakeApp) -> None:
+async def test_breakpoints_are_listed_in_the_dialog_and_a_planner_stops_at_them(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake")) as pilot:
         await press(pilot, "k", "u")
         listed = pilot.app.screen.query_one("#breakpoints", Static)
@@ -274,3 +212,12 @@ async def test_breakpoints_are_listed_and_taken_away_in_the_dialog(make_app: Mak
         assert str(listed.render()) == "Breakpoints: none; k sets one where the cursor is."
         await press(pilot, "u")
         assert isinstance(pilot.app.screen, Playground)
+        await switch(pilot, "value-iteration")
+        swept = await press(pilot, "u", "down", "enter")
+        assert swept.counters.episodes == 1
+        world = playground(pilot).board.world
+        world.focus()
+        world.put_cursor(9)
+        stopped = await press(pilot, "k", "e")
+        assert stopped.counters.last_step.state == 9
+        assert stopped.counters.episodes == 1

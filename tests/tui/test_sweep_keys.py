@@ -13,61 +13,49 @@ from rl_tui.tui.screens.key_line import KeyLine
 SIZE = (80, 24)
 
 
-async def test_a_key_for_a_sweep_of_each_kind(make_app: MakeApp) -> None:
+async def test_a_key_for_a_sweep_of_each_kind_and_its_entry_in_the_journal(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), SIZE) as pilot:
         await switch(pilot, "policy-iteration")
-        evaluated = await press(pilot, "E", "E")
+        world = playground(pilot).board.world
+        evaluated = await press(pilot, "E")
+        assert words_of(world).count("↑→↓←") == 11
+        assert world.policy_shown == "policy"
+        evaluated = await press(pilot, "E")
         assert (evaluated.counters.episodes, evaluated.agent.sweep) == (2, "evaluation")
         assert evaluated.agent.planning.startswith("policy 1, evaluation sweep 2: ")
         improved = await press(pilot, "I")
+        assert 0 < words_of(world).count("↑→↓←") < 11
         assert (improved.counters.episodes, improved.agent.sweep) == (3, "improvement")
         assert improved.agent.planning == "policy 1, improvement: 5 states changed"
         assert improved.playback.phase is Phase.PAUSED
         assert "π(14) ← argmax{" in screen_text(pilot.app)
+        await press(pilot, "j")
+        entries = pilot.app.screen.query_one("#entries", OptionList)
+        listed = [str(entries.get_option_at_index(place).prompt) for place in range(entries.option_count)]
+        assert listed[-1] == "step 22: next sweep: improvement"
+        assert "step 0: next sweep: evaluation" in listed
+        await press(pilot, "escape")
         back = await press(pilot, "B")
         assert back.agent.policy.tolist() == evaluated.agent.policy.tolist()
         assert back.agent.planning.endswith("; then improvement")
 
 
-async def test_arrows_are_those_of_the_policy_until_it_is_improved(make_app: MakeApp) -> None:
+async def test_the_key_line_has_them_where_they_do_something_else_they_say_whose_they_are(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("frozenlake"), SIZE) as pilot:
-        await switch(pilot, "policy-iteration")
-        world = playground(pilot).board.world
+        line, world = pilot.app.screen.query_one(KeyLine), playground(pilot).board.world
+        assert "E I" not in words_of(line)
         await press(pilot, "E")
-        assert words_of(world).count("↑→↓←") == 11
-        assert world.policy_shown == "policy"
-        await press(pilot, "I")
-        assert 0 < words_of(world).count("↑→↓←") < 11
-        await switch(pilot, "value-iteration")
-        assert world.policy_shown == "greedy"
-
-
-async def test_the_key_line_has_them_where_they_do_something(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake"), SIZE) as pilot:
-        line = pilot.app.screen.query_one(KeyLine)
-        assert "E I" not in words_of(line)
-        await switch(pilot, "policy-iteration")
-        assert "E I eval, improve" in words_of(line)
-        await switch(pilot, "value-iteration")
-        assert "E I" not in words_of(line)
-
-
-async def test_elsewhere_they_say_whose_they_are(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake"), SIZE) as pilot:
-        shown = await press(pilot, "E")
         assert notes(pilot.app) == ["E evaluates the policy of policy iteration: a chooses that"]
         shown = await press(pilot, "I")
         assert notes(pilot.app)[-1] == "I improves the policy of policy iteration: a chooses that"
         assert (shown.counters.step, shown.agent.algorithm) == (0, "q-learning")
-
-
-async def test_orders_stand_in_the_journal(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake"), SIZE) as pilot:
         await switch(pilot, "policy-iteration")
-        await press(pilot, "E", "I", "j")
-        entries = pilot.app.screen.query_one("#entries", OptionList)
-        listed = [str(entries.get_option_at_index(place).prompt) for place in range(entries.option_count)]
-        assert listed[1:] == ["step 0: next sweep: evaluation", "step 11: next sweep: improvement"]
+        assert "E I eval, improve" in words_of(line)
+        await switch(pilot, "value-iteration")
+        assert "E I" not in words_of(line)
+        assert world.policy_shown == "greedy"
 
 
 async def test_the_state_backed_up_last_is_the_one_marked(make_app: MakeApp) -> None:

@@ -40,23 +40,29 @@ def bottom_line(pilot: Pilot[UserError]) -> str:
     return playground(pilot).query_one(KeyLine).render_line(0).text.strip()
 
 
-@pytest.mark.parametrize("focused", ["nothing", "alpha", "table", "world", "curve"])
 async def test_arrows_and_digits_act_whatever_is_in_focus(
-    focused: str, make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with on_screen(make_app("frozenlake")) as pilot:
-        if focused != "nothing":
-            pilot.app.screen.query_one(f"#{focused}").focus()
+        screen, board = pilot.app.screen, playground(pilot).board
         asked = record(pilot, monkeypatch)
-        await press(pilot, "y", "right", "down", "1", "4")
-        assert asked == [Take(RIGHT), Take(DOWN), Take(UP), Take(LEFT)]  # digits count the actions as shown
-        board = playground(pilot).board
-        assert board.table.cursor_pair is None
-        assert board.world.cursor is None
-        assert pilot.app.screen.query_one("#alpha", Slider).value == 0.1
+        for focused in (None, "alpha", "table", "world", "curve"):
+            asked.clear()
+            screen.set_focus(None if focused is None else screen.query_one(f"#{focused}"))
+            await press(pilot, "y", "right", "down", "1", "4")
+            took = [Take(RIGHT), Take(DOWN), Take(UP), Take(LEFT)]  # digits count the actions as shown
+            assert asked == took, focused
+            assert board.table.cursor_pair is None, focused
+            assert board.world.cursor is None, focused
+            assert screen.query_one("#alpha", Slider).value == 0.1, focused
+            await press(pilot, "y")
+        screen.set_focus(None)
+        await press(pilot, "2", "right")  # without the mode
+        assert pilot.app.focused is screen.query_one("#gamma")
+        assert not any(isinstance(command, Take) for command in asked[4:])
 
 
-async def test_the_mode_is_seen_and_y_ends_it(make_app: MakeApp) -> None:
+async def test_the_mode_is_seen_and_y_or_escape_ends_it(make_app: MakeApp) -> None:
     async with on_screen(make_app("student"), (120, 40), notifications=True) as pilot:
         world = playground(pilot).board.world
         before = (str(world.border_title), str(world.border_subtitle), bottom_line(pilot))
@@ -72,10 +78,6 @@ async def test_the_mode_is_seen_and_y_ends_it(make_app: MakeApp) -> None:
         assert not world.has_class("-manual")
         assert "paused" in playground(pilot).query_one(StatusLine).render_line(0).text
         assert notes(pilot.app)[-1] == "the agent acts again"
-
-
-async def test_escape_hands_back_and_stays_here(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
         await press(pilot, "y", "question_mark")
         assert isinstance(pilot.app.screen, HelpScreen)
         await press(pilot, "escape")
@@ -85,73 +87,45 @@ async def test_escape_hands_back_and_stays_here(make_app: MakeApp) -> None:
         assert isinstance(pilot.app.screen, Playground)
 
 
-async def test_without_the_mode_the_keys_do_what_they_did(
+async def test_space_and_e_hand_back_s_does_not_and_a_planner_takes_no_actions(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with on_screen(make_app("frozenlake")) as pilot:
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         asked = record(pilot, monkeypatch)
-        await press(pilot, "y", "y", "2", "right")
-        assert pilot.app.focused is pilot.app.screen.query_one("#gamma")
-        assert not any(isinstance(command, Take) for command in asked)
-
-
-async def test_space_and_e_hand_back_and_s_does_not(
-    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        asked = record(pilot, monkeypatch)
-        await press(pilot, "y", "s")
-        assert asked == [Step()]
+        await press(pilot, "y", "3")
+        assert notes(pilot.app)[-1] == "3 is no action here: act with 1 or 2"
+        await press(pilot, "2", "s")
+        assert asked == [Take(1), Step()]
         assert playground(pilot).manual.is_on
         await press(pilot, "e")
-        assert asked[1:] == [RunEpisode()]
+        assert asked[2:] == [RunEpisode()]
         assert not playground(pilot).manual.is_on
         for key in ("space", "r"):
             await press(pilot, "y")
             assert playground(pilot).manual.is_on
             await press(pilot, key)
             assert not playground(pilot).manual.is_on
+        await switch(pilot, "value-iteration")
+        await press(pilot, "y")
+        assert not playground(pilot).manual.is_on
+        (said,) = notes(pilot.app)
+        assert said == "Value iteration takes no actions: it plans with the model; a chooses an agent"
 
 
-async def test_keys_without_an_action_say_so(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
-    async with on_screen(make_app("student"), notifications=True) as pilot:
-        asked = record(pilot, monkeypatch)
-        await press(pilot, "y", "3")
-        assert notes(pilot.app)[-1] == "3 is no action here: act with 1 or 2"
-        await press(pilot, "2")
-        assert asked == [Take(1)]
-
-
-async def test_an_arm_is_pulled_by_its_name(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_arms_are_pulled_by_their_names_until_the_budget_is_spent(make_app: MakeApp) -> None:
     async with on_screen(make_app("bandit"), notifications=True) as pilot:
-        asked = record(pilot, monkeypatch)
-        await press(pilot, "y", "7", "0")
-        assert asked == [Take(7), Take(0)]
+        pulled = await press(pilot, "y", "7", "7", "0")
+        assert pulled.agent.visits.tolist() == [1, 0, 0, 0, 0, 0, 0, 2, 0, 0]
         await order(pilot, Train(1000))
         assert not playground(pilot).manual.is_on
         assert notes(pilot.app)[-1] == "the budget is spent; r starts again"
 
 
-async def test_a_planner_takes_no_actions(make_app: MakeApp) -> None:
-    app = make_app("frozenlake")
-    async with on_screen(app, notifications=True) as pilot:
-        screen = playground(pilot)
-        await switch(pilot, "value-iteration")
-        await press(pilot, "y")
-        assert not screen.manual.is_on
-        assert notes(app) == ["Value iteration takes no actions: it plans with the model; a chooses an agent"]
-
-
-async def test_pulls_and_cards_by_hand(make_app: MakeApp) -> None:
-    async with on_screen(make_app("bandit")) as pilot:
-        pulled = await press(pilot, "y", "7", "7", "0")
-        assert pulled.agent.visits.tolist() == [1, 0, 0, 0, 0, 0, 0, 2, 0, 0]
+async def test_cards_by_hand(make_app: MakeApp) -> None:
     async with on_screen(make_app("blackjack")) as pilot:
         dealt = await press(pilot, "y", "1")
-        assert (dealt.counters.last_step.by_hand, dealt.counters.last_step.terminated) == (
-            True,
-            True,
-        )  # stick
+        stick = dealt.counters.last_step
+        assert (stick.by_hand, stick.terminated) == (True, True)
         assert dealt.counters.step_from not in (None, dealt.counters.state)
         world = playground(pilot).board.world
         hand = dealt.world.space.state_names[dealt.counters.step_from or 0]

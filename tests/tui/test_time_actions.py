@@ -65,48 +65,39 @@ def two(branch: int, here: int = 80) -> Timeline:
 async def test_b_goes_back_a_step_and_B_an_episode_as_often_as_they_are_pressed(  # noqa: N802
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with on_screen(make_app("student")) as pilot:
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         shows(pilot, one(100, 100))
         sent = recorded(pilot, monkeypatch)
         await pilot.press("b", "b", "b", "B", "b")
         assert sent == [StepBack(), StepBack(), StepBack(), EpisodeBack(), StepBack()]
-
-
-async def test_at_step_0_they_say_so(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
-    async with on_screen(make_app("student"), notifications=True) as pilot:
         shows(pilot, one(0, 100))
-        sent = recorded(pilot, monkeypatch)
+        sent.clear()
         await pilot.press("b")
         assert sent == []
         assert notes(pilot.app) == ["this is step 0, where the run begins"]
 
 
-async def test_the_timeline_is_scrubbed_with_keys_and_mouse(
-    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.exhaustive("plays at another size", but=["size0"])
+@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+async def test_the_timeline_is_scrubbed_with_keys_that_stand_above_it_and_with_the_mouse(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch, size: tuple[int, int]
 ) -> None:
-    async with on_screen(make_app("student")) as pilot:
+    async with on_screen(make_app("student"), size) as pilot:
         shows(pilot, one(200, 200))
-        sent = recorded(pilot, monkeypatch)
-        await pilot.press("tab", "tab", "tab", "tab", "pagedown", "pagedown", "shift+left", "home")
+        sent, board = recorded(pilot, monkeypatch), playground(pilot).board
+        assert "move" not in board.curve.footing
+        await pilot.press("tab", "tab", "tab", "tab")
+        assert board.timeline.has_focus
+        assert board.curve.footing.startswith("← →: move")
+        await pilot.press("pagedown", "pagedown", "shift+left", "home")
         assert sent == [GoTo(180), GoTo(160), GoTo(159), GoTo(0)]
         sent.clear()
-        await pilot.click("#timeline", offset=(23, 0))
+        await pilot.click("#timeline", offset=(size[0] * 2 // 7, 0))
         assert len(sent) == 1
         assert isinstance(sent[0], GoTo)
         assert 60 < (sent[0].step or 0) < 140
-
-
-async def test_the_keys_of_the_timeline_stand_above_it_while_it_has_the_focus(make_app: MakeApp) -> None:
-    for size in ((80, 24), (120, 40)):
-        async with on_screen(make_app("student"), size) as pilot:
-            shows(pilot, one(200, 200))
-            board = playground(pilot).board
-            assert "move" not in board.curve.footing
-            await pilot.press("tab", "tab", "tab", "tab")
-            assert board.timeline.has_focus
-            assert board.curve.footing.startswith("← →: move")
-            await pilot.press("tab")
-            assert "move" not in board.curve.footing
+        await pilot.press("tab")
+        assert "move" not in board.curve.footing
 
 
 async def test_g_asks_where_to_and_goes_there(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -124,27 +115,16 @@ async def test_g_asks_where_to_and_goes_there(make_app: MakeApp, monkeypatch: py
         assert len(sent) == 3
 
 
-async def test_j_goes_to_another_branch_or_to_a_change_in_it(
+async def test_j_goes_to_another_branch_and_says_which_moment_that_is_or_to_a_change_in_it(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    async with on_screen(make_app("student")) as pilot:
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         shows(pilot, two(1))
         sent = recorded(pilot, monkeypatch)
         await pilot.press("j", "enter")
         assert sent == []
         await pilot.press("j", "up", "enter")
         assert sent == [ChooseBranch(0)]
-        await pilot.press("j", "up", "tab", "enter")
-        assert sent[1:] == [ChooseBranch(0), GoTo(40)]
-
-
-async def test_on_another_branch_it_says_which_moment_that_is(
-    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async with on_screen(make_app("student"), notifications=True) as pilot:
-        shows(pilot, two(1))
-        recorded(pilot, monkeypatch)
-        await pilot.press("j", "up", "enter")
         shows(pilot, two(0), phase=Phase.SEEKING)
         assert notes(pilot.app) == []
         first, second = two(0).branches
@@ -156,6 +136,9 @@ async def test_on_another_branch_it_says_which_moment_that_is(
         shows(pilot, two(1))
         await pilot.pause()
         assert notes(pilot.app)[-1] == "branch 2, step 80: as far as it has come"
+        sent.clear()
+        await pilot.press("j", "up", "tab", "enter")
+        assert sent == [ChooseBranch(0), GoTo(40)]
 
 
 async def test_a_fork_is_told_once(make_app: MakeApp) -> None:
@@ -218,16 +201,17 @@ async def test_what_is_still_under_way_is_not_taken_back(
         assert screen.query_one("#alpha", Slider).value == asked
 
 
-@pytest.mark.parametrize(("here", "says_so"), [(200, True), (120, False)])
 async def test_an_episode_beyond_the_end_is_told_only_where_the_run_ends(
-    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch, here: int, says_so: bool
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A seek that a person holds up, or sends elsewhere, has not come to the end."""
     async with on_screen(make_app("student"), notifications=True) as pilot:
-        shows(pilot, one(100, 200), episodes=30)
         sent = recorded(pilot, monkeypatch)
-        await pilot.press("g", *"e900", "enter")
-        assert sent == [GoTo(episode=900)]
-        shows(pilot, one(here, 200), episodes=here // 4)
-        await pilot.pause()
-        assert any("ends here" in each for each in notes(pilot.app)) is says_so
+        for here, says_so in ((120, False), (200, True)):
+            shows(pilot, one(100, 200), episodes=30)
+            sent.clear()
+            await pilot.press("g", *"e900", "enter")
+            assert sent == [GoTo(episode=900)]
+            shows(pilot, one(here, 200), episodes=here // 4)
+            await pilot.pause()
+            assert any("ends here" in each for each in notes(pilot.app)) is says_so
