@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import Awaitable, Callable, Collection
+from collections.abc import Awaitable, Callable, Collection, Sequence
 from contextlib import suppress
 from functools import partial
 from itertools import takewhile
@@ -20,6 +20,7 @@ from textual.app import App, ScreenStackError
 from textual.command import CommandPalette
 from textual.dom import DOMNode
 from textual.events import Event, Key, Paste
+from textual.message import Message
 
 PATIENCE: Final = 5.0  # seconds: a widget that is stuck must not keep the keyboard for ever
 MOST_HELD: Final = 1_000  # keys: no person types so far ahead, and a flood of keys must take no memory
@@ -33,6 +34,17 @@ class EscapeOrAlt(Key):
     def __init__(self, name: str, typed: Key) -> None:
         super().__init__(name, None)
         self.typed = typed
+
+
+class TypeFirst(Message):
+    """Asks the app to take the ``keys`` as typed before all that waits.
+
+    They are asked for once no key is on its way, so that until then more of them can be held.
+    """
+
+    def __init__(self, keys: Callable[[], Sequence[Key]]) -> None:
+        super().__init__()
+        self.keys = keys
 
 
 class KeyQueue:
@@ -58,6 +70,7 @@ class KeyQueue:
         self._stops = stops
         self._held: deque[Event] = deque()
         self._held_size = 0
+        self._first: deque[Callable[[], Sequence[Key]]] = deque()
         self._settling: asyncio.Task[None] | None = None
         self._has_rest = asyncio.Event()
         self._has_rest.set()
@@ -79,6 +92,18 @@ class KeyQueue:
         elif self._tell_of_loss is not None:
             tell, self._tell_of_loss = self._tell_of_loss, None
             tell()
+
+    def take_first(self, keys: Callable[[], Sequence[Key]]) -> None:
+        """Do as :class:`TypeFirst` asks."""
+        self._first.append(keys)
+        if self._settling is None:
+            self._has_rest.clear()
+            self._settling = asyncio.create_task(self._settle(self._in_focus()), name="key-queue")
+
+    def _hold(self, keys: Sequence[Key]) -> None:
+        """Have ``keys`` typed next, as if they had come from the terminal."""
+        self._held.extendleft(each.set_sender(self._app) for each in reversed(keys))
+        self._held_size += len(keys)
 
     def _end_flood(self) -> None:
         """Forget what is held: all of it where it is full, else a last key that was typed many times."""
@@ -103,8 +128,7 @@ class KeyQueue:
         """Return the key that ``event`` is where that does something, else escape, with the other next."""
         if event.key in self._app.active_bindings:
             return Key(event.key, event.character)
-        self._held.appendleft(event.typed)
-        self._held_size += _size(event.typed)
+        self._hold([event.typed])
         return Key("escape", "\x1b")
 
     async def _settle(self, aim: DOMNode) -> None:
@@ -115,6 +139,8 @@ class KeyQueue:
                 await self._follow_focus()
                 if self._held and _is_key("enter", self._held[0]):
                     await self._find_entries()
+        while self._first:
+            self._hold(self._first.popleft()())
         if not (self._held and self._app.call_later(self._type_next)):
             self._settling = None
             self._has_rest.set()

@@ -11,9 +11,10 @@ from textual.events import Event, Key, MouseUp, Paste
 from textual.widgets import Input
 
 from rl_tui.terminal.driver import MOST_WAITING, TerminalDriver
-from rl_tui.terminal.key_queue import FLOOD, EscapeOrAlt, KeyQueue
+from rl_tui.terminal.key_queue import FLOOD, EscapeOrAlt, KeyQueue, TypeFirst
 from rl_tui.tui.app.app import RlTuiApp
 from rl_tui.tui.app.idleness import Idleness
+from rl_tui.tui.screens.early_keys import EarlyKeys
 
 
 async def test_of_a_flood_of_keys_only_so_many_are_held() -> None:
@@ -142,3 +143,36 @@ async def test_a_key_that_stops_is_not_lost_where_too_many_wait(
     for key in ("B", "q", "escape", "ctrl+c"):
         driver.process_message(Key(key, None))
     assert sent == kept
+
+
+async def test_keys_that_waited_for_a_screen_come_before_those_typed_later() -> None:
+    """Also before one that is on its way to that screen already."""
+    done: list[str] = []
+
+    class Waiting(App[None]):
+        early = EarlyKeys("a")
+
+        async def on_event(self, event: Event) -> None:
+            if isinstance(event, Key) and not event.is_forwarded:
+                await queue.take(event)
+            else:
+                await super().on_event(event)
+
+        def on_type_first(self, message: TypeFirst) -> None:
+            queue.take_first(message.keys)
+
+        def on_key(self, event: Key) -> None:
+            if event.key == "b":
+                self.early.release(self)
+            if not self.early.take(event):
+                done.append(event.key)
+
+    app = Waiting()
+    queue = KeyQueue(app, super(Waiting, app).on_event)
+    async with app.run_test() as pilot:
+        for key in "abc":
+            app.post_message(Key(key, key))
+        async with asyncio.timeout(60):
+            while len(done) < 3:
+                await pilot.pause()
+    assert done == ["a", "b", "c"]

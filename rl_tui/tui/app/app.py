@@ -26,7 +26,7 @@ from rl_tui.common.findings import one_line
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.terminal.driver_choice import driver_class
 from rl_tui.terminal.ending import HUNG_UP, end_on_signal
-from rl_tui.terminal.key_queue import KeyQueue
+from rl_tui.terminal.key_queue import KeyQueue, TypeFirst
 from rl_tui.terminal.linked_app import LinkedApp
 from rl_tui.terminal.textual_workarounds import forget_left_screens
 from rl_tui.tui.actions.bindings import bindings_everywhere, stopping_keys
@@ -160,6 +160,10 @@ class RlTuiApp(LinkedApp[UserError]):
     async def _type(self, event: Event) -> None:
         self._moment.end()
         await super().on_event(event)
+
+    def on_type_first(self, message: TypeFirst) -> None:
+        """Take keys that were held back as typed before all that waits."""
+        self._key_queue.take_first(message.keys)
 
     def on_notify(self, event: Notify) -> None:
         """Spell what is told in the characters of the terminal; remember what is of the moment."""

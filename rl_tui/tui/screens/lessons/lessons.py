@@ -118,7 +118,7 @@ class LessonsScreen(ActionScreen):
 
     def on_key(self, event: Key) -> None:
         """Hold back what is for the list until that is there."""
-        if not self._read.is_set() and self._early_keys.take(event):
+        if self._early_keys.take(event):
             event.stop()
 
     async def settled(self) -> None:

@@ -364,7 +364,7 @@ class Playground(ActionScreen):
 
     def on_key(self, event: Key) -> None:
         """Hold back what needs a world; let a second escape leave only if nothing came between."""
-        if not self._has_world and self.early_keys.take(event):
+        if self.early_keys.take(event):
             event.stop()
         if event.key != "escape":
             self._left_after = None
