@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 import subprocess
 import threading
 from collections.abc import Iterator
@@ -20,9 +21,8 @@ from rl_tui.agents.exact.solve import solve
 from rl_tui.cli.main import program
 from rl_tui.cli.reports.flip_points import flips_document
 from rl_tui.lab.answers import flip_answers
-from rl_tui.lab.answers.flip_answer import FlipAnswer, FlipState, as_json, beyond, of_json
+from rl_tui.lab.answers.flip_answer import FlipAnswer, FlipState, beyond, optimal_value_curves, worked_out
 from rl_tui.lab.answers.flip_answers import FlipAnswers, at_once
-from rl_tui.lab.answers.flip_worker import optimal_value_curves, worked_out
 from rl_tui.lab.live.commands import AskFlips
 from rl_tui.lab.run.recipe import begin as begin_run
 from rl_tui.lab.workers import answering_process
@@ -54,17 +54,6 @@ def test_a_snapshot_tells_what_the_command_prints(scenario: str) -> None:
     assert told
 
 
-def test_it_survives_its_way_between_processes_to_the_last_bit(
-    known: dict[str, tuple[TabularMDP, FlipAnswer]],
-) -> None:
-    for _, answer in known.values():
-        again = of_json(json.loads(json.dumps(as_json(answer))))
-        assert again.flips == answer.flips
-        assert again.state is FlipState.KNOWN
-        assert np.array_equal(again.curves.q, answer.curves.q)
-        assert np.array_equal(again.curves.gamma, answer.curves.gamma)
-
-
 def test_q_by_gamma_is_what_solve_finds(known: dict[str, tuple[TabularMDP, FlipAnswer]]) -> None:
     for mdp, answer in known.values():
         curves = answer.curves
@@ -89,7 +78,7 @@ def test_of_very_many_actions_q_by_gamma_still_fits_into_a_message() -> None:
     )
     assert curves.q.shape == (51, pairs)
     answer = FlipAnswer(FlipState.KNOWN, curves=curves)
-    assert len(json.dumps(as_json(answer))) < 4_000_000
+    assert len(pickle.dumps(answer)) < answering_process.LONGEST
 
 
 def test_beyond_a_flip_its_other_actions_are_best(known: dict[str, tuple[TabularMDP, FlipAnswer]]) -> None:
@@ -171,7 +160,10 @@ def beside(monkeypatch: pytest.MonkeyPatch) -> Iterator[Beside]:
 @pytest.mark.process
 def test_a_player_that_goes_on_by_itself_has_it_worked_out_beside(beside: Beside) -> None:
     student, lake = table("student"), table("frozenlake-slippery")
-    assert beside.work_out(student).flips == worked_out(student).flips
+    told, expected = beside.work_out(student), worked_out(student)
+    assert (told.reason, told.flips) == ("", expected.flips)
+    assert np.array_equal(told.curves.q, expected.curves.q)
+    assert np.array_equal(told.curves.gamma, expected.curves.gamma)
     assert beside.answers.of(lake).state is FlipState.NOT_ASKED
     assert len(beside.work_out(lake).flips) == 2
     assert beside.answers.of(student).state is FlipState.KNOWN, "what was worked out is kept"

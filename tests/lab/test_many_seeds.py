@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import signal
@@ -51,7 +50,6 @@ from rl_tui.lab.many_seeds.estimates import difference_of
 from rl_tui.lab.many_seeds.figures import Estimate, LaneStudy, SeedStudy, StudyState
 from rl_tui.lab.many_seeds.request import StudyRequest, study_request
 from rl_tui.lab.many_seeds.study import Study
-from rl_tui.lab.many_seeds.study_json import as_json, of_json
 from rl_tui.lab.run.figures import training_figures
 from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm
 from rl_tui.lab.run.run import Run
@@ -215,13 +213,6 @@ def test_a_difference_is_of_seeds_that_have_both() -> None:
     assert difference_of([None], [1.0]) is None
 
 
-def test_a_study_is_the_same_after_its_way_through_the_pipe() -> None:
-    told = reports(recipe("student"), Train(100), GREEDY)[-1]
-    again = of_json(json.loads(json.dumps(as_json(told), allow_nan=False)))
-    assert as_json(again) == as_json(told)
-    assert again.state is StudyState.DONE
-
-
 # Bounds
 
 
@@ -351,7 +342,6 @@ def test_what_an_environment_prints_goes_nowhere_and_its_failure_is_told(
     (tmp_path / "loud_world.py").write_text(PRINTS.replace("BROKEN", repr(str(broken))))
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.setattr("rl_tui.worlds.gym.modules.ALLOWED", {"loud_world"})
-    monkeypatch.setattr("rl_tui.lab.many_seeds.request.ALLOWED", {"loud_world"})
     playback = begin(recipe("gym:loud_world:Loud-v0"))
     do(playback, Train(6))
     capfd.readouterr()
@@ -371,8 +361,10 @@ def test_what_an_environment_prints_goes_nowhere_and_its_failure_is_told(
 class ToldAtOnce:
     """A process that has told all it has to tell when it is started."""
 
-    def __init__(self, request: StudyRequest, on_news: Callable[[], None]) -> None:
-        self.study = request.nothing_yet
+    failed = how_long = ""
+
+    def __init__(self, work: str, request: StudyRequest, known: SeedStudy, *_: object) -> None:
+        self.known = known
 
     def wait(self) -> None:
         """Nothing is under way."""
@@ -382,7 +374,7 @@ class ToldAtOnce:
 
 
 def test_it_is_outdated_where_runs_were_changed_and_only_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(seed_studies, "StudyProcess", ToldAtOnce)
+    monkeypatch.setattr(answering_process, "AnsweringProcess", ToldAtOnce)
     playback = begin(recipe("student"))
 
     def is_outdated(*commands: Command) -> bool:

@@ -40,14 +40,6 @@ def test_the_rest_takes_as_long_as_what_is_done_has_taken(clock: Clock) -> None:
     assert pace.seconds_left == 0.0
 
 
-def test_what_was_done_before_took_no_time(clock: Clock) -> None:
-    pace = Pace(clock, is_busy=lambda: False)
-    pace.begun = 0.5
-    clock.now += 10.0
-    pace.note(0.6)
-    assert pace.seconds_left == pytest.approx(40.0)
-
-
 @pytest.mark.parametrize(
     ("is_busy", "waits", "is_held_up"),
     [(True, PATIENCE, True), (True, PATIENCE - 0.1, False), (False, 10 * PATIENCE, False)],

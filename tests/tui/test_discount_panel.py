@@ -14,8 +14,7 @@ from samples import bandit, lake, look, student
 from seams import on_screen, playground, press, screen_text, snapshot, switch
 from snapshots import changed
 
-from rl_tui.lab.answers.flip_answer import HELD_UP, FlipAnswer, FlipState, refused
-from rl_tui.lab.answers.flip_worker import worked_out
+from rl_tui.lab.answers.flip_answer import HELD_UP, FlipAnswer, FlipState, refused, worked_out
 from rl_tui.lab.answers.view import AnswersView
 from rl_tui.lab.live.snapshot import Snapshot
 from rl_tui.lab.run.library import recipe_named

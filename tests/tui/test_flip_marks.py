@@ -10,8 +10,7 @@ from snapshots import changed
 from textual.app import App, ComposeResult
 
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.lab.answers.flip_answer import FlipState
-from rl_tui.lab.answers.flip_worker import worked_out
+from rl_tui.lab.answers.flip_answer import FlipState, worked_out
 from rl_tui.lab.run.library import recipe_named
 from rl_tui.lab.run.recipe import begin
 from rl_tui.tui.panels.controls.controls import flip_marks

@@ -13,8 +13,7 @@ from seams import playground, press, show, snapshot, train
 from study_samples import bandit_study, lake_study
 from textual.pilot import Pilot
 
-from rl_tui.lab.answers.flip_answer import FlipAnswer
-from rl_tui.lab.answers.flip_worker import worked_out
+from rl_tui.lab.answers.flip_answer import FlipAnswer, worked_out
 from rl_tui.lab.answers.policy_kind import PolicyKind
 from rl_tui.lab.answers.policy_values import PolicyAnswer
 from rl_tui.lab.lessons.lesson import Lesson, lesson_of

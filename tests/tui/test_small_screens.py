@@ -17,8 +17,7 @@ from textual.widget import Widget
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.workers.answering_process import AnsweringProcess
-from rl_tui.lab.workers.pace import Pace
+from rl_tui.lab.workers.answering_process import Background
 from rl_tui.tui.actions.action import Place
 from rl_tui.tui.actions.registry import actions_of
 from rl_tui.tui.draw.canvas import Canvas
@@ -93,10 +92,7 @@ def test_a_canvas_leaves_out_whatever_would_stand_outside() -> None:
 @pytest.fixture
 def no_processes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing is worked out beside the app, which takes seconds."""
-    monkeypatch.setattr(AnsweringProcess, "__init__", lambda self, *asked: setattr(self, "pace", Pace()))
-    monkeypatch.setattr(AnsweringProcess, "how_long", "")
-    for name in ("end", "wait"):
-        monkeypatch.setattr(AnsweringProcess, name, lambda self: None)
+    monkeypatch.setattr(Background, "begin", lambda self, request, known: None)
 
 
 def opened(pilot: Pilot[UserError]) -> list[object]:

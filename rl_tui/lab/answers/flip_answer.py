@@ -1,21 +1,29 @@
-"""What is known of the flips of a world: every γ at which its optimal actions change, and Q* between them."""
+"""The flips of a world: every γ at which its optimal actions change, and Q* between them."""
 
 from __future__ import annotations
 
 import math
-from base64 import b64decode, b64encode
-from dataclasses import asdict, dataclass
+from collections.abc import Callable
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from rl_tui.lab.workers.answering import bound_processor_time
 from rl_tui.lab.workers.pace import MACHINE_IS_BUSY
 from rl_tui.worlds.mdp.space import FloatArray
 
 if TYPE_CHECKING:
     from rl_tui.agents.exact.flips.flips import Flip
+    from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
+GAMMAS: Final = 200
+"""Equal parts of 0 to 1 at whose ends Q* is worked out: more than a chart has columns of dots."""
+MOST_VALUES: Final = 300_000
+"""Of all pairs at all γ, which are one message: a world of very many actions has fewer γ."""
+MOST_SECONDS: Final = 300
+"""Of a processor. The dearest of the shipped worlds takes 5."""
 _MOST_DECIMALS: Final = 12
 
 
@@ -65,56 +73,6 @@ def refused(reason: str) -> FlipAnswer:
     return FlipAnswer(FlipState.REFUSED, reason)
 
 
-def as_json(answer: FlipAnswer) -> dict[str, Any]:
-    """Return ``answer`` as a JSON document, floats to the last bit."""
-    curves = answer.curves
-    return {
-        "state": answer.state.value,
-        "reason": answer.reason,
-        "flips": [asdict(flip) for flip in answer.flips],
-        "curves": None if curves is None else {"gamma": curves.gamma.tolist(), "q": _in_base64(curves.q)},
-    }
-
-
-def _in_base64(values: FloatArray) -> str:
-    """Return ``values`` as text that is read at once, where a list of numbers would stop all threads."""
-    return b64encode(values.astype("<f8").tobytes()).decode("ascii")
-
-
-def _of_base64(text: str, rows: int) -> FloatArray:
-    return np.frombuffer(b64decode(text), "<f8").astype(np.float64).reshape(rows, -1)
-
-
-def of_json(document: dict[str, Any]) -> FlipAnswer:
-    """Return what :func:`as_json` was given; raises ValueError, KeyError or TypeError where it is another."""
-    curves = document["curves"]
-    return FlipAnswer(
-        FlipState(document["state"]),
-        document["reason"],
-        flips_of_json(document["flips"]),
-        None
-        if curves is None
-        else OptimalValueCurves(np.array(curves["gamma"]), _of_base64(curves["q"], len(curves["gamma"]))),
-    )
-
-
-def flips_of_json(document: list[dict[str, Any]]) -> tuple[Flip, ...]:
-    """Return the flips that ``document`` has; raises KeyError or TypeError where it is another."""
-    from rl_tui.agents.exact.flips.flips import Flip, Turn
-
-    return tuple(
-        Flip(
-            gamma=flip["gamma"],
-            turns_the_way=flip["turns_the_way"],
-            expected_return=tuple(flip["expected_return"]),
-            turns=tuple(
-                Turn(turn["state"], tuple(turn["before"]), tuple(turn["after"])) for turn in flip["turns"]
-            ),
-        )
-        for flip in document
-    )
-
-
 def beyond(answer: FlipAnswer, flip: Flip, *, is_above: bool) -> float:
     """Return the roundest γ, of two decimals or more, on one side of ``flip`` and before the next one."""
     gammas = [each.gamma for each in answer.flips]
@@ -130,3 +88,41 @@ def beyond(answer: FlipAnswer, flip: Flip, *, is_above: bool) -> float:
         if low < gamma < high:
             return gamma
     return (low + high) / 2.0
+
+
+def work(mdp: TabularMDP, tell: Callable[[FlipAnswer, float], None]) -> None:
+    """Tell all flips of ``mdp``, or why there are none; what a process of its own does."""
+    bound_processor_time(MOST_SECONDS)
+    tell(worked_out(mdp), 1.0)
+
+
+def worked_out(mdp: TabularMDP) -> FlipAnswer:
+    """Return all flips of ``mdp`` and Q* from γ = 0 to 1, or why there are none."""
+    from rl_tui.agents.exact.flips.flips import flips
+    from rl_tui.agents.exact.solution import NoExactAnswer
+
+    try:
+        found = flips(mdp)
+    except NoExactAnswer as reason:
+        return refused(str(reason))
+    return FlipAnswer(FlipState.KNOWN, flips=found, curves=optimal_value_curves(mdp))
+
+
+def optimal_value_curves(mdp: TabularMDP) -> OptimalValueCurves:
+    """Return Q* from γ = 0 to 1, where there is one at 1, else to the last γ that has one."""
+    from rl_tui.agents.exact.exact_model import exact_model
+    from rl_tui.agents.exact.policy_iteration import policy_iteration
+    from rl_tui.agents.exact.solution import NoExactAnswer
+
+    model = exact_model(mdp)
+    gammas, q = list[float](), list[Any]()
+    parts = min(GAMMAS, max(2, MOST_VALUES // mdp.pairs))
+    for part in range(parts + 1):
+        gamma = part / parts
+        try:
+            optimum = policy_iteration(model, gamma)
+        except NoExactAnswer:
+            break
+        gammas.append(gamma)
+        q.append((optimum.v[model.pair_state] + optimum.advantage).astype(np.float64))
+    return OptimalValueCurves(np.array(gammas), np.array(q))

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from rl_tui.common.kiosk import in_kiosk
 from rl_tui.lab.answers.flip_answer import (
@@ -13,17 +12,18 @@ from rl_tui.lab.answers.flip_answer import (
     PENDING,
     FlipAnswer,
     FlipState,
-    of_json,
     refused,
+    worked_out,
 )
 from rl_tui.lab.run.exact_answers import NO_TABLE
-from rl_tui.lab.workers.answering_process import AnsweringProcess
+from rl_tui.lab.workers.answering_process import ENDED_BY_ITSELF, AnsweringProcess, Background
 
 if TYPE_CHECKING:
     from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
-WORKER: Final = "rl_tui.lab.answers.flip_worker"
+WORK: Final = "rl_tui.lab.answers.flip_answer:work"
 """What runs in its process: fractions of thousands of digits would hold the interpreter for seconds."""
+TOO_LONG: Final = "working them out took too long, or its process was ended"
 KEPT: Final = 4
 """Worlds of which the flips are kept: as many as there are lanes."""
 
@@ -36,11 +36,8 @@ class FlipAnswers:
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
-        self._on_news = on_news
         self._automatic = automatic
-        self._lock = threading.Lock()  # guards the process and whether there may be one
-        self._process: _FlipProcess | None = None
-        self._is_closed = False
+        self._background = Background["TabularMDP", FlipAnswer](WORK, on_news)
         self._answers: list[tuple[TabularMDP, FlipAnswer]] = []
 
     def begin(self, mdp: TabularMDP | None) -> None:
@@ -49,15 +46,13 @@ class FlipAnswers:
             return
         known = at_once(mdp)
         if known is not None or not self._automatic:
-            from rl_tui.lab.answers.flip_worker import worked_out
-
             self._keep(mdp, known or worked_out(mdp))
             return
-        self._end()
+        before = self._background.process
+        if before is not None and (found := _answer_of(before)).state is not FlipState.PENDING:
+            self._keep(before.request, found)
         try:
-            with self._lock:
-                if not self._is_closed:
-                    self._process = _FlipProcess(mdp, self._on_news)
+            self._background.begin(mdp, PENDING)
         except OSError as error:
             self._keep(mdp, refused(f"no process can be started: {error}"))
 
@@ -65,26 +60,14 @@ class FlipAnswers:
         """Return what is known of the flips of ``mdp`` by now."""
         if mdp is None:
             return refused(NO_TABLE)
-        process = self._process
-        if process is not None and process.mdp is mdp:
-            return process.answer
+        process = self._background.process
+        if process is not None and process.request is mdp:
+            return _answer_of(process)
         return next((answer for world, answer in self._answers if world is mdp), NOT_ASKED)
 
     def close(self) -> None:
         """End what is being worked out, from any thread, and begin nothing any more."""
-        with self._lock:
-            self._is_closed = True
-            if self._process is not None:
-                self._process.end()
-
-    def _end(self) -> None:
-        """Keep what the process has found, if it has come to its end, and end it if not."""
-        with self._lock:
-            process, self._process = self._process, None
-        if process is not None:
-            process.end()
-            if process.answer.state is not FlipState.PENDING:
-                self._keep(process.mdp, process.answer)
+        self._background.close()
 
     def _keep(self, mdp: TabularMDP, answer: FlipAnswer) -> None:
         # of worlds without flips, which may be large, the last one alone is kept
@@ -102,22 +85,9 @@ def at_once(mdp: TabularMDP) -> FlipAnswer | None:
     return refused(reason) if reason else None
 
 
-class _FlipProcess(AnsweringProcess):
-    """Works out the flips of ``mdp``."""
-
-    def __init__(self, mdp: TabularMDP, on_news: Callable[[], None]) -> None:
-        self.mdp = mdp
-        self._found = PENDING
-        super().__init__(WORKER, mdp, self._take_in, self._has_ended, on_news, "flips")
-
-    @property
-    def answer(self) -> FlipAnswer:
-        """What is known by now."""
-        return HELD_UP if self._found is PENDING and self.is_held_up else self._found
-
-    def _take_in(self, document: Any) -> None:
-        self._found = of_json(document)
-
-    def _has_ended(self) -> None:
-        if self._found is PENDING:
-            self._found = refused("working them out took too long, or its process was ended")
+def _answer_of(process: AnsweringProcess[TabularMDP, FlipAnswer]) -> FlipAnswer:
+    if process.known is not PENDING:
+        return process.known
+    if process.failed:
+        return refused(TOO_LONG if process.failed == ENDED_BY_ITSELF else process.failed)
+    return HELD_UP if process.is_held_up else PENDING

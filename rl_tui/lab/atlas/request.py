@@ -13,14 +13,16 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.kiosk import in_kiosk
 from rl_tui.lab.atlas.axes import axes_of
 from rl_tui.lab.atlas.cells import CellGrid
+from rl_tui.lab.atlas.figures import Atlas
 from rl_tui.lab.run.library import MOST_EPISODES, episodes_of
 from rl_tui.lab.run.recipe import Recipe, changed_parameter
 from rl_tui.lab.sweeps.cells.order import Axis, coarse_first
 from rl_tui.lab.sweeps.plan import WHOLE, Shard, SweepPlan
 from rl_tui.lab.sweeps.variation import Variation
-from rl_tui.worlds.gym.modules import ALLOWED
 from rl_tui.worlds.world import World
 
+WORK: Final = "rl_tui.lab.atlas.work:work"
+"""What works it out in a process of its own: it needs much that this one need not load."""
 RUNS: Final = 10
 """Seeds of each cell: the fewest of which a mean has an interval, and cells can be compared."""
 MOST_PAIRS: Final = 20_000
@@ -55,8 +57,6 @@ class AtlasRequest:
     """Seeds of each cell."""
     is_awaited: bool
     """Whether all else waits for it, so that it need not let others go first."""
-    modules: frozenset[str]
-    """The modules that the id of an environment may import."""
 
     @cached_property
     def cells(self) -> CellGrid:
@@ -72,6 +72,11 @@ class AtlasRequest:
             now = values.value(each.name)
             places.append(next(place for place in range(each.count) if each.value(place) == now))
         return self.cells.index(places)
+
+    @property
+    def nothing_yet(self) -> Atlas:
+        """What is known before the first run."""
+        return Atlas(planned=self.cells.count * self.runs)
 
     @property
     def seeds(self) -> range:
@@ -124,4 +129,4 @@ def surroundings(recipe: Recipe, world: World, *, is_edited: bool, is_awaited: b
     if not variations:
         raise UserError("no number decides how this agent learns: choose another algorithm or policy")
     usual = min(episodes_of(recipe.scenario), world.budget or MOST_EPISODES)
-    return AtlasRequest(recipe, variations, usual, RUNS, is_awaited, frozenset(ALLOWED))
+    return AtlasRequest(recipe, variations, usual, RUNS, is_awaited)

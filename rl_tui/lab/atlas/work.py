@@ -23,6 +23,7 @@ from rl_tui.lab.sweeps.runs import RunRow
 from rl_tui.lab.sweeps.store import Store
 from rl_tui.lab.sweeps.summaries import summarized
 from rl_tui.lab.sweeps.sweep import SweepProgress, run_sweep
+from rl_tui.lab.workers.answering import let_others_go_first
 
 MOST_SECONDS: Final = 120.0
 """Seconds of processor time of a whole atlas."""
@@ -32,6 +33,20 @@ FIRST_STEPS: Final = 10_000
 """First steps of the run in force and of the corners; by them it is judged how long episodes are."""
 _FIGURES: Final = ("mean", "median", "low", "high", "count", "arrived", "restricted_mean")
 Tell = Callable[[Atlas], None]
+
+
+def work(request: AtlasRequest, tell: Callable[[Atlas, float], None]) -> None:
+    """Tell what is known, at the lowest priority once there is a cell to look at."""
+    has_cells = False
+
+    def tell_atlas(atlas: Atlas) -> None:
+        nonlocal has_cells
+        tell(atlas, atlas.done / atlas.planned)
+        if atlas.cells and not has_cells and not request.is_awaited:
+            let_others_go_first()
+        has_cells = bool(atlas.cells)
+
+    AtlasWork(request, tell_atlas).run()
 
 
 class AtlasWork:
@@ -46,7 +61,7 @@ class AtlasWork:
         self._request = request
         self._tell = tell
         self._clock = clock
-        self._atlas = Atlas(planned=request.cells.count * request.runs)
+        self._atlas = request.nothing_yet
         self._changed = dict[int, Cell]()
 
     def run(self) -> None:

@@ -13,7 +13,6 @@ from rl_tui.lab.many_seeds.figures import SeedStudy, StudyState
 from rl_tui.lab.run.library import MOST_EPISODES, episodes_of
 from rl_tui.lab.run.recipe import JournalEntry, Recipe, SwitchAlgorithm, TakeAction, WorldChange
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.gym.modules import ALLOWED
 
 if TYPE_CHECKING:
     from rl_tui.lab.timeline.run_group import RunGroup
@@ -68,8 +67,6 @@ class StudyRequest:
     """The number of seeds to come to."""
     is_awaited: bool
     """Whether all else waits for it, so that it need not let others go first."""
-    modules: frozenset[str]
-    """The modules that the id of an environment may import."""
     message: str
     """How it is bounded, or what is left out, in words; mostly empty."""
 
@@ -120,7 +117,6 @@ def study_request(group: RunGroup, *, is_awaited: bool) -> StudyRequest:
         steps=steps,
         most=most,
         is_awaited=is_awaited,
-        modules=frozenset(ALLOWED),
         message="; ".join(notes),
     )
 

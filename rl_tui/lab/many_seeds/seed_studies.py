@@ -2,50 +2,20 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.many_seeds.figures import SeedStudy, StudyState
 from rl_tui.lab.many_seeds.request import StudiedRun, StudyRequest, studied_runs, study_request
-from rl_tui.lab.many_seeds.study_json import of_json
-from rl_tui.lab.workers.answering_process import AnsweringProcess
+from rl_tui.lab.workers.answering_process import Background
 
 if TYPE_CHECKING:
     from rl_tui.lab.timeline.run_group import RunGroup
 
-
-WORKER: Final = "rl_tui.lab.many_seeds.worker"
-"""What runs in it: it needs much that this process need not load."""
-
-
-class StudyProcess(AnsweringProcess):
-    """A process that works out ``request``, and ends with this one, however that ends.
-
-    ``on_news`` is called, in a thread of its own, when ``study`` has become another. Raises OSError where no
-    process can be started.
-    """
-
-    def __init__(self, request: StudyRequest, on_news: Callable[[], None]) -> None:
-        self._known: SeedStudy = request.nothing_yet
-        super().__init__(WORKER, request, self._take_in, self._has_ended, on_news, "many seeds")
-
-    @property
-    def study(self) -> SeedStudy:
-        """What is known by now, and how it gets on."""
-        if self._known.is_over:
-            return self._known
-        return replace(self._known, how_long=self.how_long)
-
-    def _take_in(self, document: Any) -> None:
-        self._known = of_json(document)
-        self.pace.note(self._known.seeds / self._known.most if self._known.most else 0.0)
-
-    def _has_ended(self) -> None:
-        if not self._known.is_over:
-            self._known = replace(self._known, state=StudyState.FAILED, message="its process ended by itself")
+WORK: Final = "rl_tui.lab.many_seeds.study:work"
+"""What runs in its process: it needs much that this one need not load."""
 
 
 class SeedStudies:
@@ -56,11 +26,8 @@ class SeedStudies:
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
-        self._on_news = on_news
         self._automatic = automatic
-        self._lock = threading.Lock()  # guards the process and whether there may be one
-        self._process: StudyProcess | None = None
-        self._is_closed = False
+        self._background = Background[StudyRequest, SeedStudy](WORK, on_news)
         self._refused: SeedStudy | None = None
         self._lanes: tuple[StudiedRun, ...] = ()
 
@@ -73,10 +40,7 @@ class SeedStudies:
         self._lanes = studied_runs(group)
         try:
             request = study_request(group, is_awaited=not self._automatic)
-            with self._lock:
-                if self._is_closed:
-                    return
-                process = self._process = StudyProcess(request, self._on_news)
+            process = self._background.begin(request, request.nothing_yet)
         except (UserError, OSError) as reason:
             if isinstance(reason, UserError):
                 self._refused = SeedStudy(StudyState.REFUSED, message=str(reason))
@@ -84,28 +48,33 @@ class SeedStudies:
                 why = f"no process can be started: {reason}"
                 self._refused = SeedStudy(StudyState.FAILED, message=why)
             return
-        if not self._automatic:
+        if process is not None and not self._automatic:
             process.wait()
 
     def end(self) -> None:
         """End the study; nothing of it is known any more."""
-        with self._lock:
-            process, self._process = self._process, None
+        self._background.end()
         self._refused = None
-        if process is not None:
-            process.end()
 
     def close(self) -> None:
         """End the study, from any thread, and begin none any more."""
-        with self._lock:
-            self._is_closed = True
-            if self._process is not None:
-                self._process.end()
+        self._background.close()
 
     def study_of(self, group: RunGroup) -> SeedStudy | None:
         """Return what is known by now, with whether it is of the runs of ``group``; None without a study."""
-        process = self._process
-        study = self._refused if process is None else process.study
+        study = self._study
         if study is None or studied_runs(group) == self._lanes:
             return study
         return replace(study, is_outdated=True)
+
+    @property
+    def _study(self) -> SeedStudy | None:
+        process = self._background.process
+        if process is None:
+            return self._refused
+        known = process.known
+        if known.is_over:
+            return known
+        if process.failed:
+            return replace(known, state=StudyState.FAILED, message=process.failed)
+        return replace(known, how_long=process.how_long)

@@ -21,6 +21,7 @@ from rl_tui.lab.many_seeds.figures import LaneStudy, SeedCurve, SeedStudy, Study
 from rl_tui.lab.many_seeds.request import FIRST_BLOCK, MOST_STEPS, StudiedRun, StudyRequest
 from rl_tui.lab.run.figures import finite
 from rl_tui.lab.run.run import Run
+from rl_tui.lab.workers.answering import let_others_go_first
 from rl_tui.worlds.world import World
 
 MOST_SECONDS: Final = 60.0
@@ -37,6 +38,18 @@ class _TooLongError(Exception):
 
 class _OutOfTimeError(Exception):
     """The study has taken all the processor time that it may."""
+
+
+def work(request: StudyRequest, tell: Callable[[SeedStudy, float], None]) -> None:
+    """Tell what is known, block by block, at the lowest priority as soon as there is machine code."""
+    study = Study(request)
+    if study.has_machine_code and not request.is_awaited:
+        let_others_go_first()
+    study.get_machine_code()
+    if not request.is_awaited:
+        let_others_go_first()
+    for report in study.reports():
+        tell(report, report.seeds / report.most)
 
 
 class Study:

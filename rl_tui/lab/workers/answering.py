@@ -1,45 +1,66 @@
-"""The other side: what runs in a process that answers one request.
+"""The other side: what runs in a process that answers one request, and ends with its stdin.
 
-On stdin it reads the request; on stdout it tells, a line of JSON each, what is known. It ends with its stdin.
+It imports little, so that it has its priority before it loads what the work needs.
 """
 
 from __future__ import annotations
 
-import json
 import os
 import pickle
+import pkgutil
 import threading
 from collections.abc import Callable
 from contextlib import suppress
-from typing import IO, Any, Final
+from typing import IO, Final
 
 NICENESS: Final = 5
 """How much lower its priority is at first: another process may wait for the machine code it gets."""
 LAST_NICENESS: Final = 19
 SESSION_NICENESS: Final = 10
 """That of its session, where Linux shares processors out among sessions: it gets some tenth of one."""
+LENGTH: Final = 8
+"""Bytes before each message that say how long it is."""
+_LONGEST_REASON: Final = 200
 
 
-def answer(work: Callable[[Any, Callable[[dict[str, Any]], None]], None]) -> None:
-    """Let ``work`` answer what stdin asks for, and end the process when that is done or stdin ends.
+def main(work: str) -> None:
+    """Let the function ``work`` (``module:name``) answer the request on stdin, then end the process.
 
-    ``work`` is given the request and what tells an answer, and should let nothing escape.
+    It is called with the request and a function that sends an answer and the share of the work that is done.
+    The last message is a text: why the work failed, empty where it did not.
     """
     stdin, stdout = _own_pipes()
     with suppress(AttributeError, OSError):
         os.nice(NICENESS)
-    # Our own program wrote it
-    request = pickle.load(stdin)
+    modules, request = pickle.load(stdin)  # our own program wrote it
     threading.Thread(target=_end_with, args=(stdin,), daemon=True).start()
 
-    def tell(document: dict[str, Any]) -> None:
-        stdout.write(json.dumps(document).encode() + b"\n")
+    def send(message: object) -> None:
+        sent = pickle.dumps(message)
+        stdout.write(len(sent).to_bytes(LENGTH, "big") + sent)
         stdout.flush()
 
     try:
-        work(request, tell)
+        send(_failure_of(work, modules, request, lambda answer, share: send((answer, share))))
     finally:
         os._exit(0)  # an environment may have left threads behind, and would want a farewell
+
+
+def _failure_of(
+    work: str, modules: frozenset[str], request: object, tell: Callable[[object, float], None]
+) -> str:
+    """Do the work, in which an environment may import ``modules``; return why it failed, empty if not."""
+    from rl_tui.common.errors import UserError
+    from rl_tui.common.findings import one_line
+    from rl_tui.worlds.gym.modules import ALLOWED
+
+    ALLOWED.update(modules)
+    try:
+        pkgutil.resolve_name(work)(request, tell)
+    except Exception as error:  # whatever a world may do to this process
+        name = "" if isinstance(error, UserError) else f"{type(error).__name__}: "
+        return one_line(f"{name}{error}", _LONGEST_REASON)
+    return ""
 
 
 def let_others_go_first() -> None:

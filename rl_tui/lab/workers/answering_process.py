@@ -1,55 +1,97 @@
-"""A process that answers one request, as seen by the program that asks."""
+"""Questions that are answered in the background, as seen by the program that asks."""
 
 from __future__ import annotations
 
-import json
 import os
 import pickle
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
-from typing import IO, Any, Final
+from typing import IO, Any, Final, Generic, TypeVar
 
 from rl_tui.agents.compiling.base_folder import base_folder
 from rl_tui.common.child_process import python_process
+from rl_tui.lab.workers.answering import LENGTH
 from rl_tui.lab.workers.pace import Pace, how_long
+from rl_tui.worlds.gym import modules
 
-_LONGEST_LINE: Final = 4_000_000
+Asked = TypeVar("Asked")
+Known = TypeVar("Known")
+
+LONGEST: Final = 4_000_000
 """Bytes of one answer. The curves of four lanes are a tenth of it, Q*(γ) of all pairs is the longest."""
+ENDED_BY_ITSELF: Final = "its process ended by itself"
 _LOOKS: Final = 1.0  # seconds from one look to the next at whether it gets on
 
 
-class AnsweringProcess:
-    """A process that works out ``request``, and ends with this one, however that ends.
+class Background(Generic[Asked, Known]):
+    """Answers one request at a time, in a process of its own.
 
-    ``module`` is what runs in it: its ``main`` calls :func:`~rl_tui.lab.workers.answering.answer`. In a
-    thread of its own, called ``name``, ``on_answer`` gets each answer, a JSON document, and ``on_end`` is
-    called when no more will come. ``on_news`` is called after each of these, and when the process is held up
-    or no longer is. An answer of which ``on_answer`` raises ValueError, KeyError or TypeError is the last.
-    Raises OSError where no process can be started.
+    The function ``work`` (``module:name``) runs in it: :func:`~rl_tui.lab.workers.answering.main` says how it
+    is called. What it answers with should be values of modules that are imported here too. ``on_news`` is
+    called, from any thread, when there is more to tell.
     """
 
-    def __init__(
-        self,
-        module: str,
-        request: object,
-        on_answer: Callable[[Any], None],
-        on_end: Callable[[], None],
-        on_news: Callable[[], None],
-        name: str,
-    ) -> None:
+    def __init__(self, work: str, on_news: Callable[[], None]) -> None:
+        self.process: AnsweringProcess[Asked, Known] | None = None
+        """What is under way, or was last; None where nothing was asked."""
+        self._work = work
+        self._on_news = on_news
+        self._lock = threading.Lock()  # guards the process and whether there may be one
+        self._is_closed = False
+
+    def begin(self, request: Asked, known: Known) -> AnsweringProcess[Asked, Known] | None:
+        """Begin to answer ``request``, in place of any other; None once this is closed.
+
+        ``known`` is the answer until the first one comes. Raises OSError where no process can be started.
+        """
+        self.end()
+        with self._lock:
+            if not self._is_closed:
+                self.process = AnsweringProcess(self._work, request, known, self._on_news)
+            return self.process
+
+    def end(self) -> None:
+        """End what is under way, and forget it."""
+        with self._lock:
+            process, self.process = self.process, None
+        if process is not None:
+            process.end()
+
+    def close(self) -> None:
+        """End what is under way, from any thread, and begin nothing any more."""
+        with self._lock:
+            self._is_closed = True
+            if self.process is not None:
+                self.process.end()
+
+
+class AnsweringProcess(Generic[Asked, Known]):
+    """A process that answers ``request`` by ``work``, and ends with this one, however that ends.
+
+    ``on_news`` is called, in a thread of its own, when an answer has come, when no more will come, and when
+    the process is held up or no longer is. Raises OSError where no process can be started.
+    """
+
+    def __init__(self, work: str, request: Asked, known: Known, on_news: Callable[[], None]) -> None:
+        self.request = request
+        """What is asked."""
+        self.known = known
+        """The last answer."""
+        self.failed = ""
+        """Why no more answers come, though the work is not done; empty unless it was broken off."""
         self.pace = Pace()
         """How it gets on."""
-        self._on_answer = on_answer
-        self._on_end = on_end
         self._on_news = on_news
         self._over = threading.Event()
         self._process = python_process(
-            module, {}, os.environ | {"RL_TUI_CACHE_DIR": str(base_folder().absolute())}
+            "rl_tui.lab.workers.answering",
+            {"work": work},
+            os.environ | {"RL_TUI_CACHE_DIR": str(base_folder().absolute())},
         )
-        self._reader = threading.Thread(target=self._talk, args=(request,), name=name, daemon=True)
+        self._reader = threading.Thread(target=self._talk, name=work, daemon=True)
         try:
-            threading.Thread(target=self._watch, name=f"pace of {name}", daemon=True).start()
+            threading.Thread(target=self._watch, name=f"pace of {work}", daemon=True).start()
             self._reader.start()
         except RuntimeError as error:  # there may be only so many threads
             self._process.kill()
@@ -75,28 +117,29 @@ class AnsweringProcess:
         """Wait until it has ended, be it by :meth:`end`."""
         self._reader.join()
 
-    def _talk(self, request: object) -> None:
+    def _talk(self) -> None:
         """Ask, take in what it answers, and see it to its end."""
         stdin, stdout = self._process.stdin, self._process.stdout
         assert stdin is not None
         assert stdout is not None
+        failed = ENDED_BY_ITSELF
         try:
-            with open(stdout.fileno(), "rb", closefd=False) as lines, stdout, stdin:
+            with open(stdout.fileno(), "rb", closefd=False) as answers, stdout, stdin:
                 with suppress(OSError):  # it has ended already
-                    self._send(stdin, pickle.dumps(request))
-                with suppress(OSError, ValueError, KeyError, TypeError):
-                    while line := lines.readline(_LONGEST_LINE):
-                        self._hand_on(json.loads(line))
+                    _send(stdin, pickle.dumps((frozenset(modules.ALLOWED), self.request)))
+                with suppress(OSError):
+                    for message in _messages(answers):
+                        if isinstance(message, str):
+                            failed = message
+                            break
+                        self.known, share = message
+                        self.pace.note(share)
+                        self._on_news()
                 self._process.kill()
                 self._process.wait()
         finally:
+            self.failed = failed
             self._over.set()
-        self._on_end()
-        self._on_news()
-
-    def _hand_on(self, document: Any) -> None:
-        self.pace.note()
-        self._on_answer(document)
         self._on_news()
 
     def _watch(self) -> None:
@@ -107,8 +150,21 @@ class AnsweringProcess:
                 was_held_up = not was_held_up
                 self._on_news()
 
-    @staticmethod
-    def _send(stdin: IO[bytes], message: bytes) -> None:
-        left = memoryview(message)
-        while left:
-            left = left[stdin.write(left) :]
+
+def _send(stdin: IO[bytes], message: bytes) -> None:
+    left = memoryview(message)
+    while left:
+        left = left[stdin.write(left) :]
+
+
+def _messages(stdout: IO[bytes]) -> Iterator[Any]:
+    """Yield what is sent, until no more is, or more at once than there may be."""
+    while 0 < (length := int.from_bytes(stdout.read(LENGTH), "big")) <= LONGEST:
+        sent = stdout.read(length)
+        if len(sent) < length:
+            return
+        try:
+            message = pickle.loads(sent)  # our own program wrote it
+        except (AttributeError, ImportError):  # another version of this program was installed meanwhile
+            return
+        yield message

@@ -39,8 +39,6 @@ class Pace:
     def __init__(
         self, clock: Callable[[], float] = time.monotonic, is_busy: Callable[[], bool] = wants_all_processors
     ) -> None:
-        self.begun = 0.0
-        """The share of the whole that was done before it began."""
         self._clock = clock
         self._is_busy = is_busy
         self._began = self._got_on = clock()
@@ -67,6 +65,6 @@ class Pace:
         """
         if self._last is None or self._first is None:
             return None
-        began, before = self._first if self._last[1] > self._first[1] else (self._began, self.begun)
+        began, before = self._first if self._last[1] > self._first[1] else (self._began, 0.0)
         now, share = self._last
         return (now - began) * (1.0 - share) / (share - before)

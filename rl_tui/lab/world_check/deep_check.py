@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Final, NamedTuple
 
@@ -22,6 +22,7 @@ from rl_tui.lab.answers.first_update_words import wait_in_words
 from rl_tui.lab.experiments.endless import REMEDY, endless_warning_in
 from rl_tui.lab.run.exact_answers import NO_TABLE
 from rl_tui.lab.run.figures import MOST_STATES
+from rl_tui.lab.workers.answering import bound_processor_time
 from rl_tui.lab.world_check.greedy_trials import (
     MOST_EPISODES,
     MOST_STEPS,
@@ -36,6 +37,8 @@ from rl_tui.lab.world_check.report import CheckStage, TrialsMade, WorldReport
 from rl_tui.lab.world_check.words import names
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
+MOST_SECONDS: Final = 300
+"""Of a processor. The dearest of the shipped worlds takes a minute where nothing is compiled yet."""
 _MOST_NAMED: Final = 3
 TOO_LARGE: Final = f"not worked out above {MOST_STATES:,} states"
 
@@ -47,6 +50,13 @@ class Question(NamedTuple):
     algorithm: str
     hyperparameters: Hyperparameters
     episodes: int
+
+
+def work(asked: Question, tell: Callable[[WorldReport, float], None]) -> None:
+    """Tell the report as it grows; what a process of its own does."""
+    bound_processor_time(MOST_SECONDS)
+    for report in reports(asked):
+        tell(report, list(BY_ID).index(report.trying) / len(BY_ID) if report.trying else 0.0)
 
 
 def without_table() -> WorldReport:

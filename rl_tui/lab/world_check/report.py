@@ -1,13 +1,11 @@
-"""What a world was found to be, and its way between processes."""
+"""What a world was found to be."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any
-
-from rl_tui.lab.answers.flip_answer import flips_of_json
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rl_tui.agents.exact.first_update import Wait
@@ -75,30 +73,3 @@ class WorldReport:
     def is_empty(self) -> bool:
         """Whether nothing at all is known, the world having no table."""
         return self.stage is CheckStage.DONE and self.never_reached is None and not self.unknown
-
-
-def as_json(report: WorldReport) -> dict[str, Any]:
-    """Return ``report`` as a JSON document, which :func:`of_json` reads."""
-    return asdict(report)
-
-
-def of_json(document: dict[str, Any]) -> WorldReport:
-    """Return what :func:`as_json` was given; raises ValueError, KeyError or TypeError where it is another."""
-    from rl_tui.agents.exact.first_update import Wait
-
-    lists = ("warnings", "never_reached", "endless_states", "endless")
-    wait, flips, tried = document["first_update"], document["flips"], document["tried"]
-    return WorldReport(
-        **document
-        | {key: None if document[key] is None else tuple(document[key]) for key in lists}
-        | {
-            "stage": CheckStage(document["stage"]),
-            "first_update": None if wait is None else Wait(**wait),
-            "flips": None if flips is None else flips_of_json(flips),
-            "tried": None if tried is None else _trials_of_json(tried),
-        }
-    )
-
-
-def _trials_of_json(document: dict[str, Any]) -> TrialsMade:
-    return TrialsMade(**document | {key: tuple(document[key]) for key in ("seeds", "in_part")})

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
-from rl_tui.agents.catalogue import BY_ID
 from rl_tui.common.kiosk import in_kiosk
 from rl_tui.lab.run.exact_answers import LIVE_STATES, NO_TABLE
 from rl_tui.lab.run.library import episodes_of
-from rl_tui.lab.workers.answering_process import AnsweringProcess
-from rl_tui.lab.world_check.report import CheckStage, WorldReport, of_json
+from rl_tui.lab.workers.answering_process import AnsweringProcess, Background
+from rl_tui.lab.world_check.report import CheckStage, WorldReport
 
 if TYPE_CHECKING:
     from rl_tui.lab.run.run import Run
@@ -20,7 +18,9 @@ if TYPE_CHECKING:
     from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
     from rl_tui.worlds.world import World
 
-WORKER: Final = "rl_tui.lab.world_check.worker"
+    _Process = AnsweringProcess[Question, WorldReport | None]
+
+WORK: Final = "rl_tui.lab.world_check.deep_check:work"
 """What runs in its process: it trains every algorithm there is."""
 KEPT: Final = 4
 """Whole reports that are kept: of worlds and settings that a person goes back to."""
@@ -58,11 +58,9 @@ class WorldChecks:
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
-        self._on_news = on_news
         self._automatic = automatic
-        self._lock = threading.Lock()  # guards the process and whether there may be one
-        self._process: _CheckProcess | None = None
-        self._is_closed = False
+        self._background = Background["Question", "WorldReport | None"](WORK, on_news)
+        self._world: World | None = None
         self._known: list[tuple[Question, WorldCheckView]] = []
         self._last = WorldCheckView()
 
@@ -76,8 +74,8 @@ class WorldChecks:
         return self._last
 
     def _of(self, asked: Question, world: World) -> WorldCheckView:
-        process = self._process
-        if process is None or (process.has_figures and not _is_same(process.asked, asked)):
+        process = self._background.process
+        if process is None or (_has_figures(process) and not _is_same(process.request, asked)):
             self.end()
             known = next((view for each, view in self._known if _is_same(each, asked)), None)
             if known is not None:
@@ -85,41 +83,52 @@ class WorldChecks:
             process = self._begin(asked, world)
         if process is None:
             return WorldCheckView(refused=NO_PROCESS)
-        if _is_same(process.asked, asked) and process.has_figures:
-            return process.view
+        if _is_same(process.request, asked) and _has_figures(process):
+            return self._view(process)
         last = self._last
         if last.report is None:
             return WorldCheckView(how_long=process.how_long)
         return replace(last, refused="", is_outdated=True)
 
-    def _begin(self, asked: Question, world: World) -> _CheckProcess | None:
+    def _begin(self, asked: Question, world: World) -> _Process | None:
         """Begin to work ``asked`` out; None where no process can be started."""
+        self._world = world
         try:
-            with self._lock:
-                if self._is_closed:
-                    return None
-                process = self._process = _CheckProcess(asked, world, self._on_news)
+            process = self._background.begin(asked, None)
         except OSError:
             return None
-        if not self._automatic:
+        if process is not None and not self._automatic:
             process.wait()
         return process
 
     def end(self) -> None:
         """Keep what the process has found, if it has come to its end, and end it if not."""
-        with self._lock:
-            process, self._process = self._process, None
-        if process is not None:
-            process.end()
-            if process.is_done:
-                self._known = [*self._known, (process.asked, process.view)][-KEPT:]
+        process = self._background.process
+        if process is not None and (process.failed or _is_whole(process.known)):
+            self._known = [*self._known, (process.request, self._view(process))][-KEPT:]
+        self._background.end()
 
     def close(self) -> None:
         """End what is under way, from any thread, and begin nothing any more."""
-        with self._lock:
-            self._is_closed = True
-            if self._process is not None:
-                self._process.end()
+        self._background.close()
+
+    def _view(self, process: _Process) -> WorldCheckView:
+        gamma = process.request.hyperparameters.gamma
+        view = WorldCheckView(process.known, self._world, gamma)
+        if _is_whole(process.known):
+            return view
+        if process.failed:
+            return replace(view, refused=BROKEN_OFF)
+        return replace(view, how_long=process.how_long)
+
+
+def _has_figures(process: _Process) -> bool:
+    """Return whether there is something to show, be it that there will be nothing."""
+    return process.known is not None or bool(process.failed)
+
+
+def _is_whole(report: WorldReport | None) -> bool:
+    return report is not None and report.stage is CheckStage.DONE
 
 
 def _question(run: Run, mdp: TabularMDP) -> Question:
@@ -134,38 +143,3 @@ def _question(run: Run, mdp: TabularMDP) -> Question:
 
 def _is_same(one: Question, other: Question) -> bool:
     return one.mdp is other.mdp and one[1:] == other[1:]
-
-
-class _CheckProcess(AnsweringProcess):
-    """Checks the world of ``asked``."""
-
-    def __init__(self, asked: Question, world: World, on_news: Callable[[], None]) -> None:
-        self.asked = asked
-        self._known = WorldCheckView(world=world, gamma=asked.hyperparameters.gamma)
-        super().__init__(WORKER, asked, self._take_in, self._has_ended, on_news, "world check")
-
-    @property
-    def view(self) -> WorldCheckView:
-        """What is known by now, and how it gets on."""
-        return self._known if self.is_done else replace(self._known, how_long=self.how_long)
-
-    @property
-    def has_figures(self) -> bool:
-        """Whether there is something to show, be it that there will be nothing."""
-        return self._known.report is not None or self.is_done
-
-    @property
-    def is_done(self) -> bool:
-        """Whether no more will come."""
-        report = self._known.report
-        return bool(self._known.refused) or (report is not None and report.stage is CheckStage.DONE)
-
-    def _take_in(self, document: Any) -> None:
-        report = of_json(document)
-        self._known = replace(self._known, report=report)
-        if report.trying:
-            self.pace.note(list(BY_ID).index(report.trying) / len(BY_ID))
-
-    def _has_ended(self) -> None:
-        if not self.is_done:
-            self._known = replace(self._known, refused=BROKEN_OFF)

@@ -10,19 +10,20 @@ import pytest
 from lab.lessons.task_samples import condition, lesson_with, recipe_in
 
 from rl_tui.common.kiosk import VARIABLE
-from rl_tui.lab.lessons.judging import live_panels
+from rl_tui.lab.lessons.judging import seed_panel
 from rl_tui.lab.lessons.judging.attempts import evidence_holds
 from rl_tui.lab.lessons.judging.conditions import judged_task, verdict
 from rl_tui.lab.lessons.judging.journal_reader import run_digest
 from rl_tui.lab.lessons.judging.judge import TaskJudge
 from rl_tui.lab.lessons.judging.live_panels import LivePanels
-from rl_tui.lab.lessons.judging.panel_request import SeedValues
+from rl_tui.lab.lessons.judging.panel_request import PanelProgress, PanelRequest, SeedValues
 from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce, worked_out
 from rl_tui.lab.lessons.lesson import Lesson
 from rl_tui.lab.lessons.record import begun
 from rl_tui.lab.lessons.view import LessonView, TaskView
 from rl_tui.lab.run.recipe import SetParameter
 from rl_tui.lab.run.run import Run
+from rl_tui.lab.workers import answering_process
 
 pytestmark = pytest.mark.process
 
@@ -118,7 +119,10 @@ def test_what_is_known_of_settings_is_not_worked_out_again(
     asked = (asked[0].model_copy(update={"equals": None}),)
     panels.of(recipe, asked)
     news.until(lambda: panels.of(recipe, asked)[0].holds is not None)
-    monkeypatch.setattr(live_panels, "WORKER", "there.is.no.such.module")
+    start = answering_process.python_process
+    monkeypatch.setattr(
+        answering_process, "python_process", lambda module, *others: start("there.is.no.such.module", *others)
+    )
     again = panels.of(recipe_in("student", seed=9), asked)
     assert again[0].holds is True
     others = recipe_in("student", epsilon=0.9)
@@ -172,6 +176,19 @@ def test_seeds_that_are_known_count_as_they_were() -> None:
     verdicts = worked_out(recipe, asked, lambda *each: heard.append(each), [[4.0], [4.0]])
     assert heard == [(3, 3, [5.0])]
     assert verdicts == ((False, "1 of 3 seeds"),)
+
+
+def test_seeds_that_are_known_are_no_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    for of_the_process in ("bound_processor_time", "let_others_go_first"):
+        monkeypatch.setattr(seed_panel, of_the_process, lambda *_: None)
+    asked = (condition("steps", seeds=4, hold=2, steps=5, at_least=5),)
+    asked = (asked[0].model_copy(update={"equals": None}),)
+    told: list[tuple[PanelProgress, float]] = []
+    request = PanelRequest(recipe_in("student"), asked, ([4.0], [4.0]))
+    seed_panel.work(request, lambda *each: told.append(each))
+    assert [share for _, share in told] == [0.5, 1.0, 1.0]
+    assert [(len(known.seeds), known.wanted) for known, _ in told] == [(3, 4), (4, 4), (4, 4)]
+    assert told[-1][0].verdicts == ((True, "2 of 4 seeds"),)
 
 
 def test_a_run_that_goes_on_while_seeds_are_worked_out_passes_by_what_it_did(

@@ -23,13 +23,22 @@ _Of = TypeVar("_Of")
 class PanelRequest:
     """What is to be worked out: ``conditions`` for runs of ``recipe`` under the seeds from 0.
 
-    ``modules`` are those that the id of an environment may import, ``known`` what came of the first seeds.
+    ``known`` is what came of the first seeds.
     """
 
     recipe: Recipe
     conditions: tuple[Condition, ...]
-    modules: frozenset[str]
     known: tuple[SeedValues, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class PanelProgress:
+    """What is known by now: what came of the ``seeds`` that are done, at the end the ``verdicts``."""
+
+    seeds: tuple[SeedValues, ...]
+    wanted: int = 0
+    """How many seeds there are to be; 0 before the first that was not known."""
+    verdicts: tuple[ConditionVerdict, ...] | None = None
 
 
 class KnownPanels:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import groupby
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.experiments.seeded_runs import SeededRuns, no_compiling
@@ -13,9 +13,10 @@ from rl_tui.lab.experiments.training import Goal
 from rl_tui.lab.lessons.judging.condition_faults import MOST_STEPS_OF_A_SEED
 from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, Value
 from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
-from rl_tui.lab.lessons.judging.panel_request import KnownPanels, SeedValues
+from rl_tui.lab.lessons.judging.panel_request import KnownPanels, PanelProgress, PanelRequest, SeedValues
 from rl_tui.lab.lessons.judging.replays import OnEnd, ignore_end
 from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict, found_in_words, is_met
+from rl_tui.lab.workers.answering import bound_processor_time, let_others_go_first
 
 if TYPE_CHECKING:
     from rl_tui.lab.lessons.schema import Condition
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     from rl_tui.lab.run.run import Run
 
 
+MOST_SECONDS: Final = 300
+"""Of a processor, in a process of its own."""
 OnSeed = Callable[[int, int, SeedValues], None]
 
 
@@ -32,6 +35,22 @@ def no_news(done: int, wanted: int, values: SeedValues) -> None:
 
 class _TooLongError(Exception):
     """A seed has come to more steps than it may take."""
+
+
+def work(request: PanelRequest, tell: Callable[[PanelProgress, float], None]) -> None:
+    """Tell what came of each seed, and the verdicts at the end; what a process of its own does."""
+    bound_processor_time(MOST_SECONDS)
+    known = len(request.known)
+    seeds = list(request.known)
+
+    def on_seed(done: int, wanted: int, values: SeedValues) -> None:
+        if done == known + 1:  # until then it may have waited for machine code
+            let_others_go_first()
+        seeds.append(values)
+        tell(PanelProgress(tuple(seeds), wanted), (done - known) / (wanted - known))
+
+    verdicts = worked_out(request.recipe, request.conditions, on_seed, request.known)
+    tell(PanelProgress(tuple(seeds), len(seeds), verdicts), 1.0)
 
 
 def worked_out(

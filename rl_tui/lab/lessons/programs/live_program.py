@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
-import threading
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from rl_tui.lab.lessons.record import Passed
 from rl_tui.lab.lessons.view import ConditionView, TaskView
-from rl_tui.lab.workers.answering_process import AnsweringProcess
+from rl_tui.lab.workers.answering import bound_processor_time
+from rl_tui.lab.workers.answering_process import Background
 
 if TYPE_CHECKING:
     from rl_tui.lab.lessons.judging.conditions import JudgedTask
+    from rl_tui.lab.lessons.judging.verdicts import ConditionVerdict
     from rl_tui.lab.lessons.schema import Condition
 
-WORKER: Final = "rl_tui.lab.lessons.programs.program_worker"
+WORK: Final = "rl_tui.lab.lessons.programs.live_program:work"
 """What runs in the process."""
+MOST_SECONDS: Final = 300
+"""Of a processor, for judging what was seen; the program has limits of its own."""
+_TELLS_EVERY: Final = 0.25  # seconds
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +33,19 @@ class ProgramTask:
     conditions: tuple[Condition, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class FoundProgram:
+    """What is known of the program: its ``progress``, at the end the ``verdicts``, or a ``fault``."""
+
+    progress: str = "it begins"
+    fault: str = ""
+    """Why it cannot be judged; empty where it can."""
+    verdicts: tuple[ConditionVerdict, ...] | None = None
+    """One for each condition, None before its end."""
+    code: str = ""
+    remarks: tuple[str, ...] = ()
+
+
 class LiveProgram:
     """Has a program watched and judged in a process of its own, and tells how it stands.
 
@@ -36,12 +54,9 @@ class LiveProgram:
     """
 
     def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
-        self._on_news = on_news
         self._automatic = automatic
-        self._lock = threading.Lock()  # guards the process and whether there may be one
-        self._process: _Watching | None = None
-        self._is_closed = False
-        self._found: dict[str, Any] = {}
+        self._background = Background[ProgramTask, FoundProgram](WORK, on_news)
+        self._found = FoundProgram()
         self._name = ""
 
     def begin(self, path: Path, judged: JudgedTask) -> None:
@@ -50,69 +65,75 @@ class LiveProgram:
         task = ProgramTask(path, judged.task.conditions)
         self._name = path.name
         if not self._automatic:
-            from rl_tui.lab.lessons.programs.program_worker import judged_file
-
             self._found = judged_file(task)
             return
         try:
-            with self._lock:
-                if not self._is_closed:
-                    self._process = _Watching(task, self._on_news)
+            self._background.begin(task, FoundProgram())
         except OSError as error:
-            self._found = {"fault": f"no process can be started to watch it ({error})"}
+            self._found = FoundProgram(fault=f"no process can be started to watch it ({error})")
 
     def view(self, judged: JudgedTask, *, has_passed: bool) -> TaskView:
         """Return how the task stands by what is known of the program; ``has_passed`` says that one has."""
-        conditions, process = judged.task.conditions, self._process
-        found = self._found if process is None else process.found
-        if "verdicts" in found:
+        conditions, process = judged.task.conditions, self._background.process
+        found = self._found if process is None else process.known
+        if found.verdicts is not None:
             views = tuple(
                 ConditionView(each.text, holds, said)
-                for each, (holds, said) in zip(conditions, found["verdicts"], strict=True)
+                for each, (holds, said) in zip(conditions, found.verdicts, strict=True)
             )
             passed = None
             if all(each.holds for each in views) and judged.task.proof is None:
-                passed = Passed(judged.page, judged.setup, program=found["code"])
-            return TaskView(views, passed, remarks=tuple(found["remarks"]))
+                passed = Passed(judged.page, judged.setup, program=found.code)
+            return TaskView(views, passed, remarks=found.remarks)
         holds = True if has_passed else None
-        remarks = (found["fault"],) if "fault" in found else ()
+        fault = found.fault or ("what watches it ended by itself" if process and process.failed else "")
+        remarks = (fault,) if fault else ()
         waits = ""
-        if process is not None and not found:
-            waits = f"{self._name} is watched: {process.progress}"
+        if process is not None and not fault:
+            waits = f"{self._name} is watched: {found.progress}"
             waits = " · ".join(filter(None, (waits, process.how_long)))
         views = tuple(ConditionView(each.text, holds) for each in conditions)
         return TaskView(views, waits=waits, remarks=remarks)
 
     def end(self) -> None:
         """End it, and forget what is known of it."""
-        with self._lock:
-            process, self._process = self._process, None
-        self._found = {}
-        if process is not None:
-            process.end()
+        self._background.end()
+        self._found = FoundProgram()
 
     def close(self) -> None:
         """End it, from any thread, and begin nothing any more."""
-        with self._lock:
-            self._is_closed = True
-            if self._process is not None:
-                self._process.end()
+        self._background.close()
 
 
-class _Watching(AnsweringProcess):
-    """Watches the program of ``task``; what came of it is ``found``, empty before its end."""
+def work(task: ProgramTask, tell: Callable[[FoundProgram, float], None]) -> None:
+    """Tell how many steps are seen, and how the program is judged; what a process of its own does."""
+    bound_processor_time(MOST_SECONDS)
+    last = 0.0
 
-    def __init__(self, task: ProgramTask, on_news: Callable[[], None]) -> None:
-        self.found: dict[str, Any] = {}
-        self.progress = "it begins"
-        super().__init__(WORKER, task, self._take_in, self._has_ended, on_news, "program of a task")
+    def on_steps(steps: int, episodes: int) -> None:
+        nonlocal last
+        if time.monotonic() - last > _TELLS_EVERY:
+            last = time.monotonic()
+            tell(FoundProgram(progress=f"{steps:,} steps, {episodes:,} episodes"), 0.0)
 
-    def _take_in(self, document: Any) -> None:
-        if "steps" in document:
-            self.progress = f"{document['steps']:,} steps, {document['episodes']:,} episodes"
-        else:
-            self.found = dict(document)
+    tell(judged_file(task, on_steps), 1.0)
 
-    def _has_ended(self) -> None:
-        if not self.found:
-            self.found = {"fault": "what watches it ended by itself"}
+
+def judged_file(
+    task: ProgramTask, on_steps: Callable[[int, int], None] = lambda steps, episodes: None
+) -> FoundProgram:
+    """Return how the program of ``task`` is judged.
+
+    ``on_steps`` is called with the steps and episodes that were seen, as they come.
+    """
+    from rl_tui.common.errors import UserError
+    from rl_tui.lab.lessons.judging.conditions import program_verdicts, remarks_on
+    from rl_tui.lab.lessons.programs.watching import read_code, watched_code
+
+    try:
+        code = read_code(task.path)
+    except UserError as fault:
+        return FoundProgram(fault=str(fault))
+    seen = watched_code(code, task.path.name, on_steps)
+    verdicts = tuple(program_verdicts(task.conditions, seen))
+    return FoundProgram(code=code, verdicts=verdicts, remarks=remarks_on(seen))

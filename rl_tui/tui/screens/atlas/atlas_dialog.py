@@ -10,11 +10,11 @@ from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.widgets import Static
 
-from rl_tui.lab.atlas.atlas_process import AtlasProcess
-from rl_tui.lab.atlas.figures import Atlas
-from rl_tui.lab.atlas.request import AtlasRequest
+from rl_tui.lab.atlas.figures import Atlas, AtlasState
+from rl_tui.lab.atlas.request import WORK, AtlasRequest
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.sweeps.measures import JUDGED_BY, MEASURES
+from rl_tui.lab.workers.answering_process import Background
 from rl_tui.tui.draw.to_ascii import to_ascii
 from rl_tui.tui.screens.atlas.atlas_map import AtlasMap
 from rl_tui.tui.screens.atlas.picture import AtlasScene, setting_name
@@ -49,10 +49,11 @@ class AtlasDialog(Dialog[Recipe]):
         self._request = request
         self._seed = 0
         self._how_long = ""
-        self._process: AtlasProcess | None = None
-        atlas = Atlas(planned=request.cells.count * request.runs)
+        self._background = Background[AtlasRequest, Atlas](WORK, lambda: None)
         measure = MEASURES[JUDGED_BY[0]]
-        self._scene = AtlasScene(look, request.cells, atlas, measure, request.in_force, request.in_force)
+        self._scene = AtlasScene(
+            look, request.cells, request.nothing_yet, measure, request.in_force, request.in_force
+        )
 
     def compose(self) -> ComposeResult:
         """Yield what is mapped, the map, and what the cell under the cursor says."""
@@ -69,13 +70,13 @@ class AtlasDialog(Dialog[Recipe]):
         super().on_mount()
         self.query_one(AtlasMap).focus()
         try:
-            self._process = AtlasProcess(self._request, lambda: None)
+            process = self._background.begin(self._request, self._scene.atlas)
         except OSError as error:
             self.app.notify(f"no process can be started: {error.strerror or error}", severity="error")
             self.dismiss(None)
             return
-        if self._request.is_awaited:
-            self._process.wait()
+        if process is not None and self._request.is_awaited:
+            process.wait()
         else:
             self.set_interval(_NEWS_EVERY, self._take_news)
         self._take_news()
@@ -83,16 +84,18 @@ class AtlasDialog(Dialog[Recipe]):
 
     def on_unmount(self) -> None:
         """End the process, whatever it is doing."""
-        if self._process is not None:
-            self._process.end()
+        self._background.close()
 
     def _take_news(self) -> None:
-        process = self._process
+        process = self._background.process
         if process is None:
             return
-        if process.atlas is not self._scene.atlas or process.how_long != self._how_long:
-            self._how_long = process.how_long
-            self._change(atlas=process.atlas)
+        atlas, how_long = process.known, process.how_long
+        if process.failed and not atlas.is_over:
+            atlas = replace(atlas, state=AtlasState.FAILED, message=process.failed)
+        if atlas != self._scene.atlas or how_long != self._how_long:
+            self._how_long = how_long
+            self._change(atlas=atlas)
 
     def _change(self, **changes: object) -> None:
         self._scene = replace(self._scene, **changes)  # type: ignore[arg-type]
