@@ -165,6 +165,6 @@ def _messages(stdout: IO[bytes]) -> Iterator[Any]:
             return
         try:
             message = pickle.loads(sent)  # our own program wrote it
-        except (AttributeError, ImportError):  # another version of this program was installed meanwhile
+        except Exception:  # another version was installed meanwhile, or an environment wrote to the pipe
             return
         yield message
