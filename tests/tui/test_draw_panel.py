@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from conftest import MakeApp
 from drawing_hands import Mouse, app_of_template, map_drawn
-from seams import app_at, click, notes, on_screen, playground, press, screen_text, slider, snapshot, tap
+from seams import app_at, notes, on_screen, playground, press, screen_text, slider, snapshot, tap
 from textual.geometry import Size
 from textual.pilot import Pilot
 
@@ -141,12 +141,15 @@ async def test_tools_are_taken_by_a_click_from_the_palette_and_by_quick_keys(mak
 
 
 @pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.exhaustive("a size"))])
-async def test_a_fast_drag_leaves_no_gaps_and_is_one_stroke_on_the_map_and_of_a_slider(
+async def test_drawing_is_found_by_words_and_a_fast_drag_is_one_stroke_without_gaps(
     make_app: MakeApp, size: tuple[int, int]
 ) -> None:
     async with on_screen(make_app("maze"), size) as pilot:
+        for word in ("edit", "map", "wall", "paint", "draw the world"):
+            assert "Draw the world (C)" in await palette(pilot, word), word
+        assert "C draw" not in pilot.app.screen.query_one(KeyLine).render_line(0).text
         hands = Mouse(pilot)
-        await hands.begin()
+        await hands.begin()  # by the key line, once the world has focus
         view = playground(pilot).board.world
         assert view is not None
         await hands.drag(view, hands.offset((0, 0)), hands.offset((0, 6)))
@@ -187,16 +190,6 @@ async def test_noise_is_refused_on_slippery_ice_in_words(make_app: MakeApp) -> N
         assert not strokes(pilot)
         assert notes(pilot.app)[-1].startswith("noise stays 0: ")
         assert slider(pilot.app, "noise").value == 0.0
-
-
-async def test_drawing_is_found_by_words_and_offered_where_the_world_has_focus(make_app: MakeApp) -> None:
-    async with on_screen(make_app("maze")) as pilot:
-        for word in ("edit", "map", "wall", "paint", "draw the world"):
-            assert "Draw the world (C)" in await palette(pilot, word), word
-        line = pilot.app.screen.query_one(KeyLine)
-        assert "C draw" not in line.render_line(0).text
-        await click(pilot, playground(pilot).board.world, offset=(5, 2))
-        assert "C draw the world" in line.render_line(0).text
 
 
 @pytest.mark.exhaustive("plays every world that cannot be drawn", but=["taxi", "blackjack"])
@@ -340,12 +333,14 @@ async def test_in_a_kiosk_one_draws_and_saves_nothing(monkeypatch: pytest.Monkey
         assert map_drawn(pilot).rows == map_drawn(pilot).columns == 4
 
 
+@pytest.mark.exhaustive("plays every drawing", but=["student"])
 @pytest.mark.parametrize(
     ("scenario", "limit", "most", "keys"),
     [
         ("student", "graph_draft.MOST_STATES_WRITTEN", 4, ("i", "n", "e", "w", "enter")),
         ("bandit", "arms_draft.MOST_ARMS", 10, ("i",)),
     ],
+    ids=["student", "bandit"],
 )
 async def test_limits_of_size_hold_for_states_and_arms(
     monkeypatch: pytest.MonkeyPatch, scenario: str, limit: str, most: int, keys: tuple[str, ...]
