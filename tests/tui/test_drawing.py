@@ -115,17 +115,6 @@ async def test_a_diagonal_of_two_characters_is_no_tie(make_app: MakeApp) -> None
         assert str(view(pilot).border_subtitle) == "1^ 2> 3v 4< 5^> 6v> 7v< 8^< - D: end"
 
 
-async def test_a_name_that_fills_its_box_leaves_the_corners_whole(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        await press(pilot, "D")
-        rows = picture(pilot)
-        assert "│Phone?├" in rows
-        assert "│◉Class├" in rows
-        assert "│ 4.04 │" not in rows
-        assert "?" not in "".join(row for row in rows.splitlines() if "──╮" in row)
-        assert rows.count("?") == 2
-
-
 async def test_digits_draw_and_the_cursor_stays_and_all_is_cleared_after_asking(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
         await press(pilot, "D", "C")
@@ -183,12 +172,22 @@ async def test_the_mode_is_seen_and_ends_by_its_keys_and_by_another_mode(make_ap
         assert snapshot(pilot).answers.studied is PolicyKind.DRAWN
 
 
-async def test_a_node_of_a_graph_takes_its_own_actions(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), (120, 40), notifications=True) as pilot:
+async def test_a_node_of_a_graph_takes_its_own_actions_and_a_name_leaves_the_corners_whole(
+    make_app: MakeApp,
+) -> None:
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         await press(pilot, "D")
+        rows = picture(pilot)
+        assert "│Phone?├" in rows
+        assert "│◉Class├" in rows
+        assert "│ 4.04 │" not in rows
+        assert "?" not in "".join(row for row in rows.splitlines() if "──╮" in row)
+        assert rows.count("?") == 2  # Pass has one action
+        await pilot.resize_terminal(120, 40)
+        await settle(pilot)
         assert str(view(pilot).border_subtitle).startswith("1 study  2 check phone · ")
+        assert picture(pilot).count("?") == 2
         names = snapshot(pilot).world.space.state_names
-        assert picture(pilot).count("?") == 2  # Pass has one action
         await press(pilot, "1")
         view(pilot).put_cursor(names.index("Phone"))
         await press(pilot, "2")
