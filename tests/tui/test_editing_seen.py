@@ -70,7 +70,7 @@ async def test_every_stroke_is_seen_before_it_is_in_force_and_the_cursor_keeps_i
         assert world(pilot).cursor == 11, "its row is gone: the last one"
 
 
-async def test_the_cursor_keeps_its_arm_and_its_state(make_app: MakeApp) -> None:
+async def test_the_cursor_keeps_its_arm(make_app: MakeApp) -> None:
     async with on_screen(make_app("bandit"), (120, 40)) as pilot:
         await press(pilot, "C")
         assert isinstance(world(pilot), ArmsView)
@@ -79,17 +79,6 @@ async def test_the_cursor_keeps_its_arm_and_its_state(make_app: MakeApp) -> None
         assert world(pilot).cursor == 3, "the new arm"
         await press(pilot, "down", "z")
         assert world(pilot).cursor == 3, "the arm that was there"
-    async with on_screen(make_app("student"), (120, 40)) as pilot:
-        shown = await press(pilot, "C")
-        names = shown.world.space.state_names
-        world(pilot).put_cursor(names.index("Pass"))
-        # a new state that is mentioned first gets a number of its own before it
-        edit = 'world.transition[Class,study]={"to":{"Bar":0.5,"Pass":0.5},"reward":1}'
-        await order(pilot, DrawWorld(read_edits(edit)))
-        now = snapshot(pilot).world.space.state_names
-        place = world(pilot).cursor
-        assert place is not None
-        assert now[place] == "Pass"
 
 
 # Two worlds side by side
@@ -142,36 +131,36 @@ async def test_maps_of_one_size_are_compared_by_cell_and_have_a_cursor_in_common
         assert [view.cursor for view in views] == [30, 30]
 
 
-async def test_graphs_are_compared_by_name(make_app: MakeApp) -> None:
+async def test_graphs_are_compared_by_name_and_the_cursor_keeps_its_state(make_app: MakeApp) -> None:
     async with on_screen(make_app("student"), (120, 40)) as pilot:
         await train(pilot, 500)
+        shown = await press(pilot, "C")
+        world(pilot).put_cursor(shown.world.space.state_names.index("Pass"))
+        # a new state that is mentioned first gets a number of its own before it
         edit = 'world.transition[Class,study]={"to":{"Bar":0.5,"Pass":0.5},"reward":-9}'
-        await press(pilot, "C")
         await order(pilot, DrawWorld(read_edits(edit)))
+        assert snapshot(pilot).world.space.state_names[world(pilot).cursor or 0] == "Pass"
         await press(pilot, "escape", "b", "t")
         await train(pilot, 200)
         playground(pilot).lanes.link.send(AddBranch(0))
         await settle(pilot)
         shown = snapshot(pilot)
         other = shown.beside
-        one, two = shown.world.space.state_names, other.world.space.state_names
+        mine, theirs = shown.world.space, other.world.space
+        one, two = mine.state_names, theirs.state_names
         assert list(one) != list(two)
+        common = in_common(shown.world, other.world)
         for number, name in enumerate(one):
             there = state_in(number, shown.world, other.world)
             assert there is not None
             assert two[there] == name
+            pairs = pairs_in(mine.pairs_of(number), shown.world, other.world)
+            assert len(pairs) in (0, len(theirs.pairs_of(there)))
         assert state_in(two.index("Bar"), other.world, shown.world) is None
         found = greedy_differences(shown, other)
         assert {one[state] for state in found.states} == {two[state] for state in found.right}
-        common = in_common(shown.world, other.world)
-        for pair in range(shown.world.space.pairs):
+        for pair in range(mine.pairs):
             assert pair_in(pair, shown.world, other.world) == common.pairs[pair]
-        mine, theirs = shown.world.space, other.world.space
-        for state in range(mine.states):
-            there = state_in(state, shown.world, other.world)
-            assert there is not None
-            expected = theirs.pairs_of(there)
-            assert len(pairs_in(mine.pairs_of(state), shown.world, other.world)) in (0, len(expected))
         board = playground(pilot).board
         first, second = (board.query_one(f"#{each}", GraphView) for each in ("world", beside("world")))
         first.focus()
