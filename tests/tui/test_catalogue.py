@@ -145,7 +145,7 @@ async def test_enter_on_the_second_row_watches_the_plain_lake_learn() -> None:
         await pilot.press("space", "q")
 
 
-async def test_what_stands_below_a_drawing_stays_where_it_is_when_it_comes(
+async def test_what_stands_below_a_drawing_stays_where_it_is_and_in_ascii_no_dot_looks_like_a_product(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     may_build, build = threading.Event(), Scenario.build
@@ -155,7 +155,7 @@ async def test_what_stands_below_a_drawing_stays_where_it_is_when_it_comes(
         return build(self, generator)
 
     monkeypatch.setattr(Scenario, "build", build_later)
-    async with make_app().run_test(size=(80, 24)) as pilot:
+    async with make_app(ascii=True).run_test(size=(80, 24)) as pilot:
         await pilot.press("down", "down")
         await pilot.pause()
         before = pilot.app.screen.query_one("#facts").region
@@ -164,6 +164,9 @@ async def test_what_stands_below_a_drawing_stays_where_it_is_when_it_comes(
         await settle(pilot)
         assert pilot.app.screen.query_one("#facts").region.offset == before.offset
         assert before.width == pilot.app.screen.query_one("#facts").region.width
+        await pilot.resize_terminal(120, 40)
+        await go_to(pilot, "bandit")
+        assert "1 state - 10 actions - 10 pairs - budget 1,000" in facts(pilot)
 
 
 async def test_arrows_show_the_details_of_each_and_nothing_of_one_under_the_title_of_the_next(
@@ -241,9 +244,3 @@ def test_defaults_use_the_symbols_of_the_playground() -> None:
     assert defaults(values) == "Q-learning · α 0.1 · 10,000 episodes · ties first"
     assert defaults({"episodes": 1}) == "1 episode"
     assert defaults({"gamma": 0.0, "alpha": "sample-average"}) == "γ 0 · α sample-average"
-
-
-async def test_in_ascii_no_dot_between_parts_looks_like_a_product(make_app: MakeApp) -> None:
-    async with on_screen(make_app(ascii=True), (120, 40)) as pilot:
-        await go_to(pilot, "bandit")
-        assert "1 state - 10 actions - 10 pairs - budget 1,000" in facts(pilot)
