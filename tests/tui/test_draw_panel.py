@@ -192,7 +192,7 @@ async def test_noise_is_refused_on_slippery_ice_in_words(make_app: MakeApp) -> N
         assert slider(pilot.app, "noise").value == 0.0
 
 
-@pytest.mark.exhaustive("plays every world that cannot be drawn", but=["taxi", "blackjack"])
+@pytest.mark.exhaustive("plays every world that cannot be drawn", but=["blackjack"])
 @pytest.mark.parametrize(
     ("scenario", "reason"),
     [
