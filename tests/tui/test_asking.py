@@ -5,14 +5,15 @@ from __future__ import annotations
 import pytest
 from conftest import MakeApp
 from samples import answered, bandit, lake, look
-from seams import on_screen, playground, press, slider, tap, train
-from test_lanes import open_lane
+from seams import on_screen, order, playground, press, slider, tap, train
 from textual.containers import VerticalScroll
 from textual.geometry import Region
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
 from rl_tui.common.errors import UserError
+from rl_tui.lab.live.commands import AddLane
+from rl_tui.lab.run.recipe import SwitchAlgorithm
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.glossary.glossary import glossary
 from rl_tui.tui.panels.catalogue import PANELS
@@ -235,7 +236,7 @@ async def test_a_word_on_a_border_is_a_word_and_figures_say_the_limits_of_this_w
 async def test_of_two_lanes_a_number_says_whose_it_is(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
         await train(pilot, 500)
-        await open_lane(pilot, "algorithm", "sarsa")
+        await order(pilot, AddLane((SwitchAlgorithm("sarsa"),)))
         await press(pilot, "tab", "question_mark")
         assert "lane 1" in str(pilot.app.screen.query_one(OptionList).options[0].prompt)
         assert "Q-learning" in told(pilot)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 from conftest import MakeApp
-from seams import choose, on_screen, playground, press, snapshot, train
+from seams import choose, on_screen, order, playground, press, snapshot, train
 from textual.pilot import Pilot
 from textual.widgets import Input
 
 from rl_tui.common.errors import UserError
+from rl_tui.lab.live.commands import AddLane
+from rl_tui.lab.run.recipe import SetParameter
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.screens.dialogs.lanes.compare import Compare
@@ -99,8 +101,8 @@ async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> No
 async def test_what_is_told_goes_to_the_lane_shown_only(make_app: MakeApp) -> None:
     """Back to a value that the first lane has all along is a change in the second."""
     async with on_screen(make_app("frozenlake-slippery")) as pilot:
-        await open_lane(pilot, "alpha", "0.5")
-        await open_lane(pilot, "ties", "first")
+        for change in (SetParameter("alpha", 0.5), SetParameter("ties", "first")):
+            await order(pilot, AddLane((change,)))
         assert [lane.name for lane in snapshot(pilot).run_group.lanes] == [
             "α 0.1, ties random",
             "α 0.5",
@@ -120,11 +122,11 @@ async def test_what_is_told_goes_to_the_lane_shown_only(make_app: MakeApp) -> No
 
 
 async def test_four_lanes_fit_every_screen(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake-slippery")) as pilot:
+    async with on_screen(make_app("frozenlake-slippery"), (60, 18)) as pilot:
         for value in ("0.2", "0.5", "0.9"):
-            await open_lane(pilot, "alpha", value)
+            await order(pilot, AddLane((SetParameter("alpha", float(value)),)))
         await train(pilot, 3_000)
-        for size in ((80, 24), (120, 40), (60, 18)):
+        for size in ((60, 18), (80, 24), (120, 40)):
             await pilot.resize_terminal(*size)
             await settle(pilot)
             text = curve_text(pilot)
