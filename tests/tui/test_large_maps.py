@@ -75,7 +75,7 @@ async def test_map_and_table_follow_the_agent_and_what_is_scrolled_to_is_filled_
         check_complete(screen)
 
 
-async def test_the_table_and_the_model_may_look_elsewhere_while_the_agent_walks_on() -> None:
+async def test_the_table_the_model_and_a_new_size_may_look_elsewhere_while_the_agent_walks_on() -> None:
     async with on_screen(app_of(), (120, 40)) as pilot:
         screen = playground(pilot)
         table = screen.board.table
@@ -99,13 +99,9 @@ async def test_the_table_and_the_model_may_look_elsewhere_while_the_agent_walks_
         await settle(pilot)
         assert newest(screen).agent.holds(4)
         assert "not yet visited" in "\n".join(panel.render_line(y).text for y in range(panel.size.height))
-
-
-async def test_a_panel_that_covers_all_others_and_a_new_size_have_their_cells() -> None:
-    async with on_screen(app_of()) as pilot:
-        screen = playground(pilot)
+        await tap(pilot, "m")
         map_of(screen).focus()
-        await tap(pilot, "f")
+        await tap(pilot, "f")  # it covers all others
         check_complete(screen)
         await pilot.resize_terminal(160, 50)
         await settle(pilot)
