@@ -122,7 +122,7 @@ async def test_tables_and_the_picture_are_those_that_are_shown(make_app: MakeApp
 
 
 async def test_of_a_map_that_is_shown_in_parts_all_of_q_is_written(folder: Path) -> None:
-    app = app_at(open_grid_recipe(200))
+    app = app_at(open_grid_recipe(165))
     async with on_screen(app, notifications=True) as pilot:
         await train(pilot, 2000)
         snapshot = shown(pilot)
@@ -132,7 +132,7 @@ async def test_of_a_map_that_is_shown_in_parts_all_of_q_is_written(folder: Path)
         (path,) = folder.iterdir()
         with path.open(encoding="utf-8") as stream:
             rows = list(csv.DictReader(stream))
-        assert len(rows) == 200 * 200 - 1
+        assert len(rows) == 165 * 165 - 1
         visits = sum(int(count) for row in rows for name, count in row.items() if name.startswith("visits"))
         assert visits == 2000
 
@@ -158,12 +158,6 @@ async def test_the_command_has_what_was_changed_and_can_be_copied_or_written(
         assert (folder / "frozenlake-q-learning.txt").read_text(encoding="utf-8") == f"{line}\n"
 
 
-async def test_a_bandit_warns_that_the_script_has_the_true_means(make_app: MakeApp) -> None:
-    async with on_screen(make_app("bandit")) as pilot:
-        await press(pilot, "x")
-        assert "true means" in str(pilot.app.screen.query_one(OptionList).get_option("script").prompt)
-
-
 async def test_why_there_is_no_script_is_told_in_a_line(make_app: MakeApp, folder: Path) -> None:
     async with on_screen(make_app("egg"), notifications=True) as pilot:
         await choose(pilot, "script")
@@ -171,7 +165,9 @@ async def test_why_there_is_no_script_is_told_in_a_line(make_app: MakeApp, folde
     assert list(folder.iterdir()) == []
 
 
-async def test_what_takes_long_can_be_broken_off(make_app: MakeApp) -> None:
+async def test_a_bandit_warns_of_its_true_means_and_what_takes_long_can_be_broken_off(
+    make_app: MakeApp,
+) -> None:
     met = SimpleNamespace(begun=threading.Event(), ended=threading.Event())
 
     def endless(on_progress: object) -> None:
@@ -184,7 +180,10 @@ async def test_what_takes_long_can_be_broken_off(make_app: MakeApp) -> None:
             met.ended.set()
             raise
 
-    async with on_screen(make_app("student")) as pilot:
+    async with on_screen(make_app("bandit")) as pilot:
+        await press(pilot, "x")
+        assert "true means" in str(pilot.app.screen.query_one(OptionList).get_option("script").prompt)
+        await press(pilot, "escape")
         answers: list[str | None] = []
         pilot.app.push_screen(Working("Returns", endless), answers.append)
         await pilot.pause()
