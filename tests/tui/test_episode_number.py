@@ -6,7 +6,7 @@ import re
 
 import pytest
 from conftest import MakeApp
-from seams import on_screen, playground, press, screen_text, snapshot, switch, tap, train
+from seams import notes, on_screen, playground, press, screen_text, snapshot, switch, tap, train
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -27,15 +27,21 @@ def numbers_of(pilot: Pilot[UserError]) -> set[str]:
 async def test_every_step_of_an_episode_and_its_end_and_where_one_goes_to_it(
     size: tuple[int, int], make_app: MakeApp
 ) -> None:
-    async with on_screen(make_app("frozenlake"), size) as pilot:
+    async with on_screen(make_app("frozenlake"), size, notifications=True) as pilot:
         for expected in ("1", "2", "3"):
             while snapshot(pilot).counters.episodes < int(expected):
                 await press(pilot, "s")
                 assert numbers_of(pilot) == {expected}
             assert ENDED in str(playground(pilot).board.panel(LAST_STEP).border_subtitle)
         await train(pilot, 200)
+        await press(pilot, "b", "g")
+        await tap(pilot, *"e999", "enter")  # which is not there
+        end = snapshot(pilot).timeline.current.end
+        assert snapshot(pilot).counters.step == end
+        assert [f"step {end}" in note and "space" in note for note in notes(pilot.app)] == [True]
         await press(pilot, "g")
         await tap(pilot, *"e12", "enter")
+        assert notes(pilot.app) == []
         assert numbers_of(pilot) == {"12"}
         await press(pilot, "d")
         assert playground(pilot).board.opened == MICROSCOPE

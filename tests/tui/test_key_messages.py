@@ -201,18 +201,6 @@ async def test_escape_is_never_held_back(make_app: MakeApp, monkeypatch: pytest.
         assert isinstance(app.screen, CatalogueScreen)
 
 
-async def test_going_to_an_episode_that_is_not_there_says_where_the_run_ends(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), notifications=True) as pilot:
-        await press(pilot, "e", "e", "b", "g")
-        await tap(pilot, *"e12", "enter")
-        end = snapshot(pilot).timeline.current.end
-        assert snapshot(pilot).counters.step == end
-        assert [f"step {end}" in note and "space" in note for note in notes(pilot.app)] == [True]
-        await press(pilot, "b", "g")
-        await tap(pilot, *"e2", "enter")
-        assert notes(pilot.app) == []
-
-
 async def test_in_the_least_terminal_names_of_numbers_are_written_close_together(make_app: MakeApp) -> None:
     async with on_screen(make_app("cartpole"), (60, 18)) as pilot:
         table = playground(pilot).board.table
