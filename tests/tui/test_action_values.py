@@ -314,8 +314,10 @@ def test_every_size_is_filled_exactly(size: tuple[int, int], plain: bool) -> Non
 
 
 @pytest.mark.screen
-@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
-async def test_a_key_turns_cells_to_q_and_back(size: tuple[int, int], make_app: MakeApp) -> None:
+@pytest.mark.parametrize("size", [pytest.param((80, 24), marks=pytest.mark.exhaustive("a size")), (120, 40)])
+async def test_a_key_turns_cells_to_q_and_back_and_the_next_scenario_shows_them_too(
+    size: tuple[int, int], make_app: MakeApp
+) -> None:
     async with on_screen(make_app("frozenlake"), size, notifications=True) as pilot:
         await train(pilot, 300)
         world = playground(pilot).board.world
@@ -325,6 +327,9 @@ async def test_a_key_turns_cells_to_q_and_back(size: tuple[int, int], make_app: 
         assert not notes(pilot.app)
         await press(pilot, "V")
         assert str(world.border_title) == before
+        await press(pilot, "V", "right_square_bracket")
+        assert playground(pilot).board.world is not world
+        assert playground(pilot).board.world.shows_actions
 
 
 @pytest.mark.screen
@@ -343,21 +348,16 @@ async def test_where_cells_are_too_small_it_says_so_and_the_zoom_helps(make_app:
 @pytest.mark.screen
 @pytest.mark.parametrize(
     ("scenario", "where"),
-    [("student", "Q of every action stands in the table"), ("bandit", "each bar is Q of its arm")],
+    [
+        ("student", "Q of every action stands in the table"),
+        pytest.param("bandit", "each bar is Q of its arm", marks=pytest.mark.exhaustive("a world")),
+    ],
 )
 async def test_other_worlds_say_where_q_stands(scenario: str, where: str, make_app: MakeApp) -> None:
     async with on_screen(make_app(scenario), notifications=True) as pilot:
         await press(pilot, "V")
         assert notes(pilot.app)[0].endswith(where)
         assert not playground(pilot).board.legends.shows_actions
-
-
-@pytest.mark.screen
-async def test_the_next_scenario_shows_them_too(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
-        await press(pilot, "V", "right_square_bracket")
-        world = playground(pilot).board.world
-        assert world.shows_actions
 
 
 def test_in_lists_numbers_stand_above_one_another_at_the_right() -> None:

@@ -37,8 +37,12 @@ def test_importing_the_app_loads_neither_numba_nor_gymnasium() -> None:
     assert done.stdout.strip() == "[]"
 
 
-@pytest.mark.parametrize("scenario", [None, "student"])
-async def test_a_small_terminal_is_told_so_and_recovers(make_app: MakeApp, scenario: str | None) -> None:
+@pytest.mark.parametrize(
+    "scenario", [None, pytest.param("student", marks=pytest.mark.exhaustive("another screen"))]
+)
+async def test_a_small_terminal_is_told_so_and_recovers_and_q_quits(
+    make_app: MakeApp, scenario: str | None
+) -> None:
     app = make_app(scenario)
     async with on_screen(app) as pilot:
         message, keys = app.screen.query_one("#too-small"), app.screen.query_one("#keys")
@@ -56,12 +60,6 @@ async def test_a_small_terminal_is_told_so_and_recovers(make_app: MakeApp, scena
         while message.display:
             await pilot.pause()
         assert keys.display
-
-
-@pytest.mark.parametrize("scenario", [None, "student"])
-async def test_q_quits(make_app: MakeApp, scenario: str | None) -> None:
-    app = make_app(scenario)
-    async with on_screen(app) as pilot:
         await pilot.press("q")
     assert app.return_value is None
     assert app.return_code == 0
@@ -74,10 +72,17 @@ async def test_it_can_be_quit_before_anything_is_ready(make_app: MakeApp) -> Non
     assert app.return_code == 0
 
 
-async def test_the_palette_finds_and_does_the_actions_of_the_screen(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
+async def test_the_theme_changes_colours_and_the_palette_finds_and_does_the_actions_of_the_screen(
+    make_app: MakeApp,
+) -> None:
+    async with on_screen(make_app("student", theme="dark")) as pilot:
         screen = pilot.app.screen
         assert isinstance(screen, Playground)
+        before = screen.board.table.look.palette
+        pilot.app.theme = "light"
+        await settle(pilot)
+        assert screen.board.table.look.palette != before
+        assert screen.board.table.look.palette == pilot.app.look.palette
         provider = ActionProvider(screen)
         offered = [hit.display async for hit in provider.discover()]
         there = [action for action in actions_of(Place.PLAYGROUND) if not action.of_lesson]
@@ -91,17 +96,6 @@ async def test_the_palette_finds_and_does_the_actions_of_the_screen(make_app: Ma
         assert screen.snapshot.counters.step == 1
         await pilot.press("ctrl+p")
         assert isinstance(pilot.app.screen, CommandPalette)
-
-
-async def test_the_theme_changes_the_colours_of_what_is_drawn(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student", theme="dark")) as pilot:
-        screen = pilot.app.screen
-        assert isinstance(screen, Playground)
-        before = screen.board.table.look.palette
-        pilot.app.theme = "light"
-        await settle(pilot)
-        assert screen.board.table.look.palette != before
-        assert screen.board.table.look.palette == pilot.app.look.palette
 
 
 def test_an_unknown_theme_is_refused_with_the_known_ones() -> None:
@@ -121,7 +115,7 @@ async def test_a_world_that_cannot_be_built_ends_what_play_started(tmp_path: Pat
     assert "Nowhere-v0" in str(app.return_value)
 
 
-async def test_escape_leaves_a_run_only_when_pressed_again(make_app: MakeApp) -> None:
+async def test_escape_leaves_a_run_with_steps_only_when_pressed_again(make_app: MakeApp) -> None:
     async with on_screen(make_app("student"), notifications=True) as pilot:
         await tap(pilot, "s", "escape", "s")
         await tap(pilot, "escape")
@@ -129,12 +123,10 @@ async def test_escape_leaves_a_run_only_when_pressed_again(make_app: MakeApp) ->
         assert notes(pilot.app)[-1].startswith("esc again")
         await tap(pilot, "escape")
         assert isinstance(pilot.app.screen, CatalogueScreen)
-
-
-async def test_escape_goes_back_to_the_catalogue(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
+        await tap(pilot, "enter")
+        assert isinstance(pilot.app.screen, Playground)
         await tap(pilot, "escape")
-        assert isinstance(pilot.app.screen, CatalogueScreen)
+        assert isinstance(pilot.app.screen, CatalogueScreen), "nothing was done there"
 
 
 async def test_in_ascii_no_character_is_left_over(make_app: MakeApp) -> None:

@@ -5,14 +5,15 @@ from __future__ import annotations
 import pytest
 from conftest import MakeApp
 from samples import answered, bandit, lake, look
-from seams import on_screen, playground, press, slider, tap, train
-from test_lanes import open_lane
+from seams import on_screen, order, playground, press, slider, tap, train
 from textual.containers import VerticalScroll
 from textual.geometry import Region
 from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
 from rl_tui.common.errors import UserError
+from rl_tui.lab.live.commands import AddLane
+from rl_tui.lab.run.recipe import SwitchAlgorithm
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.glossary.glossary import glossary
 from rl_tui.tui.panels.catalogue import PANELS
@@ -26,6 +27,7 @@ from rl_tui.tui.screens.help import HelpScreen
 from rl_tui.tui.screens.number_here import number_of_pair
 from rl_tui.tui.screens.playground.playground import Playground
 
+HEIGHTS = [(18, 40), pytest.param((80, 24), marks=pytest.mark.exhaustive("other heights"))]
 TERMS = {row.id: list(row.terms) for row in PANELS}
 
 
@@ -51,62 +53,59 @@ async def point_at(pilot: Pilot[UserError], panel: str, text: str) -> None:
     raise AssertionError(f"{text} is not there")
 
 
-async def test_with_nothing_pointed_at_it_is_the_help(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        await press(pilot, "question_mark")
-        assert isinstance(pilot.app.screen, HelpScreen)
-
-
-@pytest.mark.parametrize("ascii", [False, True])
-async def test_every_title_of_the_help_stands_apart_from_its_text(
-    ascii: bool,  # noqa: A002
+async def test_with_no_word_pointed_at_it_is_the_help_which_has_a_key_to_the_glossary(
     make_app: MakeApp,
 ) -> None:
-    async with on_screen(make_app("student", ascii=ascii)) as pilot:
-        await press(pilot, "question_mark")
-        pages = pilot.app.screen.query(Explained)
-        lines = [page.render_line(y).text for page in pages for y in range(page.size.height)]
-        assert {row.title for row in PANELS if not row.of_lesson} <= {line[:14].strip() for line in lines}
-        assert [line for line in lines if line[:2] == "  " and line[13:14].strip()] == []
-
-
-@pytest.mark.parametrize("size", [(60, 18), (80, 24), (120, 40)])
-async def test_a_slider_in_focus_is_explained_first(size: tuple[int, int], make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), size) as pilot:
-        await press(pilot, "2", "question_mark")
-        assert listed(pilot)[0] == "gamma"
-        assert set(TERMS["controls"]) <= set(listed(pilot))
-        assert glossary()["gamma"].text in told(pilot)
-        assert glossary()["gamma"].book in told(pilot)
-
-
-async def test_the_thumb_of_a_slider_is_no_sign_of_the_map(make_app: MakeApp) -> None:
     async with on_screen(make_app("student")) as pilot:
-        alpha = slider(pilot.app, "alpha")
-        await pilot.hover(alpha, offset=(alpha.render_line(0).text.index("●"), 0))
         await press(pilot, "question_mark")
         assert isinstance(pilot.app.screen, HelpScreen)
+        await press(pilot, "slash")
+        assert isinstance(pilot.app.screen, GlossaryScreen)
+        await press(pilot, "escape")
+        assert isinstance(pilot.app.screen, HelpScreen)
+        await press(pilot, "escape")
+        alpha, table = slider(pilot.app, "alpha"), playground(pilot).board.panel("table")
+        thumb = alpha.render_line(0).text.index("●"), 0
+        for panel, place in ((alpha, thumb), (table, (20, 12))):  # no sign of the map, and beside all words
+            assert isinstance(pilot.app.screen, Playground)
+            await pilot.hover(panel, offset=place)
+            await press(pilot, "question_mark")
+            assert isinstance(pilot.app.screen, HelpScreen), panel
+            await press(pilot, "escape")
 
 
-async def test_a_panel_in_focus_lists_its_words_and_arrows_go_through_them(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
+@pytest.mark.exhaustive("asks at every size", but=["80"])
+@pytest.mark.parametrize("size", [(60, 18), (80, 24), (120, 40)], ids=["60", "80", "120"])
+async def test_what_is_in_focus_lists_its_words_and_typing_searches_all(
+    size: tuple[int, int], make_app: MakeApp
+) -> None:
+    async with on_screen(make_app("student"), size) as pilot:
         await press(pilot, "tab", "question_mark")
         assert listed(pilot) == [NUMBER, *TERMS["world"]]
         await press(pilot, "down", "down")
         assert glossary()[TERMS["world"][1]].text in told(pilot)
+        await tap(pilot, *"regret")
+        assert listed(pilot)[0] == "regret"
+        assert glossary()["regret"].text in told(pilot)
+        await tap(pilot, *["backspace"] * 6)
+        assert listed(pilot) == [NUMBER, *TERMS["world"]]
+        await tap(pilot, *"qqq")
+        assert listed(pilot) == []
+        assert told(pilot) == "nothing found"
+        await press(pilot, "escape")
+        assert isinstance(pilot.app.screen, Playground)
+        await press(pilot, "2", "question_mark")
+        assert listed(pilot)[0] == "gamma", "the slider comes first"
+        assert set(TERMS["controls"]) <= set(listed(pilot))
+        assert glossary()["gamma"].text in told(pilot)
+        assert glossary()["gamma"].book in told(pilot)
+        await press(pilot, "question_mark")
+        assert isinstance(pilot.app.screen, HelpScreen), "a second question mark goes on to it"
         await press(pilot, "escape")
         assert isinstance(pilot.app.screen, Playground)
 
 
-async def test_a_second_question_mark_goes_on_to_the_help(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        await press(pilot, "tab", "question_mark", "question_mark")
-        assert isinstance(pilot.app.screen, HelpScreen)
-        await press(pilot, "escape")
-        assert isinstance(pilot.app.screen, Playground)
-
-
-async def test_the_word_under_the_mouse_comes_first(make_app: MakeApp) -> None:
+async def test_the_word_or_number_under_the_mouse_comes_before_the_focus(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         await press(pilot, "s")
         await point_at(pilot, LAST_STEP, "δ =")
@@ -117,27 +116,7 @@ async def test_the_word_under_the_mouse_comes_first(make_app: MakeApp) -> None:
         await press(pilot, "2", "question_mark")
         assert listed(pilot)[0] == "agent"
         assert "gamma" in listed(pilot), "what is in focus is asked about too"
-
-
-async def test_a_word_on_a_border_is_a_word(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake")) as pilot:
-        world = playground(pilot).board.panel("world")
-        below = world.region.height - 1
-        line = world.render_lines(Region(0, below, world.region.width, 1))[0].text
-        await pilot.hover(world, offset=(line.index("hole"), below))
-        await press(pilot, "question_mark")
-        assert listed(pilot)[0] == "terminal"
-
-
-async def test_beside_all_words_the_mouse_asks_nothing(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        await pilot.hover(playground(pilot).board.panel("table"), offset=(20, 12))
-        await press(pilot, "question_mark")
-        assert isinstance(pilot.app.screen, HelpScreen)
-
-
-async def test_the_number_under_the_mouse_comes_before_the_focus(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
+        await press(pilot, "escape", "escape")
         await train(pilot, 400)
         await press(pilot, "tab", "tab", "home")
         world, table = (playground(pilot).board.panel(each) for each in ("world", "table"))
@@ -157,21 +136,17 @@ async def test_the_number_under_the_mouse_comes_before_the_focus(make_app: MakeA
         assert "in state 3" in told(pilot)
 
 
-async def test_typing_searches_all_words(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        await press(pilot, "tab", "question_mark", *"regret")
-        assert listed(pilot)[0] == "regret"
-        assert glossary()["regret"].text in told(pilot)
-        await press(pilot, *["backspace"] * 6)
-        assert listed(pilot) == [NUMBER, *TERMS["world"]]
-        await press(pilot, *"qqq")
-        assert listed(pilot) == []
-        assert told(pilot) == "nothing found"
-
-
-@pytest.mark.parametrize("scenario", ["student", None])
-async def test_slash_opens_the_whole_glossary(scenario: str | None, make_app: MakeApp) -> None:
-    async with on_screen(make_app(scenario)) as pilot:
+@pytest.mark.parametrize("heights", HEIGHTS)
+async def test_the_help_of_the_catalogue_begins_at_its_beginning_and_slash_opens_the_whole_glossary(
+    make_app: MakeApp, heights: tuple[int, int]
+) -> None:
+    async with on_screen(make_app(None), (100, 40)) as pilot:
+        for height in heights:
+            await pilot.resize_terminal(100, height)
+            await tap(pilot, "question_mark")
+            assert isinstance(pilot.app.screen, HelpScreen)
+            assert pilot.app.screen.query_one(VerticalScroll).scroll_y == 0, height
+            await tap(pilot, "escape")
         await tap(pilot, "slash")
         assert isinstance(pilot.app.screen, GlossaryScreen)
         assert listed(pilot) == list(glossary())
@@ -180,39 +155,28 @@ async def test_slash_opens_the_whole_glossary(scenario: str | None, make_app: Ma
         assert listed(pilot)[0] == "alpha"
 
 
-async def test_the_help_has_a_key_to_the_glossary(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        await press(pilot, "question_mark", "slash")
-        assert isinstance(pilot.app.screen, GlossaryScreen)
-        await press(pilot, "escape")
-        assert isinstance(pilot.app.screen, HelpScreen)
-
-
-@pytest.mark.parametrize("height", [18, 24, 40, 80])
-async def test_the_help_of_the_catalogue_begins_at_its_beginning(height: int, make_app: MakeApp) -> None:
-    async with on_screen(make_app(None), (100, height)) as pilot:
-        await tap(pilot, "question_mark")
-        assert isinstance(pilot.app.screen, HelpScreen)
-        assert pilot.app.screen.query_one(VerticalScroll).scroll_y == 0
-
-
-@pytest.mark.parametrize("height", [18, 24, 40, 60])
-async def test_the_help_begins_at_its_beginning_with_the_panels(height: int, make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), (100, height)) as pilot:
-        await press(pilot, "question_mark")
-        assert pilot.app.screen.query_one(VerticalScroll).scroll_y == 0
-        first_words = [
-            page.render_line(y).text.split(" ")[0]
-            for page in pilot.app.screen.query(Explained)
-            for y in range(page.size.height)
-        ]
-        assert first_words.index("Panels") < first_words.index("Run")
-
-
-async def test_a_help_whose_notes_alone_make_it_scroll_begins_at_its_beginning(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), (100, 30)) as pilot:
-        screen = playground(pilot)
-        page = HelpScreen(screen.look, screen.actions[:2], (), "\n\n".join(["A paragraph of notes."] * 40))
+@pytest.mark.parametrize("heights", HEIGHTS)
+@pytest.mark.parametrize(
+    "ascii_only", [False, pytest.param(True, marks=pytest.mark.exhaustive("other characters"))]
+)
+async def test_the_help_begins_at_its_beginning_with_the_panels_and_titles_stand_apart_from_their_text(
+    make_app: MakeApp, ascii_only: bool, heights: tuple[int, int]
+) -> None:
+    async with on_screen(make_app("student", ascii=ascii_only), (100, 40)) as pilot:
+        for height in heights:
+            await pilot.resize_terminal(100, height)
+            await press(pilot, "question_mark")
+            assert pilot.app.screen.query_one(VerticalScroll).scroll_y == 0, height
+            pages = pilot.app.screen.query(Explained)
+            lines = [page.render_line(y).text for page in pages for y in range(page.size.height)]
+            first_words = [line.split(" ")[0] for line in lines]
+            assert first_words.index("Panels") < first_words.index("Run")
+            titles = {row.title for row in PANELS if not row.of_lesson}
+            assert titles <= {line[:14].strip() for line in lines}
+            assert [line for line in lines if line[:2] == "  " and line[13:14].strip()] == []
+            await press(pilot, "escape")
+        screen, notes = playground(pilot), "\n\n".join(["A paragraph of notes."] * 40)
+        page = HelpScreen(screen.look, screen.actions[:2], (), notes)  # the notes alone make it scroll
         await pilot.app.push_screen(page)
         await settle(pilot)
         while not page.query("Markdown"):
@@ -233,6 +197,8 @@ async def test_the_number_under_the_cursor_is_explained_first(make_app: MakeApp)
             assert part in told(pilot)
         await press(pilot, "escape", "v", "question_mark")
         assert "Exact" in told(pilot)
+        await press(pilot, "escape", "slash")
+        assert listed(pilot) == list(glossary()), "all of it, wherever the cursor is"
 
 
 @pytest.mark.parametrize("layer", list(Layer))
@@ -250,19 +216,27 @@ def test_what_is_secret_is_not_told() -> None:
     assert "exact" in known.meaning
 
 
-async def test_figures_say_the_limits_of_this_world(make_app: MakeApp) -> None:
-    for scenario, limit in (("frozenlake", "time limit of 100 steps"), ("cliff", "no time limit")):
-        async with on_screen(make_app(scenario)) as pilot:
-            await press(pilot, "slash", *"return")
-            assert listed(pilot)[0] == "return"
-            assert limit in " ".join(told(pilot).split())
-            assert "undiscounted" in told(pilot)
+async def test_a_word_on_a_border_is_a_word_and_figures_say_the_limits_of_this_world(
+    make_app: MakeApp,
+) -> None:
+    async with on_screen(make_app("frozenlake")) as pilot:
+        world = playground(pilot).board.panel("world")
+        below = world.region.height - 1
+        line = world.render_lines(Region(0, below, world.region.width, 1))[0].text
+        await pilot.hover(world, offset=(line.index("hole"), below))
+        await press(pilot, "question_mark")
+        assert listed(pilot)[0] == "terminal"
+        await press(pilot, "escape")
+        await tap(pilot, "slash", *"return")
+        assert listed(pilot)[0] == "return"
+        assert "time limit of 100 steps" in " ".join(told(pilot).split())
+        assert "undiscounted" in told(pilot)
 
 
 async def test_of_two_lanes_a_number_says_whose_it_is(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake-slippery"), (120, 40)) as pilot:
         await train(pilot, 500)
-        await open_lane(pilot, "algorithm", "sarsa")
+        await order(pilot, AddLane((SwitchAlgorithm("sarsa"),)))
         await press(pilot, "tab", "question_mark")
         assert "lane 1" in str(pilot.app.screen.query_one(OptionList).options[0].prompt)
         assert "Q-learning" in told(pilot)

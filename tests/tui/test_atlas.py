@@ -119,15 +119,19 @@ def small_atlas(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.process
 @pytest.mark.usefixtures("small_atlas")
-async def test_enter_opens_the_run_of_a_cell(make_app: MakeApp) -> None:
+async def test_escape_leaves_the_run_as_it_is_and_enter_opens_that_of_a_cell(make_app: MakeApp) -> None:
     async with on_screen(make_app("student"), notifications=True) as pilot:
+        before = playground(pilot.app)
+        first = snapshot(pilot.app).recipe
+        await press(pilot, "S", "left", "escape")
+        await settle(pilot)
+        assert playground(pilot.app) is before
         await press(pilot, "S")
         await settle(pilot)
         assert isinstance(pilot.app.screen, AtlasDialog)
         text = screen_text(pilot.app)
         assert "Atlas of ε × α" in text
         assert "runs done" in text
-        first = snapshot(pilot.app).recipe
         await press(pilot, "m", "right", "up", "n", "enter")
         await settle(pilot)
         opened = playground(pilot.app).recipe
@@ -135,16 +139,6 @@ async def test_enter_opens_the_run_of_a_cell(make_app: MakeApp) -> None:
         assert opened.hyperparameters.alpha != first.hyperparameters.alpha
         assert opened.hyperparameters.epsilon != first.hyperparameters.epsilon
         assert opened.scenario is first.scenario
-
-
-@pytest.mark.process
-@pytest.mark.usefixtures("small_atlas")
-async def test_escape_leaves_the_run_as_it_is(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), (120, 40), notifications=True) as pilot:
-        before = playground(pilot.app)
-        await press(pilot, "S", "left", "escape")
-        await settle(pilot)
-        assert playground(pilot.app) is before
 
 
 @pytest.mark.screen

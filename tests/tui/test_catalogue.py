@@ -11,7 +11,7 @@ import pytest
 from conftest import MakeApp
 from drawn_text import rows_of, words_of
 from numpy.random import Generator
-from seams import notes
+from seams import notes, on_screen, tap
 from textual.pilot import Pilot
 from textual.widgets import Markdown, OptionList
 
@@ -68,12 +68,20 @@ def facts(pilot: Pilot[UserError]) -> str:
     return "\n".join(rows_of(pilot.app.screen.query_one("#facts")))
 
 
-async def test_it_lists_the_shipped_scenarios_in_teaching_order(make_app: MakeApp) -> None:
-    async with make_app().run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        lessons, watched, *options = scenarios(pilot).options
-        assert {lessons.id, watched.id}.isdisjoint(scenario.id for scenario in shipped())
+async def test_it_lists_the_lessons_first_and_then_scenarios_in_teaching_order(make_app: MakeApp) -> None:
+    lessons = read_lessons().lessons
+    minutes = sum(lesson.minutes for lesson in lessons)
+    async with on_screen(make_app()) as pilot:
+        first, watched, *options = scenarios(pilot).options
+        assert {first.id, watched.id}.isdisjoint(scenario.id for scenario in shipped())
         assert [option.id for option in options if not option.disabled] == [each.id for each in shipped()]
+        assert f"{len(lessons)} · about {minutes} min" in words_of(pilot.app.screen.query_one("#facts"))
+        assert scenarios(pilot).highlighted == 0
+        await tap(pilot, "enter")
+        assert isinstance(pilot.app.screen, LessonsScreen)
+        await tap(pilot, "escape")
+        assert isinstance(pilot.app.screen, CatalogueScreen)
+        assert scenarios(pilot).highlighted == 0
 
 
 @pytest.mark.exhaustive("builds every scenario")
@@ -91,43 +99,27 @@ async def test_the_cursor_passes_over_the_headings_of_groups(make_app: MakeApp) 
         assert len(set(reached)) == len(shipped()) + 2
 
 
-async def test_those_of_the_user_stand_in_a_group_of_their_own(
+async def test_those_of_the_user_stand_in_a_group_of_their_own_and_faulty_ones_with_their_faults(
     make_app: MakeApp, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    sound = (shipped_folder() / "student.toml").read_text(encoding="utf-8")
+    (tmp_path / "beyond.toml").write_text(sound.replace("gamma = 0.9", "gamma = 1.9"), encoding="utf-8")
     (tmp_path / "mine.toml").write_text("order = 1\n[bandit]\narms = 2\n")
     (tmp_path / "worse.toml").write_text(FAULTY)
     monkeypatch.setattr("rl_tui.worlds.files.catalogue.user_folder", lambda: tmp_path)
-    async with make_app().run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        heading, mine, faulty = scenarios(pilot).options[-3:]
+    app = make_app()
+    async with on_screen(app, (120, 40), notifications=True) as pilot:
+        heading, *yours = scenarios(pilot).options[-4:]
         assert heading.disabled
         assert YOURS in str(heading.prompt)
-        assert (mine.id, mine.disabled, faulty.disabled) == ("mine", False, False)
-
-
-async def test_enter_on_the_first_row_leads_to_the_lessons_and_escape_comes_back(make_app: MakeApp) -> None:
-    app = make_app()
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        assert scenarios(pilot).highlighted == 0
-        await pilot.press("enter")
-        await settle(pilot)
-        assert isinstance(app.screen, LessonsScreen)
-        await pilot.press("escape")
-        await settle(pilot)
+        assert yours[0].id == "mine"
+        assert not any(each.disabled for each in yours)
+        for key, fault in (("end", "defaults.gamma: found 1.9"), ("up", "colour")):
+            await tap(pilot, key)
+            assert fault in words_of(app.screen.query_one("#facts"))
+        await tap(pilot, "enter")
         assert isinstance(app.screen, CatalogueScreen)
-        assert scenarios(pilot).highlighted == 0
-
-
-async def test_the_first_row_says_how_many_lessons_there_are_and_how_long_they_take(
-    make_app: MakeApp,
-) -> None:
-    lessons = read_lessons().lessons
-    minutes = sum(lesson.minutes for lesson in lessons)
-    async with make_app().run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        about = words_of(pilot.app.screen.query_one("#facts"))
-        assert f"{len(lessons)} · about {minutes} min" in about
+        assert "this file has faults; mend them first" in notes(app)
 
 
 async def test_enter_on_the_second_row_watches_the_plain_lake_learn() -> None:
@@ -153,7 +145,7 @@ async def test_enter_on_the_second_row_watches_the_plain_lake_learn() -> None:
         await pilot.press("space", "q")
 
 
-async def test_what_stands_below_a_drawing_stays_where_it_is_when_it_comes(
+async def test_what_stands_below_a_drawing_stays_where_it_is_and_in_ascii_no_dot_looks_like_a_product(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     may_build, build = threading.Event(), Scenario.build
@@ -163,7 +155,7 @@ async def test_what_stands_below_a_drawing_stays_where_it_is_when_it_comes(
         return build(self, generator)
 
     monkeypatch.setattr(Scenario, "build", build_later)
-    async with make_app().run_test(size=(80, 24)) as pilot:
+    async with make_app(ascii=True).run_test(size=(80, 24)) as pilot:
         await pilot.press("down", "down")
         await pilot.pause()
         before = pilot.app.screen.query_one("#facts").region
@@ -172,11 +164,15 @@ async def test_what_stands_below_a_drawing_stays_where_it_is_when_it_comes(
         await settle(pilot)
         assert pilot.app.screen.query_one("#facts").region.offset == before.offset
         assert before.width == pilot.app.screen.query_one("#facts").region.width
+        await pilot.resize_terminal(120, 40)
+        await go_to(pilot, "bandit")
+        assert "1 state - 10 actions - 10 pairs - budget 1,000" in facts(pilot)
 
 
-async def test_nothing_of_one_entry_stands_under_the_title_of_the_next(make_app: MakeApp) -> None:
-    async with make_app().run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
+async def test_arrows_show_the_details_of_each_and_nothing_of_one_under_the_title_of_the_next(
+    make_app: MakeApp,
+) -> None:
+    async with on_screen(make_app(), (120, 40)) as pilot:
         await go_to(pilot, "student")
         screen, listed = pilot.app.screen, scenarios(pilot)
         details, title = screen.query_one("#details"), find("student").title
@@ -194,78 +190,40 @@ async def test_nothing_of_one_entry_stands_under_the_title_of_the_next(make_app:
             before = [widget for widget in before if widget.display]
         await settle(pilot)
         assert [each.source for each in screen.query(Markdown)] == [find("bandit").notes]
-        await go_to(pilot, "student")
-        await go_to(pilot, "bandit")
-        assert all(each.display for each in screen.query(Markdown))
-
-
-async def test_arrows_show_the_details_of_each(make_app: MakeApp) -> None:
-    async with make_app().run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
-        await go_to(pilot, "bandit")
         assert "10 actions" in facts(pilot)
         await go_to(pilot, "frozenlake")
         assert "16 states" in facts(pilot)
         assert "44 pairs" in facts(pilot)
+        await go_to(pilot, "bandit")
+        assert all(each.display for each in screen.query(Markdown))
 
 
-async def test_enter_opens_and_escape_comes_back_to_the_same_entry(make_app: MakeApp) -> None:
+async def test_enter_opens_and_escape_comes_back_to_the_same_entry_and_help_names_the_keys_there(
+    make_app: MakeApp,
+) -> None:
     app = make_app()
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
+    async with on_screen(app) as pilot:
+        await go_to(pilot, "bandit")
+        assert "γ 0 · ε 0.1" in facts(pilot), "a default is never parted from its symbol"
+        assert all(line.strip()[:1] not in ("·", "-") for line in facts(pilot).splitlines())
         await go_to(pilot, "student")
-        await pilot.press("enter")
-        await settle(pilot)
-        screen = app.screen
-        assert isinstance(screen, Playground)
-        assert screen.snapshot
-        assert screen.snapshot.recipe.scenario.id == "student"
-        await pilot.press("escape")
-        await settle(pilot)
+        for place, hides in ((CatalogueScreen, False), (Playground, True)):
+            assert isinstance(app.screen, place)
+            await tap(pilot, "question_mark")
+            assert isinstance(app.screen, HelpScreen)
+            assert ("L hides" in words_of(app.screen.query_one(Explained))) is hides
+            await tap(pilot, "question_mark")
+            assert isinstance(app.screen, place)
+            if place is CatalogueScreen:
+                await tap(pilot, "enter")
+        assert isinstance(app.screen, Playground)
+        assert app.screen.snapshot
+        assert app.screen.snapshot.recipe.scenario.id == "student"
+        await tap(pilot, "escape")
         assert isinstance(app.screen, CatalogueScreen)
         highlighted = scenarios(pilot).highlighted_option
         assert highlighted
         assert highlighted.id == "student"
-
-
-async def test_a_faulty_file_is_listed_with_its_faults(
-    make_app: MakeApp, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "mine.toml").write_text(FAULTY)
-    monkeypatch.setattr("rl_tui.worlds.files.catalogue.user_folder", lambda: tmp_path)
-    app = make_app()
-    async with app.run_test(size=(120, 40), notifications=True) as pilot:
-        await settle(pilot)
-        await pilot.press("end")
-        await settle(pilot)
-        assert "colour" in facts(pilot)
-        await pilot.press("enter")
-        await settle(pilot)
-        assert isinstance(app.screen, CatalogueScreen)
-        assert "this file has faults; mend them first" in notes(app)
-
-
-async def test_a_file_whose_defaults_are_out_of_range_counts_as_faulty(
-    make_app: MakeApp, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    sound = (shipped_folder() / "student.toml").read_text(encoding="utf-8")
-    (tmp_path / "mine.toml").write_text(sound.replace("gamma = 0.9", "gamma = 1.9"), encoding="utf-8")
-    monkeypatch.setattr("rl_tui.worlds.files.catalogue.user_folder", lambda: tmp_path)
-    async with make_app().run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
-        await pilot.press("end")
-        await settle(pilot)
-        assert "defaults.gamma: found 1.9" in words_of(pilot.app.screen.query_one("#facts"))
-
-
-async def test_help_opens(make_app: MakeApp) -> None:
-    app = make_app()
-    async with app.run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await pilot.press("question_mark")
-        assert isinstance(app.screen, HelpScreen)
-        await pilot.press("question_mark")
-        assert isinstance(app.screen, CatalogueScreen)
 
 
 def test_the_lesson_is_that_of_the_first_heading() -> None:
@@ -286,27 +244,3 @@ def test_defaults_use_the_symbols_of_the_playground() -> None:
     assert defaults(values) == "Q-learning · α 0.1 · 10,000 episodes · ties first"
     assert defaults({"episodes": 1}) == "1 episode"
     assert defaults({"gamma": 0.0, "alpha": "sample-average"}) == "γ 0 · α sample-average"
-
-
-async def test_a_default_is_never_parted_from_its_symbol(make_app: MakeApp) -> None:
-    async with make_app().run_test(size=(80, 24)) as pilot:
-        await settle(pilot)
-        await go_to(pilot, "bandit")
-        assert "γ 0 · ε 0.1" in facts(pilot)
-        assert all(line.strip()[:1] not in ("·", "-") for line in facts(pilot).splitlines())
-
-
-async def test_in_ascii_no_dot_between_parts_looks_like_a_product(make_app: MakeApp) -> None:
-    async with make_app(ascii=True).run_test(size=(120, 40)) as pilot:
-        await settle(pilot)
-        await go_to(pilot, "bandit")
-        assert "1 state - 10 actions - 10 pairs - budget 1,000" in facts(pilot)
-
-
-async def test_its_help_names_no_key_that_counts_elsewhere_only(make_app: MakeApp) -> None:
-    for scenario, is_named in ((None, False), ("student", True)):
-        async with make_app(scenario).run_test(size=(80, 24)) as pilot:
-            await settle(pilot)
-            await pilot.press("question_mark")
-            assert isinstance(pilot.app.screen, HelpScreen)
-            assert ("L hides" in words_of(pilot.app.screen.query_one(Explained))) is is_named

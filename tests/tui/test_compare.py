@@ -46,6 +46,7 @@ def test_a_difference_becomes_the_changes_that_make_it() -> None:
     assert lane_changes(LAKE, RECIPE, "alpha", 0.5) == (SetParameter("alpha", 0.5),)
     assert lane_changes(LAKE, RECIPE, "algorithm", "sarsa") == (SwitchAlgorithm("sarsa"),)
     assert lane_changes(LAKE, RECIPE, "ties", "first") == (SetParameter("ties", "first"),)
+    assert lane_changes(LAKE, RECIPE, "policy", "softmax") == (SetParameter("policy", "softmax"),)
 
 
 def test_a_step_size_comes_along_where_it_was_the_sample_average() -> None:
@@ -93,7 +94,7 @@ async def beside(pilot: Pilot[UserError], count: int, monkeypatch: pytest.Monkey
     return sent
 
 
-async def test_the_last_branches_of_the_run_can_be_lanes(
+async def test_the_last_branches_of_the_run_can_be_lanes_once_the_world_is_there(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def entry(step: int) -> JournalEntry:
@@ -112,6 +113,9 @@ async def test_the_last_branches_of_the_run_can_be_lanes(
         assert listed[at + 5].strip() == "2 more: j lists them"
         await choose(pilot, "branch-5")
         assert sent == [AddBranch(5)]
+        playground(pilot).link.snapshot = None
+        await pilot.press("c")
+        assert not isinstance(pilot.app.screen, Compare), "nothing is asked without a world"
 
 
 async def test_it_lists_the_lanes_and_what_may_be_different(
@@ -142,18 +146,6 @@ async def test_it_lists_the_lanes_and_what_may_be_different(
         assert sent[3:] == [ChooseLane(2)]
 
 
-async def test_in_a_narrow_terminal_each_lane_keeps_to_its_row(
-    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async with on_screen(make_app("frozenlake-slippery"), (60, 18)) as pilot:
-        await beside(pilot, 3, monkeypatch)
-        await pilot.press("c")
-        listed = rows(pilot)[:4]
-        assert listed[1].split() == ["1", "α", "0.1", "150,000", ".500", ".730"]
-        width = pilot.app.screen.query_one(OptionList).scrollable_content_region.width
-        assert max(map(len, listed)) <= width
-
-
 async def test_one_run_is_compared_with_what_is_chosen(
     make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -174,35 +166,33 @@ async def test_one_run_is_compared_with_what_is_chosen(
         assert isinstance(app.screen, Choice)
         await choose(pilot, "sarsa")
         await pilot.press("c")
-        await choose(pilot, "with-policy")
-        await choose(pilot, "softmax")
-        await pilot.press("c")
-        await choose(pilot, "with-ties")
-        await choose(pilot, "first")
-        await pilot.press("c")
         await choose(pilot, "with-initial_q")
         assert "starts again" not in str(app.screen.query_one(".hint", Static).render())
         await pilot.press("5", "enter")
         assert sent == [
             AddLane((SetParameter("alpha", 0.5),)),
             AddLane((SwitchAlgorithm("sarsa"),)),
-            AddLane((SetParameter("policy", "softmax"),)),
-            AddLane((SetParameter("ties", "first"),)),
             AddLane((SetParameter("initial_q", 5.0),)),
         ]
         await pilot.press("c")
         await choose(pilot, "with-gamma")
         await pilot.press("enter")  # the value in force
-        assert len(sent) == 5
+        assert len(sent) == 3
         assert "no difference" in notes(pilot.app)[-1]
 
 
-async def test_four_lanes_are_the_most(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_in_a_narrow_terminal_each_lane_keeps_to_its_row_and_four_are_the_most(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
     async with on_screen(make_app("frozenlake-slippery"), (60, 18)) as pilot:
         await beside(pilot, 4, monkeypatch)
         await pilot.press("c")
-        assert rows(pilot)[-1] == "Four lanes are the most: end one to open another."
-        assert not any(INSTEAD_OF in row for row in rows(pilot))
+        listed = rows(pilot)
+        assert listed[1].split() == ["1", "α", "0.1", "150,000", ".500", ".730"]
+        width = pilot.app.screen.query_one(OptionList).scrollable_content_region.width
+        assert max(map(len, listed[:5])) <= width
+        assert listed[-1] == "Four lanes are the most: end one to open another."
+        assert not any(INSTEAD_OF in row for row in listed)
         await pilot.resize_terminal(120, 40)
         await settle(pilot)
         assert "softmax, τ 0.3" in rows(pilot)[4]
@@ -220,10 +210,3 @@ async def test_a_hidden_bandit_gives_nothing_away(make_app: MakeApp, monkeypatch
         show(playground(pilot), changed(snapshot(pilot), is_hidden=False))
         await pilot.press("c")
         assert rows(pilot)[1].split()[-1] == ".730"
-
-
-async def test_nothing_is_asked_before_the_world_is_there(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        playground(pilot).link.snapshot = None
-        await pilot.press("c")
-        assert not isinstance(pilot.app.screen, Compare)

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from functools import partial
+from pathlib import Path
 
 import pytest
 from conftest import MakeApp
 from drawing_hands import Mouse, app_of_template, map_drawn
-from seams import app_at, click, notes, on_screen, playground, press, screen_text, slider, snapshot, tap
+from seams import app_at, notes, on_screen, playground, press, screen_text, slider, snapshot, tap
 from textual.geometry import Size
 from textual.pilot import Pilot
 
 from rl_tui.common import limits
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.player import Player
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.tui.actions.registry import ACTIONS
 from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.palette_entries import ActionProvider
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.draw.to_ascii import to_ascii
@@ -31,6 +29,7 @@ from rl_tui.worlds.drawing import Arms, CellKind, Graph, Grid
 from rl_tui.worlds.editing.arms_draft import ArmsDraft
 from rl_tui.worlds.editing.graph_draft import GraphDraft, chances_of
 from rl_tui.worlds.files.catalogue import find
+from rl_tui.worlds.files.scenario import scenario_of
 
 pytestmark = pytest.mark.screen
 
@@ -85,8 +84,11 @@ def test_two_lanes_make_room_for_it(size: tuple[int, int]) -> None:
     assert sum(each.area for each in regions.values()) == Size(*size).area
 
 
-@pytest.mark.parametrize("ascii_only", [False, True])
-@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.exhaustive(
+    "plays every drawing at every size", but=["maze-80-text", "student-80-ascii", "bandit-80-text"]
+)
+@pytest.mark.parametrize("ascii_only", [False, True], ids=["text", "ascii"])
+@pytest.mark.parametrize("size", SIZES, ids=["80", "120"])
 @pytest.mark.parametrize("scenario", ["maze", "student", "bandit"])
 async def test_every_tool_and_every_number_is_on_screen(
     make_app: MakeApp, scenario: str, size: tuple[int, int], ascii_only: bool
@@ -109,41 +111,56 @@ async def test_every_tool_and_every_number_is_on_screen(
         assert not pilot.app.screen.query_one(ToolList).is_on_screen
 
 
-async def test_the_brush_in_force_stands_out_and_a_click_takes_one_without_painting(
-    make_app: MakeApp,
-) -> None:
+async def test_tools_are_taken_by_a_click_from_the_palette_and_by_quick_keys(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
-        await press(pilot, "C")
-        hands = Mouse(pilot)
-        tools = pilot.app.screen.query_one(ToolList)
+        tools, look = pilot.app.screen.query_one(ToolList), playground(pilot).look
 
         def standing_out() -> list[str]:
-            focus = playground(pilot).look.palette.focus
-            rows = [tools.render_line(y) for y in range(tools.size.height)]
-            return [
-                each.text.strip()
-                for row in rows
-                for each in row
-                if each.style and each.style.bgcolor == focus.bgcolor
-            ]
+            pieces = [each for y in range(tools.size.height) for each in tools.render_line(y)]
+            focus = look.palette.focus.bgcolor
+            return [each.text.strip() for each in pieces if each.style and each.style.bgcolor == focus]
 
+        assert "Pick up (,)" not in await palette(pilot, "pick up")
+        await press(pilot, "C")
         assert standing_out() == ["# wall"]
-        await hands.tool("H hole")
+        await Mouse(pilot).tool("H hole")
         await settle(pilot)
         assert standing_out() == ["H hole"]
         assert not strokes(pilot)
         assert playground(pilot).focused is playground(pilot).board.world, "keys draw as before"
+        await press(pilot, "right")
+        for tool in (*TOOLBOXES[Grid]().tools, *ALWAYS):
+            assert tool.help in (await palette(pilot, tool.label)).values(), tool
+        await pilot.app.screen.run_action("do(\"editing.use('H')\")")
+        await settle(pilot)
+        assert map_drawn(pilot).lines[0] == "SH.."
+        await press(pilot, "right")
+        await tap(pilot, "plus", "plus", "plus")
+        pays = map_drawn(pilot).legend[map_drawn(pilot).lines[0][2]].pays
+        assert pays == 3.0, "keys count before their picture comes"
 
 
-@pytest.mark.parametrize("size", SIZES)
-async def test_a_drag_of_a_slider_is_one_stroke(make_app: MakeApp, size: tuple[int, int]) -> None:
+@pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.exhaustive("a size"))])
+async def test_drawing_is_found_by_words_and_a_fast_drag_is_one_stroke_without_gaps(
+    make_app: MakeApp, size: tuple[int, int]
+) -> None:
     async with on_screen(make_app("maze"), size) as pilot:
-        await press(pilot, "C")
+        for word in ("edit", "map", "wall", "paint", "draw the world"):
+            assert "Draw the world (C)" in await palette(pilot, word), word
+        assert "C draw" not in pilot.app.screen.query_one(KeyLine).render_line(0).text
+        hands = Mouse(pilot)
+        await hands.begin()  # by the key line, once the world has focus
+        view = playground(pilot).board.world
+        assert view is not None
+        await hands.drag(view, hands.offset((0, 0)), hands.offset((0, 6)))
+        await settle(pilot)
+        assert map_drawn(pilot).lines[0][:7] == "#######"
+        assert strokes(pilot) == 1
         noise = slider(pilot.app, "noise")
         start = noise.render_line(0).text.index("●")
-        await Mouse(pilot).drag(noise, (start, 0), (start + 6, 0))
+        await hands.drag(noise, (start, 0), (start + 6, 0))
         await settle(pilot)
-        assert strokes(pilot) == 1
+        assert strokes(pilot) == 2
         assert map_drawn(pilot).rules["noise"] == noise.value > 0.0
         await press(pilot, "escape", "z")
         assert noise.value == 0.0, "the slider goes back with an undo"
@@ -151,10 +168,11 @@ async def test_a_drag_of_a_slider_is_one_stroke(make_app: MakeApp, size: tuple[i
 
 async def test_numbers_are_typed_and_what_cannot_be_is_refused_in_words(make_app: MakeApp) -> None:
     async with on_screen(make_app("maze"), (120, 40)) as pilot:
-        await press(pilot, "C", "3", "enter", *"1.2", "enter")
+        await press(pilot, "C")
+        await tap(pilot, "3", "enter", *"1.2", "enter")
         assert notes(pilot.app)[-1] == "noise stays 0: 1.2 is not a number from 0 to 1"
         assert slider(pilot.app, "noise").has_focus
-        await press(pilot, "2", "-", *".04", "enter")
+        await tap(pilot, "2", "-", *".04", "enter")
         assert map_drawn(pilot).rules["step_reward"] == -0.04
         assert playground(pilot).focused is playground(pilot).board.world
         assert strokes(pilot) == 1
@@ -174,30 +192,7 @@ async def test_noise_is_refused_on_slippery_ice_in_words(make_app: MakeApp) -> N
         assert slider(pilot.app, "noise").value == 0.0
 
 
-async def test_quick_keys_count_before_their_picture_comes(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
-        await press(pilot, "C", "right")
-        await tap(pilot, "plus", "plus", "plus")
-        assert map_drawn(pilot).legend[map_drawn(pilot).lines[0][1]].pays == 3.0
-
-
-async def test_while_drawing_the_palette_has_every_tool_and_they_work_from_there(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake")) as pilot:
-        assert "Pick up (,)" not in await palette(pilot, "pick up")
-        await press(pilot, "C", "right")
-        for tool in (*TOOLBOXES[Grid]().tools, *ALWAYS):
-            assert tool.help in (await palette(pilot, tool.label)).values(), tool
-        await pilot.app.screen.run_action("do(\"editing.use('H')\")")
-        await settle(pilot)
-        assert map_drawn(pilot).lines[0] == "SH.."
-
-
-@pytest.mark.parametrize("word", ["edit", "map", "wall", "paint", "draw the world"])
-async def test_drawing_is_found_by_words(make_app: MakeApp, word: str) -> None:
-    async with on_screen(make_app("maze")) as pilot:
-        assert "Draw the world (C)" in await palette(pilot, word)
-
-
+@pytest.mark.exhaustive("plays every world that cannot be drawn", but=["blackjack"])
 @pytest.mark.parametrize(
     ("scenario", "reason"),
     [
@@ -206,6 +201,7 @@ async def test_drawing_is_found_by_words(make_app: MakeApp, word: str) -> None:
         ("blackjack-table", "no cells"),
         ("cartpole", "nobody knows"),
     ],
+    ids=["taxi", "blackjack", "blackjack-table", "cartpole"],
 )
 async def test_what_cannot_be_drawn_is_dim_with_the_reason(
     make_app: MakeApp, scenario: str, reason: str
@@ -217,14 +213,6 @@ async def test_what_cannot_be_drawn_is_dim_with_the_reason(
         assert f"C {EDITING.label}" not in pilot.app.screen.query_one(KeyLine).render_line(0).text
         await press(pilot, "C")
         assert reason in notes(pilot.app)[-1]
-
-
-async def test_elsewhere_the_world_in_focus_offers_it_on_the_key_line(make_app: MakeApp) -> None:
-    async with on_screen(make_app("maze")) as pilot:
-        line = pilot.app.screen.query_one(KeyLine)
-        assert "C draw" not in line.render_line(0).text
-        await click(pilot, playground(pilot).board.world, offset=(5, 2))
-        assert "C draw the world" in line.render_line(0).text
 
 
 async def test_a_rectangle_is_marked_copied_and_moved_by_the_mouse(make_app: MakeApp) -> None:
@@ -252,9 +240,15 @@ async def test_a_rectangle_is_marked_copied_and_moved_by_the_mouse(make_app: Mak
         assert snapshot(pilot).editor.draft is None
 
 
-async def test_of_a_graph_one_outcome_is_chosen_and_changed_by_the_mouse(make_app: MakeApp) -> None:
+async def test_of_a_graph_one_outcome_is_changed_by_the_mouse_and_a_state_goes_with_what_leads_there(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("student"), (120, 40)) as pilot:
-        await press(pilot, "C", "up", "down")
+        await press(pilot, "C", "up", "u")  # Phone
+        assert graph_drawn(pilot).states == ("Class", "Pass", "Sleep")
+        await press(pilot, "z")
+        assert graph_drawn(pilot).states == ("Class", "Pass", "Phone", "Sleep")
+        await press(pilot, "up", "down")
         hands = Mouse(pilot)
 
         def study() -> dict[str, float]:
@@ -282,23 +276,10 @@ async def test_of_a_graph_one_outcome_is_chosen_and_changed_by_the_mouse(make_ap
         assert graph_drawn(pilot).entry("Class", "check phone") is None
 
 
-async def test_a_state_goes_with_what_leads_there(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), (120, 40)) as pilot:
-        await press(pilot, "C", "up", "u")  # Phone
-        assert graph_drawn(pilot).states == ("Class", "Pass", "Sleep")
-        await press(pilot, "z")
-        assert graph_drawn(pilot).states == ("Class", "Pass", "Phone", "Sleep")
-
-
-async def test_a_graph_without_places_gets_those_of_the_picture(tmp_path: object) -> None:
+async def test_a_graph_without_places_gets_those_of_the_picture() -> None:
     text = find("student").text
     bare = text[: text.index("[mdp.place]")] + text[text.index("[[mdp.transition]]") :]
-    from pathlib import Path
-
-    from rl_tui.worlds.files.scenario import scenario_of
-
-    scenario = scenario_of(bare, Path("bare.toml"))
-    app = app_at(recipe_for(scenario))
+    app = app_at(recipe_for(scenario_of(bare, Path("bare.toml"))))
     async with on_screen(app, (120, 40)) as pilot:
         before = snapshot(pilot).world.drawing
         assert isinstance(before, Graph)
@@ -308,18 +289,6 @@ async def test_a_graph_without_places_gets_those_of_the_picture(tmp_path: object
         moved = [each for each in range(len(before.places)) if before.places[each] != after.places[each]]
         assert moved
         assert set(graph_drawn(pilot).rules["place"]) == set(graph_drawn(pilot).states)
-
-
-async def test_a_fast_drag_leaves_no_gaps(make_app: MakeApp) -> None:
-    async with on_screen(make_app("maze"), (120, 40)) as pilot:
-        hands = Mouse(pilot)
-        await hands.begin()
-        view = playground(pilot).board.world
-        assert view is not None
-        await hands.drag(view, hands.offset((0, 0)), hands.offset((0, 6)))
-        await settle(pilot)
-        assert map_drawn(pilot).lines[0][:7] == "#######"
-        assert strokes(pilot) == 1
 
 
 async def test_arms_are_drawn_by_the_mouse(make_app: MakeApp) -> None:
@@ -343,10 +312,7 @@ async def test_arms_are_drawn_by_the_mouse(make_app: MakeApp) -> None:
 
 
 def in_kiosk(scenario: str) -> RlTuiApp:
-    make_player = partial(Player, automatic=False)
-    return RlTuiApp(
-        Display(fps=1000.0), recipe_for(find(scenario)), make_player=make_player, picture=True, kiosk=True
-    )
+    return app_at(recipe_for(find(scenario)), kiosk=True)
 
 
 async def test_in_a_kiosk_one_draws_and_saves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -367,12 +333,14 @@ async def test_in_a_kiosk_one_draws_and_saves_nothing(monkeypatch: pytest.Monkey
         assert map_drawn(pilot).rows == map_drawn(pilot).columns == 4
 
 
+@pytest.mark.exhaustive("plays every drawing", but=["student"])
 @pytest.mark.parametrize(
     ("scenario", "limit", "most", "keys"),
     [
         ("student", "graph_draft.MOST_STATES_WRITTEN", 4, ("i", "n", "e", "w", "enter")),
         ("bandit", "arms_draft.MOST_ARMS", 10, ("i",)),
     ],
+    ids=["student", "bandit"],
 )
 async def test_limits_of_size_hold_for_states_and_arms(
     monkeypatch: pytest.MonkeyPatch, scenario: str, limit: str, most: int, keys: tuple[str, ...]

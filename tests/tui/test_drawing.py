@@ -58,54 +58,20 @@ async def draw_shortest(pilot: Pilot[UserError]) -> None:
     await press(pilot, "D", *(f"shift+{key}" for key in WAY))
 
 
-@pytest.mark.parametrize(
-    ("scenario", "expected_return", "said"),
-    [
-        ("frozenlake", 1.0, "You draw a policy · return 1 · all on its way drawn"),
-        ("frozenlake-slippery", None, "5 states on its way at random (?)"),
-    ],
-)
-async def test_a_way_is_drawn_with_shift_and_arrows(
-    make_app: MakeApp, scenario: str, expected_return: float | None, said: str
+async def test_a_way_is_drawn_with_shift_and_arrows_and_where_it_never_comes_nothing_need_be(
+    make_app: MakeApp,
 ) -> None:
-    async with make_app(scenario).run_test(size=(120, 40)) as pilot:
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         await draw_shortest(pilot)
         assert drawn(pilot) == SHORTEST
-        assert view(pilot).cursor == 15
-        assert said in str(view(pilot).border_title)
-        found = worth(pilot).expected_return
-        assert found is not None
-        if expected_return is None:
-            assert 0.0 < found < 0.2
-        else:
-            assert found == expected_return
+        world = view(pilot)
+        assert world.cursor == 15
+        assert "You draw a policy · return 1 · all on its way drawn" in str(world.border_title)
+        assert worth(pilot).expected_return == 1.0
         arrows = picture(pilot)
         assert (arrows.count("↓"), arrows.count("→"), arrows.count("?")) == (3, 3, 7)  # the legend has two
-
-
-@pytest.mark.parametrize(
-    ("scenario", "keys", "said"),
-    [
-        ("taxi", ("3",), "Drawn · return −752.0 · 399 random"),
-        ("cliff", ("shift+up", "shift+right"), "Drawn · return −34,154 · 35 random"),
-        ("bandit", ("3",), "You draw · its return is hidden"),
-    ],
-)
-async def test_in_little_room_the_mode_its_figures_and_its_signs_are_told(
-    make_app: MakeApp, scenario: str, keys: tuple[str, ...], said: str
-) -> None:
-    async with on_screen(make_app(scenario)) as pilot:
-        await press(pilot, "D", *keys)
-        world = view(pilot)
-        assert str(world.border_title) == said
-        assert str(world.border_subtitle).endswith("D: end")
-        assert ("? random" in picture(pilot)) is (scenario != "bandit")
-
-
-async def test_where_the_policy_never_comes_nothing_need_be_drawn_and_that_is_seen(make_app: MakeApp) -> None:
-    async with make_app("frozenlake").run_test(size=(80, 24)) as pilot:
-        await draw_shortest(pilot)
-        world = view(pilot)
+        await pilot.resize_terminal(80, 24)
+        await settle(pilot)
 
         def bold_signs() -> int:
             rows = [world.render_line(y) for y in range(world.size.height)]
@@ -121,6 +87,26 @@ async def test_where_the_policy_never_comes_nothing_need_be_drawn_and_that_is_se
         assert "1 at random" in str(world.border_title)
 
 
+@pytest.mark.parametrize(
+    ("scenario", "keys", "said"),
+    [
+        pytest.param(
+            *("taxi", ("3",), "Drawn · return −752.0 · 399 random"), marks=pytest.mark.exhaustive("a world")
+        ),
+        ("cliff", ("shift+up", "shift+right"), "Drawn · return −34,154 · 35 random"),
+    ],
+)
+async def test_in_little_room_the_mode_its_figures_and_its_signs_are_told(
+    make_app: MakeApp, scenario: str, keys: tuple[str, ...], said: str
+) -> None:
+    async with on_screen(make_app(scenario)) as pilot:
+        await press(pilot, "D", *keys)
+        world = view(pilot)
+        assert str(world.border_title) == said
+        assert str(world.border_subtitle).endswith("D: end")
+        assert "? random" in picture(pilot)
+
+
 async def test_a_diagonal_of_two_characters_is_no_tie(make_app: MakeApp) -> None:
     async with on_screen(make_app("windy-king", ascii=True)) as pilot:
         await press(pilot, "D", "3", "right", "6")
@@ -129,20 +115,11 @@ async def test_a_diagonal_of_two_characters_is_no_tie(make_app: MakeApp) -> None
         assert str(view(pilot).border_subtitle) == "1^ 2> 3v 4< 5^> 6v> 7v< 8^< - D: end"
 
 
-async def test_a_name_that_fills_its_box_leaves_the_corners_whole(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        await press(pilot, "D")
-        rows = picture(pilot)
-        assert "│Phone?├" in rows
-        assert "│◉Class├" in rows
-        assert "│ 4.04 │" not in rows
-        assert "?" not in "".join(row for row in rows.splitlines() if "──╮" in row)
-        assert rows.count("?") == 2
-
-
-async def test_digits_draw_and_the_cursor_stays(make_app: MakeApp) -> None:
+async def test_digits_draw_and_the_cursor_stays_and_all_is_cleared_after_asking(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
-        await press(pilot, "D", "right", "1", "2", "down")
+        await press(pilot, "D", "C")
+        assert notes(pilot.app)[-1] == "nothing is drawn yet"
+        await press(pilot, "right", "1", "2", "down")
         assert drawn(pilot) == ((1, RIGHT),)
         await press(pilot, "3")
         assert drawn(pilot) == ((1, RIGHT),)  # a hole is below
@@ -150,20 +127,27 @@ async def test_digits_draw_and_the_cursor_stays(make_app: MakeApp) -> None:
         assert str(view(pilot).border_subtitle) == "nothing to choose here · D: end"
         await press(pilot, "up", "7")
         assert notes(pilot.app)[-1] == "7 is no action here: draw with 1…4"
+        await press(pilot, "C")
+        assert isinstance(pilot.app.screen, Confirm)
+        await press(pilot, "escape")
+        assert drawn(pilot) == ((1, RIGHT),)
         await press(pilot, "delete")
+        assert drawn(pilot) == ()
+        await press(pilot, "3", "C", "enter")
         assert drawn(pilot) == ()
         assert snapshot(pilot).counters.step == 0
 
 
-async def test_the_mode_is_seen_and_ends(make_app: MakeApp) -> None:
+async def test_the_mode_is_seen_and_ends_by_its_keys_and_by_another_mode(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), (120, 40), notifications=True) as pilot:
-        world, keys = view(pilot), playground(pilot).query_one(KeyLine)
-        before = (
-            str(world.border_title),
-            str(world.border_subtitle),
-            keys.render_line(0).text,
-            picture(pilot),
-        )
+        screen, world = playground(pilot), view(pilot)
+        keys = screen.query_one(KeyLine)
+
+        def seen() -> tuple[str, ...]:
+            borders = str(world.border_title), str(world.border_subtitle)
+            return *borders, keys.render_line(0).text, picture(pilot)
+
+        before = seen()
         for key in ("D", "escape"):
             await press(pilot, "D")
             assert world.has_class("-manual")
@@ -173,52 +157,37 @@ async def test_the_mode_is_seen_and_ends(make_app: MakeApp) -> None:
             assert str(world.border_subtitle) == "1 ↑  2 →  3 ↓  4 ← · del: none · C: clear · D: end"
             assert keys.render_line(0).text.startswith(" shift+arrow draw  digits draw  D end")
             await press(pilot, "shift+right", key)
-            assert not playground(pilot).drawing.is_on
+            assert not screen.drawing.is_on
             assert not world.has_class("-manual")
             pilot.app.set_focus(None)
             await settle(pilot)
-            now = (
-                str(world.border_title),
-                str(world.border_subtitle),
-                keys.render_line(0).text,
-                picture(pilot),
-            )
-            assert now == before
+            assert seen() == before
             assert isinstance(pilot.app.screen, Playground)
         assert drawn(pilot) == ((0, RIGHT),)
         assert notes(pilot.app)[-1] == "what you drew is kept; D goes on drawing"
-
-
-async def test_one_mode_ends_the_other(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake")) as pilot:
-        screen = playground(pilot)
         await press(pilot, "D", "y")
-        assert (screen.drawing.is_on, screen.manual.is_on) == (False, True)
-        assert view(pilot).is_manual
+        assert (screen.drawing.is_on, screen.manual.is_on, world.is_manual) == (False, True, True)
         await press(pilot, "D")
-        assert (screen.drawing.is_on, screen.manual.is_on) == (True, False)
-        assert not view(pilot).is_manual
+        assert (screen.drawing.is_on, screen.manual.is_on, world.is_manual) == (True, False, False)
         assert snapshot(pilot).answers.studied is PolicyKind.DRAWN
 
 
-async def test_all_is_cleared_after_asking(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
-        await press(pilot, "D", "C")
-        assert notes(pilot.app)[-1] == "nothing is drawn yet"
-        await press(pilot, "shift+down", "C")
-        assert isinstance(pilot.app.screen, Confirm)
-        await press(pilot, "escape")
-        assert drawn(pilot) == ((0, DOWN),)
-        await press(pilot, "C", "enter")
-        assert drawn(pilot) == ()
-
-
-async def test_a_node_of_a_graph_takes_its_own_actions(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), (120, 40), notifications=True) as pilot:
+async def test_a_node_of_a_graph_takes_its_own_actions_and_a_name_leaves_the_corners_whole(
+    make_app: MakeApp,
+) -> None:
+    async with on_screen(make_app("student"), notifications=True) as pilot:
         await press(pilot, "D")
+        rows = picture(pilot)
+        assert "│Phone?├" in rows
+        assert "│◉Class├" in rows
+        assert "│ 4.04 │" not in rows
+        assert "?" not in "".join(row for row in rows.splitlines() if "──╮" in row)
+        assert rows.count("?") == 2  # Pass has one action
+        await pilot.resize_terminal(120, 40)
+        await settle(pilot)
         assert str(view(pilot).border_subtitle).startswith("1 study  2 check phone · ")
+        assert picture(pilot).count("?") == 2
         names = snapshot(pilot).world.space.state_names
-        assert picture(pilot).count("?") == 2  # Pass has one action
         await press(pilot, "1")
         view(pilot).put_cursor(names.index("Phone"))
         await press(pilot, "2")
@@ -231,12 +200,15 @@ async def test_a_node_of_a_graph_takes_its_own_actions(make_app: MakeApp) -> Non
 
 
 async def test_an_arm_of_a_bandit_is_drawn(make_app: MakeApp) -> None:
-    async with on_screen(make_app("bandit"), (120, 40)) as pilot:
+    async with on_screen(make_app("bandit")) as pilot:
         await press(pilot, "D", "down", "down", "enter")
         assert drawn(pilot) == ((0, 2),)
         await press(pilot, "7")
         assert drawn(pilot) == ((0, 7),)
         assert worth(pilot).expected_return is not None
+        assert str(view(pilot).border_title) == "You draw · its return is hidden"
+        assert str(view(pilot).border_subtitle).endswith("D: end")
+        assert "? random" not in picture(pilot)
 
 
 async def test_a_world_without_a_table_refuses_with_the_reason(make_app: MakeApp) -> None:
@@ -270,7 +242,9 @@ async def test_another_map_ends_the_drawing_but_not_the_mode(make_app: MakeApp) 
         assert len(drawn(pilot)) == 1
 
 
-async def test_the_mouse_draws_towards_the_side_that_is_clicked_again(make_app: MakeApp) -> None:
+async def test_the_mouse_draws_towards_the_side_that_is_clicked_again_and_lanes_have_one_drawing(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         await press(pilot, "D")
         world = view(pilot)
@@ -286,14 +260,10 @@ async def test_the_mouse_draws_towards_the_side_that_is_clicked_again(make_app: 
             await click(pilot, world, offset=(x + 1, y + 1))
             assert drawn(pilot) == ((6, expected),)
             assert world.cursor == 6
-
-
-async def test_two_lanes_have_one_drawing(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         await order(pilot, AddLane((SetParameter("alpha", 0.5),)))
-        seen = await press(pilot, "D", "shift+down")
+        seen = await press(pilot, "shift+down")
         assert seen.answers.drawn == seen.beside.answers.drawn
-        assert seen.answers.drawn.choices == ((0, DOWN),)
+        assert seen.answers.drawn.choices == ((6, DOWN),)
 
 
 async def test_what_is_exported_is_worth_what_the_screen_says(
@@ -307,19 +277,16 @@ async def test_what_is_exported_is_worth_what_the_screen_says(
         await press(pilot, "escape")
         await draw_shortest(pilot)
         shown = worth(pilot)
+        assert 0.0 < shown.expected_return < 0.2  # type: ignore[operator]
+        assert "5 states on its way at random (?)" in str(view(pilot).border_title)
         await press(pilot, "x")
         await choose(pilot, "policy")
         await press(pilot, "enter")
         assert isinstance(pilot.app.screen, CommandLine)
         line = str(pilot.app.screen.query_one("#command Static", Static).render())
     words = shlex.split(line)
-    assert words[:5] == [
-        "rl-tui",
-        "evaluate",
-        "frozenlake-slippery",
-        "--policy",
-        "frozenlake-slippery-policy.json",
-    ]
+    policy = "frozenlake-slippery-policy.json"
+    assert words[:5] == ["rl-tui", "evaluate", "frozenlake-slippery", "--policy", policy]
     answer = json.loads(CliRunner().invoke(program, [*words[1:], "--json"]).stdout)
     assert list(answer["V"].values()) == shown.v.tolist()
     assert answer["expected_return"] == shown.expected_return

@@ -11,7 +11,7 @@ from textual.pilot import Pilot
 from textual.widgets import Input
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import DrawWorld
+from rl_tui.lab.live.commands import AddBranch, DrawWorld
 from rl_tui.lab.run.changes import read_world, written_world
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.tui.app.opening import DrawingStart
@@ -27,6 +27,14 @@ from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.digest import table_digest
 
 pytestmark = pytest.mark.screen
+
+REFUSED = (
+    *("Pass pays nan", "Pass pays inf", "Pass pays 1e300", "Pass nan, Class 1", "x" * 61 + " pays 1"),
+    *('{"to":"Pass","reward":NaN}', '{"to":{"Pass":1' + "0" * 400 + "}}", '{"to":' + "[" * 990),
+    *('{"to":"Pass\\u001b[31m","reward":1}', '{"to":"Pass","reward":1,"state":"Pass"}'),
+    '{"to":"Pass"} x',
+)
+"""What no action can do."""
 
 
 def lines(pilot: Pilot[UserError]) -> tuple[str, ...]:
@@ -50,7 +58,7 @@ async def click_cell(pilot: Pilot[UserError], cell: int) -> None:
     await click(pilot, view, offset=(where[0] + view.gutter.left, where[1] + view.gutter.top))
 
 
-async def test_a_lake_is_drawn_anew_by_keys_alone(make_app: MakeApp) -> None:
+async def test_a_lake_is_drawn_by_keys_alone_and_by_the_mouse_alone(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         before = digest(pilot)
         await press(pilot, "C", "down", "right", "full_stop", "number_sign", "z", "z")
@@ -61,39 +69,45 @@ async def test_a_lake_is_drawn_anew_by_keys_alone(make_app: MakeApp) -> None:
         assert digest(pilot) == before
         await press(pilot, "escape")
         assert snapshot(pilot).editor.draft is None
-
-
-async def test_a_lake_is_drawn_by_the_mouse_alone(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
+        strokes = len(snapshot(pilot).timeline.current.journal)
         await press(pilot, "C")
         await click_cell(pilot, 2)
         assert lines(pilot)[0] == "S.#."
-        assert len(snapshot(pilot).timeline.current.journal) == 1, "one stroke, one entry"
+        assert len(snapshot(pilot).timeline.current.journal) == strokes + 1, "one stroke, one entry"
 
 
-async def test_rewards_are_typed_and_counted_up(make_app: MakeApp) -> None:
+async def test_a_rectangle_is_copied_and_filled_and_rewards_are_typed_and_counted_up(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
-        await press(pilot, "C", "right", "equals_sign", "5", "enter")
-        draft = snapshot(pilot).editor.draft
-        assert isinstance(draft, GridDraft)
-        assert draft.legend[draft.lines[0][1]].pays == 5.0
-        await press(pilot, "minus")
-        draft = snapshot(pilot).editor.draft
-        assert isinstance(draft, GridDraft)
-        assert draft.legend[draft.lines[0][1]].pays == 4.0
+        await press(pilot, "C", "down", "m", "right", "y", "down", "down", "p")
+        assert lines(pilot)[3] == "H.HG"
+        await press(pilot, "m", "right", "right", "number_sign")
+        assert lines(pilot)[3] == "H###"
+        await press(pilot, "up", "equals_sign", "5", "enter")
+        for pays in (5.0, 4.0):
+            draft = snapshot(pilot).editor.draft
+            assert isinstance(draft, GridDraft)
+            assert draft.legend[draft.lines[2][3]].pays == pays
+            await press(pilot, "minus")
 
 
-async def test_without_a_start_it_is_a_draft_and_learning_goes_on(make_app: MakeApp) -> None:
+async def test_without_a_start_it_is_a_draft_and_the_last_step_of_another_world_is_not_told(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         before = digest(pilot)
         shown = await press(pilot, "C", "full_stop")
         assert shown.editor.unfinished
         assert digest(pilot) == before
-        assert (await press(pilot, "s")).counters.step == 1
+        shown = await press(pilot, "s")
+        assert shown.counters.step == 1, "learning goes on"
+        assert nothing_yet(shown) != OF_ANOTHER_WORLD
         shown = await press(pilot, "down", "S")
         assert not shown.editor.unfinished
         assert shown.world.space.state_names[int(shown.world.mdp.start_state[0])] == "4"  # type: ignore[union-attr]
         assert len(shown.timeline.current.journal) == 1
+        assert nothing_yet(shown) == OF_ANOTHER_WORLD
 
 
 async def test_without_its_start_a_graph_says_what_is_missing_until_another_state_is_one(
@@ -118,38 +132,13 @@ async def test_while_arms_are_drawn_the_legend_has_their_true_means_and_drift_is
         assert "pays 0 on average, at first: means drift" in drawing
 
 
-async def test_keys_that_draw_are_not_said_to_set_something(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake")) as pilot:
-        assert "i Q₀ 0" in screen_text(pilot.app)
-        await press(pilot, "C")
-        drawing = screen_text(pilot.app)
-        assert "i Q₀" not in drawing
-        assert "p ε-greedy" not in drawing
-        assert "t ties random" in drawing, "that key is what it was"
-        await press(pilot, "escape")
-        assert "i Q₀ 0" in screen_text(pilot.app)
-
-
-async def test_the_last_step_of_another_world_is_not_told(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
-        assert nothing_yet(await press(pilot, "s", "C", "down", "right", "H")) == OF_ANOTHER_WORLD
-
-
-async def test_a_rectangle_is_copied_and_filled(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
-        await press(pilot, "C", "down", "m", "right", "y", "down", "down", "p")
-        assert lines(pilot)[3] == "H.HG"
-        await press(pilot, "m", "right", "right", "number_sign")
-        assert lines(pilot)[3] == "H###"
-
-
-@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
+@pytest.mark.parametrize("size", [(80, 24), pytest.param((120, 40), marks=pytest.mark.exhaustive("a size"))])
 async def test_a_lane_of_another_world_stands_beside(make_app: MakeApp, size: tuple[int, int]) -> None:
     async with on_screen(make_app("frozenlake"), size) as pilot:
         await press(pilot, "s", "s", "s", "C", "i", "escape", "s", "b", "b", "t")
         shown = await press(pilot, "s")
         assert len(shown.timeline.branches) == 2
-        playground(pilot).lanes.link.send(_beside())
+        playground(pilot).lanes.link.send(AddBranch(0))
         await settle(pilot)
         shown = await press(pilot, "s", "l", "s")
         assert shown.beside.world.space.states != shown.world.space.states
@@ -164,12 +153,6 @@ async def test_a_lane_of_another_world_stands_beside(make_app: MakeApp, size: tu
         assert other.cursor is None
         await press(pilot, "s")
         assert led.cursor is not None, "the other lane does not take it away"
-
-
-def _beside() -> object:
-    from rl_tui.lab.live.commands import AddBranch
-
-    return AddBranch(0)
 
 
 async def test_after_a_save_r_starts_again_in_the_world_that_was_drawn_and_asks_nothing(
@@ -189,34 +172,20 @@ async def test_after_a_save_r_starts_again_in_the_world_that_was_drawn_and_asks_
         assert isinstance(pilot.app.screen, Choice)
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        *("Pass pays nan", "Pass pays inf", "Pass pays 1e300", "Pass nan, Class 1", "x" * 61 + " pays 1"),
-        *('{"to":"Pass","reward":NaN}', '{"to":{"Pass":1' + "0" * 400 + "}}", '{"to":' + "[" * 990),
-        *(
-            '{"to":"Pass\\u001b[31m","reward":1}',
-            '{"to":"Pass","reward":1,"state":"Pass"}',
-            '{"to":"Pass"} x',
-        ),
-    ],
-)
-async def test_what_no_action_can_do_is_refused_while_it_is_typed(make_app: MakeApp, text: str) -> None:
-    async with on_screen(make_app("student"), (120, 40)) as pilot:
-        await press(pilot, "C", "enter", "enter")
-        pilot.app.screen.query_one(Input).value = text
-        shown = await press(pilot, "enter")
-        assert isinstance(pilot.app.screen, Prompt)
-        assert str(pilot.app.screen.query_one(".error").render()).isprintable()
-        assert not shown.timeline.current.journal
-        await press(pilot, "escape", "plus")
-
-
 @pytest.mark.exhaustive("plays each name by keys", but=["A, B 0.5"])
 @pytest.mark.parametrize("name", ["A;B", "{x", "[x", "A, B 0.5"])
-async def test_a_rule_that_is_a_strange_name_comes_through_a_session(make_app: MakeApp, name: str) -> None:
+async def test_what_no_action_can_do_is_refused_but_a_strange_name_comes_through_a_session(
+    make_app: MakeApp, name: str
+) -> None:
     async with on_screen(make_app("student"), (120, 40)) as pilot:
         await press(pilot, "C", "enter", "enter")
+        for text in REFUSED:
+            pilot.app.screen.query_one(Input).value = text
+            shown = await press(pilot, "enter")
+            assert isinstance(pilot.app.screen, Prompt), text
+            assert str(pilot.app.screen.query_one(".error").render()).isprintable(), text
+            assert not shown.timeline.current.journal, text
+        await press(pilot, "escape", "enter", "enter")
         pilot.app.screen.query_one(Input).value = as_json({"reward": 0, "to": {name: 0.5, "Pass": 0.5}})
         await press(pilot, "enter")
         leave = read_edits(f'world.transition[{as_json(name)},leave]={{"to":"Class","reward":0}}')
@@ -230,8 +199,13 @@ async def test_a_rule_that_is_a_strange_name_comes_through_a_session(make_app: M
         assert [read_world(written_world(each)) for each in strokes] == strokes  # type: ignore[arg-type]
 
 
-async def test_a_world_can_be_drawn_from_the_start() -> None:
-    recipe = recipe_for(find("maze"))
-    app = app_at(DrawingStart(recipe))
-    async with on_screen(app) as pilot:
+async def test_a_world_can_be_drawn_from_the_start_and_keys_that_draw_are_not_said_to_set_something() -> None:
+    async with on_screen(app_at(DrawingStart(recipe_for(find("frozenlake"))))) as pilot:
         assert snapshot(pilot).editor.draft is not None
+        drawing = screen_text(pilot.app)
+        assert "i Q₀" not in drawing
+        assert "p ε-greedy" not in drawing
+        assert "t ties random" in drawing, "that key is what it was"
+        await press(pilot, "escape")
+        assert "i Q₀ 0" in screen_text(pilot.app)
+        assert "p ε-greedy" in screen_text(pilot.app)

@@ -27,7 +27,7 @@ from rl_tui.tui.panels.world.view import WorldView
 from rl_tui.worlds.editing.edit import read_edits
 
 pytestmark = pytest.mark.screen
-SIZES = [(80, 24), (120, 40)]
+SIZES = [pytest.param((80, 24), marks=pytest.mark.exhaustive("a size")), (120, 40)]
 
 
 def world(pilot: Pilot[UserError]) -> WorldView:
@@ -42,7 +42,9 @@ def drawn(pilot: Pilot[UserError]) -> str:
 
 
 @pytest.mark.parametrize("size", SIZES)
-async def test_every_stroke_is_seen_before_it_is_in_force(make_app: MakeApp, size: tuple[int, int]) -> None:
+async def test_every_stroke_is_seen_before_it_is_in_force_and_the_cursor_keeps_its_cell(
+    make_app: MakeApp, size: tuple[int, int]
+) -> None:
     async with on_screen(make_app("frozenlake"), size) as pilot:
         shown = await press(pilot, "C", "full_stop")
         assert "╱" in drawn(pilot)
@@ -54,11 +56,6 @@ async def test_every_stroke_is_seen_before_it_is_in_force(make_app: MakeApp, siz
         shown = await press(pilot, "down", "down", "S")
         assert shown.editor.draft is shown.editor.base
         assert "╱" not in drawn(pilot)
-
-
-async def test_the_cursor_is_on_the_line_that_was_added_and_else_keeps_its_cell(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
-        await press(pilot, "C")
         world(pilot).put_cursor(6)
         await press(pilot, "i")
         assert world(pilot).cursor == 6, "the new row"
@@ -73,7 +70,7 @@ async def test_the_cursor_is_on_the_line_that_was_added_and_else_keeps_its_cell(
         assert world(pilot).cursor == 11, "its row is gone: the last one"
 
 
-async def test_the_cursor_keeps_its_arm_and_its_state(make_app: MakeApp) -> None:
+async def test_the_cursor_keeps_its_arm(make_app: MakeApp) -> None:
     async with on_screen(make_app("bandit"), (120, 40)) as pilot:
         await press(pilot, "C")
         assert isinstance(world(pilot), ArmsView)
@@ -82,17 +79,6 @@ async def test_the_cursor_keeps_its_arm_and_its_state(make_app: MakeApp) -> None
         assert world(pilot).cursor == 3, "the new arm"
         await press(pilot, "down", "z")
         assert world(pilot).cursor == 3, "the arm that was there"
-    async with on_screen(make_app("student"), (120, 40)) as pilot:
-        shown = await press(pilot, "C")
-        names = shown.world.space.state_names
-        world(pilot).put_cursor(names.index("Pass"))
-        # a new state that is mentioned first gets a number of its own before it
-        edit = 'world.transition[Class,study]={"to":{"Bar":0.5,"Pass":0.5},"reward":1}'
-        await order(pilot, DrawWorld(read_edits(edit)))
-        now = snapshot(pilot).world.space.state_names
-        place = world(pilot).cursor
-        assert place is not None
-        assert now[place] == "Pass"
 
 
 # Two worlds side by side
@@ -112,7 +98,9 @@ async def two_lanes(pilot: Pilot[UserError], *strokes: str) -> Snapshot:
 
 
 @pytest.mark.parametrize("size", SIZES)
-async def test_maps_of_one_size_are_compared_by_cell(make_app: MakeApp, size: tuple[int, int]) -> None:
+async def test_maps_of_one_size_are_compared_by_cell_and_have_a_cursor_in_common(
+    make_app: MakeApp, size: tuple[int, int]
+) -> None:
     async with make_app("maze").run_test(size=size) as pilot:
         shown = await two_lanes(pilot, "home", "shift+right")
         board, other = playground(pilot).board, shown.beside
@@ -120,70 +108,59 @@ async def test_maps_of_one_size_are_compared_by_cell(make_app: MakeApp, size: tu
         found = greedy_differences(shown, other)
         views = [board.query_one(f"#{each}", GridView) for each in ("world", beside("world"))]
         assert [view.differing for view in views] == [found.states, found.right]
-        cells = [
+        mine, theirs = (
             {view.world.drawing.cell_of_state[state] for state in view.differing}  # type: ignore[union-attr]
             for view in views
-        ]
-        assert cells[0] == cells[1]
+        )
+        assert mine == theirs
         assert 0 < found.known <= min(shown.world.space.states, other.world.space.states)
         for lane, states in ((shown, found.states), (other, found.right)):
             for state in states:
                 assert lane.agent.visits[list(lane.world.space.pairs_of(state))].any()
-
-
-@pytest.mark.parametrize("size", SIZES)
-async def test_two_worlds_have_a_cursor_in_common_by_cell_and_by_name(
-    make_app: MakeApp, size: tuple[int, int]
-) -> None:
-    async with make_app("maze").run_test(size=size) as pilot:
-        shown = await two_lanes(pilot, "home", "shift+right")
-        board = playground(pilot).board
-        first, second = (board.query_one(f"#{each}", GridView) for each in ("world", beside("world")))
-        first.focus()
+        assert "other" not in board.table.footing, "tables are compared of the same pairs alone"
+        views[0].focus()
         await settle(pilot)
-        first.put_cursor(30)
+        views[0].put_cursor(30)
         await settle(pilot)
-        assert first.cursor == second.cursor == 30
-        tables = [board.query_one(f"#{each}", QTable) for each in ("table", beside("table"))]
-        for table, view in zip(tables, (first, second), strict=True):
-            state = view.state_at(30)
+        assert [view.cursor for view in views] == [30, 30]
+        for table, view in zip(("table", beside("table")), views, strict=True):
+            state, panel = view.state_at(30), board.query_one(f"#{table}", QTable)
             assert state is not None
-            assert table.pointed == table.snapshot.world.space.pairs_of(state)
+            assert panel.pointed == panel.snapshot.world.space.pairs_of(state)
         await press(pilot, "s", "s")
-        assert first.cursor == second.cursor == 30
-        assert shown.beside is not None
+        assert [view.cursor for view in views] == [30, 30]
 
 
-async def test_graphs_are_compared_by_name(make_app: MakeApp) -> None:
+async def test_graphs_are_compared_by_name_and_the_cursor_keeps_its_state(make_app: MakeApp) -> None:
     async with on_screen(make_app("student"), (120, 40)) as pilot:
         await train(pilot, 500)
+        shown = await press(pilot, "C")
+        world(pilot).put_cursor(shown.world.space.state_names.index("Pass"))
+        # a new state that is mentioned first gets a number of its own before it
         edit = 'world.transition[Class,study]={"to":{"Bar":0.5,"Pass":0.5},"reward":-9}'
-        await press(pilot, "C")
         await order(pilot, DrawWorld(read_edits(edit)))
+        assert snapshot(pilot).world.space.state_names[world(pilot).cursor or 0] == "Pass"
         await press(pilot, "escape", "b", "t")
         await train(pilot, 200)
         playground(pilot).lanes.link.send(AddBranch(0))
         await settle(pilot)
         shown = snapshot(pilot)
         other = shown.beside
-        one, two = shown.world.space.state_names, other.world.space.state_names
+        mine, theirs = shown.world.space, other.world.space
+        one, two = mine.state_names, theirs.state_names
         assert list(one) != list(two)
+        common = in_common(shown.world, other.world)
         for number, name in enumerate(one):
             there = state_in(number, shown.world, other.world)
             assert there is not None
             assert two[there] == name
+            pairs = pairs_in(mine.pairs_of(number), shown.world, other.world)
+            assert len(pairs) in (0, len(theirs.pairs_of(there)))
         assert state_in(two.index("Bar"), other.world, shown.world) is None
         found = greedy_differences(shown, other)
         assert {one[state] for state in found.states} == {two[state] for state in found.right}
-        common = in_common(shown.world, other.world)
-        for pair in range(shown.world.space.pairs):
+        for pair in range(mine.pairs):
             assert pair_in(pair, shown.world, other.world) == common.pairs[pair]
-        mine, theirs = shown.world.space, other.world.space
-        for state in range(mine.states):
-            there = state_in(state, shown.world, other.world)
-            assert there is not None
-            expected = theirs.pairs_of(there)
-            assert len(pairs_in(mine.pairs_of(state), shown.world, other.world)) in (0, len(expected))
         board = playground(pilot).board
         first, second = (board.query_one(f"#{each}", GraphView) for each in ("world", beside("world")))
         first.focus()
@@ -191,13 +168,6 @@ async def test_graphs_are_compared_by_name(make_app: MakeApp) -> None:
         first.put_cursor(one.index("Pass"))
         await settle(pilot)
         assert second.cursor == two.index("Pass")
-
-
-async def test_what_differs_from_the_other_table_is_shown_of_the_same_pairs_alone(make_app: MakeApp) -> None:
-    async with make_app("maze").run_test(size=(120, 40)) as pilot:
-        await two_lanes(pilot, "home", "shift+right")
-        table = playground(pilot).board.table
-        assert "other" not in table.footing
 
 
 def test_worlds_that_were_compared_are_not_kept_in_memory() -> None:

@@ -6,7 +6,7 @@ import re
 
 import pytest
 from conftest import MakeApp
-from seams import on_screen, playground, press, screen_text, snapshot, switch, train
+from seams import notes, on_screen, playground, press, screen_text, snapshot, switch, tap, train
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
@@ -23,19 +23,42 @@ def numbers_of(pilot: Pilot[UserError]) -> set[str]:
     return set(_NUMBERED.findall(f"{screen_text(pilot.app)} {footing}"))
 
 
-@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
-async def test_every_step_of_an_episode_and_its_end(size: tuple[int, int], make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake"), size) as pilot:
+@pytest.mark.parametrize("size", [pytest.param((80, 24), marks=pytest.mark.exhaustive("a size")), (120, 40)])
+async def test_every_step_of_an_episode_and_its_end_and_where_one_goes_to_it(
+    size: tuple[int, int], make_app: MakeApp
+) -> None:
+    async with on_screen(make_app("frozenlake"), size, notifications=True) as pilot:
         for expected in ("1", "2", "3"):
             while snapshot(pilot).counters.episodes < int(expected):
                 await press(pilot, "s")
                 assert numbers_of(pilot) == {expected}
             assert ENDED in str(playground(pilot).board.panel(LAST_STEP).border_subtitle)
+        await train(pilot, 200)
+        await press(pilot, "b", "g")
+        await tap(pilot, *"e999", "enter")  # which is not there
+        end = snapshot(pilot).timeline.current.end
+        assert snapshot(pilot).counters.step == end
+        assert [f"step {end}" in note and "space" in note for note in notes(pilot.app)] == [True]
+        await press(pilot, "g")
+        await tap(pilot, *"e12", "enter")
+        assert notes(pilot.app) == []
+        assert numbers_of(pilot) == {"12"}
+        await press(pilot, "d")
+        assert playground(pilot).board.opened == MICROSCOPE
+        assert numbers_of(pilot) == {"12"}
+        await press(pilot, "s")
+        assert numbers_of(pilot) == {"12"}
 
 
-async def test_the_first_reward_has_one_number_everywhere(make_app: MakeApp) -> None:
+async def test_an_episode_given_up_the_first_reward_and_sweeps_of_a_planner_have_one_number_everywhere(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
-        await press(pilot, "u", "enter")  # until the next reward, which ends the episode
+        await press(pilot, "s", "s", "s")
+        await switch(pilot, "value-iteration")
+        await switch(pilot, "q-learning")
+        assert numbers_of(pilot) == {"1"}
+        await press(pilot, "r", "u", "enter")  # until the next reward, which ends the episode
         assert numbers_of(pilot) == {"247"}
         now = snapshot(pilot)
         assert now.counters.episodes == 247
@@ -47,34 +70,10 @@ async def test_the_first_reward_has_one_number_everywhere(make_app: MakeApp) -> 
         assert (began.state, began.step_from, began.episodes) == (0, 0, 246)
         await press(pilot, "B")
         assert numbers_of(pilot) == {"246"}
-
-
-async def test_to_go_to_an_episode_leads_to_where_that_number_stands(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
-        await train(pilot, 200)
-        await press(pilot, "g", *"e12", "enter")
-        assert numbers_of(pilot) == {"12"}
-        await press(pilot, "d")
-        assert playground(pilot).board.opened == MICROSCOPE
-        assert numbers_of(pilot) == {"12"}
-        await press(pilot, "s")
-        assert numbers_of(pilot) == {"12"}
-
-
-async def test_the_sweeps_of_a_planner_too(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), (120, 40)) as pilot:
         await switch(pilot, "value-iteration")
         seen = set()
-        for _ in range(9):
+        for _ in range(12):  # a sweep is 11 steps
             await press(pilot, "s")
             assert len(numbers_of(pilot)) == 1
             seen.add(ENDED_SWEEP in str(playground(pilot).board.panel(LAST_STEP).border_subtitle))
         assert seen == {True, False}
-
-
-async def test_an_episode_that_was_given_up_has_not_ended(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
-        await press(pilot, "s", "s", "s")
-        await switch(pilot, "value-iteration")
-        await switch(pilot, "q-learning")
-        assert numbers_of(pilot) == {"1"}

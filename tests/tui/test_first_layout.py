@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 import asyncio
-from functools import partial
 from pathlib import Path
 
 import pytest
 from lesson_texts import LESSON
+from seams import app_at
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.course.entries import LessonStart
 from rl_tui.lab.lessons.record import begun
-from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.lab.run.recipe import Recipe
 from rl_tui.lab.sessions.session import StoredSession, encoded, read_session
 from rl_tui.lab.timeline.branches import RunRecord
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.worlds.files.catalogue import find
 
@@ -53,8 +50,7 @@ async def test_no_panel_moves_when_the_world_is_built(
         start = LessonStart(begun(LESSON))
     else:
         start = lake() if kind == "scenario" else two_lanes(tmp_path)
-    app = RlTuiApp(Display(fps=1000.0), start, make_player=partial(Player, automatic=False), picture=True)
-    async with app.run_test(size=size) as pilot:
+    async with app_at(start).run_test(size=size) as pilot:
         while not (before := borders(pilot)):
             await pilot.pause()
         is_typed.set()

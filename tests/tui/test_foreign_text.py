@@ -10,14 +10,13 @@ from xml.etree import ElementTree
 
 import pytest
 from drawn_text import letters_of
-from seams import on_screen, screen_text, tap
+from seams import app_at, on_screen, screen_text, tap
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
 from rl_tui.lab.export.recipe_line import recipe_line
 from rl_tui.lab.export.script import script
 from rl_tui.lab.export.tables import write_q_csv
-from rl_tui.lab.live.player import Player
 from rl_tui.lab.live.record import Record
 from rl_tui.lab.run.library import recipe_for
 from rl_tui.lab.run.recipe import begin
@@ -60,11 +59,7 @@ def foreign(folder: Path) -> Scenario:
 
 
 def playing(scenario: Scenario) -> RlTuiApp:
-    def make_player(*args: object, **kwargs: object) -> Player:
-        return Player(*args, automatic=False, **kwargs)  # type: ignore[arg-type]
-
-    start = recipe_for(scenario)
-    return RlTuiApp(Display(fps=1000.0), start, make_player=make_player, picture=True)
+    return app_at(recipe_for(scenario))
 
 
 async def press(pilot: Pilot[UserError], *keys: str) -> str:
@@ -72,9 +67,16 @@ async def press(pilot: Pilot[UserError], *keys: str) -> str:
     return screen_text(pilot.app)
 
 
-async def test_the_catalogue_shows_them_as_they_are(folder: Path) -> None:
-    app = RlTuiApp(Display(fps=1000.0), picture=True)
-    async with on_screen(app, (160, 50)) as pilot:
+async def test_the_catalogue_shows_them_and_the_name_of_a_session_as_they_are(
+    foreign: Scenario, folder: Path, tmp_path: Path
+) -> None:
+    sessions = tmp_path / "sessions"
+    sessions.mkdir()
+    record = Record((RunRecord(recipe_for(foreign), (FIRST,)),))
+    (sessions / "[bold]a[-].json").write_bytes(encoded(record, title=TITLE, kept=True))
+    (sessions / "[red]b.json").write_text("{}")
+    app = RlTuiApp(Display(fps=1000.0), picture=True, sessions=sessions)
+    async with on_screen(app, (160, 50), notifications=True) as pilot:
         listed = app.screen.query_one("#scenarios")
         listed.highlighted = listed.get_option_index("foreign")  # type: ignore[attr-defined]
         await settle(pilot)
@@ -86,6 +88,11 @@ async def test_the_catalogue_shows_them_as_they_are(folder: Path) -> None:
         assert "U+001B" in text  # how the line is broken depends on how long the file's name is
         assert r'"a\u001b[31m"' in text
         assert "\x1b" not in text
+        text = await press(pilot, "tab", "tab")
+        assert TITLE[:20] in text
+        assert "[red]b.json" in text
+        assert "/[bold]a[-].json" in letters_of(app.screen.query_one("#facts")), "its file"
+        assert TITLE in await press(pilot, "delete"), "in the question"
 
 
 async def notes_in_help(pilot: Pilot[UserError]) -> str:
@@ -96,58 +103,38 @@ async def notes_in_help(pilot: Pilot[UserError]) -> str:
     return await press(pilot, "end")
 
 
-async def test_the_playground_shows_them_as_they_are(foreign: Scenario) -> None:
+async def test_the_playground_and_its_dialogs_show_them_as_they_are(foreign: Scenario) -> None:
     app = playing(foreign)
     async with on_screen(app, (160, 50), notifications=True) as pilot:
         text = await press(pilot, *"sssss")
         assert TITLE[:20] in text
         assert "[red]go[/]" in text
-        for key in "mjkucdoay?x":
-            text = await press(pilot, key)
-            await press(pilot, "escape")
-        assert app.is_running
-
-
-async def test_the_model_the_journal_and_the_help(foreign: Scenario) -> None:
-    app = playing(foreign)
-    async with on_screen(app, (160, 50)) as pilot:
-        text = await press(pilot, "s", "m")
+        text = await press(pilot, "m")
         assert HERE in text
         assert THERE[:8] in text
         await press(pilot, "escape", "y", "1", "2", "y")
         assert GO in await press(pilot, "j")
-        await press(pilot, "escape")
+        for key in "kucdoayx":
+            await press(pilot, "escape")
+            await press(pilot, key)
+        assert app.is_running
+
+
+async def test_the_help_shows_them_as_they_are_and_opens_no_link(
+    foreign: Scenario, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("webbrowser.open", lambda *_: pytest.fail("a browser was opened"))
+    app = playing(foreign)
+    async with on_screen(app, (160, 50), notifications=True) as pilot:
         text = await notes_in_help(pilot)
         assert r"[red]N[/red] [@click=app.quit]q[/] {1} %d there" in text
         picture = app.export_screenshot(simplify=True)
         assert "\x1b" not in picture
         ElementTree.fromstring(picture)
-
-
-async def test_a_link_is_shown_not_opened(foreign: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("webbrowser.open", lambda *_: pytest.fail("a browser was opened"))
-    app = playing(foreign)
-    async with on_screen(app, (160, 50), notifications=True) as pilot:
-        await notes_in_help(pilot)
         paragraph = app.screen.query("MarkdownParagraph").last()
         await paragraph.run_action("link('http://a.example/%1b[31m')")
         await settle(pilot)
         assert r"http://a.example/\u001b[31m" in screen_text(pilot.app)
-
-
-async def test_the_name_of_a_session_is_shown_as_it_is(foreign: Scenario, tmp_path: Path) -> None:
-    sessions = tmp_path / "sessions"
-    sessions.mkdir()
-    record = Record((RunRecord(recipe_for(foreign), (FIRST,)),))
-    (sessions / "[bold]a[-].json").write_bytes(encoded(record, title=TITLE, kept=True))
-    (sessions / "[red]b.json").write_text("{}")
-    app = RlTuiApp(Display(fps=1000.0), picture=True, sessions=sessions)
-    async with on_screen(app, (160, 50), notifications=True) as pilot:
-        text = await press(pilot, "tab", "tab")
-        assert TITLE[:20] in text
-        assert "[red]b.json" in text
-        assert "/[bold]a[-].json" in letters_of(app.screen.query_one("#facts")), "its file"
-        assert TITLE in await press(pilot, "delete"), "in the question"
 
 
 def _texts(source: str) -> Iterator[str]:

@@ -87,7 +87,9 @@ def test_until_the_policy_is_optimal_shows_nothing_of_it() -> None:
     assert option.hint == "Compares with the exact answer without showing it."
 
 
-async def test_what_a_person_hides_stays_hidden_in_the_neighbouring_scenarios(make_app: MakeApp) -> None:
+async def test_what_a_person_hides_or_has_seen_is_hidden_in_the_neighbouring_scenarios(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("cliff")) as pilot:
         assert is_secret(await press(pilot, "h"))
         ids = [scenario.id for scenario in scenarios()]
@@ -96,13 +98,14 @@ async def test_what_a_person_hides_stays_hidden_in_the_neighbouring_scenarios(ma
         assert (shown.recipe.scenario.id, is_secret(shown)) == (there, True)
         shown = await press(pilot, "h", "left_square_bracket")
         assert not is_secret(shown), "as the scenario says"
-
-
-async def test_what_a_person_has_seen_is_hidden_elsewhere(make_app: MakeApp) -> None:
     async with on_screen(make_app("student")) as pilot:
+        await press(pilot, "m")
+        assert ANSWER_KEY in screen_text(pilot.app)
         assert not is_secret(await press(pilot, "h"))
-        await press(pilot, "left_square_bracket")
-        assert is_secret(await press(pilot, "right_square_bracket"))
+        assert ANSWER_KEY not in screen_text(pilot.app), "the numbers of the model are shown while it is open"
+        assert "6.3415" in screen_text(pilot.app)
+        await press(pilot, "escape", "left_square_bracket")
+        assert is_secret(await press(pilot, "right_square_bracket")), "what was seen is hidden elsewhere"
 
 
 async def test_nothing_is_hidden_where_there_is_no_exact_answer(make_app: MakeApp) -> None:
@@ -127,15 +130,6 @@ async def test_h_hides_the_layer_that_is_shown_and_the_line_and_brings_both_back
         assert table.shown_layer is Layer.OPTIMAL
         assert f"{OPTIMUM} 1" in screen_text(pilot.app)
         assert not notes(pilot.app)
-
-
-async def test_h_shows_the_numbers_of_the_model_while_it_is_open(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        await press(pilot, "m")
-        assert ANSWER_KEY in screen_text(pilot.app)
-        await press(pilot, "h")
-        assert ANSWER_KEY not in screen_text(pilot.app)
-        assert "6.3415" in screen_text(pilot.app)
 
 
 async def test_a_spent_budget_has_nothing_to_hide(make_app: MakeApp) -> None:

@@ -29,10 +29,20 @@ from rl_tui.tui.screens.playground.playground import Playground
 # Messages
 
 
-async def test_a_message_goes_with_the_next_key_and_leaving_is_asked_anew(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), notifications=True) as pilot:
+@pytest.mark.parametrize(
+    "size",
+    [
+        (80, 24),
+        *(pytest.param(each, marks=pytest.mark.exhaustive("a size")) for each in [(60, 18), (120, 40)]),
+    ],
+)
+async def test_a_message_covers_its_line_and_goes_with_the_next_key_and_leaving_is_asked_anew(
+    size: tuple[int, int], make_app: MakeApp
+) -> None:
+    async with on_screen(make_app("student"), size, notifications=True) as pilot:
         await press(pilot, "s", "escape")
         assert len(notes(pilot.app)) == 1
+        assert pilot.app.screen.query_one("Toast").region.bottom_right == size
         await press(pilot, "v")
         assert notes(pilot.app) == []
         await press(pilot, "escape")
@@ -43,14 +53,9 @@ async def test_a_message_goes_with_the_next_key_and_leaving_is_asked_anew(make_a
         assert notes(pilot.app) == []
 
 
-@pytest.mark.parametrize("size", [(60, 18), (80, 24), (120, 40)])
-async def test_a_message_covers_its_line_to_the_end(size: tuple[int, int], make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), size, notifications=True) as pilot:
-        await press(pilot, "s", "escape")
-        assert pilot.app.screen.query_one("Toast").region.bottom_right == size
-
-
-async def test_a_message_goes_with_a_click_and_with_the_scenario(make_app: MakeApp) -> None:
+async def test_a_message_goes_with_a_click_and_with_the_scenario_but_what_was_written_stays(
+    make_app: MakeApp,
+) -> None:
     async with on_screen(make_app("student"), notifications=True) as pilot:
         await press(pilot, "l")
         assert len(notes(pilot.app)) == 1
@@ -58,19 +63,14 @@ async def test_a_message_goes_with_a_click_and_with_the_scenario(make_app: MakeA
         await pilot.pause()
         assert notes(pilot.app) == []
         await press(pilot, "s", "escape")
+        assert len(notes(pilot.app)) == 1
         await tap(pilot, "right_square_bracket")
         assert notes(pilot.app) == []
-
-
-async def test_what_was_written_is_told_beyond_the_next_key_but_not_behind_a_dialog(
-    make_app: MakeApp,
-) -> None:
-    async with on_screen(make_app("student"), notifications=True) as pilot:
         playground(pilot).notify("written: somewhere")
         await press(pilot, "s", "a")
-        assert notes(pilot.app) == ["written: somewhere"]
+        assert notes(pilot.app) == ["written: somewhere"], "beyond the next key"
         behind = playground(pilot).query("ToastRack").first()
-        assert not behind.display
+        assert not behind.display, "not behind a dialog"
         await press(pilot, "escape")
         assert behind.display
 
@@ -78,34 +78,28 @@ async def test_what_was_written_is_told_beyond_the_next_key_but_not_behind_a_dia
 # The palette
 
 
-@pytest.mark.parametrize(
-    ("query", "found"),
-    [
-        ("edit", ["Draw the world (C)"]),
-        ("in cells", ["Q in cells (V)"]),
-        ("xyzzy", []),
-        ("alg", ["Algorithm (a)"]),
-        ("fast", ["Faster (+)"]),
-        ("undo", ["Step back (b)"]),
-        ("epsilon", ["Options (o)"]),
-        ("third sl", ["Third slider (3)"]),
-        ("?", ["Help (?)"]),
-    ],
-)
-async def test_the_palette_finds_what_a_word_of_it_begins_with(
-    make_app: MakeApp, query: str, found: list[str]
+async def test_the_palette_finds_what_a_word_of_it_begins_with_or_shows_the_keys(
+    make_app: MakeApp,
 ) -> None:
+    found = {
+        "edit": ["Draw the world (C)"],
+        "in cells": ["Q in cells (V)"],
+        "xyzzy": [],
+        "alg": ["Algorithm (a)"],
+        "fast": ["Faster (+)"],
+        "undo": ["Step back (b)"],
+        "epsilon": ["Options (o)"],
+        "third sl": ["Third slider (3)"],
+        "?": ["Help (?)"],
+    }
     async with on_screen(make_app("student")) as pilot:
         known = {palette_name(action) for action in playground(pilot).actions}
         provider = ActionProvider(pilot.app.screen)
-        hits = sorted([hit async for hit in provider.search(query)], key=lambda hit: -hit.score)
-        names = [str(hit.match_display) for hit in hits]
-        assert [name for name in names if name in known][: len(found) or None] == found
-        assert len(names) >= 1
-
-
-async def test_where_the_palette_finds_nothing_it_says_so_and_enter_shows_the_keys(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
+        for query, first in found.items():
+            hits = sorted([hit async for hit in provider.search(query)], key=lambda hit: -hit.score)
+            names = [str(hit.match_display) for hit in hits]
+            assert [name for name in names if name in known][: len(first) or None] == first, query
+            assert len(names) >= 1, query
         await pilot.press("ctrl+p", *"xyzzy")
         assert isinstance(pilot.app.screen, CommandPalette)
         await tap(pilot, "enter")
@@ -134,7 +128,9 @@ async def click_on(pilot: Pilot[UserError], text: str) -> None:
     await click(pilot, table, offset=(column, height - 1))
 
 
-@pytest.mark.parametrize("ascii_only", [False, True])
+@pytest.mark.parametrize(
+    "ascii_only", [False, pytest.param(True, marks=pytest.mark.exhaustive("other characters"))]
+)
 async def test_the_names_of_the_layers_answer_clicks(make_app: MakeApp, ascii_only: bool) -> None:
     async with on_screen(make_app("frozenlake", ascii=ascii_only), (120, 40)) as pilot:
         table = playground(pilot).board.table
@@ -145,25 +141,23 @@ async def test_the_names_of_the_layers_answer_clicks(make_app: MakeApp, ascii_on
         assert table.shown_layer is Layer.Q
 
 
-async def test_the_keys_of_a_dialog_answer_clicks_on_its_border(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
-        for hint, seed in (("esc", 0), ("enter", 7)):
-            await press(pilot, "n", "7")
-            box = pilot.app.screen.query_one("#box")
-            keys = str(box.border_subtitle)
-            column = box.region.right - 3 - len(keys) + keys.index(hint)
-            await click(pilot, offset=(column, box.region.bottom - 1))
-            assert isinstance(pilot.app.screen, Playground)
-            assert snapshot(pilot).recipe.seed == seed
-
-
 # ctrl+c
 
 
-@pytest.mark.parametrize("key", ["enter", "ctrl+c"])
-async def test_ctrl_c_asks_and_the_keys_that_it_names_quit(make_app: MakeApp, key: str) -> None:
+@pytest.mark.parametrize("key", ["ctrl+c", pytest.param("enter", marks=pytest.mark.exhaustive("a key"))])
+async def test_the_keys_of_a_dialog_answer_clicks_on_its_border_and_those_after_ctrl_c_quit(
+    make_app: MakeApp, key: str
+) -> None:
     app = make_app("student")
     async with on_screen(app) as pilot:
+        for hint, seed in (("esc", 0), ("enter", 7)):
+            await press(pilot, "n", "7")
+            box = app.screen.query_one("#box")
+            keys = str(box.border_subtitle)
+            column = box.region.right - 3 - len(keys) + keys.index(hint)
+            await click(pilot, offset=(column, box.region.bottom - 1))
+            assert isinstance(app.screen, Playground)
+            assert snapshot(pilot).recipe.seed == seed
         await train(pilot, 3)
         await pilot.press("ctrl+c")
         assert isinstance(app.screen, QuitQuestion)
@@ -207,16 +201,6 @@ async def test_escape_is_never_held_back(make_app: MakeApp, monkeypatch: pytest.
         assert isinstance(app.screen, CatalogueScreen)
 
 
-async def test_going_to_an_episode_that_is_not_there_says_where_the_run_ends(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), notifications=True) as pilot:
-        await press(pilot, "e", "e", "b", "g", *"e12", "enter")
-        end = snapshot(pilot).timeline.current.end
-        assert snapshot(pilot).counters.step == end
-        assert [f"step {end}" in note and "space" in note for note in notes(pilot.app)] == [True]
-        await press(pilot, "b", "g", *"e2", "enter")
-        assert notes(pilot.app) == []
-
-
 async def test_in_the_least_terminal_names_of_numbers_are_written_close_together(make_app: MakeApp) -> None:
     async with on_screen(make_app("cartpole"), (60, 18)) as pilot:
         table = playground(pilot).board.table
@@ -232,11 +216,9 @@ async def test_a_part_of_a_map_says_which_it_is_beside_what_it_means(make_app: M
         assert "passenger down" in world.footing
 
 
-@pytest.mark.parametrize("lasts", [False, True])
-async def test_a_message_is_spelled_in_the_characters_of_the_terminal(make_app: MakeApp, lasts: bool) -> None:
+async def test_a_message_is_spelled_in_the_characters_of_the_terminal(make_app: MakeApp) -> None:
     async with on_screen(make_app("student", ascii=True), notifications=True) as pilot:
-        screen = playground(pilot)
-        say = screen.notify if lasts else screen.tell
-        say("converged; another γ goes on")
-        await pilot.pause()
-        assert notes(pilot.app) == ["converged; another gamma goes on"]
+        for number, say in enumerate((playground(pilot).tell, playground(pilot).notify)):
+            say(f"converged, {number}; another γ goes on")
+            await pilot.pause()
+            assert notes(pilot.app)[-1] == f"converged, {number}; another gamma goes on"

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from conftest import MakeApp
-from seams import choose, on_screen, playground, press, snapshot, train
+from seams import choose, on_screen, order, playground, press, snapshot, train
 from textual.pilot import Pilot
 from textual.widgets import Input
 
 from rl_tui.common.errors import UserError
+from rl_tui.lab.live.commands import AddLane
+from rl_tui.lab.run.recipe import SetParameter
 from rl_tui.tui.app.screenshot import settle
 from rl_tui.tui.panels.controls.slider import Slider
 from rl_tui.tui.screens.dialogs.lanes.compare import Compare
@@ -100,8 +101,8 @@ async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> No
 async def test_what_is_told_goes_to_the_lane_shown_only(make_app: MakeApp) -> None:
     """Back to a value that the first lane has all along is a change in the second."""
     async with on_screen(make_app("frozenlake-slippery")) as pilot:
-        await open_lane(pilot, "alpha", "0.5")
-        await open_lane(pilot, "ties", "first")
+        for change in (SetParameter("alpha", 0.5), SetParameter("ties", "first")):
+            await order(pilot, AddLane((change,)))
         assert [lane.name for lane in snapshot(pilot).run_group.lanes] == [
             "α 0.1, ties random",
             "α 0.5",
@@ -120,14 +121,17 @@ async def test_what_is_told_goes_to_the_lane_shown_only(make_app: MakeApp) -> No
         assert snapshot(pilot).run_group.shown == 0
 
 
-@pytest.mark.parametrize("size", [(60, 18), (80, 24), (120, 40)])
-async def test_four_lanes_fit_every_screen(make_app: MakeApp, size: tuple[int, int]) -> None:
-    async with on_screen(make_app("frozenlake-slippery"), size) as pilot:
+async def test_four_lanes_fit_every_screen(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake-slippery"), (60, 18)) as pilot:
         for value in ("0.2", "0.5", "0.9"):
-            await open_lane(pilot, "alpha", value)
+            await order(pilot, AddLane((SetParameter("alpha", float(value)),)))
         await train(pilot, 3_000)
-        text = curve_text(pilot)
-        named = sum(f"α {value}" in text for value in ("0.1", "0.2", "0.5", "0.9"))
-        assert named == (3 if size == (60, 18) else 4)  # a name a row, and there are three rows
-        await press(pilot, "c")
-        assert pilot.app.screen.query_one("#box").size.height <= size[1]
+        for size in ((60, 18), (80, 24), (120, 40)):
+            await pilot.resize_terminal(*size)
+            await settle(pilot)
+            text = curve_text(pilot)
+            named = sum(f"α {value}" in text for value in ("0.1", "0.2", "0.5", "0.9"))
+            assert named == (3 if size == (60, 18) else 4)  # a name a row, and there are three rows
+            await press(pilot, "c")
+            assert pilot.app.screen.query_one("#box").size.height <= size[1]
+            await press(pilot, "escape")

@@ -47,25 +47,20 @@ def check_complete(screen: Playground) -> None:
     assert snapshot.agent.part.held.sum() < 30_000
 
 
-@pytest.mark.parametrize("size", [(80, 24), (120, 40)])
-async def test_map_and_table_follow_the_agent_and_snapshots_have_it(size: tuple[int, int]) -> None:
+@pytest.mark.parametrize("size", [(120, 40), pytest.param((80, 24), marks=pytest.mark.exhaustive("a size"))])
+async def test_map_and_table_follow_the_agent_and_what_is_scrolled_to_is_filled_in(
+    size: tuple[int, int],
+) -> None:
     async with on_screen(app_of(), size) as pilot:
         screen = playground(pilot)
+        view, table = map_of(screen), screen.board.table
         for steps in (1, 1, 50, 3_000, 40_000, 1):
             await train(pilot, steps)
             check_complete(screen)
-            assert text_of(map_of(screen)).count("◉") == 1
-            table = screen.board.table
+            assert text_of(view).count("◉") == 1
             assert any(table.render_line(y).text.startswith("◉") for y in range(table.size.height))
         followed = "follows the agent" if size == (120, 40) else " of 200"  # which part goes before
-        assert followed in map_of(screen).footing
-
-
-async def test_what_was_scrolled_to_while_the_run_stands_still_is_filled_in() -> None:
-    async with on_screen(app_of(), (120, 40)) as pilot:
-        await train(pilot, 2_000)
-        screen = playground(pilot)
-        view = map_of(screen)
+        assert followed in view.footing
         before = newest(screen)
         view.focus()
         for _ in range(4):
@@ -80,7 +75,7 @@ async def test_what_was_scrolled_to_while_the_run_stands_still_is_filled_in() ->
         check_complete(screen)
 
 
-async def test_the_table_may_look_elsewhere_while_the_agent_walks_on() -> None:
+async def test_the_table_the_model_and_a_new_size_may_look_elsewhere_while_the_agent_walks_on() -> None:
     async with on_screen(app_of(), (120, 40)) as pilot:
         screen = playground(pilot)
         table = screen.board.table
@@ -97,13 +92,16 @@ async def test_the_table_may_look_elsewhere_while_the_agent_walks_on() -> None:
         check_complete(screen)
         assert isinstance(table.row_range, RowRange)
         assert table.row_range.first is None
-
-
-async def test_a_panel_that_covers_all_others_and_a_new_size_have_their_cells() -> None:
-    async with on_screen(app_of()) as pilot:
-        screen = playground(pilot)
+        await train(pilot, 2_000)
+        await tap(pilot, "m")
+        panel = pilot.app.screen.query_one(ModelPanel)
+        panel.show_pair(4)
+        await settle(pilot)
+        assert newest(screen).agent.holds(4)
+        assert "not yet visited" in "\n".join(panel.render_line(y).text for y in range(panel.size.height))
+        await tap(pilot, "m")
         map_of(screen).focus()
-        await tap(pilot, "f")
+        await tap(pilot, "f")  # it covers all others
         check_complete(screen)
         await pilot.resize_terminal(160, 50)
         await settle(pilot)
@@ -112,24 +110,11 @@ async def test_a_panel_that_covers_all_others_and_a_new_size_have_their_cells() 
         check_complete(screen)
 
 
-async def test_the_model_of_a_far_pair_tells_what_was_learned_of_it() -> None:
-    async with on_screen(app_of(), (120, 40)) as pilot:
-        await train(pilot, 5_000)
-        screen = playground(pilot)
-        await tap(pilot, "m")
-        panel = pilot.app.screen.query_one(ModelPanel)
-        panel.show_pair(4)
-        await settle(pilot)
-        assert newest(screen).agent.holds(4)
-        assert "not yet visited" in "\n".join(panel.render_line(y).text for y in range(panel.size.height))
-
-
-async def test_two_lanes_show_the_same_part_and_count_what_is_in_view() -> None:
+async def test_two_lanes_show_and_scroll_the_same_part_and_count_what_is_in_view() -> None:
     async with on_screen(app_of(), (120, 40)) as pilot:
         screen = playground(pilot)
         await train(pilot, 3_000)
-        for key in ("c", "enter", "down", "enter"):
-            await tap(pilot, key)
+        await tap(pilot, "c", "enter", "down", "enter")
         left, right = (screen.board.panel(panel) for panel in ("world", "world-beside"))
         assert isinstance(left, GridView)
         assert isinstance(right, GridView)
@@ -149,16 +134,9 @@ async def test_two_lanes_show_the_same_part_and_count_what_is_in_view() -> None:
             await tap(pilot, "pagedown")
             check_complete(screen)
             assert left.cells == right.cells
-
-
-async def test_the_wheel_scrolls_both_of_two_lanes() -> None:
-    async with on_screen(app_of(), (120, 40)) as pilot:
-        for key in ("c", "enter", "down", "enter"):
-            await tap(pilot, key)
-        board = playground(pilot).board
-        for row in ("world", "table"):
-            pair = board.panel(row), board.panel(f"{row}-beside")
-            for moved, other in (pair, pair[::-1]):
-                before = moved.stance
-                await scroll_down(pilot, moved)
-                assert moved.stance == other.stance != before
+        await tap(pilot, "home")
+        tables = screen.board.panel("table"), screen.board.panel("table-beside")
+        for moved, other in ((left, right), (right, left), tables, tables[::-1]):
+            before = moved.stance
+            await scroll_down(pilot, moved)
+            assert moved.stance == other.stance != before
