@@ -20,20 +20,19 @@ import click
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
-from rl_tui.cli.main import program
-from rl_tui.cli.options.help_sections import OPTIONS, SOME, TITLES, section_of
-from rl_tui.lab.lessons.catalogue import shipped_lessons
-from rl_tui.lab.lessons.figures.functions import FUNCTIONS
-from rl_tui.lab.lessons.judging.measures import MEASURES, MeasureKind
-from rl_tui.lab.run.library import listing
-from rl_tui.lab.sweeps.measures import MEASURES as SWEEP_MEASURES
-from rl_tui.lab.sweeps.storing.schema import SCHEMA
-from rl_tui.tui.actions.action import Action, Group, Place
-from rl_tui.tui.actions.registry import ACTIONS
-from rl_tui.tui.glossary.figure_text import figure_text
-from rl_tui.tui.glossary.glossary import BOOK
-from rl_tui.tui.glossary.glossary import glossary as terms
-from rl_tui.tui.screens.playground.actions.modes.editing.editing import ALWAYS, TOOLBOXES
+from rl_tui.commands.main import program
+from rl_tui.commands.options.help_sections import OPTIONS, SOME, TITLES, section_of
+from rl_tui.lessons.catalogue import shipped_lessons
+from rl_tui.lessons.figures.figures import FUNCTIONS
+from rl_tui.lessons.judging.measures import MEASURES, MeasureKind
+from rl_tui.runs.library import listing
+from rl_tui.screen.glossary.glossary import BOOK, figure_text
+from rl_tui.screen.glossary.glossary import glossary as terms
+from rl_tui.screen.keys.action import Action, Group, Place
+from rl_tui.screen.keys.registry import ACTIONS
+from rl_tui.screen.playground.modes.editing import ALWAYS, TOOLBOXES
+from rl_tui.studies.sweeps.measures import MEASURES as SWEEP_MEASURES
+from rl_tui.studies.sweeps.schema import SCHEMA
 from rl_tui.worlds.drawing import Arms, Graph, Grid
 from rl_tui.worlds.files.catalogue import scenarios as read_scenarios
 from rl_tui.worlds.files.catalogue import shipped_folder

@@ -11,19 +11,19 @@ from rl_tui.common.after_import import after_import
 # typing itself takes longer to import than all of this
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from rl_tui.commands.python.answers import evaluate, scenarios, solve
+    from rl_tui.commands.python.training import train
     from rl_tui.common.errors import UserError as Error
-    from rl_tui.python.answers import evaluate, scenarios, solve
-    from rl_tui.python.training import train
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 __all__ = ["Error", "__version__", "evaluate", "scenarios", "solve", "train"]
 
 _PLACES = {
     "Error": ("rl_tui.common.errors", "UserError"),
-    "evaluate": ("rl_tui.python.answers", "evaluate"),
-    "scenarios": ("rl_tui.python.answers", "scenarios"),
-    "solve": ("rl_tui.python.answers", "solve"),
-    "train": ("rl_tui.python.training", "train"),
+    "evaluate": ("rl_tui.commands.python.answers", "evaluate"),
+    "scenarios": ("rl_tui.commands.python.answers", "scenarios"),
+    "solve": ("rl_tui.commands.python.answers", "solve"),
+    "train": ("rl_tui.commands.python.training", "train"),
 }
 
 

@@ -1,6 +1,6 @@
 """Start the program by ``python -m rl_tui``."""
 
-from rl_tui.cli.__main__ import main
+from rl_tui.commands.__main__ import main
 
 if __name__ == "__main__":
     main()

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from interval_coverage import RESULTS
 
-from rl_tui.lab.statistics.comparison import not_different
+from rl_tui.studies.statistics.comparison import not_different
 
 Cells = tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]
 """Results, cells × seeds, and which cells are truly the best."""

@@ -41,7 +41,7 @@ from rl_tui.agents.compiling.loops import compile_here
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, SHARED, Loop
 from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.learner import UNLIMITED, Learner
-from rl_tui.lab.live.speed import interpreter
+from rl_tui.live.pace import interpreter
 
 _TESTS = count()
 _INTERPRETED = Counter[Loop]()

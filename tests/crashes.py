@@ -14,15 +14,14 @@ from typing import Any, Final, NamedTuple
 
 from pseudo_terminal import RL_TUI, PseudoTerminal
 
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.run.edited_world import EditedWorld
-from rl_tui.lab.run.library import find, recipe_for
-from rl_tui.lab.run.recipe import SetParameter, begin
-from rl_tui.lab.sessions.folder import files_in
-from rl_tui.lab.sessions.replay import replay_target, replayed
-from rl_tui.lab.sessions.session import StoredSession, digest_of, encoded, read_session
-from rl_tui.lab.timeline.branches import FIRST, RunRecord
-from rl_tui.lab.timeline.branching_run import BranchingRun
+from rl_tui.live.record import Record
+from rl_tui.live.sessions.replay import replay_target, replayed
+from rl_tui.live.sessions.session import StoredSession, digest_of, encoded, files_in, read_session
+from rl_tui.runs.edited_world import EditedWorld
+from rl_tui.runs.library import find, recipe_for
+from rl_tui.runs.recipe import SetParameter, begin
+from rl_tui.runs.timeline.branches import FIRST, RunRecord
+from rl_tui.runs.timeline.branching_run import BranchingRun
 
 SCENARIO: Final = "student"
 FASTER: Final = "+" * 9

@@ -14,15 +14,15 @@ import numpy as np
 from frame_times import SIZE, painted
 from seams import show
 
-from rl_tui.lab.live.commands import DrawWorld, LookAt, OpenEditor
-from rl_tui.lab.live.player import Player
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.live.viewport import Cells, Viewport
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.lab.run.recipe import Recipe
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.live.commands import DrawWorld, LookAt, OpenEditor
+from rl_tui.live.player import Player
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.live.viewport import Cells, Viewport
+from rl_tui.runs.library import recipe_for
+from rl_tui.runs.recipe import Recipe
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.app.display import Display
+from rl_tui.screen.playground.playground import Playground
 from rl_tui.worlds.editing.edit import read_edits
 from rl_tui.worlds.files.scenario import scenario_of
 

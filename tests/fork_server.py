@@ -143,8 +143,8 @@ def run(command: Sequence[str], path: Sequence[str], ending: _Ending) -> None:
 
 def import_for_watched_programs() -> None:
     """Import what runs beside a watched program, and what nearly each of those programs imports."""
-    import rl_tui.lab.programs.child.agent
-    import rl_tui.lab.programs.child.main
+    import rl_tui.programs.watched.child.agent
+    import rl_tui.programs.watched.child.main
 
 
 def import_for_ours() -> None:
@@ -159,16 +159,16 @@ def import_for_ours() -> None:
 
     import rl_tui.agents.compiling.loops
     import rl_tui.agents.exact.solve
-    import rl_tui.cli.main
-    import rl_tui.lab.live.player
-    import rl_tui.lab.sweeps.tuning
-    import rl_tui.terminal.driver
-    import rl_tui.tui.app.app
-    import rl_tui.tui.screens.catalogue.catalogue
-    import rl_tui.tui.screens.lessons.lessons
-    import rl_tui.tui.screens.playground.playground
+    import rl_tui.commands.main
+    import rl_tui.live.player
+    import rl_tui.screen.app.app
+    import rl_tui.screen.catalogue.catalogue
+    import rl_tui.screen.catalogue.lessons
+    import rl_tui.screen.playground.playground
+    import rl_tui.screen.terminal.driver
+    import rl_tui.studies.sweeps.document
     import rl_tui.worlds.gym.section
-    import rl_tui.worlds.gym.tables.toy_text
+    import rl_tui.worlds.gym.toy_text
 
     assert "rl_tui.agents.compiling.machine_cache" not in sys.modules
     numba.njit(lambda number: number + 1)(1.0)  # gets the compiler ready

@@ -10,9 +10,9 @@ from typing import Final, NamedTuple
 from open_grids import open_grid_recipe
 from seams import app_at, show
 
-from rl_tui.lab.live.commands import Train
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.live.commands import Train
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.playground.playground import Playground
 
 SIZE: Final = (120, 40)
 STEPS: Final = 20_000  # between two frames, so that much has changed in each

@@ -89,10 +89,10 @@ def _import_all(screens: int) -> None:
     """Import what the inputs need, and let the process take two gigabytes more."""
     import gymnasium  # noqa: F401
 
-    from rl_tui.lab.run.figures import training_figures  # noqa: F401
+    from rl_tui.runs.figures import training_figures  # noqa: F401
 
     if screens:
-        from rl_tui.tui.app.screenshot import screenshot  # noqa: F401
+        from rl_tui.screen.app.screenshot import screenshot  # noqa: F401
     size = int(re.search(r"VmSize:\s+(\d+)", Path("/proc/self/status").read_text())[1]) << 10  # type: ignore[index]
     resource.setrlimit(resource.RLIMIT_AS, (size + ADDRESS_SPACE, size + ADDRESS_SPACE))
 
@@ -141,8 +141,8 @@ def _scenario(path: Path, quick: bool, screen: int | None) -> str:
         )
     if trained.status:
         return _kind_of(trained.err)
-    from rl_tui.lab.run.library import find, recipe_for
-    from rl_tui.lab.run.recipe import begin
+    from rl_tui.runs.library import find, recipe_for
+    from rl_tui.runs.recipe import begin
 
     recipe = recipe_for(find(str(path)))
     world = begin(recipe).world
@@ -165,8 +165,8 @@ def _lesson(path: Path, quick: bool, screen: int | None) -> str:
 
 def _session(path: Path, quick: bool, screen: int | None) -> str:
     from rl_tui.common.errors import UserError
-    from rl_tui.lab.sessions.replay import replay_target
-    from rl_tui.lab.sessions.session import read_session
+    from rl_tui.live.sessions.replay import replay_target
+    from rl_tui.live.sessions.session import read_session
 
     try:
         stored = read_session(path)
@@ -197,7 +197,7 @@ def _shown(start: Any, number: int) -> None:
     import random
 
     from rl_tui.common.errors import UserError
-    from rl_tui.tui.app.screenshot import screenshot
+    from rl_tui.screen.app.screenshot import screenshot
 
     chance = random.Random(number)
     keys = ["wait:60", *chance.choices(KEYS, k=8)]
@@ -221,7 +221,7 @@ def _quietly(do: Callable[[], Any]) -> tuple[str, str]:
 
 def _run_command(arguments: list[str], path: Path) -> Ended:
     """Run a command; raise FoundError where it does not end as a command has to."""
-    from rl_tui.cli.main import program
+    from rl_tui.commands.main import program
 
     status = 0
 

@@ -19,11 +19,11 @@ from lesson_sessions import record as lesson_record
 from recipes import recipe
 from session_samples import after, fresh
 
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.live.until import Breakpoints
-from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
-from rl_tui.lab.sessions.session import encoded
-from rl_tui.lab.timeline.branches import Branch
+from rl_tui.live.pace.until import Breakpoints
+from rl_tui.live.record import Record
+from rl_tui.live.sessions.session import encoded
+from rl_tui.runs.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.runs.timeline.branches import Branch
 from rl_tui.worlds.files.shipped import shipped_folder
 
 BINS = """

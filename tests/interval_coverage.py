@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from rl_tui.lab.statistics.intervals import interval_of
-from rl_tui.lab.statistics.shrinkage import shrinkage_of
+from rl_tui.studies.statistics.intervals import interval_of
+from rl_tui.studies.statistics.shrinkage import shrinkage_of
 
 Draw = Callable[[np.random.Generator, tuple[int, int]], npt.NDArray[np.float64]]
 

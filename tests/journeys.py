@@ -6,10 +6,10 @@ import random
 import time
 from collections.abc import Iterator
 
-from rl_tui.lab.live.commands import Apply, Command, GoTo, StepBack, Train
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.run.library import find, recipe_for
-from rl_tui.lab.run.recipe import SetParameter
+from rl_tui.live.commands import Apply, Command, GoTo, StepBack, Train
+from rl_tui.live.playback import Playback
+from rl_tui.runs.library import find, recipe_for
+from rl_tui.runs.recipe import SetParameter
 
 
 def journeys(scenario: str, steps: int, count: int = 100) -> Iterator[tuple[str, float]]:

@@ -24,7 +24,7 @@ os.environ["RL_TUI_KIOSK"] = "1"
 
 from seams import on_screen, tap
 
-from rl_tui.cli.kiosk import MOST_DATA, confine, enter_kiosk
+from rl_tui.commands.line.screen import MOST_DATA, confine, enter_kiosk
 
 DIALOGS = ("m", "j", "o", "u", "a", "p", "n", "i", "g", "question_mark", "ctrl+p", "c")
 _TOLD = 2
@@ -40,8 +40,8 @@ def memory() -> tuple[float, float]:
 
 async def abuse(rounds: int) -> None:
     """Start the program without a terminal, and misuse it."""
-    from rl_tui.tui.app.app import RlTuiApp
-    from rl_tui.tui.app.display import Display
+    from rl_tui.screen.app.app import RlTuiApp
+    from rl_tui.screen.app.display import Display
 
     app = RlTuiApp(Display(), kiosk=True)
     confine()
@@ -73,8 +73,8 @@ async def abuse(rounds: int) -> None:
 
 
 async def _to_playground(pilot: Pilot[UserError]) -> None:
-    from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
-    from rl_tui.tui.screens.playground.playground import Playground
+    from rl_tui.screen.catalogue.catalogue import CatalogueScreen
+    from rl_tui.screen.playground.playground import Playground
 
     while not isinstance(pilot.app.screen, Playground):
         await pilot.press("enter" if isinstance(pilot.app.screen, CatalogueScreen) else "escape")

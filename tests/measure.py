@@ -41,8 +41,8 @@ STEPS: Final = re.compile(r"step +([\d,]+)\s")
 MEMORY: Final = """
 import os, sys
 from rl_tui.agents.compiling.loops import compile_here
-from rl_tui.lab.run.library import find, recipe_for
-from rl_tui.lab.run.run import Run
+from rl_tui.runs.library import find, recipe_for
+from rl_tui.runs.run import Run
 run = Run(recipe_for(find({scenario!r})))
 compile_here(run.learner.loop)
 page = os.sysconf("SC_PAGE_SIZE") / 1e6

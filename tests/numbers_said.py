@@ -21,10 +21,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from rl_tui.lab.lessons.figures.figures import LessonFigures
-from rl_tui.lab.lessons.figures.written import written_number
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.schema import Figure, Setup
+from rl_tui.lessons.figures.figures import LessonFigures
+from rl_tui.lessons.figures.written import written_number
+from rl_tui.lessons.file.schema import Figure, Setup
+from rl_tui.lessons.lesson import Lesson
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.files.scenario import Scenario
 

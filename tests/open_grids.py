@@ -10,7 +10,7 @@ import numpy as np
 from numpy.random import Generator
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.lab.run.recipe import Recipe
+from rl_tui.runs.recipe import Recipe
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP

@@ -30,7 +30,7 @@ def rename(names: list[str]) -> None:
 
 if __name__ == "__main__":
     rename(sys.argv[1].split(","))
-    from rl_tui.cli.main import main
+    from rl_tui.commands.main import main
 
     del sys.argv[1]
     main()

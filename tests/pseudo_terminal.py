@@ -21,7 +21,7 @@ from typing import Any, Final
 from emulator import Emulator
 
 DEADLINE: Final = 120.0  # seconds for something to appear; a broken program is told by it, not a slow machine
-RL_TUI: Final = (sys.executable, "-m", "rl_tui.cli")
+RL_TUI: Final = (sys.executable, "-m", "rl_tui")
 
 _SEQUENCE: Final = re.compile(
     rb"\x1b(?:\[[0-?]*[ -/]*[@-~]|[\]P_^][^\x07\x1b]*(?:\x07|\x1b\\)|[()*+][\x20-\x7e]|[=>78cDEHMZ])"

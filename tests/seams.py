@@ -15,14 +15,14 @@ from textual.widget import Widget
 from textual.widgets import OptionList
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import Command, Train
-from rl_tui.lab.live.player import Player
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.live.commands import Command, Train
+from rl_tui.live.player import Player
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.app.display import Display
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.panels.controls.slider import Slider
+from rl_tui.screen.playground.playground import Playground
 
 AnyWidget = TypeVar("AnyWidget", bound=Widget)
 

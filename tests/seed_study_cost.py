@@ -13,12 +13,12 @@ import subprocess
 import time
 from typing import Any, Final
 
-from rl_tui.lab.live.commands import Play, StudySeeds
-from rl_tui.lab.live.player import Player
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.many_seeds.figures import StudyState
-from rl_tui.lab.run.library import recipe_named
-from rl_tui.lab.workers import answering_process
+from rl_tui.live.commands import Play, StudySeeds
+from rl_tui.live.player import Player
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.background import background as answering_process
+from rl_tui.runs.library import recipe_named
+from rl_tui.studies.many_seeds.figures import StudyState
 
 SCENARIO: Final = "taxi"
 SECONDS: Final = 0.5

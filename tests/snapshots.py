@@ -7,19 +7,19 @@ from dataclasses import fields, is_dataclass, replace
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from rl_tui.lab.live.editing.pins import NO_PINS
-from rl_tui.lab.live.editing.world_editor import WorldEditor
-from rl_tui.lab.live.questions import Questions
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.live.snapshot import Phase, PlaybackView, Snapshot
-from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
-from rl_tui.lab.live.viewport import Viewport
-from rl_tui.lab.run.exact_answers import PENDING, Answer
-from rl_tui.lab.timeline.branches import RunRecord, Timeline
-from rl_tui.lab.timeline.lane_view import LaneView, RunGroupView
+from rl_tui.live.pins import NO_PINS
+from rl_tui.live.questions import Questions
+from rl_tui.live.record import Record
+from rl_tui.live.snapshot import Phase, PlaybackView, Snapshot
+from rl_tui.live.snapshot_builder import SnapshotBuilder
+from rl_tui.live.viewport import Viewport
+from rl_tui.live.world_editor import WorldEditor
+from rl_tui.runs.exact_answers import PENDING, Answer
+from rl_tui.runs.timeline.branches import RunRecord, Timeline
+from rl_tui.runs.timeline.lane_view import LaneView, RunGroupView
 
 if TYPE_CHECKING:
-    from rl_tui.lab.run.run import Run
+    from rl_tui.runs.run import Run
 
 Picture = TypeVar("Picture", Snapshot, LaneView)
 

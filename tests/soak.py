@@ -31,7 +31,7 @@ from typing import Final, NamedTuple
 
 import pyte
 
-from rl_tui.lab.sessions.folder import sessions_in
+from rl_tui.live.sessions.session import sessions_in
 
 SCENARIO: Final = "frozenlake-slippery"
 UNTOUCHED: Final = "frozenlake"
@@ -118,7 +118,7 @@ class Program:
             **{name: os.environ[name] for name in ("PYTHONPATH", "RL_TUI_CACHE_DIR") if name in os.environ},
         }
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "rl_tui.cli", "play", scenario],
+            [sys.executable, "-m", "rl_tui", "play", scenario],
             stdin=theirs,
             stdout=theirs,
             stderr=theirs,

@@ -9,8 +9,8 @@ import numpy as np
 from comparison_errors import SWEEPS, errors
 from interval_coverage import HELD, RESULTS, coverage_of_difference, coverage_of_mean
 
-from rl_tui.lab.statistics.comparison import not_different
-from rl_tui.lab.statistics.intervals import summary_of
+from rl_tui.studies.statistics.comparison import not_different
+from rl_tui.studies.statistics.intervals import summary_of
 
 Rows = Iterator[tuple[str, str, str]]
 

@@ -13,12 +13,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from rl_tui.lab.run.library import find
-from rl_tui.lab.sweeps.csv_rows import write_csv
-from rl_tui.lab.sweeps.plan import SweepPlan
-from rl_tui.lab.sweeps.store import Store
-from rl_tui.lab.sweeps.sweep import run_sweep
-from rl_tui.lab.sweeps.variation import read_variation
+from rl_tui.runs.library import find
+from rl_tui.studies.sweeps.cells.variation import read_variation
+from rl_tui.studies.sweeps.csv_rows import write_csv
+from rl_tui.studies.sweeps.plan import SweepPlan
+from rl_tui.studies.sweeps.store import Store
+from rl_tui.studies.sweeps.sweep import run_sweep
 
 ALLOWED_LOSS: Final = 0.25  # seconds
 # Says of each run that it is finished, and when, and then keeps it as every sweep does
@@ -26,8 +26,8 @@ CHILD: Final = """
 import os, sys, time
 from pathlib import Path
 from sweep_kills import plan_of
-from rl_tui.lab.sweeps.store import Store
-from rl_tui.lab.sweeps.sweep import run_sweep
+from rl_tui.studies.sweeps.store import Store
+from rl_tui.studies.sweeps.sweep import run_sweep
 
 plan = plan_of(int(sys.argv[2]))
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from pseudo_terminal import PseudoTerminal, visible
 
-from rl_tui.lab.sessions.folder import sessions_in
+from rl_tui.live.sessions.session import sessions_in
 
 TAKEN = b"\x1b[?1049h"  # the screen that a program has for itself
 
@@ -42,7 +42,7 @@ class Odd(gymnasium.Env):
 
 gymnasium.register("Odd-v0", Odd)
 sys.argv = ["rl-tui", "play", "gym:Odd-v0"]
-from rl_tui.cli.main import main
+from rl_tui.commands.main import main
 main()
 """
 
@@ -89,7 +89,7 @@ class Loud(gymnasium.Env):
 
 gymnasium.register("Loud-v0", Loud)
 sys.argv = ["rl-tui", "play", "gym:Loud-v0"]
-from rl_tui.cli.main import main
+from rl_tui.commands.main import main
 main()
 """
 

@@ -15,9 +15,9 @@ from shipped import SHIPPED
 
 import rl_tui
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.cli.main import program
-from rl_tui.python.results import ScenarioInfo
-from rl_tui.python.settings import Settings
+from rl_tui.commands.main import program
+from rl_tui.commands.python.answers import Settings
+from rl_tui.commands.python.results import ScenarioInfo
 
 TIMES = ("seconds", "steps_per_second")
 

@@ -16,8 +16,8 @@ import pytest
 
 import rl_tui
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
-from rl_tui.cli.main import RlTui
-from rl_tui.cli.serving.site import PAGE
+from rl_tui.commands.main import RlTui
+from rl_tui.commands.serving.site import PAGE
 from rl_tui.worlds.files.shipped import shipped_folder
 
 pytestmark = pytest.mark.unit
@@ -141,7 +141,7 @@ def private_names_of_textual(path: Path) -> list[str]:
 
 
 def test_private_names_of_textual_are_imported_in_the_terminal_only() -> None:
-    terminal = PACKAGE / "terminal"
+    terminal = PACKAGE / "screen" / "terminal"
     assert any(private_names_of_textual(path) for path in sources(terminal))
     others = [path for path in sources(PACKAGE) if not path.is_relative_to(terminal)]
     assert [name for path in others for name in private_names_of_textual(path)] == []

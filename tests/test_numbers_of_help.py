@@ -14,12 +14,12 @@ import click
 import pytest
 from numbers_said import HOW_TO_HOLD, held_by_tests, mentions, number, plain, said_of
 
-from rl_tui.cli.main import program
-from rl_tui.lab.lessons.figures.written import written_number
-from rl_tui.tui.actions.registry import ACTIONS
-from rl_tui.tui.glossary.glossary import glossary
-from rl_tui.tui.panels.catalogue import PANELS
-from rl_tui.tui.screens import help as help_screen
+from rl_tui.commands.main import program
+from rl_tui.lessons.figures.written import written_number
+from rl_tui.screen.frame import help as help_screen
+from rl_tui.screen.glossary.glossary import glossary
+from rl_tui.screen.keys.registry import ACTIONS
+from rl_tui.screen.panels.catalogue import PANELS
 
 TESTS: Final = Path(__file__).parent
 AGENTS: Final = (TESTS.parent / "docs/agents.md").read_text(encoding="utf-8")

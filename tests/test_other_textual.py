@@ -11,7 +11,7 @@ from typing import Final
 import pytest
 from pseudo_terminal import PseudoTerminal, visible
 
-from rl_tui.cli.serving.app_process import environment_of_app
+from rl_tui.commands.serving.app_process import environment_of_app
 
 OTHER_TEXTUAL: Final = (sys.executable, str(Path(__file__).parent / "other_textual.py"))
 

@@ -52,7 +52,7 @@ def test_the_wheel_holds_package_styles_scenarios_and_lessons_and_nothing_else(d
     assert {f"rl_tui/scenarios/{name}" for name in SCENARIOS} <= names
     assert LESSONS
     assert {f"rl_tui/lessons/{name}" for name in LESSONS} <= names
-    assert {"rl_tui/py.typed", "rl_tui/cli/main.py", "rl_tui/tui/glossary/glossary.toml"} <= names
+    assert {"rl_tui/py.typed", "rl_tui/commands/main.py", "rl_tui/screen/glossary/glossary.toml"} <= names
     styles = {path.relative_to(ROOT).as_posix() for path in (ROOT / "rl_tui").glob("**/*.tcss")}
     assert styles
     assert styles <= names

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from pseudo_terminal import RL_TUI, PseudoTerminal, visible
 
-from rl_tui.lab.sessions.folder import sessions_in
+from rl_tui.live.sessions.session import sessions_in
 
 KEYBOARD_ON = re.compile(rb"\x1b\[>\d+u")  # the protocol that tells all keys apart
 KEYBOARD_OFF = b"\x1b[<u"

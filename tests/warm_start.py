@@ -26,7 +26,7 @@ from fork_server import LARGEST, MOST_DESCRIPTORS
 
 RealPopen: Final = subprocess.Popen
 _SERVER: Final = Path(__file__).with_name("fork_server.py")
-_WATCHED: Final = "from rl_tui.lab.programs.child.main import main"
+_WATCHED: Final = "from rl_tui.programs.watched.child.main import main"
 _ASKS_WHAT_IS_IMPORTED: Final = "sys.modules"
 _READ_AT_START: Final = re.compile(
     "PYTHON.*|LC_.*|LANG|LANGUAGE|HOME|TEXTUAL.*|ESCDELAY|NUMBA.*|DASK.*|.*_NUM_THREADS|LD_.*|MALLOC.*"

@@ -1,1 +1,4 @@
-"""The agents: policies, algorithms, planners and their kernels."""
+"""Who learns: algorithms, action rules and planners, their compiled loops, and the exact answers.
+
+It imports worlds, and common.
+"""

@@ -14,8 +14,7 @@ from rl_tui.agents.kernels.tables import Tables
 from rl_tui.agents.kernels.watch import forget
 from rl_tui.agents.last_step import Author
 from rl_tui.agents.learner_counters import EPISODES_LOGGED
-from rl_tui.agents.learner_memory import LearnerMemory
-from rl_tui.agents.learner_state import LearnerState, Planned, arrays_of, copies, put_back
+from rl_tui.agents.learner_memory import LearnerMemory, LearnerState, Planned, arrays_of, copies, put_back
 from rl_tui.agents.world_change import is_same_table
 from rl_tui.common.errors import UserError
 

@@ -1,10 +1,11 @@
-"""What a learner has: a world, an algorithm, settings, estimates; and how each of them is changed."""
+"""The memory of a learner: everything it holds, and how to change, copy and restore it."""
 
 from __future__ import annotations
 
 import importlib
-from dataclasses import replace
-from typing import Any
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,7 +22,6 @@ from rl_tui.agents.kernels.tables import tables_of
 from rl_tui.agents.kernels.watch import WatchedEvents, Watching, forget, new_watch, noticed_by
 from rl_tui.agents.last_step import Author
 from rl_tui.agents.learner_counters import LearnerCounters
-from rl_tui.agents.learner_state import Planned, arrays_of, put_back
 from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.agents.world_change import (
     carried_state,
@@ -37,6 +37,66 @@ from rl_tui.worlds.editing.carried import Carried
 from rl_tui.worlds.environment import Environment
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+# A copy to return to
+
+
+Arrays = tuple[Any, ...]
+
+
+class Planned(NamedTuple):
+    """How many of the steps and of the episodes so far were a planner's: backups and sweeps."""
+
+    steps: int
+    sweeps: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LearnerState:
+    """All that a learner is at one step; the arrays are copies, but for those of the world, ``space``.
+
+    Of an array of the memory only the beginning may be there: see :func:`put_back`.
+    """
+
+    space: FiniteSpace
+    algorithm: str
+    hyperparameters: Hyperparameters
+    memory: Arrays
+    rule: Arrays
+    drift: Arrays
+    position: Arrays
+    record: Arrays
+    streams: tuple[Any, ...]
+    planned: Planned
+    author: Author
+    came_to_rest: bool
+    world_since: int
+    stop: Stop
+
+    @property
+    def nbytes(self) -> int:
+        """How much memory the copies take."""
+        parts = (self.memory, self.rule, self.drift, self.position, self.record)
+        return sum(array.nbytes for part in parts for array in part)
+
+
+def arrays_of(parts: Iterable[Any]) -> Arrays:
+    """Return those of ``parts`` that are arrays: what a policy has learned."""
+    return tuple(part for part in parts if isinstance(part, np.ndarray))
+
+
+def copies(arrays: Iterable[Any]) -> Arrays:
+    """Return copies of ``arrays``."""
+    return tuple(array.copy() for array in arrays)
+
+
+def put_back(arrays: Iterable[Any], kept: Arrays) -> None:
+    """Write the ``kept`` beginning back into each of ``arrays``, [n]; the rest of it is not in use."""
+    for array, copy in zip(arrays, kept, strict=True):
+        array[: len(copy)] = copy
+
+
+# The live memory
 
 
 class LearnerMemory(LearnerCounters):

@@ -1,1 +1,4 @@
-"""What every room may use: errors and findings, words, limits, kiosk mode, interrupts, the random streams."""
+"""What every room may use: errors and findings, limits, words, safe files, the random streams.
+
+It imports no other room.
+"""

@@ -1,1 +1,4 @@
-"""What there is to learn: finite MDPs, scenario files, Gymnasium adaptors."""
+"""What there is to learn: finite MDPs, scenario files, maps and graphs, environments of Gymnasium.
+
+It imports common.
+"""

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from exact_reference import solve_rational
 
-from rl_tui.agents.exact.flips.flips import Flip
+from rl_tui.agents.exact.flips import Flip
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 Optimal = dict[int, tuple[int, ...]]

@@ -23,8 +23,8 @@ from rl_tui.agents.kernels.parameters import kernel_parameters, schedules_of
 from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import has_low_word_first, streams
-from rl_tui.lab.run.library import find, recipe_for
-from rl_tui.lab.run.recipe import begin
+from rl_tui.runs.library import find, recipe_for
+from rl_tui.runs.recipe import begin
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 # Each algorithm and each policy once: a batch has no code of its own for either

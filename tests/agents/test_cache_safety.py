@@ -21,7 +21,7 @@ from rl_tui.agents.compiling.base_folder import (
     why_others_can_write,
     why_unsafe,
 )
-from rl_tui.cli.main import program
+from rl_tui.commands.main import program
 
 pytestmark = [pytest.mark.unit, pytest.mark.skipif(os.name != "posix", reason="modes are POSIX")]
 

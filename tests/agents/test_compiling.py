@@ -11,11 +11,10 @@ from typing import NamedTuple
 
 import pytest
 
-from rl_tui.agents.compiling import background, cache_folder, compiler_lock, loops, worker
-from rl_tui.agents.compiling.background import BackgroundCompiler
-from rl_tui.agents.compiling.compiler_lock import CompilerLock
-from rl_tui.agents.compiling.loops import CodeOrigin, all_loops, compile_here
-from rl_tui.agents.compiling.worker_process import GONE
+from rl_tui.agents.compiling import background, cache_folder, loops, worker
+from rl_tui.agents.compiling import loops as compiler_lock
+from rl_tui.agents.compiling.background import GONE, BackgroundCompiler
+from rl_tui.agents.compiling.loops import CodeOrigin, CompilerLock, all_loops, compile_here
 from rl_tui.agents.kernels.machine_code import SHARED, Loop
 
 LOOP = Loop("q-learning", "epsilon-greedy", stepped=False)

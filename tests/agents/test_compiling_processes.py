@@ -13,11 +13,11 @@ from pathlib import Path
 import pytest
 
 import rl_tui
+from rl_tui.agents.compiling.background import GONE, WorkerProcess
 from rl_tui.agents.compiling.loops import CodeOrigin
 from rl_tui.agents.compiling.worker import NICENESS
-from rl_tui.agents.compiling.worker_process import GONE, WorkerProcess
 from rl_tui.agents.kernels.machine_code import Loop
-from rl_tui.common.file_lock import FileLock
+from rl_tui.common.files import FileLock
 
 pytestmark = pytest.mark.process
 
@@ -55,7 +55,7 @@ print(loops.compile_here(LOOP))
 
 PARENT = """
 import sys, time
-from rl_tui.agents.compiling.worker_process import WorkerProcess
+from rl_tui.agents.compiling.background import WorkerProcess
 from rl_tui.agents.kernels.machine_code import Loop
 
 worker = WorkerProcess()

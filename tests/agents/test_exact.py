@@ -8,8 +8,7 @@ from exact_reference import lake, student, world
 from policy_worth import evaluate
 
 from rl_tui.agents.exact import policy_evaluation
-from rl_tui.agents.exact.policies import greedy_policy, uniform_over
-from rl_tui.agents.exact.policy_figures import expected_return, figures
+from rl_tui.agents.exact.policy_figures import expected_return, figures, greedy_policy, uniform_over
 from rl_tui.agents.exact.solve import best_expected_return, greedy_return, returns, solve
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
 

@@ -7,10 +7,8 @@ import pytest
 from exact_reference import student, world
 from policy_worth import evaluate
 
-from rl_tui.agents.exact.policies import uniform_over
-from rl_tui.agents.exact.policy_evaluation import always_ends
-from rl_tui.agents.exact.policy_figures import figures
-from rl_tui.agents.exact.solution import NoExactAnswer
+from rl_tui.agents.exact.policy_evaluation import NoExactAnswer, always_ends
+from rl_tui.agents.exact.policy_figures import figures, uniform_over
 from rl_tui.agents.exact.solve import best_expected_return, greedy_return, returns, solve
 
 

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 from rl_tui.agents.exact.backward_induction import best_values
 from rl_tui.agents.exact.policy_evaluation import MOST_DENSE
-from rl_tui.agents.exact.solve import best_expected_return, returns, solve
-from rl_tui.agents.exact.ways_out import endless_states
+from rl_tui.agents.exact.solve import best_expected_return, endless_states, returns, solve
 from rl_tui.worlds.grid.section import GridSection
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 

@@ -23,9 +23,8 @@ from hypothesis import strategies as st
 from policy_worth import evaluate
 
 from rl_tui.agents.exact.backward_induction import best_values, policy_values
-from rl_tui.agents.exact.policies import uniform_over
-from rl_tui.agents.exact.policy_figures import figures
-from rl_tui.agents.exact.solution import NoExactAnswer
+from rl_tui.agents.exact.policy_evaluation import NoExactAnswer
+from rl_tui.agents.exact.policy_figures import figures, uniform_over
 from rl_tui.agents.exact.solve import best_expected_return, returns, solve
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 

@@ -14,9 +14,8 @@ from hypothesis import strategies as st
 from random_worlds import worlds
 
 from rl_tui.agents.catalogue import BY_ID
-from rl_tui.agents.exact.first_update import Wait, first_wait
-from rl_tui.agents.exact.first_update_cause import Cause, FirstUpdate, first_update
-from rl_tui.agents.exact.solution import NoExactAnswer
+from rl_tui.agents.exact.first_update import Cause, FirstUpdate, Wait, first_update, first_wait
+from rl_tui.agents.exact.policy_evaluation import NoExactAnswer
 from rl_tui.agents.hyperparameters import Hyperparameters, Ties
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams

@@ -14,9 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from plain_flips import plain_world, small_world, values
 
-from rl_tui.agents.exact.flips.optimal_intervals import optimal_intervals
-from rl_tui.agents.exact.flips.policy_values import policy_values
-from rl_tui.agents.exact.flips.polynomials import (
+from rl_tui.agents.exact.flips import RealRoot, first_change, in_order, last_change, optimal_intervals
+from rl_tui.agents.exact.polynomials import (
     Polynomial,
     common_factor,
     polynomial,
@@ -27,9 +26,14 @@ from rl_tui.agents.exact.flips.polynomials import (
     variations,
     without_roots_at_ends,
 )
-from rl_tui.agents.exact.flips.rational_model import rational_model
-from rl_tui.agents.exact.flips.real_roots import RealRoot, first_change, in_order, last_change
-from rl_tui.agents.exact.flips.residues import column, primes, shortest_recurrence, whole_numbers
+from rl_tui.agents.exact.rational_values import (
+    column,
+    policy_values,
+    primes,
+    rational_model,
+    shortest_recurrence,
+    whole_numbers,
+)
 
 pytestmark = pytest.mark.unit
 

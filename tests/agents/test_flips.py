@@ -13,13 +13,12 @@ from exact_reference import lake, student, world
 from plain_flips import disagreements, optimal_pairs, plain_world, small_world
 from shipped import SHIPPED
 
-from rl_tui.agents.exact.flips.flips import MOST_STATES, Flip, flips
-from rl_tui.agents.exact.policies import uniform_over
-from rl_tui.agents.exact.policy_figures import expected_return
-from rl_tui.agents.exact.solution import NoExactAnswer
+from rl_tui.agents.exact.flips import MOST_STATES, Flip, flips
+from rl_tui.agents.exact.policy_evaluation import NoExactAnswer
+from rl_tui.agents.exact.policy_figures import expected_return, uniform_over
 from rl_tui.agents.exact.solve import solve
-from rl_tui.lab.run.library import recipe_named
-from rl_tui.lab.run.recipe import begin
+from rl_tui.runs.library import recipe_named
+from rl_tui.runs.recipe import begin
 from rl_tui.worlds.files.shipped import shipped_folder
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 

@@ -153,8 +153,8 @@ def test_the_key_is_the_same_wherever_the_package_stands(clones: list[Path]) -> 
 @pytest.mark.parametrize(
     ("module", "old", "new", "counts"),
     [
-        ("rl_tui.lab.run.run", "def advance", "def advance ", False),
-        ("rl_tui.tui.app.app", "import", "import ", False),
+        ("rl_tui.runs.run", "def advance", "def advance ", False),
+        ("rl_tui.screen.app.app", "import", "import ", False),
         ("rl_tui.agents.learner", "def advance", "def advance ", False),
         ("rl_tui.agents.compiling.loops", "def", "def ", False),
         ("rl_tui.agents.compiling.jit", "nogil=True", "nogil=False", True),

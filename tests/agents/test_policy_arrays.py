@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 from exact_reference import student
 
-from rl_tui.agents.exact.policies import Choice, greedy_policy, policy_of_choices, softened, uniform_policy
+from rl_tui.agents.exact.policy_figures import (
+    Choice,
+    greedy_policy,
+    policy_of_choices,
+    softened,
+    uniform_policy,
+)
 
 STUDENT = student()
 """Class: study, check phone; Phone: scroll, quit; Pass: sleep; Sleep is the end."""

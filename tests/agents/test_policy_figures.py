@@ -20,9 +20,15 @@ from exact_reference import (
 )
 from hypothesis import given, settings
 
-from rl_tui.agents.exact import expected_visits
-from rl_tui.agents.exact.policies import softened, uniform_over, uniform_policy
-from rl_tui.agents.exact.policy_figures import chance_of_ending, expected_return, figures
+from rl_tui.agents.exact import policy_figures as expected_visits
+from rl_tui.agents.exact.policy_figures import (
+    chance_of_ending,
+    expected_return,
+    figures,
+    softened,
+    uniform_over,
+    uniform_policy,
+)
 from rl_tui.agents.exact.solve import solve
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP

@@ -30,8 +30,8 @@ from rl_tui.agents.kernels.machine_code import SHARED, Loop
 from rl_tui.agents.kernels.watch import Watching
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams
-from rl_tui.lab.experiments.learning_curve import RunCurve
-from rl_tui.lab.run.history import History
+from rl_tui.runs.history import History
+from rl_tui.runs.training.seeded_runs import RunCurve
 from rl_tui.worlds.world import World
 
 pytestmark = pytest.mark.compiled

@@ -20,26 +20,27 @@ from rl_tui.agents.compiling.loops import compile_what_all_share
 from rl_tui.agents.exact import policy_figures
 from rl_tui.agents.exact.backward_induction import policy_values
 from rl_tui.agents.exact.exact_model import exact_model
-from rl_tui.agents.exact.policies import greedy_policy, softened, uniform_policy
-from rl_tui.agents.exact.policy_evaluation import PolicyChain, PolicyValue
+from rl_tui.agents.exact.policy_evaluation import NoExactAnswer, PolicyChain, PolicyValue
 from rl_tui.agents.exact.policy_figures import (
     BatchFigures,
     batch_figures,
     expected_return,
     expected_returns,
     figures,
+    greedy_policy,
+    softened,
+    uniform_policy,
 )
 from rl_tui.agents.exact.small_worlds import elimination, many_policies
 from rl_tui.agents.exact.small_worlds.many_policies import distinct_policies
 from rl_tui.agents.exact.small_worlds.unlimited import Values, find_values, new_memory, new_values
 from rl_tui.agents.exact.small_worlds.world import as_small_world, small_world
-from rl_tui.agents.exact.solution import NoExactAnswer
 from rl_tui.agents.exact.solve import solve
 from rl_tui.agents.hyperparameters import Ties
 from rl_tui.agents.kernels import machine_code
 from rl_tui.agents.kernels.machine_code import fastest
-from rl_tui.lab.run.library import recipe_named
-from rl_tui.lab.run.recipe import begin
+from rl_tui.runs.library import recipe_named
+from rl_tui.runs.recipe import begin
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 

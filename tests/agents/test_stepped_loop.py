@@ -15,7 +15,7 @@ from rl_tui.agents.learner import EPISODES_LOGGED, UNLIMITED, Learner
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
 from rl_tui.worlds.environment import EnvironmentFailedError, StepResult
-from rl_tui.worlds.gym.tables.toy_text import world_of
+from rl_tui.worlds.gym.toy_text import world_of
 from rl_tui.worlds.mdp.space import FiniteSpace, all_pairs
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 

@@ -12,7 +12,7 @@ from test_stepped_loop import HYPERPARAMETERS, Line, Table, facts, lake, untable
 from two_forms import examples, interpreted
 
 from rl_tui.agents.catalogue import BY_ID
-from rl_tui.agents.exact.policies import greedy_policy
+from rl_tui.agents.exact.policy_figures import greedy_policy
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.kernels.watch import NOTHING_NOTICED, WatchedEvents, Watching

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rl_tui.agents.exact.policies import policy_of_choices, uniform_policy
-from rl_tui.agents.exact.ways_out import (
+from rl_tui.agents.exact.policy_figures import policy_of_choices, uniform_policy
+from rl_tui.agents.exact.solve import (
     endless_part,
     endless_states,
     never_reached,

@@ -25,8 +25,8 @@ from rl_tui.agents.kernels import machine_code, stepped_loop, watch
 from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams
-from rl_tui.lab.experiments import learning_curve
-from rl_tui.lab.run import history
+from rl_tui.runs import history
+from rl_tui.runs.training import seeded_runs as learning_curve
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP
 
 EVERYDAY: Final = {

@@ -48,7 +48,7 @@ def is_running(process: int) -> bool:
 def serving(*arguments: str, **environment: str) -> Iterator[Served]:
     """Start the server on a free port; it is gone afterwards."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "rl_tui.cli", "serve", "--port", "0", *arguments],
+        [sys.executable, "-m", "rl_tui", "serve", "--port", "0", *arguments],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         text=True,

@@ -19,10 +19,9 @@ from aiohttp import ClientWebSocketResponse, WSMsgType, WSServerHandshakeError, 
 from aiohttp.test_utils import TestClient, TestServer
 from served import DEADLINE, is_running
 
-from rl_tui.cli.serving import app_process
-from rl_tui.cli.serving.addresses import Doorkeeper, bind
-from rl_tui.cli.serving.server import serve
-from rl_tui.cli.serving.site import OF_A_MESSAGE, PAGE, Allowance, Site
+from rl_tui.commands.serving import app_process
+from rl_tui.commands.serving.addresses import Doorkeeper, bind
+from rl_tui.commands.serving.site import OF_A_MESSAGE, PAGE, Allowance, Site, serve
 from rl_tui.common.limits import LARGEST_SCREEN
 
 Client = TestClient[web.Request, web.Application]

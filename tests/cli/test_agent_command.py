@@ -9,8 +9,8 @@ import pytest
 from click.testing import CliRunner, Result
 from lab.programs.course_agents import UPDATES
 
-from rl_tui.cli.main import program
-from rl_tui.lab.own_agents.shapes import Style
+from rl_tui.commands.main import program
+from rl_tui.programs.own_agents.binding import Style
 
 STYLES = [style.value for style in Style]
 

@@ -7,7 +7,7 @@ import json
 import pytest
 from click.testing import CliRunner, Result
 
-from rl_tui.cli.main import program
+from rl_tui.commands.main import program
 
 
 def train(*args: str) -> Result:

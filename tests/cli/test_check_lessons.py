@@ -10,12 +10,12 @@ from click.testing import CliRunner
 from lab.lessons.lesson_samples import SOUND, changed, written
 from lab.lessons.task_samples import HEAD
 
-from rl_tui.cli.main import program
-from rl_tui.lab.course.check import check_lesson
-from rl_tui.lab.lessons.figures.step_budget import StepBudget
-from rl_tui.lab.lessons.lesson import lesson_folder
-from rl_tui.lab.lessons.spotlights import SPOTLIGHTS
-from rl_tui.tui.panels.catalogue import PANELS
+from rl_tui.commands.main import program
+from rl_tui.lessons.check import check_lesson
+from rl_tui.lessons.figures.step_budget import StepBudget
+from rl_tui.lessons.file.spotlights import SPOTLIGHTS
+from rl_tui.lessons.lesson import lesson_folder
+from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.worlds.files.shipped import shipped_folder
 
 pytestmark = pytest.mark.unit

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from rl_tui.cli.main import program
+from rl_tui.commands.main import program
 
 
 def run(*args: str) -> Result:

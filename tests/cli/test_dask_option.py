@@ -8,7 +8,7 @@ import sys
 import pytest
 from click.testing import CliRunner, Result
 
-from rl_tui.cli.main import program
+from rl_tui.commands.main import program
 
 SWEEP = ("sweep", "maze", "--vary", "alpha=0.1,0.2", "--episodes", "2")
 
@@ -45,7 +45,7 @@ def test_without_dask_it_is_said_what_to_install(address: str, monkeypatch: pyte
 
 @pytest.mark.process
 def test_dask_is_imported_only_for_a_cluster() -> None:
-    modules = "rl_tui.cli.main, rl_tui.lab.sweeps.cluster.dask_workers"
+    modules = "rl_tui.commands.main, rl_tui.studies.sweeps.cluster.dask_workers"
     code = f"import sys, {modules}; print({{'dask', 'distributed'}} & {{*sys.modules}})"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "set()\n"

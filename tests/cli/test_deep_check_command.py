@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
-from rl_tui.cli.main import program
+from rl_tui.commands.main import program
 
 pytestmark = pytest.mark.unit
 

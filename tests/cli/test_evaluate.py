@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
-from rl_tui.cli.main import program
-from rl_tui.cli.reports.evaluation import CHANCE_TO_END
+from rl_tui.commands.main import program
+from rl_tui.commands.reports.evaluation import CHANCE_TO_END
 
 KEYS = [
     *("scenario", "gamma", "policy", "epsilon", "value_at_start", "expected_return", "steps", "V"),

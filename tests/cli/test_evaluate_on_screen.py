@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from rl_tui.cli.main import program
-from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.lab.answers.policy_values import PolicyAnswer
-from rl_tui.lab.live.commands import DrawAction, StudyPolicy, Train
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.run.library import find, recipe_for
+from rl_tui.commands.main import program
+from rl_tui.live.commands import DrawAction, StudyPolicy, Train
+from rl_tui.live.playback import Playback
+from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.runs.answers.policy_values import PolicyAnswer
+from rl_tui.runs.library import find, recipe_for
 
 STEPS = 3_000
 SCENARIOS = ("frozenlake-slippery", "student", "cliff")

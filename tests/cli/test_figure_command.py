@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from rl_tui.cli.main import program
-from rl_tui.lab.book_figures.catalogue import FIGURES
+from rl_tui.commands.main import program
+from rl_tui.studies.book_figures.catalogue import FIGURES
 
 
 def run(*args: str) -> Result:
@@ -92,7 +92,7 @@ def test_what_cannot_be_written_is_told_before_anything_is_learned(
     def measure(*_: object) -> None:
         raise AssertionError("it is told first")
 
-    monkeypatch.setattr("rl_tui.lab.book_figures.catalogue.measure", measure)
+    monkeypatch.setattr("rl_tui.studies.book_figures.catalogue.measure", measure)
     for option, name in (("--out", "a.svg"), ("--out", "a.png"), ("--csv", "a.csv")):
         result = run("8.2", option, str(tmp_path / "no" / name))
         assert (result.exit_code, result.stderr.count("\n")) == (1, 1)

@@ -12,15 +12,14 @@ import pytest
 from click.testing import CliRunner, Result
 from lab.programs.course_agents import BERKELEY, UDACITY, agent_in
 
-from rl_tui.cli.main import program
-from rl_tui.lab.detective.detective import verdict_of
-from rl_tui.lab.detective.verdict import ProgramVerdict
-from rl_tui.lab.grading.grade import Grading
-from rl_tui.lab.grading.share import yardstick_of
-from rl_tui.lab.grading.submissions import submissions_in
-from rl_tui.lab.programs.program_log import ProgramLog
-from rl_tui.lab.run.library import recipe_named
-from rl_tui.lab.run.recipe import begin
+from rl_tui.commands.main import program
+from rl_tui.programs.diagnosis.diagnosis import verdict_of
+from rl_tui.programs.evidence.verdict import ProgramVerdict
+from rl_tui.programs.grading.grade import Grading, yardstick_of
+from rl_tui.programs.grading.submissions import submissions_in
+from rl_tui.programs.watched.program_log import ProgramLog
+from rl_tui.runs.library import recipe_named
+from rl_tui.runs.recipe import begin
 
 SCRIPT = """
 import gymnasium as gym
@@ -174,7 +173,7 @@ def test_who_never_meets_a_reward_hears_of_the_first_of_ties(tmp_path: Path) -> 
 @pytest.mark.exhaustive("waits for programs that never end")
 @pytest.mark.process
 def test_what_takes_too_long_or_too_much_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rl_tui.lab.grading.grade.cores", lambda: 1)
+    monkeypatch.setattr("rl_tui.programs.grading.grade.cores", lambda: 1)
     (tmp_path / "for_ever.py").write_text("while True: pass\n")
     (tmp_path / "huge.py").write_text("x = bytearray(3 * 2**30)\n")
     answer = document(tmp_path, "--scenario", "frozenlake", "--seeds", 2, "--seconds", 3, "--memory", 1024)
@@ -212,7 +211,7 @@ def test_what_cannot_be_read_fails_alone(tmp_path: Path, monkeypatch: pytest.Mon
             raise IndexError("out of range")
         return verdict_of(log)
 
-    monkeypatch.setattr("rl_tui.lab.grading.grade.verdict_of", wrong)
+    monkeypatch.setattr("rl_tui.programs.grading.grade.verdict_of", wrong)
     (tmp_path / "first.py").write_text("print('nothing')\n")
     agent_in(tmp_path, UDACITY, "second.py")
     answer = document(tmp_path, "--scenario", "frozenlake", "--seeds", 1, "--episodes", 600)
@@ -223,7 +222,7 @@ def test_what_cannot_be_read_fails_alone(tmp_path: Path, monkeypatch: pytest.Mon
 
 @pytest.mark.process
 def test_an_interrupt_ends_what_still_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rl_tui.lab.grading.grade.cores", lambda: 2)
+    monkeypatch.setattr("rl_tui.programs.grading.grade.cores", lambda: 2)
     begun = tmp_path / "begun"
     (tmp_path / "first.py").write_text("print('over')\n")
     (tmp_path / "second.py").write_text(

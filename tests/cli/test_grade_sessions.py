@@ -9,8 +9,8 @@ import pytest
 from click.testing import CliRunner, Result
 from lab.lessons.lesson_sessions import TEXT, all_done, lesson, write
 
-from rl_tui.cli.main import program
-from rl_tui.lab.lessons.record import begun
+from rl_tui.commands.main import program
+from rl_tui.lessons.file.view import begun
 
 PROVES = "A session proves the run, not who made it."
 

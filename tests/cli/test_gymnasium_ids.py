@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
-from rl_tui.cli.main import program
-from rl_tui.cli.reports.policy_map import policy_map
-from rl_tui.cli.reports.training import VALUE_AT_START
-from rl_tui.lab.export.recipe_line import recipe_line
-from rl_tui.lab.run.library import find, recipe_for
-from rl_tui.lab.run.recipe import begin
+from rl_tui.commands.main import program
+from rl_tui.commands.reports.policy_map import policy_map
+from rl_tui.commands.reports.training import VALUE_AT_START
+from rl_tui.runs.export.recipe_line import recipe_line
+from rl_tui.runs.library import find, recipe_for
+from rl_tui.runs.recipe import begin
 
 EXACT = ("value_at_start", "optimal_value_at_start", "expected_return", "max_error", "greedy_ends")
 BINS = """

@@ -14,7 +14,7 @@ import pytest
 from click.testing import CliRunner
 
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.cli.main import program
+from rl_tui.commands.main import program
 from rl_tui.worlds.files.catalogue import scenarios
 
 TRAIN = [
@@ -256,7 +256,7 @@ def test_bench() -> None:
 @pytest.mark.usefixtures("real_start")
 @pytest.mark.process
 def test_nothing_but_the_document_is_on_stdout() -> None:
-    command = [sys.executable, "-m", "rl_tui.cli", "train", "frozenlake", "--runs", "2", "--json"]
+    command = [sys.executable, "-m", "rl_tui", "train", "frozenlake", "--runs", "2", "--json"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert done.stderr == ""
     assert done.stdout.count("\n") == 1

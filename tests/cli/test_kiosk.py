@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from rl_tui.cli.kiosk import COMMANDS
-from rl_tui.cli.main import RlTui, program
+from rl_tui.commands.line.screen import COMMANDS
+from rl_tui.commands.main import RlTui, program
 from rl_tui.common.errors import UserError
 from rl_tui.common.kiosk import VARIABLE, in_kiosk
-from rl_tui.lab.sessions.session import SessionError, read_session
+from rl_tui.live.sessions.session import SessionError, read_session
 from rl_tui.worlds.files.catalogue import find, read_catalogue
 from rl_tui.worlds.files.shipped import shipped_folder
 
@@ -92,7 +92,7 @@ def test_the_variable(monkeypatch: pytest.MonkeyPatch, value: str, is_one: bool)
 )
 def test_the_flag_counts_for_every_command(args: list[str], tmp_path: Path) -> None:
     ended = subprocess.run(
-        [sys.executable, "-m", "rl_tui.cli", *args], capture_output=True, text=True, check=False, cwd=tmp_path
+        [sys.executable, "-m", "rl_tui", *args], capture_output=True, text=True, check=False, cwd=tmp_path
     )
     assert ended.returncode == 1
     assert "kiosk mode has no" in ended.stderr
@@ -103,7 +103,7 @@ LIMITED = """
 import os, resource
 os.environ["TEXTUAL_LOG"] = os.environ["TEXTUAL"] = os.environ["TEXTUAL_SCREENSHOT"] = "log"
 os.environ["TEXTUAL_DRIVER"] = "textual.drivers.web_driver:WebDriver"
-from rl_tui.cli.kiosk import confine, enter_kiosk
+from rl_tui.commands.line.screen import confine, enter_kiosk
 enter_kiosk("play")
 confine()
 try:
@@ -115,7 +115,7 @@ try:
 except ValueError:
     print("not taken back")
 print(sorted(name for name in os.environ if name.startswith("TEXTUAL")))
-from rl_tui.terminal.driver_choice import IN_BROWSER
+from rl_tui.screen.terminal.driver_choice import IN_BROWSER
 os.environ["TEXTUAL_DRIVER"] = IN_BROWSER
 enter_kiosk("play")
 print(os.environ["TEXTUAL_DRIVER"] == IN_BROWSER)

@@ -14,17 +14,17 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from rl_tui.cli.main import program
+from rl_tui.commands.main import program
 from rl_tui.common.kiosk import VARIABLE
-from rl_tui.lab.course.entries import LessonStart
-from rl_tui.lab.lessons.catalogue import find_lesson, shipped_lessons
-from rl_tui.lab.lessons.lesson import Lesson, lesson_folder, read_lesson
-from rl_tui.lab.lessons.record import LessonRecord, begun
-from rl_tui.lab.lessons.setups import recipe_of
-from rl_tui.lab.sessions.place import session_folder
-from rl_tui.lab.sessions.session import StoredSession, encoded
-from rl_tui.tui.actions.action import Place
-from rl_tui.tui.app.opening import Start, beginning_of
+from rl_tui.lessons.catalogue import find_lesson, shipped_lessons
+from rl_tui.lessons.file.setups import recipe_of
+from rl_tui.lessons.file.view import LessonRecord, begun
+from rl_tui.lessons.lesson import Lesson, lesson_folder, read_lesson
+from rl_tui.live.sessions.place import session_folder
+from rl_tui.live.sessions.progress import LessonStart
+from rl_tui.live.sessions.session import StoredSession, encoded
+from rl_tui.screen.app.opening import Start, beginning_of
+from rl_tui.screen.keys.action import Place
 
 OWN = """
 title = "Mine"
@@ -57,8 +57,8 @@ def refusal(*args: str) -> list[str]:
 def started(monkeypatch: pytest.MonkeyPatch) -> list[Start]:
     """What the app was started with; there is a terminal, and nothing is drawn."""
     starts: list[Start] = []
-    monkeypatch.setattr("rl_tui.cli.screen.require_terminal", lambda *_: None)
-    monkeypatch.setattr("rl_tui.cli.screen.run_app", lambda _, start=None: starts.append(start))
+    monkeypatch.setattr("rl_tui.commands.line.screen.require_terminal", lambda *_: None)
+    monkeypatch.setattr("rl_tui.commands.line.screen.run_app", lambda _, start=None: starts.append(start))
     return starts
 
 
@@ -123,7 +123,7 @@ def test_the_list_counts_pages_and_tasks() -> None:
 def test_a_faulty_lesson_only_leaves_itself_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "good.toml").write_text(OWN, encoding="utf-8")
     (tmp_path / "bad.toml").write_text("title = 3\n", encoding="utf-8")
-    monkeypatch.setattr("rl_tui.lab.lessons.catalogue.lesson_folder", lambda: tmp_path)
+    monkeypatch.setattr("rl_tui.lessons.catalogue.lesson_folder", lambda: tmp_path)
     result = run("--list", "--json")
     assert [row["id"] for row in json.loads(result.stdout)] == ["good"]
     assert "bad.toml: title" in result.stderr

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from rl_tui.cli.main import program
-from rl_tui.lab.lessons.lesson import read_lesson
+from rl_tui.commands.main import program
+from rl_tui.lessons.lesson import read_lesson
 
 pytestmark = pytest.mark.unit
 

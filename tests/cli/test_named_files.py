@@ -11,16 +11,16 @@ from typing import Final
 import click
 import pytest
 
-from rl_tui.cli.main import program
+from rl_tui.commands.main import program
 from rl_tui.common.errors import UserError
-from rl_tui.lab.course.check import is_lesson_file
-from rl_tui.lab.lessons.lesson import read_lesson
-from rl_tui.lab.pictures.results.reading import read_results
-from rl_tui.lab.programs.child.source import check_script
-from rl_tui.lab.run.library import checked, find
-from rl_tui.lab.run.policy_file import read_policy
-from rl_tui.lab.sessions.session import read_session
-from rl_tui.lab.sweeps.store import Store
+from rl_tui.lessons.check import is_lesson_file
+from rl_tui.lessons.lesson import read_lesson
+from rl_tui.live.sessions.session import read_session
+from rl_tui.programs.watched.child.script import check_script
+from rl_tui.runs.library import checked, find
+from rl_tui.runs.policy_file import read_policy
+from rl_tui.studies.pictures.reading import read_results
+from rl_tui.studies.sweeps.store import Store
 from rl_tui.worlds.mdp.space import FiniteSpace
 
 SPARSE: Final = 30 * 10**9
@@ -38,8 +38,8 @@ def to_check(path: Path) -> None:
 
 
 def policy(path: Path) -> None:
-    from rl_tui.lab.run.library import recipe_named
-    from rl_tui.lab.run.recipe import begin
+    from rl_tui.runs.library import recipe_named
+    from rl_tui.runs.recipe import begin
 
     space = begin(recipe_named("student")).world.space
     assert isinstance(space, FiniteSpace)
@@ -80,7 +80,7 @@ WRITTEN: Final = {"csv", "curve", "out"}
 
 
 def commands() -> Iterator[tuple[str, click.Command]]:
-    from rl_tui.cli.commands.sweeping.sweep import merge_command
+    from rl_tui.commands.by_name.sweeping.sweep import merge_command
 
     context = click.Context(program)
     for name in program.list_commands(context):

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from rl_tui.cli.main import program
+from rl_tui.commands.main import program
 
 pytestmark = pytest.mark.unit
 
@@ -59,7 +59,7 @@ def test_a_name_is_no_path(name: str, tmp_path: Path, monkeypatch: pytest.Monkey
 def test_what_cannot_be_drawn_says_so_before_the_screen_is_taken(
     scenario: str, fault: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("rl_tui.cli.screen.require_terminal", lambda: None)
+    monkeypatch.setattr("rl_tui.commands.line.screen.require_terminal", lambda: None)
     result = CliRunner().invoke(program, ["edit", scenario])
     assert result.exit_code == 1
     assert fault in result.stderr

@@ -9,9 +9,8 @@ import pytest
 from click import unstyle
 from rich.cells import cell_len
 
-from rl_tui.cli.reports.picture_text import ROWS, picture_text
-from rl_tui.lab.pictures.axis import fixed_axis, round_axis
-from rl_tui.lab.pictures.picture import AtlasChart, Chart, ChartCurve, Picture
+from rl_tui.commands.reports.picture_text import ROWS, picture_text
+from rl_tui.studies.pictures.picture import AtlasChart, Chart, ChartCurve, Picture, fixed_axis, round_axis
 
 
 def chart(*curves: ChartCurve, **more: Any) -> Picture:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from rl_tui.cli.main import program
+from rl_tui.commands.main import program
 
 CELLS = [
     {"alpha": alpha, "epsilon": epsilon, "runs": 3, "failed": 0, "area": {"mean": alpha + epsilon}}

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from rl_tui.cli import main
+from rl_tui.commands import main
 
 NAME = "OPENBLAS_NUM_THREADS"
 

@@ -8,14 +8,14 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from rl_tui.cli.main import program
-from rl_tui.cli.screen import started
+from rl_tui.commands.line.screen import started
+from rl_tui.commands.main import program
 from rl_tui.common.errors import UserError
 from rl_tui.common.kiosk import VARIABLE
-from rl_tui.lab.programs.program_process import ProgramRequest
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.programs.watched.program_process import ProgramRequest
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.catalogue.catalogue import CatalogueScreen
+from rl_tui.screen.playground.playground import Playground
 
 SCRIPT = """
 import gymnasium
@@ -108,7 +108,7 @@ def test_in_a_kiosk_no_code_of_others_runs(tmp_path: Path, monkeypatch: pytest.M
 def test_a_program_that_makes_no_environment_for_long_is_told_of(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("rl_tui.cli.screen.WORTH_TELLING", 1.0)
+    monkeypatch.setattr("rl_tui.commands.line.screen.WORTH_TELLING", 1.0)
     text = "import gymnasium, time\ngymnasium.make('CartPole-v1')\ntime.sleep(2)\n"
     request = ProgramRequest(Path(written(tmp_path, text)))
     why = "CartPole-v1 is not watched: it has Box observations"

@@ -13,13 +13,12 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from rl_tui.cli.main import program
-from rl_tui.cli.output import alike, columns, number
-from rl_tui.cli.progress import progress
-from rl_tui.cli.reports.policy_map import policy_map
-from rl_tui.cli.reports.training import FIRST_REWARD, GREEDY_ENDS, no_reward
-from rl_tui.lab.run.library import find, recipe_for
-from rl_tui.lab.run.recipe import begin
+from rl_tui.commands.line.output import alike, columns, number, progress
+from rl_tui.commands.main import program
+from rl_tui.commands.reports.policy_map import policy_map
+from rl_tui.commands.reports.training import FIRST_REWARD, GREEDY_ENDS, no_reward
+from rl_tui.runs.library import find, recipe_for
+from rl_tui.runs.recipe import begin
 from rl_tui.worlds.drawing import Graph
 
 

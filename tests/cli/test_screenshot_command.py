@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from rl_tui.cli.main import program
-from rl_tui.lab.lessons.catalogue import shipped_lessons
+from rl_tui.commands.main import program
+from rl_tui.lessons.catalogue import shipped_lessons
 
 
 def picture(tmp_path: Path, name: str, *args: str) -> bytes:

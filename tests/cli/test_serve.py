@@ -8,9 +8,9 @@ import sys
 import pytest
 from click.testing import CliRunner, Result
 
-from rl_tui.cli.commands import serve
-from rl_tui.cli.main import program
-from rl_tui.cli.serving.addresses import bind, listen
+from rl_tui.commands.by_name import serve
+from rl_tui.commands.main import program
+from rl_tui.commands.serving.addresses import bind, listen
 from rl_tui.common.errors import UserError
 
 
@@ -51,12 +51,12 @@ def test_the_apps_get_the_display_options_that_were_given(started: list[tuple[st
     result = run("student", "--port", "0", "--theme", "light", "--ascii", "--fps", "5.5")
     assert (result.exit_code, result.output) == (0, "")
     arguments = ("play", "student", "--theme=light", "--ascii", "--fps=5.5")
-    assert started == [(sys.executable, "-P", "-m", "rl_tui.cli", *arguments)]
+    assert started == [(sys.executable, "-P", "-m", "rl_tui", *arguments)]
 
 
 def test_without_a_scenario_they_open_the_catalogue(started: list[tuple[str, ...]]) -> None:
     assert run("--port", "0").exit_code == 0
-    assert started == [(sys.executable, "-P", "-m", "rl_tui.cli")]
+    assert started == [(sys.executable, "-P", "-m", "rl_tui")]
 
 
 def test_nobody_is_let_in_before_it_can_answer(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,11 +13,11 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
-from rl_tui.cli import main as main_module
-from rl_tui.cli.main import program
-from rl_tui.cli.screen import FEWEST_FILES, require_open_files
+from rl_tui.commands import main as main_module
+from rl_tui.commands.line.screen import FEWEST_FILES, require_open_files
+from rl_tui.commands.main import program
 from rl_tui.common.errors import UserError
-from rl_tui.terminal.driver_choice import driver_class
+from rl_tui.screen.terminal.driver_choice import driver_class
 
 SMALL = ("screenshot", "--size", "40x10", "--out", "-")
 
@@ -50,7 +50,7 @@ def test_no_color_before_the_command_yields_to_colors_after_it() -> None:
 
 
 def test_serve_hands_them_on_to_its_apps() -> None:
-    from rl_tui.cli.commands.serve import app_command, command
+    from rl_tui.commands.by_name.serve import app_command, command
 
     with program.make_context("rl-tui", ["--theme", "light", "--ascii", "serve"]) as whole:
         whole.invoked_subcommand = "serve"
@@ -114,17 +114,17 @@ def test_few_open_files_are_raised_or_refused(monkeypatch: pytest.MonkeyPatch) -
 
 @pytest.mark.process
 def test_a_picture_for_a_stdout_that_is_closed_is_refused_in_a_sentence() -> None:
-    command = f"exec {sys.executable} -m rl_tui.cli screenshot --size 40x10 --out - >&-"
+    command = f"exec {sys.executable} -m rl_tui.commands screenshot --size 40x10 --out - >&-"
     ended = subprocess.run(["sh", "-c", command], stderr=subprocess.PIPE, text=True, check=False)
     assert (ended.returncode, ended.stderr.count("\n")) == (1, 1)
     assert "unexpected" not in ended.stderr
 
 
 # Each stands for all that is imported at that time
-@pytest.mark.exhaustive("starts it once for each module", but=["rl_tui.cli.main"])
+@pytest.mark.exhaustive("starts it once for each module", but=["rl_tui.commands.main"])
 @pytest.mark.process
 @pytest.mark.skipif(sys.platform == "win32", reason="there are no such signals")
-@pytest.mark.parametrize("module", ["click", "rl_tui.cli.main", "rl_tui.common.errors"])
+@pytest.mark.parametrize("module", ["click", "rl_tui.commands.main", "rl_tui.common.errors"])
 def test_ctrl_c_while_it_is_being_imported_leaves_no_traceback(module: str, tmp_path: Path) -> None:
     (tmp_path / "sitecustomize.py").write_text(
         "import os, signal, sys\n"
@@ -137,7 +137,7 @@ def test_ctrl_c_while_it_is_being_imported_leaves_no_traceback(module: str, tmp_
     )
     paths = [str(tmp_path), *filter(None, [os.environ.get("PYTHONPATH")])]
     ended = subprocess.run(
-        [sys.executable, "-m", "rl_tui.cli", "list"],
+        [sys.executable, "-m", "rl_tui", "list"],
         env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
         capture_output=True,
         text=True,
@@ -152,7 +152,7 @@ def test_ctrl_c_while_it_is_being_imported_leaves_no_traceback(module: str, tmp_
 def test_ctrl_c_in_a_text_that_is_being_executed_gives_the_usual_status() -> None:
     code = (
         "import signal\n"
-        "from rl_tui.cli import main\n"
+        "from rl_tui.commands import main\n"
         "main.enter_kiosk = lambda _: exec('signal.raise_signal(signal.SIGINT)', globals())\n"
         "main.main()"
     )
@@ -169,7 +169,7 @@ def test_ctrl_c_in_a_text_that_is_being_executed_gives_the_usual_status() -> Non
 def test_ctrl_c_that_another_error_comes_of_gives_the_usual_status_without_a_word() -> None:
     code = (
         "import signal\n"
-        "from rl_tui.cli import main\n"
+        "from rl_tui.commands import main\n"
         "def breaks_off(_):\n"
         "    try:\n"
         "        signal.raise_signal(signal.SIGINT)\n"
@@ -189,4 +189,4 @@ def test_ctrl_c_that_another_error_comes_of_gives_the_usual_status_without_a_wor
 
 
 def test_python_m_rl_tui_starts_what_rl_tui_does() -> None:
-    assert import_module("rl_tui.__main__").main is import_module("rl_tui.cli.__main__").main
+    assert import_module("rl_tui.__main__").main is import_module("rl_tui.commands.__main__").main

@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
-from rl_tui.cli.main import program
-from rl_tui.lab.sweeps.measures import MEASURES
-from rl_tui.lab.sweeps.store import Store
+from rl_tui.commands.main import program
+from rl_tui.studies.sweeps.measures import MEASURES
+from rl_tui.studies.sweeps.store import Store
 
 SWEEP = ("maze", "--vary", "alpha=0.1:0.9:3", "--vary", "algorithm=q-learning,sarsa", "--episodes", "20")
 TIMES = ("seconds", "steps_per_second")

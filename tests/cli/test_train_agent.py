@@ -13,7 +13,7 @@ import pytest
 from click.testing import CliRunner, Result
 from lab.programs.course_agents import FUNCTION, GYMNASIUM, OF_STYLE, RL_GLUE, UDACITY, agent_in
 
-from rl_tui.cli.main import program
+from rl_tui.commands.main import program
 
 pytestmark = pytest.mark.process
 

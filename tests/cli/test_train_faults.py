@@ -13,8 +13,8 @@ import pytest
 
 from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.agents.kernels.machine_code import Loop
-from rl_tui.cli import main
-from rl_tui.cli.progress import finish_compiling
+from rl_tui.commands import main
+from rl_tui.commands.line.output import finish_compiling
 from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL
 
 SCRIPT = """
@@ -45,7 +45,7 @@ class Odd(gymnasium.Env):
 
 gymnasium.register("Odd-v0", Odd)
 sys.argv = ["rl-tui", *sys.argv[3:]]
-from rl_tui.cli.main import main
+from rl_tui.commands.main import main
 main()
 """
 

@@ -16,15 +16,15 @@ from click.testing import CliRunner, Result
 
 from rl_tui import __version__
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.cli import program as program_module
-from rl_tui.cli.key_on_screen import key_on_screen
-from rl_tui.cli.main import RlTui, program
+from rl_tui.commands.line import program as program_module
+from rl_tui.commands.line.key_on_screen import key_on_screen
+from rl_tui.commands.main import RlTui, program
 from rl_tui.common.packages import NEEDED
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.run.library import find, recipe_for
-from rl_tui.lab.sessions.session import encoded
-from rl_tui.lab.timeline.branches import FIRST, RunRecord
-from rl_tui.tui.actions.registry import ACTIONS
+from rl_tui.live.record import Record
+from rl_tui.live.sessions.session import encoded
+from rl_tui.runs.library import find, recipe_for
+from rl_tui.runs.timeline.branches import FIRST, RunRecord
+from rl_tui.screen.keys.registry import ACTIONS
 
 
 def run(*args: str) -> Result:
@@ -345,7 +345,7 @@ def test_a_bug_is_one_line_too(monkeypatch: pytest.MonkeyPatch) -> None:
         raise ZeroDivisionError("a\nb")
 
     monkeypatch.delenv(program_module.TRACEBACK, raising=False)
-    monkeypatch.setattr("rl_tui.lab.run.library.find", broken)
+    monkeypatch.setattr("rl_tui.runs.library.find", broken)
     result = run("train", "student")
     assert result.exit_code == 1
     assert "ZeroDivisionError: a b" in one_line(result)
@@ -382,7 +382,7 @@ def test_a_reader_that_has_gone_is_no_traceback() -> None:
     os.close(reading)
     try:
         done = subprocess.run(
-            [sys.executable, "-m", "rl_tui.cli", "list", "--json"],
+            [sys.executable, "-m", "rl_tui", "list", "--json"],
             stdout=writing,
             stderr=subprocess.PIPE,
             check=False,
@@ -397,7 +397,7 @@ def test_a_reader_that_has_gone_is_no_traceback() -> None:
 def test_a_full_disk_under_stdout_is_one_line() -> None:
     with open("/dev/full", "wb") as full:
         done = subprocess.run(
-            [sys.executable, "-m", "rl_tui.cli", "list"], stdout=full, stderr=subprocess.PIPE, check=False
+            [sys.executable, "-m", "rl_tui", "list"], stdout=full, stderr=subprocess.PIPE, check=False
         )
     message = b"rl-tui: stdout: cannot be written (No space left on device)\n"
     assert (done.returncode, done.stderr) == (1, message)
@@ -411,7 +411,7 @@ def test_an_interrupt_is_quiet(tmp_path: Path, name: str) -> None:
     branch = replace(FIRST, end=10**15, here=10**15)
     session.write_bytes(encoded(Record((RunRecord(recipe_for(find("student")), (branch,)),))))
     endless = {"train": ["student", "--steps", str(10**15)], "replay": [str(session)]}
-    command = [sys.executable, "-m", "rl_tui.cli", name, *endless[name], "--csv", str(pipe)]
+    command = [sys.executable, "-m", "rl_tui", name, *endless[name], "--csv", str(pipe)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         with pipe.open("rb", buffering=0) as stream:
             assert stream.read(4) == b"run,"

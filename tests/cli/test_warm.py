@@ -13,11 +13,11 @@ from click.testing import CliRunner
 
 import rl_tui
 from rl_tui.agents.compiling import warming
+from rl_tui.agents.compiling.background import GONE
 from rl_tui.agents.compiling.cache_folder import cache_folder
 from rl_tui.agents.compiling.loops import CodeOrigin
-from rl_tui.agents.compiling.worker_process import GONE
 from rl_tui.agents.kernels.machine_code import Loop
-from rl_tui.cli.main import program
+from rl_tui.commands.main import program
 
 LOOPS = [Loop(name, "epsilon-greedy", stepped=False) for name in ("one", "one", "other")]
 
@@ -158,7 +158,7 @@ def run(*command: str, **also: str) -> subprocess.CompletedProcess[str]:
 @pytest.mark.slow
 @pytest.mark.process
 def test_what_scenarios_begin_with_is_there_afterwards() -> None:
-    command = ("-m", "rl_tui.cli", "warm", "frozenlake", "frozenlake-8x8", "blackjack")
+    command = ("-m", "rl_tui", "warm", "frozenlake", "frozenlake-8x8", "blackjack")
     run(*command)
     again = run(*command)
     assert (again.returncode, again.stderr) == (0, "")
@@ -174,7 +174,7 @@ def test_what_cannot_be_kept_is_refused_in_one_line(tmp_path: Path, why: str) ->
         "no compiler": {"NUMBA_DISABLE_JIT": "1"},
         "kiosk": {"RL_TUI_KIOSK": "1"},
     }[why]
-    done = run("-m", "rl_tui.cli", "warm", **environment)
+    done = run("-m", "rl_tui", "warm", **environment)
     assert (done.returncode, done.stdout) == (1, "")
     assert len(done.stderr.splitlines()) == 1
     assert done.stderr.startswith("rl-tui: ")

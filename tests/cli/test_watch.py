@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
-from rl_tui.cli.commands import watch
-from rl_tui.cli.main import program
-from rl_tui.lab.programs.program_log import ProgramLog
+from rl_tui.commands.by_name import watch
+from rl_tui.commands.main import program
+from rl_tui.programs.watched.program_log import ProgramLog
 
 pytestmark = pytest.mark.process
 
@@ -205,7 +205,7 @@ def test_without_a_terminal_json_does(tmp_path: Path) -> None:
 def test_strangers_cannot_run_scripts(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, value: str
 ) -> None:
-    from rl_tui.terminal.driver_choice import IN_BROWSER
+    from rl_tui.screen.terminal.driver_choice import IN_BROWSER
 
     monkeypatch.setenv(name, IN_BROWSER if name == "TEXTUAL_DRIVER" else value)
     monkeypatch.chdir(tmp_path)

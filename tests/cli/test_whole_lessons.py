@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from rl_tui.lab.course.check import check_lesson
-from rl_tui.lab.lessons.figures.step_budget import FIGURE_STEPS, FILE_STEPS, StepBudget
-from rl_tui.lab.lessons.lesson import lesson_folder
+from rl_tui.lessons.check import check_lesson
+from rl_tui.lessons.figures.step_budget import FIGURE_STEPS, FILE_STEPS, StepBudget
+from rl_tui.lessons.lesson import lesson_folder
 
 pytestmark = [pytest.mark.process, pytest.mark.slow]
 

@@ -9,12 +9,12 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
-from rl_tui.cli.main import program
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.run.changes import journal_of, read_change
-from rl_tui.lab.run.library import recipe_named
-from rl_tui.lab.sessions.session import encoded
-from rl_tui.lab.timeline.branches import Branch, RunRecord
+from rl_tui.commands.main import program
+from rl_tui.live.record import Record
+from rl_tui.live.sessions.session import encoded
+from rl_tui.runs.changes import journal_of, read_change
+from rl_tui.runs.library import recipe_named
+from rl_tui.runs.timeline.branches import Branch, RunRecord
 
 pytestmark = pytest.mark.unit
 

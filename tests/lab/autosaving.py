@@ -9,10 +9,9 @@ from typing import Any
 from recipes import recipe
 from session_samples import after, fresh
 
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.sessions.autosave import Autosave
-from rl_tui.lab.sessions.folder import sessions_in
-from rl_tui.lab.sessions.session import StoredSession
+from rl_tui.live.record import Record
+from rl_tui.live.sessions.autosave import Autosave
+from rl_tui.live.sessions.session import StoredSession, sessions_in
 
 OPENED = fresh(recipe("student"))
 

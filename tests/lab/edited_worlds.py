@@ -8,8 +8,8 @@ from typing import Any, Final
 import numpy as np
 from hypothesis import strategies as st
 
-from rl_tui.lab.run.library import find, recipe_for
-from rl_tui.lab.run.recipe import EditWorld, Recipe
+from rl_tui.runs.library import find, recipe_for
+from rl_tui.runs.recipe import EditWorld, Recipe
 from rl_tui.worlds.editing.edit import read_edits
 from rl_tui.worlds.files.scenario import scenario_of
 

@@ -10,10 +10,10 @@ import numpy as np
 
 import rl_tui
 from rl_tui.agents.catalogue import Algorithm, Policy
-from rl_tui.lab.export.script import script
-from rl_tui.lab.export.template import ENDING
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.lab.run.recipe import Recipe, begin
+from rl_tui.runs.export.script import script
+from rl_tui.runs.export.template import ENDING
+from rl_tui.runs.library import recipe_for
+from rl_tui.runs.recipe import Recipe, begin
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 

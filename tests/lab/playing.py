@@ -11,12 +11,12 @@ from typing import Any, Final
 import numpy as np
 
 import rl_tui
-from rl_tui.lab.live.commands import ChooseLane, Command, Step
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.recipe import Recipe
-from rl_tui.lab.run.run import Run
+from rl_tui.live.commands import ChooseLane, Command, Step
+from rl_tui.live.playback import Playback
+from rl_tui.live.record import Record
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.recipe import Recipe
+from rl_tui.runs.run import Run
 
 _PACKAGE: Final = str(Path(rl_tui.__file__).parent)
 

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from rl_tui.lab.experiments.training import Goal, train
-from rl_tui.lab.run.figures import training_figures
-from rl_tui.lab.run.library import find, recipe_for
-from rl_tui.lab.run.recipe import JournalEntry, Recipe
-from rl_tui.lab.run.run import Run
+from rl_tui.runs.figures import training_figures
+from rl_tui.runs.library import find, recipe_for
+from rl_tui.runs.recipe import JournalEntry, Recipe
+from rl_tui.runs.run import Run
+from rl_tui.runs.training.seeded_runs import Goal, train
 
 
 def recipe(scenario: str, seed: int = 0, **overrides: Any) -> Recipe:

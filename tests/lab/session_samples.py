@@ -10,9 +10,9 @@ from recipes import recipe
 
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.agents.sweep_phases import SWEEP_PHASES
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.live.until import Breakpoints
-from rl_tui.lab.run.recipe import (
+from rl_tui.live.pace.until import Breakpoints
+from rl_tui.live.record import Record
+from rl_tui.runs.recipe import (
     Change,
     JournalEntry,
     OrderSweep,
@@ -21,7 +21,7 @@ from rl_tui.lab.run.recipe import (
     SwitchAlgorithm,
     TakeAction,
 )
-from rl_tui.lab.timeline.branches import FIRST, Branch, RunRecord
+from rl_tui.runs.timeline.branches import FIRST, Branch, RunRecord
 
 NAMES = st.text(st.characters(exclude_categories=("C", "Z")), min_size=1, max_size=20)
 

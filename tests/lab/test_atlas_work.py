@@ -12,19 +12,18 @@ from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.compatibility import is_bandit
 from rl_tui.common.errors import UserError
 from rl_tui.common.kiosk import in_kiosk
-from rl_tui.lab.atlas import request as atlas_request
-from rl_tui.lab.atlas import work
-from rl_tui.lab.atlas.axes import axes_of
-from rl_tui.lab.atlas.cells import CellGrid
-from rl_tui.lab.atlas.figures import Atlas, AtlasCell, AtlasStandings, AtlasState
-from rl_tui.lab.atlas.request import AtlasRequest, surroundings
-from rl_tui.lab.atlas.work import AtlasWork
-from rl_tui.lab.experiments.many_runs import many_runs
-from rl_tui.lab.experiments.training import Goal
-from rl_tui.lab.run.recipe import Recipe, begin
-from rl_tui.lab.sweeps.measures import MEASURES
-from rl_tui.lab.sweeps.variation import Variation
-from rl_tui.lab.workers.answering_process import LONGEST
+from rl_tui.runs.background.background import LONGEST
+from rl_tui.runs.recipe import Recipe, begin
+from rl_tui.runs.training.many_runs import many_runs
+from rl_tui.runs.training.seeded_runs import Goal
+from rl_tui.studies.atlas import request as atlas_request
+from rl_tui.studies.atlas import work
+from rl_tui.studies.atlas.cells import CellGrid
+from rl_tui.studies.atlas.figures import Atlas, AtlasCell, AtlasStandings, AtlasState
+from rl_tui.studies.atlas.request import AtlasRequest, axes_of, surroundings
+from rl_tui.studies.atlas.work import AtlasWork
+from rl_tui.studies.sweeps.cells.variation import Variation
+from rl_tui.studies.sweeps.measures import MEASURES
 
 
 def asked(made_from: Recipe, *, is_edited: bool = False) -> AtlasRequest:

@@ -16,15 +16,13 @@ from autosaving import OPENED, at, kept, notices_of, only
 from recipes import recipe
 from session_samples import after, fresh
 
-from rl_tui.common.file_lock import FileLock
-from rl_tui.lab.live.record import LearnedTable, Record
-from rl_tui.lab.run.recipe import EditWorld, SetParameter
-from rl_tui.lab.sessions import held_file
-from rl_tui.lab.sessions.atomic_file import draft_of, write_atomically
-from rl_tui.lab.sessions.autosave import Autosave
-from rl_tui.lab.sessions.folder import sessions_in
-from rl_tui.lab.sessions.place import session_folder
-from rl_tui.lab.sessions.session import digest_of, encoded, read_session
+from rl_tui.common.files import FileLock, draft_of, write_atomically
+from rl_tui.live.record import LearnedTable, Record
+from rl_tui.live.sessions import writer as held_file
+from rl_tui.live.sessions.autosave import Autosave
+from rl_tui.live.sessions.place import session_folder
+from rl_tui.live.sessions.session import digest_of, encoded, read_session, sessions_in
+from rl_tui.runs.recipe import EditWorld, SetParameter
 from rl_tui.worlds.editing.edit import read_edits
 
 
@@ -153,7 +151,7 @@ def test_the_second_program_gets_a_copy(tmp_path: Path) -> None:
 def test_a_killed_program_leaves_no_lock(tmp_path: Path) -> None:
     path = tmp_path / "evening.json"
     hold = (
-        "import sys, time; from pathlib import Path; from rl_tui.common.file_lock import FileLock\n"
+        "import sys, time; from pathlib import Path; from rl_tui.common.files import FileLock\n"
         "lock = FileLock(Path(sys.argv[1])); print(lock.acquire(), flush=True); time.sleep(600)"
     )
     with subprocess.Popen(
@@ -288,7 +286,7 @@ def test_the_table_is_taken_as_it_was_when_offered(tmp_path: Path, monkeypatch: 
         assert is_changed.wait(30)
         return digest_of(table)
 
-    monkeypatch.setattr("rl_tui.lab.sessions.autosave.digest_of", digest_later)
+    monkeypatch.setattr("rl_tui.live.sessions.autosave.digest_of", digest_later)
     autosave = Autosave(OPENED, tmp_path)
     autosave.offer(at(1), learned(q))
     q[:] = 1.0
@@ -375,7 +373,7 @@ def test_a_full_disk_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     def full(descriptor: int) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr("rl_tui.lab.sessions.atomic_file.os.fsync", full)
+    monkeypatch.setattr("rl_tui.common.files.os.fsync", full)
     (notice,) = notices_of(kept(tmp_path, OPENED, at(1)))
     assert notice.startswith(f"this session is not being saved: {tmp_path}")
     assert notice.endswith(".json: No space left on device")
@@ -388,7 +386,7 @@ def test_the_home_of_nobody_is_not_made(tmp_path: Path, monkeypatch: pytest.Monk
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("RL_TUI_SESSIONS_DIR")
-    monkeypatch.setattr("rl_tui.lab.sessions.place.platformdirs.user_state_path", homeless)
+    monkeypatch.setattr("rl_tui.live.sessions.place.platformdirs.user_state_path", homeless)
     autosave = kept(session_folder(), OPENED, at(1))
     (notice,) = notices_of(autosave)
     assert notice == (

@@ -12,7 +12,7 @@ pytestmark = pytest.mark.process
 
 WORK = """
 import json, os
-from rl_tui.lab.workers.answering import let_others_go_first
+from rl_tui.runs.background.child import let_others_go_first
 let_others_go_first()
 total = sum(number * number for number in range(500_000))
 print(json.dumps([total > 0, os.sched_getscheduler(0), os.getpriority(os.PRIO_PROCESS, 0)]))

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from rl_tui.lab.workers.answering_process import ENDED_BY_ITSELF, LONGEST, Background
+from rl_tui.runs.background.background import ENDED_BY_ITSELF, LONGEST, Background
 
 pytestmark = pytest.mark.process
 
@@ -74,6 +74,6 @@ def test_the_last_answer_is_known_and_why_no_more_come(
 
 
 def test_the_side_that_answers_loads_little_before_it_has_its_priority() -> None:
-    code = "import sys, rl_tui.lab.workers.answering; print({'numpy', 'pydantic'} & {*sys.modules})"
+    code = "import sys, rl_tui.runs.background.child; print({'numpy', 'pydantic'} & {*sys.modules})"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert loaded.stdout.strip() == "set()"

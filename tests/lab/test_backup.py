@@ -12,12 +12,12 @@ from snapshots import changed, snapshot_of
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.last_step import NOTHING, LastStep
-from rl_tui.lab.last_step.backup import Backup, Leaf, expected_target
-from rl_tui.lab.last_step.story import story_of
-from rl_tui.lab.live.snapshot import PlaybackView, Snapshot
-from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
-from rl_tui.lab.run.recipe import begin
-from rl_tui.lab.run.run import Run
+from rl_tui.live.last_step.backup import Backup, Leaf, expected_target
+from rl_tui.live.last_step.step_report import story_of
+from rl_tui.live.snapshot import PlaybackView, Snapshot
+from rl_tui.live.snapshot_builder import SnapshotBuilder
+from rl_tui.runs.recipe import begin
+from rl_tui.runs.run import Run
 
 STUDY, CHECK_PHONE, SCROLL, QUIT, SLEEP = range(5)
 Q = np.array([6.37, 5.0, 1.0, 2.0, 10.0])

@@ -7,8 +7,8 @@ import pytest
 from recipes import recipe
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.experiments import benchmark
-from rl_tui.lab.experiments.benchmark import PlainLoop
+from rl_tui.runs.training import benchmark
+from rl_tui.runs.training.benchmark import PlainLoop
 
 
 def test_the_plain_loop_learns_what_ours_does() -> None:

@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 from recipes import recipe
 
-from rl_tui.lab.experiments.many_runs import many_runs
-from rl_tui.lab.experiments.training import Goal
+from rl_tui.runs.training.many_runs import many_runs
+from rl_tui.runs.training.seeded_runs import Goal
 
 pytestmark = pytest.mark.slow
 

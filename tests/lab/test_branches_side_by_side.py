@@ -7,9 +7,9 @@ from playing import assert_true_to_the_record, begin, do, stand
 from recipes import recipe, replay
 from test_going_back import through_a_file
 
-from rl_tui.lab.live.commands import AddBranch, AddLane, Apply, ChooseBranch, ChooseLane, GoTo, Take, Train
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.run.recipe import (
+from rl_tui.live.commands import AddBranch, AddLane, Apply, ChooseBranch, ChooseLane, GoTo, Take, Train
+from rl_tui.live.playback import Playback
+from rl_tui.runs.recipe import (
     EditWorld,
     JournalEntry,
     Recipe,
@@ -18,7 +18,7 @@ from rl_tui.lab.run.recipe import (
     TakeAction,
     UndoEdit,
 )
-from rl_tui.lab.timeline.lane_names import LanePast, branch_in_words, lane_names
+from rl_tui.runs.timeline.run_names import LanePast, branch_in_words, lane_names
 from rl_tui.worlds.editing.edit import read_edits
 
 EXPLORE = SetParameter("epsilon", 0.3)

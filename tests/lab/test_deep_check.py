@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 from recipes import recipe
 
-from rl_tui.lab.run.library import episodes_of
-from rl_tui.lab.run.recipe import begin
-from rl_tui.lab.world_check.deep_check import Question, deep_check
-from rl_tui.lab.world_check.greedy_trials import SEEDS
-from rl_tui.lab.world_check.report import WorldReport
+from rl_tui.runs.library import episodes_of
+from rl_tui.runs.recipe import begin
+from rl_tui.studies.world_check.deep_check import Question, deep_check
+from rl_tui.studies.world_check.greedy_trials import SEEDS
+from rl_tui.studies.world_check.report import WorldReport
 
 pytestmark = pytest.mark.unit
 

@@ -12,8 +12,8 @@ import pytest
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
-from rl_tui.lab.export.scenario_file import file_of, is_on_screen, offered_name, path_named
-from rl_tui.lab.run.library import recipe_for
+from rl_tui.runs.export.scenario_file import file_of, is_on_screen, offered_name, path_named
+from rl_tui.runs.library import recipe_for
 from rl_tui.worlds.editing.drafts import first_draft
 from rl_tui.worlds.editing.edit import read_edits
 from rl_tui.worlds.files.catalogue import find, group_of, user_folder

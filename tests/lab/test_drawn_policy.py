@@ -17,15 +17,14 @@ from recipes import recipe
 from session_samples import after, fresh
 
 from rl_tui.agents.exact.policy_figures import figures
-from rl_tui.cli.main import program
-from rl_tui.lab.answers.drawn_policy import DrawnPolicy
-from rl_tui.lab.answers.left_to_chance import left_to_chance
-from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.lab.export.policy import evaluate_line, policy_text
-from rl_tui.lab.live.commands import ClearDrawing, DrawAction, Restart, Step, StudyPolicy
-from rl_tui.lab.run.recipe import Recipe
-from rl_tui.lab.run.recipe import begin as begin_run
-from rl_tui.lab.sessions.session import SessionError, checksum_of, encoded, read_session
+from rl_tui.commands.main import program
+from rl_tui.live.commands import ClearDrawing, DrawAction, Restart, Step, StudyPolicy
+from rl_tui.live.sessions.session import SessionError, checksum_of, encoded, read_session
+from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.runs.answers.policy_values import DrawnPolicy, left_to_chance
+from rl_tui.runs.export.policy import evaluate_line, policy_text
+from rl_tui.runs.recipe import Recipe
+from rl_tui.runs.recipe import begin as begin_run
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 LEFT, DOWN, RIGHT, UP = range(4)

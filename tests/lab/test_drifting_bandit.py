@@ -11,12 +11,12 @@ from playing import busy
 from recipes import one_run, recipe
 
 from rl_tui.common.streams import streams
-from rl_tui.lab.experiments.many_runs import many_runs
-from rl_tui.lab.experiments.training import Goal, train
-from rl_tui.lab.live.commands import Step, Train
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.run.recipe import EditWorld, JournalEntry, Recipe
-from rl_tui.lab.run.run import Run
+from rl_tui.live.commands import Step, Train
+from rl_tui.live.playback import Playback
+from rl_tui.runs.recipe import EditWorld, JournalEntry, Recipe
+from rl_tui.runs.run import Run
+from rl_tui.runs.training.many_runs import many_runs
+from rl_tui.runs.training.seeded_runs import Goal, train
 from rl_tui.worlds.editing.edit import read_edits
 
 DRIFT = 0.2

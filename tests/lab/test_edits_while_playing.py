@@ -23,8 +23,7 @@ from playing import begin, do
 from test_world_edits_to_the_bit import assert_valid, differing
 
 from rl_tui.agents.catalogue import BY_ID
-from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.lab.live.commands import (
+from rl_tui.live.commands import (
     AddBranch,
     AddLane,
     Apply,
@@ -48,11 +47,12 @@ from rl_tui.lab.live.commands import (
     Train,
     UndoStroke,
 )
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.run.recipe import EditWorld, Recipe, SetParameter, SwitchAlgorithm
-from rl_tui.lab.run.run import Run
-from rl_tui.lab.sessions.session import encoded, read_session
+from rl_tui.live.playback import Playback
+from rl_tui.live.record import Record
+from rl_tui.live.sessions.session import encoded, read_session
+from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.runs.recipe import EditWorld, Recipe, SetParameter, SwitchAlgorithm
+from rl_tui.runs.run import Run
 
 pytestmark = [pytest.mark.unit, pytest.mark.interpreted]
 SMALL = st.integers(0, 30)

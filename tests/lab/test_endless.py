@@ -7,9 +7,9 @@ import pytest
 from recipes import recipe
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.lab.experiments.endless import endless_state, endless_warning, long_episode
-from rl_tui.lab.experiments.learned_length import learned_length
-from rl_tui.lab.run.recipe import begin
+from rl_tui.runs.recipe import begin
+from rl_tui.runs.training.endless import endless_state, endless_warning, long_episode
+from rl_tui.runs.training.learned_length import learned_length
 from rl_tui.worlds.files.catalogue import scenarios
 from rl_tui.worlds.files.scenario import Scenario, scenario_of
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp

@@ -9,11 +9,11 @@ from pathlib import Path
 from recipes import recipe
 from session_samples import after, fresh
 
-from rl_tui.lab.live.commands import Pause, Step
-from rl_tui.lab.live.player import Player
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.sessions.autosave import Autosave
-from rl_tui.lab.sessions.session import encoded, read_session
+from rl_tui.live.commands import Pause, Step
+from rl_tui.live.player import Player
+from rl_tui.live.sessions.autosave import Autosave
+from rl_tui.live.sessions.session import encoded, read_session
+from rl_tui.live.snapshot import Phase, Snapshot
 
 FAR = 10**15
 

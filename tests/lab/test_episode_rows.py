@@ -10,7 +10,7 @@ from typing import TextIO
 import pytest
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.experiments.episode_rows import HEADER, csv_file
+from rl_tui.runs.training.episode_rows import HEADER, csv_file
 
 MOST = 10_000  # bytes
 MANY = ["1,1,0.0,10\n"] * 2_000

@@ -5,10 +5,10 @@ import pytest
 from recipes import recipe
 
 from rl_tui.agents.hyperparameters import Ties
-from rl_tui.lab.run import evaluation
-from rl_tui.lab.run.evaluation import Evaluation, GreedyReturn
-from rl_tui.lab.run.recipe import begin
-from rl_tui.lab.run.run import Run
+from rl_tui.runs import evaluation
+from rl_tui.runs.evaluation import Evaluation, GreedyReturn
+from rl_tui.runs.recipe import begin
+from rl_tui.runs.run import Run
 from rl_tui.worlds.mdp.space import FloatArray
 
 STUDENT = begin(recipe("student")).world.space

@@ -9,13 +9,13 @@ from playing import begin as begin_playing
 from playing import do
 from recipes import recipe
 
-from rl_tui.agents.exact.solution import NoExactAnswer, Solution
+from rl_tui.agents.exact.policy_evaluation import NoExactAnswer, Solution
 from rl_tui.agents.exact.solve import greedy_return, solve
-from rl_tui.lab.live.commands import AddBranch, ChooseLane, DrawWorld, GoTo, Step, Train
-from rl_tui.lab.run import exact_answers
-from rl_tui.lab.run.exact_answers import PENDING, Answer, ExactAnswers, RunAnswers
-from rl_tui.lab.run.recipe import begin
-from rl_tui.lab.run.run import Run
+from rl_tui.live.commands import AddBranch, ChooseLane, DrawWorld, GoTo, Step, Train
+from rl_tui.runs import exact_answers
+from rl_tui.runs.exact_answers import PENDING, Answer, ExactAnswers, RunAnswers
+from rl_tui.runs.recipe import begin
+from rl_tui.runs.run import Run
 from rl_tui.worlds.editing.carried import NEW
 from rl_tui.worlds.editing.edit import read_edits
 from rl_tui.worlds.mdp.space import FloatArray

@@ -9,11 +9,10 @@ import pytest
 from numbers_said import copied
 from recipes import recipe
 
-from rl_tui.agents.exact.policies import uniform_over
-from rl_tui.agents.exact.policy_figures import expected_return, figures
+from rl_tui.agents.exact.policy_figures import expected_return, figures, uniform_over
 from rl_tui.agents.exact.solve import solve
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.lab.run.recipe import begin
+from rl_tui.runs.library import recipe_for
+from rl_tui.runs.recipe import begin
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.files.scenario import scenario_of
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP

@@ -17,14 +17,14 @@ from playing import begin, do
 from recipes import recipe, replay
 
 from rl_tui.agents.exact.solve import solve
-from rl_tui.cli.main import program
+from rl_tui.commands.main import program
 from rl_tui.common.errors import UserError
-from rl_tui.lab.export.recipe_line import LONGEST_LINE, recipe_line
-from rl_tui.lab.export.tables import write_q_csv, write_returns
-from rl_tui.lab.live.commands import Apply, DrawWorld, GoTo, RedoStroke, Step, Take, Train, UndoStroke
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm
-from rl_tui.tui.screens.playground.actions.export import script_of
+from rl_tui.live.commands import Apply, DrawWorld, GoTo, RedoStroke, Step, Take, Train, UndoStroke
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.export.recipe_line import LONGEST_LINE, recipe_line
+from rl_tui.runs.export.tables import write_q_csv, write_returns
+from rl_tui.runs.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm
+from rl_tui.screen.playground.actions.export import script_of
 from rl_tui.worlds.mdp.digest import table_digest
 
 pytestmark = pytest.mark.unit

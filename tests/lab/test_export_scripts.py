@@ -17,14 +17,13 @@ from export_samples import ALLOWED, has_script, imported, q_of, ran, recipe_of, 
 from shipped import SHIPPED
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
-from rl_tui.agents.exact.policies import greedy_policy
-from rl_tui.agents.exact.policy_figures import figures
+from rl_tui.agents.exact.policy_figures import figures, greedy_policy
 from rl_tui.agents.exact.solve import solve
 from rl_tui.common.errors import UserError
-from rl_tui.lab.export.script import script
-from rl_tui.lab.run.library import episodes_of, recipe_for
-from rl_tui.lab.run.recipe import begin
-from rl_tui.lab.run.run import Run
+from rl_tui.runs.export.script import script
+from rl_tui.runs.library import episodes_of, recipe_for
+from rl_tui.runs.recipe import begin
+from rl_tui.runs.run import Run
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.files.scenario import read_scenario
 

@@ -10,10 +10,10 @@ import pytest
 from export_samples import recipe_of
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.export.files import free_name, new_path, write_text
-from rl_tui.lab.export.tables import estimates_again, q_array, write_q_array, write_q_csv, write_returns
-from rl_tui.lab.run.recipe import JournalEntry, SetParameter
-from rl_tui.lab.run.run import Run
+from rl_tui.runs.export.files import free_name, new_path, write_text
+from rl_tui.runs.export.tables import estimates_again, q_array, write_q_array, write_q_csv, write_returns
+from rl_tui.runs.recipe import JournalEntry, SetParameter
+from rl_tui.runs.run import Run
 
 JOURNAL = (JournalEntry(200, SetParameter("epsilon", 0.5)), JournalEntry(300, SetParameter("alpha", 0.4)))
 

@@ -17,9 +17,9 @@ import rl_tui
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
-from rl_tui.lab.export.script import script
-from rl_tui.lab.export.template import ENDING, fill, sections
-from rl_tui.lab.run.recipe import Recipe
+from rl_tui.runs.export.script import script
+from rl_tui.runs.export.template import ENDING, fill, sections
+from rl_tui.runs.recipe import Recipe
 
 PACKAGE = Path(rl_tui.__file__).parent
 ROWS = [*BY_ID.values(), *POLICY_BY_ID.values()]

@@ -13,14 +13,14 @@ import gymnasium
 import pytest
 from playing import busy
 
-from rl_tui.lab.live.commands import AddLane, Apply, Pause, Play, Restart, Step, StepBack
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.live.player import Player
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.run.library import find, recipe_for
-from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter
-from rl_tui.lab.sessions.autosave import Autosave, untouched
-from rl_tui.lab.sessions.folder import sessions_in
+from rl_tui.live.commands import AddLane, Apply, Pause, Play, Restart, Step, StepBack
+from rl_tui.live.playback import Playback
+from rl_tui.live.player import Player
+from rl_tui.live.sessions.autosave import Autosave, untouched
+from rl_tui.live.sessions.session import sessions_in
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.library import find, recipe_for
+from rl_tui.runs.recipe import JournalEntry, Recipe, SetParameter
 from rl_tui.worlds.environment import EnvironmentFailedError
 
 

@@ -19,11 +19,11 @@ import pytest
 from recipes import recipe
 
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
-from rl_tui.lab.experiments.many_runs import many_runs
-from rl_tui.lab.experiments.training import Goal, train
-from rl_tui.lab.run.figures import greedy_figures, summary
-from rl_tui.lab.run.recipe import SetParameter
-from rl_tui.lab.run.run import Run
+from rl_tui.runs.figures import greedy_figures, summary
+from rl_tui.runs.recipe import SetParameter
+from rl_tui.runs.run import Run
+from rl_tui.runs.training.many_runs import many_runs
+from rl_tui.runs.training.seeded_runs import Goal, train
 from rl_tui.worlds.files.catalogue import find
 
 pytestmark = pytest.mark.slow

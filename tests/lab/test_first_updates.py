@@ -6,16 +6,15 @@ import pytest
 from open_grids import open_grid_recipe
 from playing import begin, do
 
-from rl_tui.agents.exact.first_update import Wait
-from rl_tui.agents.exact.first_update_cause import Cause, FirstUpdate, first_update
+from rl_tui.agents.exact.first_update import Cause, FirstUpdate, Wait, first_update
 from rl_tui.agents.hyperparameters import Hyperparameters, Ties
-from rl_tui.lab.answers.first_update_words import cause_in_words, episodes_in_words, wait_in_words
-from rl_tui.lab.answers.first_updates import MANY_EPISODES, TOO_LARGE
-from rl_tui.lab.live.commands import Apply, AskWhy, EpisodeBack, RunEpisode, Train
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.run.exact_answers import NO_TABLE
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.lab.run.recipe import SetParameter
+from rl_tui.live.commands import Apply, AskWhy, EpisodeBack, RunEpisode, Train
+from rl_tui.live.playback import Playback
+from rl_tui.runs.answers.first_update_words import cause_in_words, episodes_in_words, wait_in_words
+from rl_tui.runs.answers.view import MANY_EPISODES, TOO_LARGE
+from rl_tui.runs.exact_answers import NO_TABLE
+from rl_tui.runs.library import recipe_for
+from rl_tui.runs.recipe import SetParameter
 from rl_tui.worlds.files.catalogue import find
 
 TIES: tuple[Ties, ...] = ("first", "random")

@@ -15,17 +15,17 @@ from click.testing import CliRunner
 from playing import begin, do
 from recipes import recipe
 
-from rl_tui.agents.exact.flips.flips import flips
-from rl_tui.agents.exact.solution import NoExactAnswer
+from rl_tui.agents.exact.flips import flips
+from rl_tui.agents.exact.policy_evaluation import NoExactAnswer
 from rl_tui.agents.exact.solve import solve
-from rl_tui.cli.main import program
-from rl_tui.cli.reports.flip_points import flips_document
-from rl_tui.lab.answers import flip_answers
-from rl_tui.lab.answers.flip_answer import FlipAnswer, FlipState, beyond, optimal_value_curves, worked_out
-from rl_tui.lab.answers.flip_answers import FlipAnswers, at_once
-from rl_tui.lab.live.commands import AskFlips
-from rl_tui.lab.run.recipe import begin as begin_run
-from rl_tui.lab.workers import answering_process
+from rl_tui.commands.main import program
+from rl_tui.commands.reports.flip_points import flips_document
+from rl_tui.live.commands import AskFlips
+from rl_tui.runs.answers import flip_answers
+from rl_tui.runs.answers.flip_answer import FlipAnswer, FlipState, beyond, optimal_value_curves, worked_out
+from rl_tui.runs.answers.flip_answers import FlipAnswers, at_once
+from rl_tui.runs.background import background as answering_process
+from rl_tui.runs.recipe import begin as begin_run
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
 LONGEST: Final = 60.0  # seconds until a process must have answered

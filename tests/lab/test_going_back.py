@@ -15,7 +15,7 @@ from recipes import bandit, recipe
 from snapshots import changed
 
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
-from rl_tui.lab.live.commands import (
+from rl_tui.live.commands import (
     AddBranch,
     AddLane,
     Apply,
@@ -37,12 +37,12 @@ from rl_tui.lab.live.commands import (
     ToggleBreakpoint,
     Train,
 )
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.live.until import Event, Until
-from rl_tui.lab.run.recipe import SetParameter, SwitchAlgorithm
-from rl_tui.lab.sessions.session import encoded, read_session
+from rl_tui.live.pace.until import Event, Until
+from rl_tui.live.playback import Playback
+from rl_tui.live.record import Record
+from rl_tui.live.sessions.session import encoded, read_session
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.recipe import SetParameter, SwitchAlgorithm
 
 
 def through_a_file(record: Record) -> Record:

@@ -9,11 +9,11 @@ import pytest
 from playing import begin, do
 from recipes import recipe
 
-from rl_tui.lab.live.commands import AddLane, HideAnswer, Restart, Step
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.run.recipe import SetParameter
-from rl_tui.lab.timeline.branches import FIRST, RunRecord
+from rl_tui.live.commands import AddLane, HideAnswer, Restart, Step
+from rl_tui.live.playback import Playback
+from rl_tui.live.record import Record
+from rl_tui.runs.recipe import SetParameter
+from rl_tui.runs.timeline.branches import FIRST, RunRecord
 from rl_tui.worlds.files.scenario import scenario_of
 
 BANDIT = "[bandit]\narms = 3\n"

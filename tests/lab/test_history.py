@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rl_tui.lab.run.history import History
+from rl_tui.runs.history import History
 
 ROOM = 8
 

@@ -6,13 +6,12 @@ import numpy as np
 from playing import begin, do
 from recipes import recipe, replay
 
-from rl_tui.lab.live.commands import Apply, FollowCell, GoTo, Take, Train
-from rl_tui.lab.run.recipe import SetParameter
-from rl_tui.lab.run.run import Run
-from rl_tui.lab.timeline.checkpoints import MOST, MOST_LEFT, Checkpoints
-from rl_tui.lab.timeline.memory_limits import USUAL
-from rl_tui.lab.timeline.seek import Target
-from rl_tui.lab.timeline.table_samples import TableSamples
+from rl_tui.live.commands import Apply, FollowCell, GoTo, Take, Train
+from rl_tui.runs.recipe import SetParameter
+from rl_tui.runs.run import Run
+from rl_tui.runs.timeline.checkpoints import MOST, MOST_LEFT, USUAL, Checkpoints
+from rl_tui.runs.timeline.seek import Target
+from rl_tui.runs.timeline.table_samples import TableSamples
 
 
 def test_the_history_of_a_cell_is_what_it_was() -> None:

@@ -10,7 +10,7 @@ from recipes import recipe
 
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
 from rl_tui.common.errors import Fault, ScenarioError, UserError
-from rl_tui.lab.run.library import checked, episodes_of, find, listing, recipe_for
+from rl_tui.runs.library import checked, episodes_of, find, listing, recipe_for
 
 WORLD = "[bandit]\nmeans = [0.0, 1.0]\n"
 
@@ -149,8 +149,8 @@ def test_a_listing_has_sizes_and_complete_defaults() -> None:
 @pytest.mark.process
 def test_what_the_screen_imports_first_loads_neither_numba_nor_gymnasium() -> None:
     program = (
-        "import sys, rl_tui.lab.live.player, rl_tui.lab.live.commands, rl_tui.lab.live.snapshot\n"
-        "import rl_tui.lab.run.library\n"
+        "import sys, rl_tui.live.player, rl_tui.live.commands, rl_tui.live.snapshot\n"
+        "import rl_tui.runs.library\n"
         "print([name for name in ('numba', 'gymnasium', 'scipy', 'textual') if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

@@ -8,13 +8,12 @@ import pytest
 from recipes import recipe
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.run.edited_world import EditedWorld
-from rl_tui.lab.run.recipe import SetParameter, begin
-from rl_tui.lab.timeline.branches import RunRecord
-from rl_tui.lab.timeline.branching_run import BranchingRun
-from rl_tui.lab.timeline.checkpoints import Checkpoints
-from rl_tui.lab.timeline.memory_limits import KIOSK, USUAL, limits
-from rl_tui.lab.timeline.run_group import MOST
+from rl_tui.runs.edited_world import EditedWorld
+from rl_tui.runs.recipe import SetParameter, begin
+from rl_tui.runs.timeline.branches import RunRecord
+from rl_tui.runs.timeline.branching_run import BranchingRun
+from rl_tui.runs.timeline.checkpoints import KIOSK, USUAL, Checkpoints, limits
+from rl_tui.runs.timeline.run_group import MOST
 
 
 def test_four_lanes_of_a_kiosk_keep_64_megabytes() -> None:
@@ -57,7 +56,7 @@ def test_branches_are_so_many(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_changes_are_so_many(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("RL_TUI_KIOSK", "1")
-    monkeypatch.setattr("rl_tui.lab.timeline.memory_limits.KIOSK", replace(KIOSK, changes=5))
+    monkeypatch.setattr("rl_tui.runs.timeline.checkpoints.KIOSK", replace(KIOSK, changes=5))
     lane = _lane()
     for number in range(5):
         lane.apply(SetParameter("alpha", 0.1 + number / 100))

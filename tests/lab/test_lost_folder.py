@@ -8,10 +8,9 @@ from pathlib import Path
 
 from autosaving import OPENED, at, notices_of, only
 
-from rl_tui.common.file_lock import FileLock
-from rl_tui.lab.sessions.autosave import Autosave
-from rl_tui.lab.sessions.folder import sessions_in
-from rl_tui.lab.sessions.session import encoded, read_session
+from rl_tui.common.files import FileLock
+from rl_tui.live.sessions.autosave import Autosave
+from rl_tui.live.sessions.session import encoded, read_session, sessions_in
 
 
 def lost(folder: Path) -> tuple[Autosave, Path]:

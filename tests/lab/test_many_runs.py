@@ -14,20 +14,19 @@ from recipes import one_run, recipe
 
 from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.common.errors import UserError
-from rl_tui.lab.experiments import batched_runs
-from rl_tui.lab.experiments import many_runs as experiments_many_runs
-from rl_tui.lab.experiments.batched_runs import (
+from rl_tui.runs.figures import BANDIT_FIGURES, summary
+from rl_tui.runs.run import Run
+from rl_tui.runs.training import batched_runs
+from rl_tui.runs.training import many_runs as experiments_many_runs
+from rl_tui.runs.training.batched_runs import (
     LONG_CALL,
     MOST_STEPS_AT_ONCE,
     SHORT_CALL,
     BatchedRuns,
     steps_of_next_call,
 )
-from rl_tui.lab.experiments.many_runs import many_runs
-from rl_tui.lab.experiments.seeded_runs import FIGURES, SeededRuns
-from rl_tui.lab.experiments.training import Goal
-from rl_tui.lab.run.figures import BANDIT_FIGURES, summary
-from rl_tui.lab.run.run import Run
+from rl_tui.runs.training.many_runs import many_runs
+from rl_tui.runs.training.seeded_runs import FIGURES, Goal, SeededRuns
 
 
 def timeless(document: dict[str, Any]) -> dict[str, Any]:

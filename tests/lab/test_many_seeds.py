@@ -22,10 +22,7 @@ from recipes import recipe
 
 import rl_tui
 from rl_tui.common.kiosk import VARIABLE
-from rl_tui.lab.experiments.many_runs import many_runs
-from rl_tui.lab.experiments.seeded_runs import SeededRuns
-from rl_tui.lab.experiments.training import Goal, train
-from rl_tui.lab.live.commands import (
+from rl_tui.live.commands import (
     AddLane,
     Apply,
     ChooseBranch,
@@ -42,19 +39,21 @@ from rl_tui.lab.live.commands import (
     Train,
     is_taken_while_seeking,
 )
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.live.player import Player
-from rl_tui.lab.live.snapshot import Phase
-from rl_tui.lab.many_seeds import seed_studies, study
-from rl_tui.lab.many_seeds.estimates import difference_of
-from rl_tui.lab.many_seeds.figures import Estimate, LaneStudy, SeedStudy, StudyState
-from rl_tui.lab.many_seeds.request import StudyRequest, study_request
-from rl_tui.lab.many_seeds.study import Study
-from rl_tui.lab.run.figures import training_figures
-from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm
-from rl_tui.lab.run.run import Run
-from rl_tui.lab.timeline.run_group import RunGroup
-from rl_tui.lab.workers import answering_process
+from rl_tui.live.playback import Playback
+from rl_tui.live.player import Player
+from rl_tui.live.snapshot import Phase
+from rl_tui.runs.background import background as answering_process
+from rl_tui.runs.figures import training_figures
+from rl_tui.runs.recipe import Recipe, SetParameter, SwitchAlgorithm
+from rl_tui.runs.run import Run
+from rl_tui.runs.timeline.run_group import RunGroup
+from rl_tui.runs.training.many_runs import many_runs
+from rl_tui.runs.training.seeded_runs import Goal, SeededRuns, train
+from rl_tui.studies.many_seeds import request as seed_studies
+from rl_tui.studies.many_seeds import study
+from rl_tui.studies.many_seeds.figures import Estimate, LaneStudy, SeedStudy, StudyState
+from rl_tui.studies.many_seeds.request import StudyRequest, study_request
+from rl_tui.studies.many_seeds.study import Study, difference_of
 
 pytestmark = pytest.mark.process
 
@@ -183,7 +182,7 @@ def test_it_waits_until_the_run_is_where_it_stood() -> None:
 
 
 def test_there_is_none_of_a_world_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rl_tui.lab.many_seeds.request.MOST_PAIRS", 3)
+    monkeypatch.setattr("rl_tui.studies.many_seeds.request.MOST_PAIRS", 3)
     assert "3 pairs" in refusal_of(begin(recipe("student")))
 
 
@@ -480,18 +479,18 @@ async def test_it_ends_with_the_player_and_two_players_have_each_their_own(
 
 PARENT = """
 import sys, time
-from rl_tui.lab.workers import answering_process
-start = answering_process.python_process
+from rl_tui.runs.background import background
+start = background.python_process
 
 def noted(*args):
     process = start(*args)
     print(process.pid, flush=True)
     return process
 
-answering_process.python_process = noted
-from rl_tui.lab.live.commands import StudySeeds
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.run.library import recipe_named
+background.python_process = noted
+from rl_tui.live.commands import StudySeeds
+from rl_tui.live.playback import Playback
+from rl_tui.runs.library import recipe_named
 made_from = recipe_named("student", {"algorithm": "dyna-q"})
 playback = Playback(made_from, speed=None, automatic=True, clock=time.perf_counter, on_exact=lambda: None)
 while playback.on_the_way:

@@ -13,8 +13,8 @@ from fuzz_seeds import session_seeds, signed
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.limits import LARGEST_SESSION
-from rl_tui.lab.sessions.replay import replay_target, replayed
-from rl_tui.lab.sessions.session import SessionError, read_session
+from rl_tui.live.sessions.replay import replay_target, replayed
+from rl_tui.live.sessions.session import SessionError, read_session
 
 
 def changed(place: str = "", value: Any = None) -> str:

@@ -25,9 +25,9 @@ from numbers_said import (
 from recipes import recipe
 from test_figures_of_notes import CLAIMS
 
-from rl_tui.lab.lessons.figures.expression import SeedMean
-from rl_tui.lab.lessons.figures.written import written_number
-from rl_tui.lab.run.recipe import begin
+from rl_tui.lessons.figures.expression import SeedMean
+from rl_tui.lessons.figures.written import written_number
+from rl_tui.runs.recipe import begin
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.files.catalogue import find, scenarios
 

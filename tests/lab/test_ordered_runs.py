@@ -13,10 +13,9 @@ from playing import assert_true_to_the_record, begin, do, stand
 from recipes import bandit, recipe, replay
 from session_samples import after, fresh
 
-from rl_tui.cli.main import program
+from rl_tui.commands.main import program
 from rl_tui.common.errors import UserError
-from rl_tui.lab.export.recipe_line import recipe_line
-from rl_tui.lab.live.commands import (
+from rl_tui.live.commands import (
     AddLane,
     Apply,
     ChooseBranch,
@@ -28,12 +27,13 @@ from rl_tui.lab.live.commands import (
     StepBack,
     Train,
 )
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.run.changes import as_json, journal_of, read_change, written_change
-from rl_tui.lab.run.recipe import JournalEntry, OrderSweep, SetParameter, SwitchAlgorithm
-from rl_tui.lab.run.run import Run
-from rl_tui.lab.sessions.session import encoded, read_session
+from rl_tui.live.playback import Playback
+from rl_tui.live.sessions.session import encoded, read_session
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.changes import as_json, journal_of, read_change, written_change
+from rl_tui.runs.export.recipe_line import recipe_line
+from rl_tui.runs.recipe import JournalEntry, OrderSweep, SetParameter, SwitchAlgorithm
+from rl_tui.runs.run import Run
 
 EVALUATE, IMPROVE = RunSweep("evaluation"), RunSweep("improvement")
 EVALUATION, IMPROVEMENT = OrderSweep("evaluation"), OrderSweep("improvement")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rl_tui.lab.workers.pace import MACHINE_IS_BUSY, PATIENCE, Pace, how_long
+from rl_tui.runs.background.pace import MACHINE_IS_BUSY, PATIENCE, Pace, how_long
 
 
 class Clock:

@@ -10,11 +10,18 @@ import pytest
 
 from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.agents.kernels.machine_code import Loop
-from rl_tui.lab.experiments import many_runs, patience, seeded_runs
-from rl_tui.lab.experiments.patience import FIRST_LOOK, SURE_ENOUGH, WORTH_COMPILING, WORTH_READING, Patience
-from rl_tui.lab.experiments.training import Goal, train
-from rl_tui.lab.run.library import recipe_named
-from rl_tui.lab.run.run import Run
+from rl_tui.runs.library import recipe_named
+from rl_tui.runs.run import Run
+from rl_tui.runs.training import compile_or_interpret as patience
+from rl_tui.runs.training import many_runs, seeded_runs
+from rl_tui.runs.training.compile_or_interpret import (
+    FIRST_LOOK,
+    SURE_ENOUGH,
+    WORTH_COMPILING,
+    WORTH_READING,
+    Patience,
+)
+from rl_tui.runs.training.seeded_runs import Goal, train
 
 pytestmark = pytest.mark.interpreted
 

@@ -11,9 +11,7 @@ from playing import begin, do
 from recipes import recipe
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.answers.drawn_policy import DrawnPolicy
-from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.lab.live.commands import (
+from rl_tui.live.commands import (
     AddBranch,
     AddLane,
     ChooseBranch,
@@ -32,12 +30,14 @@ from rl_tui.lab.live.commands import (
     Train,
     UndoStroke,
 )
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.live.until import Breakpoints, Event, Until
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.lab.run.recipe import EditWorld, SetParameter
-from rl_tui.lab.sessions.session import encoded, read_session
+from rl_tui.live.pace.until import Breakpoints, Event, Until
+from rl_tui.live.playback import Playback
+from rl_tui.live.sessions.session import encoded, read_session
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.runs.answers.policy_values import DrawnPolicy
+from rl_tui.runs.library import recipe_for
+from rl_tui.runs.recipe import EditWorld, SetParameter
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.files.scenario import scenario_of
 

@@ -9,13 +9,13 @@ from playing import begin, do
 from recipes import bandit, one_run, recipe, replay
 from snapshots import snapshot_of
 
-from rl_tui.lab.experiments.many_runs import many_runs
-from rl_tui.lab.experiments.training import Goal
-from rl_tui.lab.live.commands import AddLane, Apply, ChooseBranch, Pause, Train
-from rl_tui.lab.live.snapshot import Phase
-from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm
-from rl_tui.lab.run.run import Run
-from rl_tui.lab.sessions.session import encoded, read_session
+from rl_tui.live.commands import AddLane, Apply, ChooseBranch, Pause, Train
+from rl_tui.live.sessions.session import encoded, read_session
+from rl_tui.live.snapshot import Phase
+from rl_tui.runs.recipe import Recipe, SetParameter, SwitchAlgorithm
+from rl_tui.runs.run import Run
+from rl_tui.runs.training.many_runs import many_runs
+from rl_tui.runs.training.seeded_runs import Goal
 
 PLAN = SwitchAlgorithm("value-iteration")
 LEARN = SwitchAlgorithm("q-learning")

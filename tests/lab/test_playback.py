@@ -6,14 +6,14 @@ import pytest
 from playing import busy
 from recipes import bandit, recipe, replay
 
-from rl_tui.lab.live import commands
-from rl_tui.lab.live.commands import Apply, Command, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
-from rl_tui.lab.live.handlers import HANDLERS
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.live.snapshot import Phase
-from rl_tui.lab.live.speed.pacing import FIRST_CHUNK
-from rl_tui.lab.live_programs.program_handlers import HANDLERS as PROGRAM_HANDLERS
-from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter
+from rl_tui.live import commands
+from rl_tui.live.commands import Apply, Command, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
+from rl_tui.live.handlers import HANDLERS
+from rl_tui.live.pace.pacing import FIRST_CHUNK
+from rl_tui.live.playback import Playback
+from rl_tui.live.programs.program_handlers import HANDLERS as PROGRAM_HANDLERS
+from rl_tui.live.snapshot import Phase
+from rl_tui.runs.recipe import JournalEntry, Recipe, SetParameter
 
 
 class Clock:

@@ -13,14 +13,14 @@ import pytest
 from recipes import bandit, recipe, replay
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import Apply, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.live.player import Player, PlayerClosedError
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.live.speed.interpreter import SWITCH_INTERVAL, USUAL_SWITCH_INTERVAL
-from rl_tui.lab.run.recipe import SetParameter
-from rl_tui.lab.timeline.branches import Branch, RunRecord
+from rl_tui.live.commands import Apply, Pause, Play, Restart, RunEpisode, SetSpeed, Step, Train
+from rl_tui.live.pace.interpreter import SWITCH_INTERVAL, USUAL_SWITCH_INTERVAL
+from rl_tui.live.playback import Playback
+from rl_tui.live.player import Player, PlayerClosedError
+from rl_tui.live.record import Record
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.recipe import SetParameter
+from rl_tui.runs.timeline.branches import Branch, RunRecord
 
 
 async def until(player: Player, phase: Phase) -> Snapshot:
@@ -262,7 +262,7 @@ async def test_closing_does_not_wait_for_a_world_that_is_being_built(monkeypatch
 
 
 async def test_an_exact_answer_that_comes_later_is_published(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rl_tui.lab.run.exact_answers.AT_ONCE_STATES", 0)
+    monkeypatch.setattr("rl_tui.runs.exact_answers.AT_ONCE_STATES", 0)
     player = Player(recipe("student"))
     async for snapshot in player.snapshots():
         if snapshot.exact_answer.solution is not None:
@@ -274,7 +274,7 @@ async def test_an_exact_answer_that_comes_later_is_published(monkeypatch: pytest
 async def test_an_exact_answer_that_comes_while_a_snapshot_is_made_is_in_the_next(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("rl_tui.lab.run.exact_answers.AT_ONCE_STATES", 0)
+    monkeypatch.setattr("rl_tui.runs.exact_answers.AT_ONCE_STATES", 0)
     make = Playback.snapshot
 
     def make_slowly(self: Playback) -> Snapshot:

@@ -8,7 +8,7 @@ import pytest
 from playing import Ticking, assert_true_to_the_record, begin, do
 from recipes import recipe
 
-from rl_tui.lab.live.commands import (
+from rl_tui.live.commands import (
     AddLane,
     Apply,
     ChooseLane,
@@ -23,10 +23,10 @@ from rl_tui.lab.live.commands import (
     ToggleBreakpoint,
     Train,
 )
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.live.until import Breakpoints
-from rl_tui.lab.run.recipe import SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.live.pace.until import Breakpoints
+from rl_tui.live.playback import Playback
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.recipe import SetParameter, SwitchAlgorithm, TakeAction
 
 
 def test_lanes_follow_to_the_same_step_and_are_runs_of_their_own() -> None:

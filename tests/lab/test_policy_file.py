@@ -9,11 +9,11 @@ from typing import Any
 import pytest
 from recipes import recipe
 
-from rl_tui.agents.exact.policies import Choice
+from rl_tui.agents.exact.policy_figures import Choice
 from rl_tui.common.errors import UserError
-from rl_tui.lab.answers.drawn_policy import DrawnPolicy
-from rl_tui.lab.run.policy_file import policy_document, read_policy
-from rl_tui.lab.run.recipe import begin
+from rl_tui.runs.answers.policy_values import DrawnPolicy
+from rl_tui.runs.policy_file import policy_document, read_policy
+from rl_tui.runs.recipe import begin
 from rl_tui.worlds.mdp.space import FiniteSpace
 
 STUDENT = begin(recipe("student")).world.space

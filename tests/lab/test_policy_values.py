@@ -12,24 +12,14 @@ from recipes import bandit, recipe
 
 from rl_tui.agents.exact.policy_figures import expected_return
 from rl_tui.agents.policies.chances import action_chances
-from rl_tui.lab.answers import policy_values
-from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.lab.answers.policy_values import NO_CHANCES, PLANS, TOO_MANY, WHILE_RUNNING, PolicyAnswer
-from rl_tui.lab.live.commands import (
-    AddLane,
-    Apply,
-    DrawAction,
-    Pause,
-    Play,
-    Restart,
-    Step,
-    StudyPolicy,
-    Train,
-)
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.run import evaluation
-from rl_tui.lab.run.recipe import Recipe, SetParameter
-from rl_tui.lab.run.run import Run
+from rl_tui.live.commands import AddLane, Apply, DrawAction, Pause, Play, Restart, Step, StudyPolicy, Train
+from rl_tui.live.playback import Playback
+from rl_tui.runs import evaluation
+from rl_tui.runs.answers import policy_values
+from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.runs.answers.policy_values import NO_CHANCES, PLANS, TOO_MANY, WHILE_RUNNING, PolicyAnswer
+from rl_tui.runs.recipe import Recipe, SetParameter
+from rl_tui.runs.run import Run
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -237,7 +227,7 @@ def test_what_is_dear_waits_for_a_pause(asked: list[float], monkeypatch: pytest.
     playback.handle(Play())
     playback.work()
     with monkeypatch.context() as patched:
-        patched.delattr("rl_tui.lab.answers.drawn_policy.DrawnPolicy.chances")  # none is built to be refused
+        patched.delattr("rl_tui.runs.answers.policy_values.DrawnPolicy.chances")  # none is built
         patched.delattr("rl_tui.agents.policies.chances.all_chances")
         shown = playback.snapshot().answers.policies
     assert {each.refused for each in shown.values()} == {WHILE_RUNNING}

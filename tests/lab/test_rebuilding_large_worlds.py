@@ -10,7 +10,7 @@ from edited_worlds import edit, small_map
 from playing import assert_true_to_the_record, begin, stand
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import (
+from rl_tui.live.commands import (
     Apply,
     Command,
     DrawWorld,
@@ -26,13 +26,13 @@ from rl_tui.lab.live.commands import (
     Train,
     UndoStroke,
 )
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.live.snapshot_builder import REBUILDING
-from rl_tui.lab.live.state import State
-from rl_tui.lab.run import edited_world, rebuild
-from rl_tui.lab.run.edited_world import NextWorld
-from rl_tui.lab.run.recipe import SetParameter
+from rl_tui.live.playback import Playback
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.live.snapshot_builder import REBUILDING
+from rl_tui.live.state import State
+from rl_tui.runs import edited_world, rebuild
+from rl_tui.runs.edited_world import NextWorld
+from rl_tui.runs.recipe import SetParameter
 from rl_tui.worlds.editing.grid_draft import GridDraft
 
 pytestmark = pytest.mark.unit
@@ -71,7 +71,7 @@ class Site:
 @pytest.fixture
 def site(monkeypatch: pytest.MonkeyPatch) -> Iterator[Site]:
     site = Site()
-    monkeypatch.setattr("rl_tui.lab.run.large_worlds.MOST_STATES_AT_ONCE", 5)
+    monkeypatch.setattr("rl_tui.runs.large_worlds.MOST_STATES_AT_ONCE", 5)
     monkeypatch.setattr(rebuild, "next_world", site.build)
     yield site
     site.close()

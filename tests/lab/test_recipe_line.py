@@ -10,14 +10,14 @@ import pytest
 from click.testing import CliRunner
 from export_samples import recipe_of
 
-from rl_tui.cli.main import program
+from rl_tui.commands.main import program
 from rl_tui.common.errors import UserError
-from rl_tui.lab.export.recipe_line import recipe_line
-from rl_tui.lab.run.changes import ChangeText, journal_of, read_change, written_change
-from rl_tui.lab.run.figures import training_figures
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
-from rl_tui.lab.run.run import Run
+from rl_tui.runs.changes import ChangeText, journal_of, read_change, written_change
+from rl_tui.runs.export.recipe_line import recipe_line
+from rl_tui.runs.figures import training_figures
+from rl_tui.runs.library import recipe_for
+from rl_tui.runs.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.runs.run import Run
 from rl_tui.worlds.files.scenario import read_scenario, scenario_of
 
 ACTIONS = ("left", "down", "right", "up")

@@ -9,13 +9,12 @@ from hypothesis import strategies as st
 from recipes import bandit, recipe, replay
 from snapshots import snapshot_of
 
-from rl_tui.agents.exact.policies import greedy_policy
-from rl_tui.agents.exact.policy_figures import expected_return
+from rl_tui.agents.exact.policy_figures import expected_return, greedy_policy
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.snapshot import Phase
-from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm
-from rl_tui.lab.run.run import Run, RunState
+from rl_tui.live.snapshot import Phase
+from rl_tui.runs.recipe import JournalEntry, SetParameter, SwitchAlgorithm
+from rl_tui.runs.run import Run, RunState
 
 
 def assert_same(one: Run, other: Run) -> None:

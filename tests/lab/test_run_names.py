@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from rl_tui.lab.run.library import find, recipe_for
-from rl_tui.lab.run.recipe import Recipe
-from rl_tui.lab.timeline.run_names import difference, run_names
+from rl_tui.runs.library import find, recipe_for
+from rl_tui.runs.recipe import Recipe
+from rl_tui.runs.timeline.run_names import difference, run_names
 
 BASE = recipe_for(find("frozenlake-slippery"), {}, 0)
 

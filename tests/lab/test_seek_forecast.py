@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from rl_tui.lab.live.speed.transport import Transport
+from rl_tui.live.pace.transport import Transport
 
 STEPS = 2_000_000
 FIRST_CALL = 0.3  # seconds

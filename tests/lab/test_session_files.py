@@ -16,14 +16,13 @@ from hypothesis import strategies as st
 from recipes import recipe
 from session_samples import after, fresh, records
 
+from rl_tui.common import files as atomic_file
 from rl_tui.common.errors import UserError
+from rl_tui.common.files import write_atomically
 from rl_tui.common.limits import LARGEST_SESSION
-from rl_tui.lab.live.record import LearnedTable, Record
-from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
-from rl_tui.lab.sessions import atomic_file
-from rl_tui.lab.sessions.atomic_file import write_atomically
-from rl_tui.lab.sessions.document import MOST_PAIRS_KEPT
-from rl_tui.lab.sessions.session import (
+from rl_tui.live.record import LearnedTable, Record
+from rl_tui.live.sessions.document import MOST_PAIRS_KEPT
+from rl_tui.live.sessions.session import (
     SessionError,
     StoredSession,
     checksum_of,
@@ -31,7 +30,8 @@ from rl_tui.lab.sessions.session import (
     encoded,
     read_session,
 )
-from rl_tui.lab.timeline.branches import Branch, RunRecord
+from rl_tui.runs.recipe import JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.runs.timeline.branches import Branch, RunRecord
 
 SOUND = after(
     fresh(recipe("student", seed=3)),

@@ -11,22 +11,23 @@ from autosaving import OPENED, at, kept, notices_of, only
 from session_samples import after
 
 from rl_tui.common.errors import UserError
-from rl_tui.common.file_lock import FileLock
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.run.recipe import SetParameter
-from rl_tui.lab.sessions import folder
-from rl_tui.lab.sessions.atomic_file import draft_of, drafts_in
-from rl_tui.lab.sessions.autosave import Autosave
-from rl_tui.lab.sessions.folder import (
+from rl_tui.common.files import FileLock, draft_of, drafts_in
+from rl_tui.live.record import Record
+from rl_tui.live.sessions import session as folder
+from rl_tui.live.sessions.autosave import Autosave
+from rl_tui.live.sessions.session import (
     MOST_UNNAMED,
+    SUFFIX,
+    encoded,
     file_stem,
     files_in,
     named_path,
     prune,
+    read_session,
     remove,
     sessions_in,
 )
-from rl_tui.lab.sessions.session import SUFFIX, encoded, read_session
+from rl_tui.runs.recipe import SetParameter
 
 
 def back_at(step: int, record: Record) -> Record:

@@ -15,16 +15,16 @@ from hypothesis import strategies as st
 from recipes import recipe
 from session_samples import after, fresh
 
-from rl_tui.cli.main import program
+from rl_tui.commands.main import program
 from rl_tui.common.errors import UserError
-from rl_tui.lab.experiments.patience import Patience
-from rl_tui.lab.experiments.training import Goal, train
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.run.recipe import JournalEntry, SetParameter, TakeAction
-from rl_tui.lab.run.run import Run
-from rl_tui.lab.sessions.replay import replay_target, replayed
-from rl_tui.lab.sessions.session import digest_of, encoded, read_session
-from rl_tui.lab.timeline.branches import Branch, RunRecord
+from rl_tui.live.record import Record
+from rl_tui.live.sessions.replay import replay_target, replayed
+from rl_tui.live.sessions.session import digest_of, encoded, read_session
+from rl_tui.runs.recipe import JournalEntry, SetParameter, TakeAction
+from rl_tui.runs.run import Run
+from rl_tui.runs.timeline.branches import Branch, RunRecord
+from rl_tui.runs.training.compile_or_interpret import Patience
+from rl_tui.runs.training.seeded_runs import Goal, train
 
 ALPHA = JournalEntry(12, SetParameter("alpha", 0.5))
 EPSILON = JournalEntry(60, SetParameter("epsilon", 0.0))

@@ -12,15 +12,15 @@ from recipes import recipe
 from snapshots import snapshot_of
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.experiments.many_runs import many_runs
-from rl_tui.lab.experiments.training import Goal, train
-from rl_tui.lab.live.snapshot import Phase, PlaybackView
-from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
-from rl_tui.lab.run.exact_answers import NO_TABLE, exact_now
-from rl_tui.lab.run.figures import training_figures
-from rl_tui.lab.run.library import find, listing, recipe_for
-from rl_tui.lab.run.recipe import Recipe, SetParameter
-from rl_tui.lab.run.run import Run
+from rl_tui.live.snapshot import Phase, PlaybackView
+from rl_tui.live.snapshot_builder import SnapshotBuilder
+from rl_tui.runs.exact_answers import NO_TABLE, exact_now
+from rl_tui.runs.figures import training_figures
+from rl_tui.runs.library import find, listing, recipe_for
+from rl_tui.runs.recipe import Recipe, SetParameter
+from rl_tui.runs.run import Run
+from rl_tui.runs.training.many_runs import many_runs
+from rl_tui.runs.training.seeded_runs import Goal, train
 
 EXACT = ("value_at_start", "optimal_value_at_start", "expected_return", "max_error", "greedy_ends")
 GAMES = Goal(episodes=200)

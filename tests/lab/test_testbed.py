@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from recipes import recipe
 
-from rl_tui.lab.experiments.many_runs import many_runs
-from rl_tui.lab.experiments.training import Goal
+from rl_tui.runs.training.many_runs import many_runs
+from rl_tui.runs.training.seeded_runs import Goal
 from rl_tui.worlds.mdp.space import FloatArray
 
 pytestmark = pytest.mark.slow

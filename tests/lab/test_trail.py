@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from playing import begin, do, stand
 from recipes import recipe
 
-from rl_tui.lab.live.commands import (
+from rl_tui.live.commands import (
     AddLane,
     Apply,
     ChooseBranch,
@@ -27,11 +27,11 @@ from rl_tui.lab.live.commands import (
     Take,
     Train,
 )
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm
-from rl_tui.lab.run.run import Run
-from rl_tui.lab.timeline.trail import MOST_STEPS, Trail, TrailRecorder
+from rl_tui.live.playback import Playback
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm
+from rl_tui.runs.run import Run
+from rl_tui.runs.timeline.trail import MOST_STEPS, Trail, TrailRecorder
 
 
 def begin_at_once(made_from: Recipe) -> Playback:

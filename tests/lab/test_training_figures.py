@@ -7,11 +7,11 @@ import pytest
 from recipes import one_run, recipe
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.experiments.episode_rows import EpisodeRows, csv_file
-from rl_tui.lab.experiments.training import Goal, train
-from rl_tui.lab.run.figures import training_figures
-from rl_tui.lab.run.recipe import JournalEntry, TakeAction
-from rl_tui.lab.run.run import Run
+from rl_tui.runs.figures import training_figures
+from rl_tui.runs.recipe import JournalEntry, TakeAction
+from rl_tui.runs.run import Run
+from rl_tui.runs.training.episode_rows import EpisodeRows, csv_file
+from rl_tui.runs.training.seeded_runs import Goal, train
 
 FIELDS = {
     "scenario", "algorithm", "seed", "hyperparameters", "episodes", "steps", "seconds", "steps_per_second",

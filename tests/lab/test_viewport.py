@@ -7,10 +7,10 @@ from playing import busy
 from recipes import recipe
 from snapshots import snapshot_of
 
-from rl_tui.lab.live.commands import LookAt, Step
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.live.viewport import (
+from rl_tui.live.commands import LookAt, Step
+from rl_tui.live.playback import Playback
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.live.viewport import (
     NO_STATE,
     Cells,
     RowRange,
@@ -19,9 +19,9 @@ from rl_tui.lab.live.viewport import (
     followed_state,
     pairs_of_states,
 )
-from rl_tui.lab.run.large_worlds import MOST_COPIED, is_large
-from rl_tui.lab.run.recipe import Recipe
-from rl_tui.lab.run.run import Run
+from rl_tui.runs.large_worlds import MOST_COPIED, is_large
+from rl_tui.runs.recipe import Recipe
+from rl_tui.runs.run import Run
 from rl_tui.worlds.drawing import CellKind, Grid
 
 SIDE = 200

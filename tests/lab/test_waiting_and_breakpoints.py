@@ -7,7 +7,7 @@ from playing import begin, do
 from recipes import recipe, replay
 
 from rl_tui.agents.exact.solve import solve
-from rl_tui.lab.live.commands import (
+from rl_tui.live.commands import (
     Apply,
     ClearBreakpoints,
     GoTo,
@@ -18,10 +18,10 @@ from rl_tui.lab.live.commands import (
     ToggleBreakpoint,
     Train,
 )
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.live.stop_condition import is_optimal
-from rl_tui.lab.live.until import Event, Until
-from rl_tui.lab.run.recipe import SetParameter
+from rl_tui.live.pace.stop_condition import is_optimal
+from rl_tui.live.pace.until import Event, Until
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.recipe import SetParameter
 
 
 def test_a_run_pauses_at_breakpoints_and_at_what_was_waited_for() -> None:

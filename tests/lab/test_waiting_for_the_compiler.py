@@ -15,17 +15,17 @@ from session_samples import after, fresh
 from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.agents.compiling.loops import compile_here
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, Loop
-from rl_tui.lab.live.commands import Apply, FollowCell, GoTo, Pause, Play, SetSpeed, Step
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.live.player import Player
-from rl_tui.lab.live.record import LearnedTable, Record
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.live.speed.compilation import MOST_INTERPRETED
-from rl_tui.lab.live.state import State
-from rl_tui.lab.run.recipe import Change, Recipe, SetParameter, SwitchAlgorithm
-from rl_tui.lab.run.run import Run
-from rl_tui.lab.sessions.session import StoredSession, digest_of, encoded, read_session
-from rl_tui.lab.timeline.branches import RunRecord
+from rl_tui.live.commands import Apply, FollowCell, GoTo, Pause, Play, SetSpeed, Step
+from rl_tui.live.pace.compilation import MOST_INTERPRETED
+from rl_tui.live.playback import Playback
+from rl_tui.live.player import Player
+from rl_tui.live.record import LearnedTable, Record
+from rl_tui.live.sessions.session import StoredSession, digest_of, encoded, read_session
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.live.state import State
+from rl_tui.runs.recipe import Change, Recipe, SetParameter, SwitchAlgorithm
+from rl_tui.runs.run import Run
+from rl_tui.runs.timeline.branches import RunRecord
 
 pytestmark = pytest.mark.interpreted
 

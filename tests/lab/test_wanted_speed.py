@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from rl_tui.lab.live.speed.pacing import CHUNK, LARGEST_CHUNK, TICK, ChunkSize, Pace, SpeedMeter
+from rl_tui.live.pace.pacing import CHUNK, LARGEST_CHUNK, TICK, ChunkSize, Pace, SpeedMeter
 
 
 def test_the_first_step_is_due_at_once_and_the_others_at_their_times() -> None:

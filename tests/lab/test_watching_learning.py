@@ -10,11 +10,11 @@ import pytest
 from playing import busy
 from recipes import recipe, replay
 
-from rl_tui.lab.live.commands import GoTo, HideAnswer, Pause, Play, Restart, SetSpeed, Train, WatchLearning
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.live.speed.learning_pace import REST, SPEEDS, Stage
-from rl_tui.lab.run.recipe import Recipe
+from rl_tui.live.commands import GoTo, HideAnswer, Pause, Play, Restart, SetSpeed, Train, WatchLearning
+from rl_tui.live.pace.transport import REST, SPEEDS, Stage
+from rl_tui.live.playback import Playback
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.recipe import Recipe
 
 FIRST_REWARD = 1_866
 """The step at which the lake of seed 0 pays for the first time."""

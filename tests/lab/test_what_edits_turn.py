@@ -6,12 +6,12 @@ from edited_worlds import edit, small_graph, small_map
 from playing import begin, do
 
 from rl_tui.agents.exact.solve import solve
-from rl_tui.lab.answers.turned import TurnedStates
-from rl_tui.lab.live.commands import Apply, DrawWorld, HideAnswer, OpenEditor, RedoStroke, UndoStroke
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.recipe import Recipe, SetParameter
-from rl_tui.lab.run.run import Run
+from rl_tui.live.commands import Apply, DrawWorld, HideAnswer, OpenEditor, RedoStroke, UndoStroke
+from rl_tui.live.playback import Playback
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.answers.turned import TurnedStates
+from rl_tui.runs.recipe import Recipe, SetParameter
+from rl_tui.runs.run import Run
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 

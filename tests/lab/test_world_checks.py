@@ -13,16 +13,22 @@ from click.testing import CliRunner
 from playing import begin, do
 from recipes import recipe
 
-from rl_tui.cli.main import program
-from rl_tui.cli.reports.world_check import check_document
+from rl_tui.commands.main import program
+from rl_tui.commands.reports.flip_points import check_document
 from rl_tui.common.kiosk import VARIABLE
-from rl_tui.lab.live.commands import Apply, AskCheck, Step
-from rl_tui.lab.run.recipe import EditWorld, SetParameter
-from rl_tui.lab.run.run import Run
-from rl_tui.lab.workers import answering_process
-from rl_tui.lab.world_check import world_checks
-from rl_tui.lab.world_check.report import CheckStage
-from rl_tui.lab.world_check.world_checks import BROKEN_OFF, IN_KIOSK, NO_PROCESS, WorldChecks, WorldCheckView
+from rl_tui.live.commands import Apply, AskCheck, Step
+from rl_tui.runs.background import background as answering_process
+from rl_tui.runs.recipe import EditWorld, SetParameter
+from rl_tui.runs.run import Run
+from rl_tui.studies.world_check import world_checks
+from rl_tui.studies.world_check.report import CheckStage
+from rl_tui.studies.world_check.world_checks import (
+    BROKEN_OFF,
+    IN_KIOSK,
+    NO_PROCESS,
+    WorldChecks,
+    WorldCheckView,
+)
 from rl_tui.worlds.editing.edit import read_edits
 
 LONGEST: Final = 120.0  # seconds until a process must have answered

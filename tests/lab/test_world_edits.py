@@ -11,7 +11,7 @@ from playing import begin, do
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.limits import LONGEST_EDIT
-from rl_tui.lab.live.commands import (
+from rl_tui.live.commands import (
     AddLane,
     ChooseBranch,
     DrawWorld,
@@ -23,15 +23,14 @@ from rl_tui.lab.live.commands import (
     Train,
     UndoStroke,
 )
-from rl_tui.lab.many_seeds.request import study_request
-from rl_tui.lab.many_seeds.study import Study
-from rl_tui.lab.run.changes import read_world, written_world
-from rl_tui.lab.run.recipe import EditWorld, Recipe, SetParameter, TakeAction, UndoEdit
-from rl_tui.lab.run.run import Run
-from rl_tui.lab.timeline.branches import RunRecord
-from rl_tui.lab.timeline.branching_run import BranchingRun
-from rl_tui.lab.timeline.checkpoints import Checkpoints
-from rl_tui.lab.timeline.memory_limits import USUAL
+from rl_tui.runs.changes import read_world, written_world
+from rl_tui.runs.recipe import EditWorld, Recipe, SetParameter, TakeAction, UndoEdit
+from rl_tui.runs.run import Run
+from rl_tui.runs.timeline.branches import RunRecord
+from rl_tui.runs.timeline.branching_run import BranchingRun
+from rl_tui.runs.timeline.checkpoints import USUAL, Checkpoints
+from rl_tui.studies.many_seeds.request import study_request
+from rl_tui.studies.many_seeds.study import Study
 from rl_tui.worlds.editing.edit import read_edits
 from rl_tui.worlds.files.catalogue import find
 
@@ -169,7 +168,7 @@ def test_worlds_count_in_the_bound_of_checkpoints(monkeypatch: pytest.MonkeyPatc
     run, kept = Run(Recipe(find("maze"))), Checkpoints()
     one = run.world.nbytes
     few = replace(USUAL, checkpoints=40 * one)
-    monkeypatch.setattr("rl_tui.lab.timeline.checkpoints.limits", lambda: few)
+    monkeypatch.setattr("rl_tui.runs.timeline.checkpoints.limits", lambda: few)
     for number in range(60):
         run.apply(EditWorld(read_edits(f"world.reward[0,0]=-{number}.5")))
         run.advance(3)

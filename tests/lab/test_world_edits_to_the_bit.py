@@ -14,19 +14,11 @@ from playing import bits, stand
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.run.recipe import (
-    Change,
-    Recipe,
-    RedoEdit,
-    SetParameter,
-    SwitchAlgorithm,
-    TakeAction,
-    UndoEdit,
-)
-from rl_tui.lab.run.run import Run, RunState
-from rl_tui.lab.sessions.session import encoded, read_session
-from rl_tui.lab.timeline.branches import Branch, RunRecord
+from rl_tui.live.record import Record
+from rl_tui.live.sessions.session import encoded, read_session
+from rl_tui.runs.recipe import Change, Recipe, RedoEdit, SetParameter, SwitchAlgorithm, TakeAction, UndoEdit
+from rl_tui.runs.run import Run, RunState
+from rl_tui.runs.timeline.branches import Branch, RunRecord
 from rl_tui.worlds.mdp.digest import table_digest
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 

@@ -11,7 +11,7 @@ from typing import Final
 
 from pseudo_terminal import DEADLINE, PseudoTerminal
 
-from rl_tui.lab.sessions.folder import sessions_in
+from rl_tui.live.sessions.session import sessions_in
 
 _LOOK_AGAIN: Final = 0.02  # seconds
 _RUN = "; os.execvp(sys.argv[1], sys.argv[1:])"

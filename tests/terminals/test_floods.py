@@ -22,9 +22,9 @@ NOTHING_ELSE_HAPPENS = (
     sys.executable,
     "-c",
     "import sys, time\n"
-    "from rl_tui.cli.main import main\n"
-    "from rl_tui.terminal import ending\n"
-    "from rl_tui.tui.app.app import RlTuiApp\n"
+    "from rl_tui.commands.main import main\n"
+    "from rl_tui.screen.terminal import ending\n"
+    "from rl_tui.screen.app.app import RlTuiApp\n"
     "ending.LONGEST = 0.5\n"
     "def hang(self):\n"
     "    print('stuck', file=sys.__stdout__, flush=True)\n"

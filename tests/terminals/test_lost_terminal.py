@@ -16,8 +16,8 @@ STEPS = 3
 FAILING = (
     sys.executable,
     "-c",
-    "from rl_tui.cli.main import main\n"
-    "from rl_tui.tui.screens.playground.actions.run import RunActions\n"
+    "from rl_tui.commands.main import main\n"
+    "from rl_tui.screen.playground.actions.run import RunActions\n"
     "def fail(self): raise ZeroDivisionError('of [red]all\\nthings')\n"
     "RunActions.episode = fail\n"
     "main()",

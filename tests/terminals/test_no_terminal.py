@@ -12,10 +12,10 @@ pytest.importorskip("pty", reason="there are no pseudo-terminals here")
 
 from pseudo_terminal import RL_TUI, PseudoTerminal, visible
 
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.run.library import find, recipe_for
-from rl_tui.lab.sessions.session import encoded
-from rl_tui.lab.timeline.branches import FIRST, RunRecord
+from rl_tui.live.record import Record
+from rl_tui.live.sessions.session import encoded
+from rl_tui.runs.library import find, recipe_for
+from rl_tui.runs.timeline.branches import FIRST, RunRecord
 
 
 @pytest.mark.parametrize(

@@ -11,11 +11,11 @@ from textual.css.model import RuleSet
 from textual.css.stylesheet import Stylesheet
 from textual.pilot import Pilot
 
-from rl_tui.lab.live.player import Player
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
+from rl_tui.live.player import Player
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.library import recipe_for
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.app.display import Display
 from rl_tui.worlds.files.catalogue import find
 
 MakeApp = Callable[..., RlTuiApp]

@@ -13,20 +13,20 @@ from textual.pilot import Pilot
 from textual.widget import Widget
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.panels.drawing.tool_list import ToolList
-from rl_tui.tui.panels.world.grid.grid import GridView
-from rl_tui.tui.screens.key_line import KeyLine
+from rl_tui.runs.library import recipe_for
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.frame.key_line import KeyLine
+from rl_tui.screen.panels.controls.slider import Slider
+from rl_tui.screen.panels.draw_panel import ToolList
+from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.editing.drafts import first_draft
 from rl_tui.worlds.editing.grid_draft import GridDraft
 from rl_tui.worlds.editing.templates import template_text
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.files.scenario import scenario_of
-from rl_tui.worlds.grid.legend import LegendEntry
+from rl_tui.worlds.grid.map import LegendEntry
 
 Cell = tuple[int, int]
 _PAINT = {".": ("full_stop", ". floor"), "#": ("number_sign", "# wall"), "S": ("S", "S start")} | {

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from samples import answered, look
 
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.results import Curve, Marks
-from rl_tui.tui.draw.braille import Steps
-from rl_tui.tui.panels.curve.curve import ReturnCurve
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.results import Curve, Marks
+from rl_tui.screen.draw.braille import Steps
+from rl_tui.screen.panels.curve.curve import ReturnCurve
 
 NARROW, WIDE = (40, 7), (60, 13)
 NO_MARKS = Marks(np.array([], dtype=np.int64), np.array([], dtype=np.int64), np.array([]))

@@ -9,14 +9,13 @@ from samples import lake, look
 from snapshots import changed
 from textual.strip import Strip
 
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.draw.number_form import SteadyForms
-from rl_tui.tui.panels.numbers_in_common import all_v
-from rl_tui.tui.panels.world.grid.cells import CellArtist
-from rl_tui.tui.panels.world.grid.form import CellForm
-from rl_tui.tui.panels.world.grid.grid import GridView
-from rl_tui.tui.panels.world.grid.map import GridMap, MapPart
-from rl_tui.tui.panels.world.grid.strips import draw_grid
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.draw.number_form import SteadyForms
+from rl_tui.screen.kit.numbers_in_common import all_v
+from rl_tui.screen.panels.grid.cells import CellArtist
+from rl_tui.screen.panels.grid.form import CellForm
+from rl_tui.screen.panels.grid.grid import GridView, draw_grid
+from rl_tui.screen.panels.grid.map import GridMap, MapPart
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.grid.section import GridSection
 from rl_tui.worlds.mdp.space import FloatArray

@@ -10,9 +10,9 @@ from samples import answered, lake, look
 from seams import sized
 from snapshots import changed
 
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.panels.q_table.layers import Layer
-from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.panels.q_table.layers import Layer
+from rl_tui.screen.panels.q_table.q_table import QTable
 
 PALETTE = look().palette
 

@@ -10,9 +10,9 @@ from samples import curve, lake, marks
 from snapshots import changed
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.results import Curve, RunResults
-from rl_tui.lab.timeline.lane_view import LaneView
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.results import Curve, RunResults
+from rl_tui.runs.timeline.lane_view import LaneView
 
 # name, algorithm, changed settings, highest mean return, greedy return, episodes
 LANES: tuple[tuple[str, str, dict[str, Any], float, float, int], ...] = (

@@ -13,26 +13,20 @@ from textual.pilot import Pilot
 
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
-from rl_tui.lab.course.entries import LessonStart
-from rl_tui.lab.lessons.judging.conditions import judged_task
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.record import LessonRecord, begun
-from rl_tui.lab.lessons.schema import Ask, Attempt, Page
-from rl_tui.lab.lessons.view import LessonView
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.run.changes import ALGORITHM, SWEEP, TAKE, ChangeText, read_change
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.panels.lesson.stage import open_page
-from rl_tui.tui.screens.dialogs.confirm import Confirm
-from rl_tui.tui.screens.playground.actions.lesson.lesson import NOT_DONE
-from rl_tui.tui.screens.playground.actions.modes.action_keys import (
-    action_towards,
-    acts_in,
-    digit_keys,
-    has_directions,
-)
-from rl_tui.tui.screens.playground.actions.modes.mode import STEPS
+from rl_tui.lessons.file.schema import Ask, Attempt, Page
+from rl_tui.lessons.file.view import LessonRecord, LessonView, begun
+from rl_tui.lessons.judging.conditions import judged_task
+from rl_tui.lessons.lesson import Lesson
+from rl_tui.live.sessions.progress import LessonStart
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.changes import ALGORITHM, SWEEP, TAKE, ChangeText, read_change
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.dialogs.dialog import Confirm
+from rl_tui.screen.panels.controls.slider import Slider
+from rl_tui.screen.panels.lesson.stage import open_page
+from rl_tui.screen.playground.actions.lesson import NOT_DONE
+from rl_tui.screen.playground.modes.action_keys import action_towards, acts_in, digit_keys, has_directions
+from rl_tui.screen.playground.modes.mode import STEPS
 
 BY_HAND: Final[Mapping[tuple[str, str], tuple[str, ...]]] = {
     ("loop", "second"): ("down", "down", "right", "right", "down", "right"),

@@ -10,7 +10,9 @@ from seams import sized
 from snapshots import changed
 
 from rl_tui.agents.catalogue import OWN_PROGRAM
-from rl_tui.lab.detective.verdict import (
+from rl_tui.live.program_view import ProgramView
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.programs.evidence.verdict import (
     CodeFault,
     CodeFinding,
     ProgramVerdict,
@@ -18,12 +20,10 @@ from rl_tui.lab.detective.verdict import (
     UpdateFound,
     UpdateTarget,
 )
-from rl_tui.lab.live.program_view import ProgramView
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.programs.program_log import FoundTable, OutputLine, ProgramError
-from rl_tui.tui.panels.program.findings import FindingsPanel
-from rl_tui.tui.panels.program.output import OutputPanel
-from rl_tui.tui.panels.program.program import ProgramPanel
+from rl_tui.programs.watched.program_log import FoundTable, OutputLine, ProgramError
+from rl_tui.screen.panels.program.findings import FindingsPanel
+from rl_tui.screen.panels.program.output import OutputPanel
+from rl_tui.screen.panels.program.program import ProgramPanel
 
 SOURCE = """import gymnasium as gym
 import numpy as np

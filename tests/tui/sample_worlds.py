@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from rl_tui.agents.exact.solution import Solution
+from rl_tui.agents.exact.policy_evaluation import Solution
 from rl_tui.worlds.drawing import Arms, CellKind, Graph, Grid
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp

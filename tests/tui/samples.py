@@ -22,14 +22,13 @@ from snapshots import changed
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import NOTHING, LastStep
-from rl_tui.lab.live.snapshot import Phase, PlaybackView, Snapshot
-from rl_tui.lab.live.snapshot_builder import SnapshotBuilder
-from rl_tui.lab.run.bandit import BanditFigures
-from rl_tui.lab.run.recipe import Recipe
-from rl_tui.lab.run.results import Curve, Marks
-from rl_tui.tui.theme.glyphs import ASCII, UNICODE
-from rl_tui.tui.theme.look import Look
-from rl_tui.tui.theme.palette import palette_for
+from rl_tui.live.snapshot import Phase, PlaybackView, Snapshot
+from rl_tui.live.snapshot_builder import SnapshotBuilder
+from rl_tui.runs.bandit import BanditFigures
+from rl_tui.runs.recipe import Recipe
+from rl_tui.runs.results import Curve, Marks
+from rl_tui.screen.theme.glyphs import ASCII, UNICODE
+from rl_tui.screen.theme.look import Look, palette_for
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.gym.section import GymnasiumSection
 from rl_tui.worlds.mdp.space import FiniteSpace

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from rl_tui.lab.many_seeds.figures import (
+from rl_tui.studies.many_seeds.figures import (
     Estimate,
     LaneStudy,
     PairedDifference,

@@ -8,9 +8,9 @@ from conftest import MakeApp
 from sample_worlds import bandit_world, lake_world, student_world
 from seams import notes, on_screen, press
 
-from rl_tui.lab.run.library import find
-from rl_tui.tui.draw.action_order import shown_order, shown_pairs, shown_place
-from rl_tui.tui.theme.glyphs import UNICODE
+from rl_tui.runs.library import find
+from rl_tui.screen.draw.action_order import shown_order, shown_pairs, shown_place
+from rl_tui.screen.theme.glyphs import UNICODE
 from rl_tui.worlds.drawing import Grid
 
 UP, RIGHT, DOWN, LEFT = (-1, 0), (0, 1), (1, 0), (0, -1)

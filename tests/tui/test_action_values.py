@@ -15,20 +15,14 @@ from samples import big_lake, lake, look
 from seams import notes, on_screen, playground, press, train
 from snapshots import changed
 
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.live.until import Breakpoints
-from rl_tui.lab.timeline.trail import TrailStep
-from rl_tui.tui.draw.number_form import NumberForm
-from rl_tui.tui.panels.world.grid.action_form import (
-    ActionForm,
-    ActionKinds,
-    Places,
-    part_form,
-    whole_map_form,
-)
-from rl_tui.tui.panels.world.grid.action_values import ActionArtist
-from rl_tui.tui.panels.world.grid.grid import GridView
-from rl_tui.tui.panels.world.grid.map import ActionValue, CellContent
+from rl_tui.live.pace.until import Breakpoints
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.timeline.trail import TrailStep
+from rl_tui.screen.draw.number_form import NumberForm
+from rl_tui.screen.panels.grid.action_form import ActionForm, ActionKinds, Places, part_form, whole_map_form
+from rl_tui.screen.panels.grid.action_values import ActionArtist
+from rl_tui.screen.panels.grid.grid import GridView
+from rl_tui.screen.panels.grid.map import ActionValue, CellContent
 from rl_tui.worlds.drawing import CellKind
 from rl_tui.worlds.grid.section import GridSection
 

@@ -5,11 +5,11 @@ from conftest import MakeApp
 from seams import on_screen
 from textual.actions import parse
 
-from rl_tui.tui.actions.action import Action, Place
-from rl_tui.tui.actions.bindings import bindings_of
-from rl_tui.tui.actions.registry import ACTIONS, actions_of
-from rl_tui.tui.panels.catalogue import PANELS
-from rl_tui.tui.screens.key_line import fitting
+from rl_tui.screen.frame.key_line import fitting
+from rl_tui.screen.keys.action import Action, Place
+from rl_tui.screen.keys.bindings import bindings_of
+from rl_tui.screen.keys.registry import ACTIONS, actions_of
+from rl_tui.screen.panels.catalogue import PANELS
 
 PLAYGROUND_KEYS = {
     *("C", "R", "A", "full_stop", "comma", "H", "N", "space", "z", "T", "W", "Y", "S", "s", "e", "E"),

@@ -11,16 +11,16 @@ from seams import notes, on_screen, screen_text, tap
 from textual.command import CommandPalette
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.player import Player
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.tui.actions.action import Place
-from rl_tui.tui.actions.registry import actions_of
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
-from rl_tui.tui.app.palette_entries import ActionProvider, palette_name
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.live.player import Player
+from rl_tui.runs.library import recipe_for
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.app.display import Display
+from rl_tui.screen.app.palette_entries import ActionProvider, palette_name
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.catalogue.catalogue import CatalogueScreen
+from rl_tui.screen.keys.action import Place
+from rl_tui.screen.keys.registry import actions_of
+from rl_tui.screen.playground.playground import Playground
 from rl_tui.worlds.files.scenario import read_scenario
 
 NOT_REGISTERED = """
@@ -32,7 +32,8 @@ id = "Nowhere-v0"
 
 @pytest.mark.process
 def test_importing_the_app_loads_neither_numba_nor_gymnasium() -> None:
-    code = "import sys, rl_tui.tui.app.app; print(sorted({'numba', 'gymnasium', 'scipy'} & set(sys.modules)))"
+    slow = "{'numba', 'gymnasium', 'scipy'}"
+    code = f"import sys, rl_tui.screen.app.app; print(sorted({slow} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 

@@ -11,24 +11,22 @@ from samples import answered, bandit, look
 from snapshots import changed
 from textual.strip import Strip
 
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.panels.world.arms.arms import (
-    ArmsView,
-    arms_of,
-    noise_of_rewards,
-    standard_error,
-    true_means_now,
-)
-from rl_tui.tui.panels.world.arms.scale import (
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.screen.panels.arms import (
     NO_SCALE,
     ArmsScale,
+    ArmsView,
+    arms_of,
     bound_text,
     grown,
+    noise_of_rewards,
     round_up,
     shown_scale,
+    standard_error,
     ticks,
+    true_means_now,
 )
-from rl_tui.tui.theme.glyphs import ASCII, UNICODE
+from rl_tui.screen.theme.glyphs import ASCII, UNICODE
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
 from rl_tui.worlds.world import World

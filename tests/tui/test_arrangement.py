@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 from textual.geometry import Region, Size
 
-from rl_tui.tui.panels.catalogue import PANELS
-from rl_tui.tui.panels.row import BUDGET, CONTROLS, LAST_STEP
-from rl_tui.tui.screens.playground.arrangement import Shape, arrangement, is_roomy
+from rl_tui.screen.frame.arrangement import Shape, arrangement, is_roomy
+from rl_tui.screen.kit.row import BUDGET, CONTROLS, LAST_STEP
+from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.worlds.drawing import Arms, CellKind, Drawing, Graph, Grid
 
 

@@ -7,8 +7,8 @@ import re
 import pytest
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
-from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.theme.glyphs import ASCII, UNICODE
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.theme.glyphs import ASCII, UNICODE
 
 EQUATIONS = [each.equation for each in (*BY_ID.values(), *POLICY_BY_ID.values())]
 GREEK = "alpha|gamma|epsilon|delta|theta|lambda|tau|pi|sigma|mu|sum"

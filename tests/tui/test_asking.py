@@ -12,20 +12,19 @@ from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import AddLane
-from rl_tui.lab.run.recipe import SwitchAlgorithm
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.glossary.glossary import glossary
-from rl_tui.tui.panels.catalogue import PANELS
-from rl_tui.tui.panels.model.bellman import SECRET
-from rl_tui.tui.panels.q_table.layers import Layer
-from rl_tui.tui.panels.row import LAST_STEP
-from rl_tui.tui.panels.world.view import WorldView
-from rl_tui.tui.screens.explained import Explained
-from rl_tui.tui.screens.glossary import NUMBER, GlossaryScreen
-from rl_tui.tui.screens.help import HelpScreen
-from rl_tui.tui.screens.number_here import number_of_pair
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.live.commands import AddLane
+from rl_tui.runs.recipe import SwitchAlgorithm
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.frame.glossary import NUMBER, GlossaryScreen
+from rl_tui.screen.frame.help import Explained, HelpScreen
+from rl_tui.screen.frame.number_here import number_of_pair
+from rl_tui.screen.glossary.glossary import glossary
+from rl_tui.screen.kit.row import LAST_STEP
+from rl_tui.screen.panels.catalogue import PANELS
+from rl_tui.screen.panels.model.bellman import SECRET
+from rl_tui.screen.panels.q_table.layers import Layer
+from rl_tui.screen.panels.world.view import WorldView
+from rl_tui.screen.playground.playground import Playground
 
 HEIGHTS = [(18, 40), pytest.param((80, 24), marks=pytest.mark.exhaustive("other heights"))]
 TERMS = {row.id: list(row.terms) for row in PANELS}

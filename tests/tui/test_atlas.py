@@ -8,19 +8,16 @@ import pytest
 from conftest import MakeApp
 from seams import notes, on_screen, playground, press, screen_text, snapshot
 
-from rl_tui.lab.atlas import axes
-from rl_tui.lab.atlas import request as atlas_request
-from rl_tui.lab.atlas.cells import CellGrid
-from rl_tui.lab.atlas.figures import Atlas, AtlasCell, AtlasStandings, AtlasState
-from rl_tui.lab.sweeps.measures import MEASURES
-from rl_tui.lab.sweeps.variation import Variation
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.screens.atlas.atlas_dialog import AtlasDialog
-from rl_tui.tui.screens.atlas.picture import AtlasScene, draw_map, plan_of
-from rl_tui.tui.screens.atlas.words import cell_line, head, legend
-from rl_tui.tui.theme.glyphs import ASCII, UNICODE
-from rl_tui.tui.theme.look import Look
-from rl_tui.tui.theme.palette import palette_for
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.atlas.atlas import AtlasDialog, AtlasScene, cell_line, draw_map, head, legend, plan_of
+from rl_tui.screen.theme.glyphs import ASCII, UNICODE
+from rl_tui.screen.theme.look import Look, palette_for
+from rl_tui.studies.atlas import request as atlas_request
+from rl_tui.studies.atlas import request as axes
+from rl_tui.studies.atlas.cells import CellGrid
+from rl_tui.studies.atlas.figures import Atlas, AtlasCell, AtlasStandings, AtlasState
+from rl_tui.studies.sweeps.cells.variation import Variation
+from rl_tui.studies.sweeps.measures import MEASURES
 
 GRID = CellGrid((Variation("epsilon", (0.0, 0.1)), Variation("alpha", (0.1, 0.5, 1.0))))
 LOOK = Look(UNICODE, palette_for("truecolor", dark=True))

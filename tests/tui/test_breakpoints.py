@@ -11,16 +11,16 @@ from seams import sized
 from snapshots import changed
 from textual.strip import Strip
 
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.live.until import Breakpoints
-from rl_tui.tui.draw.names import breakpoints_text
-from rl_tui.tui.panels.q_table.q_table import QTable
-from rl_tui.tui.panels.world.arms.arms import ArmsView
-from rl_tui.tui.panels.world.graph.graph import GraphView
-from rl_tui.tui.panels.world.grid.grid import GridView
-from rl_tui.tui.panels.world.make_view import make_world_view
-from rl_tui.tui.panels.world.view import WorldView
-from rl_tui.tui.theme.look import Look
+from rl_tui.live.pace.until import Breakpoints
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.draw.names import breakpoints_text
+from rl_tui.screen.panels.arms import ArmsView
+from rl_tui.screen.panels.graph.graph import GraphView
+from rl_tui.screen.panels.grid.grid import GridView
+from rl_tui.screen.panels.q_table.q_table import QTable
+from rl_tui.screen.panels.world.view import WorldView
+from rl_tui.screen.panels.world_views import make_world_view
+from rl_tui.screen.theme.look import Look
 
 LOOK = look()
 PALETTE = LOOK.palette

@@ -11,8 +11,8 @@ from threading import Event
 
 import pytest
 
-from rl_tui.cli.serving.app_process import command_line, environment_of_app
-from rl_tui.terminal.browser_driver import MOST_WAITING, BrowserDriver
+from rl_tui.commands.serving.app_process import command_line, environment_of_app
+from rl_tui.screen.terminal.browser_driver import MOST_WAITING, BrowserDriver
 
 DEADLINE = 120.0
 TOLD_TO_END = 143

@@ -3,9 +3,9 @@ from __future__ import annotations
 import pytest
 from samples import answered, bandit, lake, look
 
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.bandit import BanditFigures
-from rl_tui.tui.panels.budget import BEST_ARM_PULLED, BudgetPanel, sum_decimals, sum_text
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.bandit import BanditFigures
+from rl_tui.screen.panels.budget import BEST_ARM_PULLED, BudgetPanel, sum_decimals, sum_text
 
 
 def drawn(snapshot: Snapshot | None, width: int = 54, height: int = 4, *, revealed: bool = False) -> str:

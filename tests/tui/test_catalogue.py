@@ -17,20 +17,19 @@ from textual.widgets import Markdown, OptionList
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
-from rl_tui.lab.lessons.catalogue import read_lessons
-from rl_tui.lab.live.player import Player
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.lab.run.run import Run
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
-from rl_tui.tui.screens.catalogue.facts import defaults, lesson_of, sizes
-from rl_tui.tui.screens.explained import Explained
-from rl_tui.tui.screens.help import HelpScreen
-from rl_tui.tui.screens.lessons.lessons import LessonsScreen
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.lessons.catalogue import read_lessons
+from rl_tui.live.player import Player
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.library import recipe_for
+from rl_tui.runs.run import Run
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.app.display import Display
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.catalogue.catalogue import CatalogueScreen
+from rl_tui.screen.catalogue.facts import defaults, lesson_of, sizes
+from rl_tui.screen.catalogue.lessons import LessonsScreen
+from rl_tui.screen.frame.help import Explained, HelpScreen
+from rl_tui.screen.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import YOURS, find
 from rl_tui.worlds.files.catalogue import scenarios as shipped
 from rl_tui.worlds.files.scenario import Scenario

@@ -10,8 +10,8 @@ from rich.style import Style
 from rich.terminal_theme import TerminalTheme
 from test_palette import LINES, NAMES, RGB_PALETTES, VGA, all_styles, backgrounds, roles
 
-from rl_tui.tui.theme.palette import Depth, Palette, palette_for
-from rl_tui.tui.theme.themes import PICTURE_DARK, PICTURE_LIGHT, themes_for
+from rl_tui.screen.theme.look import Depth, Palette, palette_for
+from rl_tui.screen.theme.themes import PICTURE_DARK, PICTURE_LIGHT, themes_for
 
 READABLE = 4.5  # WCAG 2.2, 1.4.3: text against its background
 VISIBLE = 3.0  # 1.4.11: lines and marks against what is beside them

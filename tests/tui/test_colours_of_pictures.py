@@ -8,8 +8,8 @@ import pytest
 from colour_vision import contrast, least_distance, luminance
 from rich.color import Color
 
-from rl_tui.cli.reports.picture_text import COLOURS_256
-from rl_tui.lab.pictures import colours
+from rl_tui.commands.reports.picture_text import COLOURS_256
+from rl_tui.studies.pictures import colours
 
 WHITE, BLACK = Color.parse("#ffffff"), Color.parse("#000000")
 IN_FILES = [Color.parse(each) for each in colours.LINES]

@@ -14,15 +14,15 @@ from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import AddBranch, AddLane, ChooseLane, Command, DropLane, HideAnswer
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.lab.run.recipe import JournalEntry, SetParameter, SwitchAlgorithm
-from rl_tui.lab.timeline.branches import Branch, Timeline
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.screens.dialogs.choice import Choice
-from rl_tui.tui.screens.dialogs.lanes.changes import lane_changes, what_may_differ
-from rl_tui.tui.screens.dialogs.lanes.compare import INSTEAD_OF, Compare
-from rl_tui.tui.screens.dialogs.prompt import Prompt
+from rl_tui.live.commands import AddBranch, AddLane, ChooseLane, Command, DropLane, HideAnswer
+from rl_tui.runs.library import recipe_for
+from rl_tui.runs.recipe import JournalEntry, SetParameter, SwitchAlgorithm
+from rl_tui.runs.timeline.branches import Branch, Timeline
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.dialogs.choice import Choice
+from rl_tui.screen.dialogs.compare_lanes import INSTEAD_OF, Compare
+from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.dialogs.lane_changes import lane_changes, what_may_differ
 from rl_tui.worlds.files.catalogue import find
 
 LAKE, ARMS = lake_world().space, bandit_world().space

@@ -11,11 +11,11 @@ from snapshots import changed
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.actions.registry import ACTIONS
-from rl_tui.tui.panels.controls.controls import in_force, sliders_of
-from rl_tui.tui.panels.controls.settings import laid_out, settings_of
-from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.screen.keys.registry import ACTIONS
+from rl_tui.screen.panels.controls.controls import in_force, sliders_of
+from rl_tui.screen.panels.controls.settings import laid_out, settings_of
+from rl_tui.screen.theme.glyphs import ASCII, UNICODE, Glyphs
 
 LAKE = lake()
 EVERY = [

@@ -12,11 +12,11 @@ from samples import answered, bandit, lake, look, planning, stepped_lake, studen
 from snapshots import changed
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.tui.panels.curve import words
-from rl_tui.tui.panels.curve.curve import ReturnCurve
-from rl_tui.tui.panels.curve.data import curve_data
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.library import recipe_for
+from rl_tui.screen.panels.curve import words
+from rl_tui.screen.panels.curve.curve import ReturnCurve
+from rl_tui.screen.panels.curve.data import curve_data
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.space import all_pairs
 from rl_tui.worlds.world import World

@@ -13,15 +13,14 @@ from rich.style import Style
 from samples import bandit, lake, look, student
 from snapshots import changed
 
-from rl_tui.lab.live.program_view import ProgramView
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.results import Curve, Marks
-from rl_tui.tui.draw.scale import Scale
-from rl_tui.tui.panels.curve.curve import ReturnCurve
-from rl_tui.tui.panels.curve.words import BELOW_AXIS
-from rl_tui.tui.theme.glyphs import UNICODE
-from rl_tui.tui.theme.look import Look
-from rl_tui.tui.theme.palette import Palette, palette_for
+from rl_tui.live.program_view import ProgramView
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.results import Curve, Marks
+from rl_tui.screen.draw.scale import Scale
+from rl_tui.screen.panels.curve.curve import ReturnCurve
+from rl_tui.screen.panels.curve.words import BELOW_AXIS
+from rl_tui.screen.theme.glyphs import UNICODE
+from rl_tui.screen.theme.look import Look, Palette, palette_for
 
 
 def drawn_with(snapshot: Snapshot, shown_with: Look) -> list[str]:

@@ -11,8 +11,8 @@ from lane_samples import lane_views, side_by_side
 from samples import bandit, lake, marks, planning, student
 from snapshots import changed
 
-from rl_tui.lab.run.results import Marks
-from rl_tui.tui.panels.curve import words
+from rl_tui.runs.results import Marks
+from rl_tui.screen.panels.curve import words
 
 TINY = (26, 9)
 

@@ -8,19 +8,19 @@ from drawn_curves import NARROW, WIDE, drawn, flat, steps
 from samples import answered, bandit, curve, lake, look, marks, planning, student
 from snapshots import changed
 
-from rl_tui.lab.timeline.branches import Branch, Timeline
-from rl_tui.tui.draw import braille
-from rl_tui.tui.draw.axes import draw_value_axis
-from rl_tui.tui.draw.braille import Steps
-from rl_tui.tui.draw.canvas import Canvas
-from rl_tui.tui.draw.chart_plot import Plot
-from rl_tui.tui.draw.label_rows import apart
-from rl_tui.tui.draw.scale import Scale, round_range, round_scale, settled, tick_label, tick_step
-from rl_tui.tui.panels.curve.chart import taking_turns
-from rl_tui.tui.panels.curve.curve import ReturnCurve
-from rl_tui.tui.panels.curve.data import curve_data
-from rl_tui.tui.panels.curve.smoothing import smoothed
-from rl_tui.tui.panels.curve.words import OPTIMUM
+from rl_tui.runs.timeline.branches import Branch, Timeline
+from rl_tui.screen.draw import braille
+from rl_tui.screen.draw.axes import draw_value_axis
+from rl_tui.screen.draw.braille import Steps
+from rl_tui.screen.draw.canvas import Canvas
+from rl_tui.screen.draw.chart_plot import Plot
+from rl_tui.screen.draw.label_rows import apart
+from rl_tui.screen.draw.scale import Scale, round_range, round_scale, settled, tick_label, tick_step
+from rl_tui.screen.panels.curve.chart import taking_turns
+from rl_tui.screen.panels.curve.curve import ReturnCurve
+from rl_tui.screen.panels.curve.data import curve_data
+from rl_tui.screen.panels.curve.smoothing import smoothed
+from rl_tui.screen.panels.curve.words import OPTIMUM
 
 # Axes
 

@@ -14,18 +14,17 @@ from samples import bandit, lake, look, student
 from seams import on_screen, playground, press, screen_text, snapshot, switch
 from snapshots import changed
 
-from rl_tui.lab.answers.flip_answer import HELD_UP, FlipAnswer, FlipState, refused, worked_out
-from rl_tui.lab.answers.view import AnswersView
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.library import recipe_named
-from rl_tui.lab.run.recipe import begin
-from rl_tui.tui.draw import braille
-from rl_tui.tui.panels.discount.chart import action_lines, draw_values, ranked
-from rl_tui.tui.panels.discount.discount import HIDDEN, NO_FLIPS, PENDING, DiscountPanel
-from rl_tui.tui.panels.discount.flip_list import fitting_form
-from rl_tui.tui.panels.legend import legend_rows
-from rl_tui.tui.panels.snapshot_facts import ANSWER_KEY
-from rl_tui.tui.theme.glyphs import UNICODE
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.answers.flip_answer import HELD_UP, FlipAnswer, FlipState, refused, worked_out
+from rl_tui.runs.answers.view import AnswersView
+from rl_tui.runs.library import recipe_named
+from rl_tui.runs.recipe import begin
+from rl_tui.screen.draw import braille
+from rl_tui.screen.kit.panel import legend_rows
+from rl_tui.screen.kit.snapshot_facts import ANSWER_KEY
+from rl_tui.screen.panels.discount import HIDDEN, NO_FLIPS, PENDING, DiscountPanel, fitting_form
+from rl_tui.screen.panels.discount_chart import action_lines, draw_values, ranked
+from rl_tui.screen.theme.glyphs import UNICODE
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 SIZES = ((118, 30), (58, 19), (56, 20), (36, 19), (36, 13), (26, 7), (16, 10), (5, 3), (1, 1))

@@ -13,18 +13,18 @@ from textual.pilot import Pilot
 
 from rl_tui.common import limits
 from rl_tui.common.errors import UserError
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.tui.actions.registry import ACTIONS
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.palette_entries import ActionProvider
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.drawing.tool_list import ToolList
-from rl_tui.tui.panels.row import BUDGET, CONTROLS, CURVE, DRAW, LAST_STEP, TABLE, WORLD
-from rl_tui.tui.screens.key_line import KeyLine
-from rl_tui.tui.screens.playground.actions.modes.editing.editing import ALWAYS, TOOLBOXES
-from rl_tui.tui.screens.playground.arrangement import Shape, arrangement
-from rl_tui.tui.theme.glyphs import ASCII, UNICODE
+from rl_tui.runs.library import recipe_for
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.app.palette_entries import ActionProvider
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.frame.arrangement import Shape, arrangement
+from rl_tui.screen.frame.key_line import KeyLine
+from rl_tui.screen.keys.registry import ACTIONS
+from rl_tui.screen.kit.row import BUDGET, CONTROLS, CURVE, DRAW, LAST_STEP, TABLE, WORLD
+from rl_tui.screen.panels.draw_panel import ToolList
+from rl_tui.screen.playground.modes.editing import ALWAYS, TOOLBOXES
+from rl_tui.screen.theme.glyphs import ASCII, UNICODE
 from rl_tui.worlds.drawing import Arms, CellKind, Graph, Grid
 from rl_tui.worlds.editing.arms_draft import ArmsDraft
 from rl_tui.worlds.editing.graph_draft import GraphDraft, chances_of

@@ -15,19 +15,19 @@ from seams import app_at, choose, click, notes, on_screen, order, playground, pr
 from textual.pilot import Pilot
 from textual.widgets import Static
 
-from rl_tui.cli.main import program
+from rl_tui.commands.main import program
 from rl_tui.common.errors import UserError
-from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.lab.answers.policy_values import PolicyAnswer
-from rl_tui.lab.live.commands import AddLane, Restart
-from rl_tui.lab.run.recipe import SetParameter
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.pointing import part_pointed_at
-from rl_tui.tui.panels.world.view import WorldView
-from rl_tui.tui.screens.dialogs.confirm import Confirm
-from rl_tui.tui.screens.dialogs.export import CommandLine
-from rl_tui.tui.screens.key_line import KeyLine
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.live.commands import AddLane, Restart
+from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.runs.answers.policy_values import PolicyAnswer
+from rl_tui.runs.recipe import SetParameter
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.dialogs.dialog import Confirm
+from rl_tui.screen.dialogs.export import CommandLine
+from rl_tui.screen.frame.key_line import KeyLine
+from rl_tui.screen.kit.pointing import part_pointed_at
+from rl_tui.screen.panels.world.view import WorldView
+from rl_tui.screen.playground.playground import Playground
 
 LEFT, DOWN, RIGHT, UP = range(4)
 SHORTEST = ((0, DOWN), (4, DOWN), (8, RIGHT), (9, DOWN), (13, RIGHT), (14, RIGHT))

@@ -10,17 +10,17 @@ from drawn_curves import drawn as drawn_curve
 from drawn_grids import picture, visited
 from samples import answered, lake, look, student
 
-from rl_tui.lab.live.editing.world_editor import EditorView
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.lab.run.run import WorldChanged
-from rl_tui.tui.draw.canvas import Canvas
-from rl_tui.tui.panels.curve.data import curve_data
-from rl_tui.tui.panels.q_table.q_table import QTable
-from rl_tui.tui.panels.world.edit_marks import EditMarks, put_marks
-from rl_tui.tui.panels.world.graph.graph import GraphView
-from rl_tui.tui.panels.world.grid.grid import GridView
-from rl_tui.worlds.editing.draft import Draft
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.live.world_editor import EditorView
+from rl_tui.runs.library import recipe_for
+from rl_tui.runs.run import WorldChanged
+from rl_tui.screen.draw.canvas import Canvas
+from rl_tui.screen.panels.curve.data import curve_data
+from rl_tui.screen.panels.graph.graph import GraphView
+from rl_tui.screen.panels.grid.grid import GridView
+from rl_tui.screen.panels.q_table.q_table import QTable
+from rl_tui.screen.panels.world.edit_marks import EditMarks, put_marks
+from rl_tui.worlds.editing.arms_draft import Draft
 from rl_tui.worlds.editing.drafts import first_draft
 from rl_tui.worlds.editing.edit import read_edits
 from rl_tui.worlds.editing.grid_draft import draft_of_lines

@@ -11,16 +11,16 @@ from textual.pilot import Pilot
 from textual.widgets import Input
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import AddBranch, DrawWorld
-from rl_tui.lab.run.changes import read_world, written_world
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.tui.app.opening import DrawingStart
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.last_step.last_step import OF_ANOTHER_WORLD, nothing_yet
-from rl_tui.tui.panels.world.grid.grid import GridView
-from rl_tui.tui.screens.dialogs.choice import Choice
-from rl_tui.tui.screens.dialogs.prompt import Prompt
-from rl_tui.tui.screens.playground.actions.modes.editing.texts import title
+from rl_tui.live.commands import AddBranch, DrawWorld
+from rl_tui.runs.changes import read_world, written_world
+from rl_tui.runs.library import recipe_for
+from rl_tui.screen.app.opening import DrawingStart
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.dialogs.choice import Choice
+from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.panels.grid.grid import GridView
+from rl_tui.screen.panels.last_step.last_step import OF_ANOTHER_WORLD, nothing_yet
+from rl_tui.screen.playground.modes.texts import title
 from rl_tui.worlds.editing.edit import as_json, read_edits
 from rl_tui.worlds.editing.grid_draft import GridDraft
 from rl_tui.worlds.files.catalogue import find

@@ -11,19 +11,19 @@ from seams import on_screen, order, playground, press, screen_text, snapshot, tr
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import AddBranch, DrawWorld
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.library import recipe_named
-from rl_tui.lab.run.recipe import begin
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.counterparts import are_alike, in_common, pair_in, pairs_in, state_in
-from rl_tui.tui.panels.q_table.q_table import QTable
-from rl_tui.tui.panels.row import beside
-from rl_tui.tui.panels.side_by_side import greedy_differences
-from rl_tui.tui.panels.world.arms.arms import ArmsView
-from rl_tui.tui.panels.world.graph.graph import GraphView
-from rl_tui.tui.panels.world.grid.grid import GridView
-from rl_tui.tui.panels.world.view import WorldView
+from rl_tui.live.commands import AddBranch, DrawWorld
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.library import recipe_named
+from rl_tui.runs.recipe import begin
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.kit.counterparts import are_alike, in_common, pair_in, pairs_in, state_in
+from rl_tui.screen.kit.row import beside
+from rl_tui.screen.panels.arms import ArmsView
+from rl_tui.screen.panels.graph.graph import GraphView
+from rl_tui.screen.panels.grid.grid import GridView
+from rl_tui.screen.panels.q_table.q_table import QTable
+from rl_tui.screen.panels.side_by_side import greedy_differences
+from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.worlds.editing.edit import read_edits
 
 pytestmark = pytest.mark.screen

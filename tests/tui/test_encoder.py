@@ -16,10 +16,10 @@ from rich.style import Style
 from textual.strip import Strip
 from wcwidth import wcwidth
 
-from rl_tui.terminal.cells import Cutter
-from rl_tui.terminal.encoder import Encoder
-from rl_tui.terminal.pens import Pen, Pens
-from rl_tui.terminal.screen_buffer import ScreenBuffer
+from rl_tui.screen.terminal.cells import Cutter
+from rl_tui.screen.terminal.encoder import Encoder
+from rl_tui.screen.terminal.pens import Pen, Pens
+from rl_tui.screen.terminal.screen_buffer import ScreenBuffer
 
 COLOURS = (None, "default", "red", "bright_blue", "color(7)", "color(99)", "#102030", "#fedcba")
 SHOWS_ON_BLANKS = ("underscore", "strikethrough", "reverse", "blink")
@@ -210,7 +210,7 @@ def pens_alive() -> int:
 
 @pytest.mark.exhaustive("draws hundreds of thousands of cells")
 def test_pens_that_no_cell_has_are_forgotten(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rl_tui.terminal.pens.MOST_KEPT", 100)
+    monkeypatch.setattr("rl_tui.screen.terminal.pens.MOST_KEPT", 100)
     pens = Pens(ColorSystem.TRUECOLOR)
     kept = pens.of(Style(color="#102030"))
     before = pens_alive()

@@ -8,9 +8,9 @@ from seams import on_screen
 from textual.css.query import NoMatches
 from textual.widget import MountError
 
-from rl_tui.terminal.ending import HUNG_UP
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.playground.playground import Playground
+from rl_tui.screen.terminal.ending import HUNG_UP
 
 
 @pytest.mark.parametrize("by_worker", [False, True])

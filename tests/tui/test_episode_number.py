@@ -10,8 +10,8 @@ from seams import notes, on_screen, playground, press, screen_text, snapshot, sw
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.tui.panels.last_step.last_step import ENDED, ENDED_SWEEP
-from rl_tui.tui.panels.row import LAST_STEP, MICROSCOPE
+from rl_tui.screen.kit.row import LAST_STEP, MICROSCOPE
+from rl_tui.screen.panels.last_step.last_step import ENDED, ENDED_SWEEP
 from rl_tui.worlds.drawing import CellKind, Grid
 
 _NUMBERED = re.compile(r"\b(?:ep|episode|sweep) ([\d,]*\d)")

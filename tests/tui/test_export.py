@@ -18,12 +18,12 @@ from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import AddLane
-from rl_tui.lab.run.recipe import SetParameter
-from rl_tui.tui.screens.dialogs.choice import Choice
-from rl_tui.tui.screens.dialogs.export import BrokenOffError, CommandLine, Working
-from rl_tui.tui.screens.dialogs.prompt import Prompt
-from rl_tui.tui.screens.playground.actions.export import script_of
+from rl_tui.live.commands import AddLane
+from rl_tui.runs.recipe import SetParameter
+from rl_tui.screen.dialogs.choice import Choice
+from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.dialogs.export import BrokenOffError, CommandLine, Working
+from rl_tui.screen.playground.actions.export import script_of
 
 
 @pytest.fixture(autouse=True)

@@ -7,19 +7,26 @@ import re
 import pytest
 from samples import answered, bandit, lake, look, planning
 
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.draw.pieces import Line
-from rl_tui.tui.glossary.figure_text import FigureSetting, figure_text
-from rl_tui.tui.glossary.glossary import FigureKind, FigureLimit, GlossaryTerm, glossary, term_at
-from rl_tui.tui.panels.budget import budget_lines
-from rl_tui.tui.panels.catalogue import PANELS
-from rl_tui.tui.panels.curve.text import figure_names
-from rl_tui.tui.panels.last_step.last_step import last_step_lines
-from rl_tui.tui.panels.many_seeds import figures as study_figures
-from rl_tui.tui.panels.q_table.layers import Layer
-from rl_tui.tui.panels.row import BUDGET, CURVE, LAST_STEP, TABLE, WORLD
-from rl_tui.tui.panels.status_line import status_line
-from rl_tui.tui.theme.glyphs import UNICODE
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.draw.canvas import Line
+from rl_tui.screen.glossary.glossary import (
+    FigureKind,
+    FigureLimit,
+    FigureSetting,
+    GlossaryTerm,
+    figure_text,
+    glossary,
+    term_at,
+)
+from rl_tui.screen.kit.row import BUDGET, CURVE, LAST_STEP, TABLE, WORLD
+from rl_tui.screen.panels import seed_figures as study_figures
+from rl_tui.screen.panels.budget import budget_lines
+from rl_tui.screen.panels.catalogue import PANELS
+from rl_tui.screen.panels.curve.text import figure_names
+from rl_tui.screen.panels.last_step.last_step import last_step_lines
+from rl_tui.screen.panels.q_table.layers import Layer
+from rl_tui.screen.panels.status_line import status_line
+from rl_tui.screen.theme.glyphs import UNICODE
 
 TERMS = {row.id: row.terms for row in PANELS}
 STUDIED = [name for each in study_figures.FIGURES for name in (each.name, each.in_full)]

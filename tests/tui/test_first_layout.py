@@ -11,14 +11,14 @@ from seams import app_at
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.course.entries import LessonStart
-from rl_tui.lab.lessons.record import begun
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.lab.run.recipe import Recipe
-from rl_tui.lab.sessions.session import StoredSession, encoded, read_session
-from rl_tui.lab.timeline.branches import RunRecord
-from rl_tui.tui.app.screenshot import settle
+from rl_tui.lessons.file.view import begun
+from rl_tui.live.record import Record
+from rl_tui.live.sessions.progress import LessonStart
+from rl_tui.live.sessions.session import StoredSession, encoded, read_session
+from rl_tui.runs.library import recipe_for
+from rl_tui.runs.recipe import Recipe
+from rl_tui.runs.timeline.branches import RunRecord
+from rl_tui.screen.app.screenshot import settle
 from rl_tui.worlds.files.catalogue import find
 
 WIDE, SMALL = (120, 40), (80, 24)

@@ -10,14 +10,14 @@ from snapshots import changed
 from textual.app import App, ComposeResult
 
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.lab.answers.flip_answer import FlipState, worked_out
-from rl_tui.lab.run.library import recipe_named
-from rl_tui.lab.run.recipe import begin
-from rl_tui.tui.panels.controls.controls import flip_marks
-from rl_tui.tui.panels.controls.slider import Slider, key_hints
-from rl_tui.tui.panels.controls.slider_picture import SliderMark, SliderState, slider_strip
-from rl_tui.tui.panels.controls.slider_scale import scale_of
-from rl_tui.tui.theme.glyphs import ASCII, UNICODE
+from rl_tui.runs.answers.flip_answer import FlipState, worked_out
+from rl_tui.runs.library import recipe_named
+from rl_tui.runs.recipe import begin
+from rl_tui.screen.panels.controls.controls import flip_marks
+from rl_tui.screen.panels.controls.slider import Slider, key_hints
+from rl_tui.screen.panels.controls.slider_picture import SliderMark, SliderState, slider_strip
+from rl_tui.screen.panels.controls.slider_scale import scale_of
+from rl_tui.screen.theme.glyphs import ASCII, UNICODE
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 GAMMA = PARAMETERS["gamma"]

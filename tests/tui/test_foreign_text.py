@@ -14,18 +14,18 @@ from seams import app_at, on_screen, screen_text, tap
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.export.recipe_line import recipe_line
-from rl_tui.lab.export.script import script
-from rl_tui.lab.export.tables import write_q_csv
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.lab.run.recipe import begin
-from rl_tui.lab.run.run import Run
-from rl_tui.lab.sessions.session import encoded
-from rl_tui.lab.timeline.branches import FIRST, RunRecord
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
-from rl_tui.tui.app.screenshot import settle
+from rl_tui.live.record import Record
+from rl_tui.live.sessions.session import encoded
+from rl_tui.runs.export.recipe_line import recipe_line
+from rl_tui.runs.export.script import script
+from rl_tui.runs.export.tables import write_q_csv
+from rl_tui.runs.library import recipe_for
+from rl_tui.runs.recipe import begin
+from rl_tui.runs.run import Run
+from rl_tui.runs.timeline.branches import FIRST, RunRecord
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.app.display import Display
+from rl_tui.screen.app.screenshot import settle
 from rl_tui.worlds.files.scenario import Scenario, read_scenario
 
 TITLE = r"[red]T[/] {0} %s $HOME \x1b[31m [@click=app.quit]"

@@ -10,11 +10,11 @@ import pytest
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.glossary.glossary import GlossaryTerm, glossary, search, term_at, terms_called
-from rl_tui.tui.panels.catalogue import PANELS
-from rl_tui.tui.panels.row import CONTROLS, LAST_STEP, TABLE, TIMELINE, WORLD, PanelRow
-from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.glossary.glossary import GlossaryTerm, glossary, search, term_at, terms_called
+from rl_tui.screen.kit.row import CONTROLS, LAST_STEP, TABLE, TIMELINE, WORLD, PanelRow
+from rl_tui.screen.panels.catalogue import PANELS
+from rl_tui.screen.theme.glyphs import ASCII, UNICODE, Glyphs
 
 AGENTS = (Path(__file__).parents[2] / "docs/agents.md").read_text(encoding="utf-8")
 

@@ -8,14 +8,14 @@ from samples import look, student
 from snapshots import changed
 from textual.strip import Strip
 
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.lab.run.recipe import begin
-from rl_tui.tui.panels.world.graph.graph import BOLD, THIN, GraphView, StrokeArms, joint
-from rl_tui.tui.panels.world.graph.layout import GraphLayout, graph_layout
-from rl_tui.tui.panels.world.graph.routing import RIGHT, Box, Port, RoutingSheet, route
-from rl_tui.tui.panels.world.graph.shape import GraphShape, graph_shape, probability_text, reward_text
-from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.library import recipe_for
+from rl_tui.runs.recipe import begin
+from rl_tui.screen.panels.graph.graph import BOLD, THIN, GraphView, StrokeArms, joint
+from rl_tui.screen.panels.graph.layout import GraphLayout, graph_layout
+from rl_tui.screen.panels.graph.routing import RIGHT, Box, Port, RoutingSheet, route
+from rl_tui.screen.panels.graph.shape import GraphShape, graph_shape, probability_text, reward_text
+from rl_tui.screen.theme.glyphs import ASCII, UNICODE, Glyphs
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp

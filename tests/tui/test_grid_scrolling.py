@@ -13,11 +13,11 @@ from snapshots import changed
 from textual.app import App, ComposeResult
 from textual.geometry import Region
 
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.panels.scrolling import kept_in_view
-from rl_tui.tui.panels.world.grid.grid import GridView
-from rl_tui.tui.panels.world.grid.map import CellContent, GridMap, MapPart
-from rl_tui.tui.panels.world.make_view import make_world_view
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.kit.scrolling import kept_in_view
+from rl_tui.screen.panels.grid.grid import GridView
+from rl_tui.screen.panels.grid.map import CellContent, GridMap, MapPart
+from rl_tui.screen.panels.world_views import make_world_view
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.world import World
 

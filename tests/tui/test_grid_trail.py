@@ -14,12 +14,12 @@ from samples import lake, learned_from, look
 from seams import on_screen, press, screen_text, snapshot, train
 from snapshots import changed
 
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.timeline.trail import TrailStep
-from rl_tui.tui.panels.last_step.last_step import LastStepPanel
-from rl_tui.tui.panels.panel import Panel
-from rl_tui.tui.panels.world.grid.grid import GridView
-from rl_tui.tui.panels.world.grid.headings import STATE_NUMBERS
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.timeline.trail import TrailStep
+from rl_tui.screen.kit.panel import Panel
+from rl_tui.screen.panels.grid.grid import GridView
+from rl_tui.screen.panels.grid.headings import STATE_NUMBERS
+from rl_tui.screen.panels.last_step.last_step import LastStepPanel
 from rl_tui.worlds.grid.section import GridSection
 from rl_tui.worlds.world import World
 

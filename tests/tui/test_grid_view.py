@@ -10,9 +10,9 @@ from sample_worlds import LEFT, RIGHT, UP, lake_world
 from samples import big_lake, lake, look
 from snapshots import changed
 
-from rl_tui.tui.panels.world.grid.form import CellForm, cell_form
-from rl_tui.tui.panels.world.grid.grid import GridView
-from rl_tui.tui.panels.world.grid.rewards import cell_rewards
+from rl_tui.screen.panels.grid.form import CellForm, cell_form
+from rl_tui.screen.panels.grid.grid import GridView
+from rl_tui.screen.panels.grid.rewards import cell_rewards
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.mdp.space import FiniteSpace
 from rl_tui.worlds.world import World

@@ -10,17 +10,17 @@ from samples import lake, look, student
 from seams import notes, on_screen, order, playground, press, screen_text, snapshot, train
 from snapshots import changed
 
-from rl_tui.lab.live.commands import HideAnswer
-from rl_tui.lab.live.snapshot import Phase
-from rl_tui.tui.panels.curve.data import curve_data
-from rl_tui.tui.panels.curve.words import HIDDEN_OPTIMUM, OPTIMUM
-from rl_tui.tui.panels.microscope.cell_history import history_strips
-from rl_tui.tui.panels.model.text import pair_lines
-from rl_tui.tui.panels.q_table.layers import EXACT_LAYERS, Layer
-from rl_tui.tui.panels.snapshot_facts import ANSWER_KEY, hides_means, is_secret
-from rl_tui.tui.screens.dialogs.until_options import until_options
-from rl_tui.tui.screens.number_here import number_of_pair, number_of_state
-from rl_tui.tui.theme.glyphs import UNICODE
+from rl_tui.live.commands import HideAnswer
+from rl_tui.live.snapshot import Phase
+from rl_tui.screen.dialogs.until_options import until_options
+from rl_tui.screen.frame.number_here import number_of_pair, number_of_state
+from rl_tui.screen.kit.snapshot_facts import ANSWER_KEY, hides_means, is_secret
+from rl_tui.screen.panels.curve.data import curve_data
+from rl_tui.screen.panels.curve.words import HIDDEN_OPTIMUM, OPTIMUM
+from rl_tui.screen.panels.microscope.microscope import history_strips
+from rl_tui.screen.panels.model.model import pair_lines
+from rl_tui.screen.panels.q_table.layers import EXACT_LAYERS, Layer
+from rl_tui.screen.theme.glyphs import UNICODE
 from rl_tui.worlds.files.catalogue import scenarios
 
 SECRET = changed(lake(), is_hidden=True)

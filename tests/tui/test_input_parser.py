@@ -7,8 +7,8 @@ from textual.events import Key, MouseMove, Paste
 from textual.message import Message
 from textual.messages import TerminalSupportsSynchronizedOutput
 
-from rl_tui.terminal.input_parser import ESCAPE_DELAY, InputParser
-from rl_tui.terminal.key_queue import EscapeOrAlt
+from rl_tui.screen.terminal.input_parser import ESCAPE_DELAY, InputParser
+from rl_tui.screen.terminal.key_queue import EscapeOrAlt
 
 
 class Typed:

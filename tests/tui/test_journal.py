@@ -12,9 +12,9 @@ from snapshots import changed
 from textual.app import App
 from textual.widgets import OptionList, Static
 
-from rl_tui.lab.live.commands import AddBranch, GoTo
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.recipe import (
+from rl_tui.live.commands import AddBranch, GoTo
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.recipe import (
     EditWorld,
     JournalEntry,
     RedoEdit,
@@ -23,12 +23,12 @@ from rl_tui.lab.run.recipe import (
     TakeAction,
     UndoEdit,
 )
-from rl_tui.lab.timeline.branches import Branch, Timeline
-from rl_tui.lab.timeline.lane_names import LanePast
-from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.screens.dialogs.goto import goto_prompt, parse_goto
-from rl_tui.tui.screens.dialogs.journal import HOW_TO_BRANCH, NO_CHANGE, JournalScreen, Moment, journal_lines
-from rl_tui.tui.theme.glyphs import ASCII, UNICODE, Glyphs
+from rl_tui.runs.timeline.branches import Branch, Timeline
+from rl_tui.runs.timeline.run_names import LanePast
+from rl_tui.screen.dialogs.dialog import goto_prompt, parse_goto
+from rl_tui.screen.dialogs.journal import HOW_TO_BRANCH, NO_CHANGE, JournalScreen, Moment, journal_lines
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.theme.glyphs import ASCII, UNICODE, Glyphs
 from rl_tui.worlds.editing.edit import read_edits
 
 HANDS = tuple(JournalEntry(step, TakeAction(1)) for step in range(3_400, 3_461))
@@ -118,7 +118,7 @@ TWO = Timeline(
 
 
 class Bench(App[None]):
-    CSS_PATH = "../../rl_tui/tui/app/app.tcss"
+    CSS_PATH = "../../rl_tui/screen/app/app.tcss"
 
     def __init__(self, timeline: Timeline, snapshot: Snapshot | None = None) -> None:
         super().__init__()

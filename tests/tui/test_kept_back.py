@@ -9,17 +9,17 @@ import pytest
 from samples import bandit, look, student
 from snapshots import changed
 
-from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.draw.pieces import Line
-from rl_tui.tui.panels.budget import budget_lines
-from rl_tui.tui.panels.last_step.last_step import last_step_lines
-from rl_tui.tui.panels.model.bellman import means_key
-from rl_tui.tui.panels.policies.notes import notes
-from rl_tui.tui.panels.snapshot_facts import SHOWN_BY_KEY, shown_by
-from rl_tui.tui.panels.world.graph.graph import GraphView
-from rl_tui.tui.screens.playground.actions.modes.drawing_texts import title
-from rl_tui.tui.theme.glyphs import UNICODE
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.screen.draw.canvas import Line
+from rl_tui.screen.kit.snapshot_facts import SHOWN_BY_KEY, shown_by
+from rl_tui.screen.panels.budget import budget_lines
+from rl_tui.screen.panels.graph.graph import GraphView
+from rl_tui.screen.panels.last_step.last_step import last_step_lines
+from rl_tui.screen.panels.model.bellman import means_key
+from rl_tui.screen.panels.policies.table import notes
+from rl_tui.screen.playground.modes.drawing import title
+from rl_tui.screen.theme.glyphs import UNICODE
 
 pytestmark = pytest.mark.unit
 BANDIT = bandit(100)

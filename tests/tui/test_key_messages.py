@@ -14,17 +14,17 @@ from textual.events import MouseDown
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.player import Player
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.app.palette_entries import ActionProvider, palette_name
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.panel import key_at
-from rl_tui.tui.panels.q_table.layers import Layer
-from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
-from rl_tui.tui.screens.dialogs.choice import Choice
-from rl_tui.tui.screens.dialogs.confirm import QuitQuestion
-from rl_tui.tui.screens.help import HelpScreen
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.live.player import Player
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.app.palette_entries import ActionProvider, palette_name
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.catalogue.catalogue import CatalogueScreen
+from rl_tui.screen.dialogs.choice import Choice
+from rl_tui.screen.dialogs.dialog import QuitQuestion
+from rl_tui.screen.frame.help import HelpScreen
+from rl_tui.screen.kit.panel import key_at
+from rl_tui.screen.panels.q_table.layers import Layer
+from rl_tui.screen.playground.playground import Playground
 
 # Messages
 

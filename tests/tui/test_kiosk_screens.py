@@ -9,16 +9,15 @@ import pytest
 from seams import app_at, notes, on_screen, tap
 from textual.widgets import Static
 
-from rl_tui.lab.live.snapshot import Phase
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.tui.actions.action import Place
-from rl_tui.tui.actions.registry import ACTIONS, actions_of
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.idleness import PATIENCE, Idleness
-from rl_tui.tui.app.palette_entries import ActionProvider, palette_name
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.screens.key_line import fitting
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.live.snapshot import Phase
+from rl_tui.runs.library import recipe_for
+from rl_tui.screen.app.app import PATIENCE, Idleness, RlTuiApp
+from rl_tui.screen.app.palette_entries import ActionProvider, palette_name
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.frame.key_line import fitting
+from rl_tui.screen.keys.action import Place
+from rl_tui.screen.keys.registry import ACTIONS, actions_of
+from rl_tui.screen.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import find
 
 FOR_THE_OWNER = {"session.save", "export.choose", "delete_session", "suspend"}
@@ -102,8 +101,8 @@ async def test_a_run_that_was_forgotten_is_paused(monkeypatch: pytest.MonkeyPatc
                 await pilot.pause(0.01)
         await settle(pilot)
 
-    monkeypatch.setattr("rl_tui.tui.app.app.LOOKS", 0.001)
-    monkeypatch.setattr("rl_tui.tui.app.app.Idleness", partial(Idleness, clock=clock))
+    monkeypatch.setattr("rl_tui.screen.app.app.LOOKS", 0.001)
+    monkeypatch.setattr("rl_tui.screen.app.app.Idleness", partial(Idleness, clock=clock))
     app = kiosk("student")
     async with on_screen(app) as pilot:
         await tap(pilot, "space")

@@ -10,13 +10,13 @@ from rich.style import Style
 from samples import answered, bandit, curve, lake, look, marks, planning
 from snapshots import changed
 
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.results import Curve
-from rl_tui.lab.timeline.branches import Branch, Timeline
-from rl_tui.tui.panels.curve import words
-from rl_tui.tui.panels.curve.curve import ReturnCurve
-from rl_tui.tui.panels.curve.data import curve_data
-from rl_tui.tui.theme.look import Look
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.results import Curve
+from rl_tui.runs.timeline.branches import Branch, Timeline
+from rl_tui.screen.panels.curve import words
+from rl_tui.screen.panels.curve.curve import ReturnCurve
+from rl_tui.screen.panels.curve.data import curve_data
+from rl_tui.screen.theme.look import Look
 
 MANY = words.ONE_SEED + words.COUNTS_SEEDS
 NARROW, WIDE, BROAD = (40, 7), (64, 14), (110, 14)

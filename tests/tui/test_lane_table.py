@@ -9,11 +9,11 @@ from samples import bandit, lake, look, student
 from seams import sized
 from snapshots import changed
 
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.timeline.lane_view import LaneView
-from rl_tui.tui.draw.number_form import SteadyForms
-from rl_tui.tui.panels.q_table.layers import Figures, Layer
-from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.timeline.lane_view import LaneView
+from rl_tui.screen.draw.number_form import SteadyForms
+from rl_tui.screen.panels.q_table.layers import Figures, Layer
+from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.worlds.mdp.space import FloatArray
 
 

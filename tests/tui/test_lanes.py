@@ -9,11 +9,11 @@ from textual.pilot import Pilot
 from textual.widgets import Input
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import AddLane
-from rl_tui.lab.run.recipe import SetParameter
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.screens.dialogs.lanes.compare import Compare
+from rl_tui.live.commands import AddLane
+from rl_tui.runs.recipe import SetParameter
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.dialogs.compare_lanes import Compare
+from rl_tui.screen.panels.controls.slider import Slider
 
 
 async def open_lane(pilot: Pilot[UserError], name: str, value: str) -> None:

@@ -7,14 +7,14 @@ import pytest
 from open_grids import open_grid_recipe
 from seams import app_at, on_screen, playground, scroll_down, tap, train
 
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.live.viewport import RowRange
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.model.model import ModelPanel
-from rl_tui.tui.panels.side_by_side import greedy_differences
-from rl_tui.tui.panels.world.grid.grid import GridView
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.live.viewport import RowRange
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.panels.grid.grid import GridView
+from rl_tui.screen.panels.model.model import ModelPanel
+from rl_tui.screen.panels.side_by_side import greedy_differences
+from rl_tui.screen.playground.playground import Playground
 
 SIDE = 200
 

@@ -9,10 +9,10 @@ from samples import bandit, lake, learned_from, look, planning, student
 from snapshots import changed
 
 from rl_tui.agents.last_step import LastStep
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.panels.last_step.last_step import LastStepPanel
-from rl_tui.tui.panels.last_step.update_text import step_size_text, update_text
-from rl_tui.tui.theme.glyphs import UNICODE
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.screen.panels.last_step.last_step import LastStepPanel
+from rl_tui.screen.panels.last_step.update_text import step_size_text, update_text
+from rl_tui.screen.theme.glyphs import UNICODE
 
 LAKE = lake()
 LAST = LastStep(

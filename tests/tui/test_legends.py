@@ -13,20 +13,19 @@ from samples import bandit, big_lake, lake, look, planning, student
 from seams import app_at, on_screen, playground, press, train
 from textual.geometry import Size
 
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.draw.names import landmark
-from rl_tui.tui.panels.catalogue import PANELS
-from rl_tui.tui.panels.curve.curve import ReturnCurve
-from rl_tui.tui.panels.last_step.last_step import ENDED, LastStepPanel
-from rl_tui.tui.panels.legend import LegendSign, legend_text
-from rl_tui.tui.panels.panel import Panel
-from rl_tui.tui.panels.q_table.q_table import QTable
-from rl_tui.tui.panels.row import CONTROLS, CURVE, LAST_STEP, TABLE, WORLD
-from rl_tui.tui.panels.world.arms.arms import ArmsView
-from rl_tui.tui.panels.world.graph.graph import GraphView
-from rl_tui.tui.panels.world.grid.grid import GridView
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.library import recipe_for
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.draw.names import landmark
+from rl_tui.screen.kit.panel import LegendSign, Panel, legend_text
+from rl_tui.screen.kit.row import CONTROLS, CURVE, LAST_STEP, TABLE, WORLD
+from rl_tui.screen.panels.arms import ArmsView
+from rl_tui.screen.panels.catalogue import PANELS
+from rl_tui.screen.panels.curve.curve import ReturnCurve
+from rl_tui.screen.panels.graph.graph import GraphView
+from rl_tui.screen.panels.grid.grid import GridView
+from rl_tui.screen.panels.last_step.last_step import ENDED, LastStepPanel
+from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.files.catalogue import find
 

@@ -16,24 +16,22 @@ from seams import notes, press, screen_text, snapshot
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.course.entries import LessonEntries, LessonStart, lesson_entries, start_of
-from rl_tui.lab.lessons.lesson import Lesson, lesson_of
-from rl_tui.lab.lessons.record import Given, LessonRecord, Passed, begun
-from rl_tui.lab.lessons.setups import recipe_of
-from rl_tui.lab.live.player import Player
-from rl_tui.lab.sessions.folder import files_in
-from rl_tui.lab.sessions.session import encoded, read_session
-from rl_tui.tui.actions.action import Place
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
-from rl_tui.tui.app.opening import Opener, beginning_of
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.catalogue import PANELS
-from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
-from rl_tui.tui.screens.dialogs.confirm import Confirm
-from rl_tui.tui.screens.lessons.lesson_list import LessonList
-from rl_tui.tui.screens.lessons.lessons import LessonsScreen
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.lessons.file.setups import recipe_of
+from rl_tui.lessons.file.view import Given, LessonRecord, Passed, begun
+from rl_tui.lessons.lesson import Lesson, lesson_of
+from rl_tui.live.player import Player
+from rl_tui.live.sessions.progress import LessonEntries, LessonStart, lesson_entries, start_of
+from rl_tui.live.sessions.session import encoded, files_in, read_session
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.app.display import Display
+from rl_tui.screen.app.opening import Opener, beginning_of
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.catalogue.catalogue import CatalogueScreen
+from rl_tui.screen.catalogue.lessons import LessonList, LessonsScreen
+from rl_tui.screen.dialogs.dialog import Confirm
+from rl_tui.screen.keys.action import Place
+from rl_tui.screen.panels.catalogue import PANELS
+from rl_tui.screen.playground.playground import Playground
 
 WALK = """
 title = "A walk"
@@ -89,8 +87,8 @@ def lessons(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder.mkdir()
     (folder / "walk.toml").write_text(WALK, encoding="utf-8")
     (folder / "other.toml").write_text(OTHER, encoding="utf-8")
-    for module in ("lessons.catalogue", "sessions.stored_lesson"):
-        monkeypatch.setattr(f"rl_tui.lab.{module}.lesson_folder", lambda: folder)
+    for module in ("lessons.catalogue", "live.sessions.stored_lesson"):
+        monkeypatch.setattr(f"rl_tui.{module}.lesson_folder", lambda: folder)
     return folder
 
 
@@ -196,7 +194,7 @@ async def test_keys_typed_before_the_lessons_are_read_count_once_they_are(
         may_read.wait(60)
         return lesson_entries(sessions)
 
-    monkeypatch.setattr("rl_tui.tui.screens.lessons.lessons.lesson_entries", entries_later)
+    monkeypatch.setattr("rl_tui.screen.catalogue.lessons.lesson_entries", entries_later)
     app = make_lesson_app()
     async with app.run_test(size=(80, 24)) as pilot:
         await pilot.press("down", "enter")

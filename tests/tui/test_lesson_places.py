@@ -8,15 +8,9 @@ import pytest
 from test_arrangement import SHAPES
 from textual.geometry import Size
 
-from rl_tui.tui.panels.catalogue import PANELS
-from rl_tui.tui.panels.row import CONTROLS, CURVE, LAST_STEP, LESSON, MICROSCOPE, TABLE, WORLD
-from rl_tui.tui.screens.playground.arrangement import (
-    Shape,
-    arrangement,
-    beside_lesson,
-    docks_lesson,
-    has_lines_below,
-)
+from rl_tui.screen.frame.arrangement import Shape, arrangement, beside_lesson, docks_lesson, has_lines_below
+from rl_tui.screen.kit.row import CONTROLS, CURVE, LAST_STEP, LESSON, MICROSCOPE, TABLE, WORLD
+from rl_tui.screen.panels.catalogue import PANELS
 
 SIZES = [(60, 16), (80, 22), (99, 60), (100, 31), (100, 32), (120, 38), (160, 48), (250, 80)]
 everywhere = pytest.mark.parametrize("size", SIZES)

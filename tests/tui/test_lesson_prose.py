@@ -6,9 +6,9 @@ import pytest
 from rich.cells import cell_len
 from samples import look
 
-from rl_tui.tui.draw.pieces import Line
-from rl_tui.tui.panels.lesson.prose import plain, prose_lines
-from rl_tui.tui.screens.playground.actions.lesson.typed_answer import NO_COMMA, read_answer
+from rl_tui.screen.draw.canvas import Line
+from rl_tui.screen.panels.lesson.prose import plain, prose_lines
+from rl_tui.screen.playground.actions.lesson import NO_COMMA, read_answer
 
 TEXT = """
 A first paragraph, with **bold words** in it

@@ -28,26 +28,26 @@ from textual.pilot import Pilot
 from textual.widgets import Markdown
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.lessons.judging.journal_reader import run_digest
-from rl_tui.lab.lessons.lesson import lesson_of
-from rl_tui.lab.lessons.record import LessonRecord, Passed, begun
-from rl_tui.lab.lessons.setups import recipe_of
-from rl_tui.lab.live.commands import Apply, KeepLesson
-from rl_tui.lab.live.player import Player
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.recipe import SetParameter
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
-from rl_tui.tui.app.palette_entries import ActionProvider
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.lesson.lesson import LessonPanel
-from rl_tui.tui.panels.row import LESSON as LESSON_PANEL
-from rl_tui.tui.panels.row import MICROSCOPE, TABLE, WORLD
-from rl_tui.tui.screens.key_line import KeyLine
-from rl_tui.tui.screens.playground.actions.lesson.kept_back import NO_LESSON, PREDICT_FIRST, STAYS
-from rl_tui.tui.screens.playground.actions.lesson.lesson import CAN_BE_DONE, NOT_DONE, SEEN_BEFORE
-from rl_tui.tui.screens.playground.actions.lesson.next_lesson import LAST_PAGE
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.lessons.file.setups import recipe_of
+from rl_tui.lessons.file.view import LessonRecord, Passed, begun
+from rl_tui.lessons.judging.journal_reader import run_digest
+from rl_tui.lessons.lesson import lesson_of
+from rl_tui.live.commands import Apply, KeepLesson
+from rl_tui.live.player import Player
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.recipe import SetParameter
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.app.display import Display
+from rl_tui.screen.app.palette_entries import ActionProvider
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.frame.key_line import KeyLine
+from rl_tui.screen.kit.row import LESSON as LESSON_PANEL
+from rl_tui.screen.kit.row import MICROSCOPE, TABLE, WORLD
+from rl_tui.screen.panels.lesson.lesson import LessonPanel
+from rl_tui.screen.playground.actions.kept_back import NO_LESSON, PREDICT_FIRST, STAYS
+from rl_tui.screen.playground.actions.lesson import CAN_BE_DONE, NOT_DONE, SEEN_BEFORE
+from rl_tui.screen.playground.actions.next_lesson import LAST_PAGE
+from rl_tui.screen.playground.playground import Playground
 
 small = (80, 24)
 wide = (120, 40)

@@ -13,24 +13,24 @@ from seams import playground, press, show, snapshot, train
 from study_samples import bandit_study, lake_study
 from textual.pilot import Pilot
 
-from rl_tui.lab.answers.flip_answer import FlipAnswer, worked_out
-from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.lab.answers.policy_values import PolicyAnswer
-from rl_tui.lab.lessons.lesson import Lesson, lesson_of
-from rl_tui.lab.lessons.record import begun
-from rl_tui.lab.lessons.setups import recipe_of
-from rl_tui.lab.live.commands import AddLane, HideAnswer, KeepLesson
-from rl_tui.lab.live.player import Player
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.many_seeds.figures import LaneStudy, SeedStudy
-from rl_tui.lab.run.exact_answers import Answer
-from rl_tui.lab.run.library import recipe_named
-from rl_tui.lab.run.recipe import SetParameter, begin
-from rl_tui.lab.run.results import RunResults
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.snapshot_facts import is_secret
+from rl_tui.lessons.file.setups import recipe_of
+from rl_tui.lessons.file.view import begun
+from rl_tui.lessons.lesson import Lesson, lesson_of
+from rl_tui.live.commands import AddLane, HideAnswer, KeepLesson
+from rl_tui.live.player import Player
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.answers.flip_answer import FlipAnswer, worked_out
+from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.runs.answers.policy_values import PolicyAnswer
+from rl_tui.runs.exact_answers import Answer
+from rl_tui.runs.library import recipe_named
+from rl_tui.runs.recipe import SetParameter, begin
+from rl_tui.runs.results import RunResults
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.app.display import Display
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.kit.snapshot_facts import is_secret
+from rl_tui.studies.many_seeds.figures import LaneStudy, SeedStudy
 
 TEXT = """
 title = "Kept back"

@@ -10,15 +10,15 @@ import pytest
 from lesson_walks import BY_HAND, Learner, right_answer, taking, wrong_answer
 from seams import train
 
-from rl_tui.lab.course.entries import lesson_entries
-from rl_tui.lab.course.grade import LessonGrading
-from rl_tui.lab.lessons.catalogue import shipped_lessons
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.schema import Ask, Task
-from rl_tui.tui.panels.lesson.prose import plain
-from rl_tui.tui.panels.lesson.stage import is_last_page, steps_to_truth
-from rl_tui.tui.panels.lesson.words import NOT_COUNTED, reply_to, truth_text
-from rl_tui.tui.theme.glyphs import UNICODE
+from rl_tui.lessons.catalogue import shipped_lessons
+from rl_tui.lessons.file.schema import Ask, Task
+from rl_tui.lessons.lesson import Lesson
+from rl_tui.live.sessions.grade import LessonGrading
+from rl_tui.live.sessions.progress import lesson_entries
+from rl_tui.screen.panels.lesson.prose import plain
+from rl_tui.screen.panels.lesson.stage import is_last_page, steps_to_truth
+from rl_tui.screen.panels.lesson.words import NOT_COUNTED, reply_to, truth_text
+from rl_tui.screen.theme.glyphs import UNICODE
 
 WIDE = (120, 40)
 SMALL = (80, 24)

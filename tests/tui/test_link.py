@@ -6,7 +6,7 @@ from math import inf
 
 import pytest
 
-from rl_tui.terminal.link import ANSWER_LINE, Link
+from rl_tui.screen.terminal.link import ANSWER_LINE, Link
 
 
 class Clock:

@@ -8,7 +8,7 @@ from itertools import count
 import pytest
 from textual import _time
 
-from rl_tui.terminal.linked_app import LinkedApp
+from rl_tui.screen.terminal.linked_app import LinkedApp
 
 
 async def test_on_a_machine_that_stalls_it_happens_though_late(monkeypatch: pytest.MonkeyPatch) -> None:

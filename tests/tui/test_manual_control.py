@@ -6,13 +6,13 @@ from sample_worlds import LEFT, RIGHT, UP, bandit_world
 from samples import bandit, lake, look, student
 from snapshots import changed
 
-from rl_tui.lab.last_step.story import story_of
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.panels.last_step.last_step import last_step_lines
-from rl_tui.tui.panels.last_step.words import words_of
-from rl_tui.tui.screens.playground.actions.modes import action_keys
-from rl_tui.tui.screens.playground.actions.modes.action_keys import acts_in, has_directions
-from rl_tui.tui.screens.playground.actions.modes.manual import prompts, title
+from rl_tui.live.last_step.step_report import story_of
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.panels.last_step.last_step import last_step_lines
+from rl_tui.screen.panels.last_step.words import words_of
+from rl_tui.screen.playground.modes import action_keys
+from rl_tui.screen.playground.modes.action_keys import acts_in, has_directions
+from rl_tui.screen.playground.modes.manual import prompts, title
 
 GLYPHS = look().glyphs
 STUDY, PHONE, SCROLL, QUIT, SLEEP = range(5)

@@ -15,16 +15,15 @@ from textual.pilot import Pilot
 from textual.widgets import OptionList
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import Command, EndStudy, HideAnswer, StudySeeds
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.many_seeds.figures import SeedStudy, StudyState
-from rl_tui.tui.panels.curve.curve import ReturnCurve
-from rl_tui.tui.panels.curve.data import curve_data
-from rl_tui.tui.panels.legend import legend_text
-from rl_tui.tui.panels.row import BUDGET, CURVE, MANY_SEEDS, MICROSCOPE, TABLE
-from rl_tui.tui.theme.glyphs import UNICODE
-from rl_tui.tui.theme.look import Look
-from rl_tui.tui.theme.palette import palette_for
+from rl_tui.live.commands import Command, EndStudy, HideAnswer, StudySeeds
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.kit.panel import legend_text
+from rl_tui.screen.kit.row import BUDGET, CURVE, MANY_SEEDS, MICROSCOPE, TABLE
+from rl_tui.screen.panels.curve.curve import ReturnCurve
+from rl_tui.screen.panels.curve.data import curve_data
+from rl_tui.screen.theme.glyphs import UNICODE
+from rl_tui.screen.theme.look import Look, palette_for
+from rl_tui.studies.many_seeds.figures import SeedStudy, StudyState
 
 
 def recorded(pilot: Pilot[UserError], monkeypatch: pytest.MonkeyPatch) -> list[Command]:

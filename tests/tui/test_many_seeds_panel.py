@@ -12,9 +12,9 @@ from samples import answered, bandit, lake, look
 from snapshots import changed
 from study_samples import bandit_study, cliff_study, difference, lake_study
 
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.many_seeds.figures import Estimate, LaneStudy, SeedStudy, StudyState
-from rl_tui.tui.panels.many_seeds.figures import (
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.panels.many_seeds import ABOVE_BEST, BRACKETS, ManySeeds
+from rl_tui.screen.panels.seed_figures import (
     FIGURES,
     LAST_100,
     REGRET,
@@ -26,10 +26,8 @@ from rl_tui.tui.panels.many_seeds.figures import (
     shown_figures,
     verdict_of,
 )
-from rl_tui.tui.panels.many_seeds.many_seeds import ManySeeds
-from rl_tui.tui.panels.many_seeds.remarks import ABOVE_BEST
-from rl_tui.tui.panels.many_seeds.table import BRACKETS
-from rl_tui.tui.theme.glyphs import UNICODE
+from rl_tui.screen.theme.glyphs import UNICODE
+from rl_tui.studies.many_seeds.figures import Estimate, LaneStudy, SeedStudy, StudyState
 
 SIZES = ((118, 30), (97, 40), (58, 13), (36, 19), (36, 13), (26, 13), (26, 7), (16, 10), (5, 3), (1, 1))
 
@@ -347,8 +345,8 @@ def test_what_is_not_known_is_a_dash() -> None:
 
 
 def test_figures_are_those_of_train() -> None:
-    from rl_tui.lab.experiments.seeded_runs import FIGURES as OF_RUNS
-    from rl_tui.lab.run.figures import BANDIT_FIGURES
+    from rl_tui.runs.figures import BANDIT_FIGURES
+    from rl_tui.runs.training.seeded_runs import FIGURES as OF_RUNS
 
     assert {figure.id for figure in FIGURES} <= {*OF_RUNS, *BANDIT_FIGURES}
     assert [figure.id for figure in shown_figures(bandit_study(), secret=True)] == ["winnings", LAST_100.id]

@@ -12,10 +12,10 @@ from snapshots import changed
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.last_step import NOTHING
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.timeline.table_samples import CellHistory
-from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
-from rl_tui.tui.panels.q_table.q_table import QTable
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.timeline.table_samples import CellHistory
+from rl_tui.screen.panels.microscope.microscope import Microscope, lit_sources
+from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.worlds.drawing import Arms, Graph
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
 from rl_tui.worlds.world import World

@@ -8,13 +8,13 @@ from seams import on_screen, order, playground, press, scroll_down, snapshot, tr
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import GoTo, StepBack
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.panels.microscope.microscope import Microscope, lit_sources
-from rl_tui.tui.panels.microscope.return_text import RETURN_HEADING
-from rl_tui.tui.panels.row import CONTROLS, CURVE, MICROSCOPE, TABLE, TIMELINE, WORLD
-from rl_tui.tui.screens.playground.board import Board
+from rl_tui.live.commands import GoTo, StepBack
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.board.board import Board
+from rl_tui.screen.kit.row import CONTROLS, CURVE, MICROSCOPE, TABLE, TIMELINE, WORLD
+from rl_tui.screen.panels.controls.slider import Slider
+from rl_tui.screen.panels.microscope.microscope import Microscope, lit_sources
+from rl_tui.screen.panels.microscope.update import RETURN_HEADING
 
 
 def board(pilot: Pilot[UserError]) -> Board:

@@ -8,13 +8,13 @@ from seams import notes, on_screen, playground, press, screen_text, slider, snap
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.row import MICROSCOPE, POLICIES
-from rl_tui.tui.panels.world.view import WorldView
-from rl_tui.tui.screens.key_line import KeyLine
-from rl_tui.tui.screens.playground.actions.modes.drawing_texts import NOTHING_TO_CHOOSE
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.frame.key_line import KeyLine
+from rl_tui.screen.kit.row import MICROSCOPE, POLICIES
+from rl_tui.screen.panels.world.view import WorldView
+from rl_tui.screen.playground.modes.drawing import NOTHING_TO_CHOOSE
+from rl_tui.screen.playground.playground import Playground
 
 LEFT, DOWN, RIGHT, UP = range(4)
 KEPT = "what you drew is kept; D goes on drawing"

@@ -8,9 +8,9 @@ from samples import answered, bandit, big_lake, lake, look, stepped_lake, studen
 from snapshots import changed
 from textual.app import App, ComposeResult
 
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.draw import names
-from rl_tui.tui.panels.model.model import ModelPanel
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.draw import names
+from rl_tui.screen.panels.model.model import ModelPanel
 from rl_tui.worlds.files.catalogue import find
 
 

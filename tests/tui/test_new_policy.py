@@ -11,15 +11,15 @@ from snapshots import changed
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.lab.last_step.story import story_of
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.controls.controls import sliders_of
-from rl_tui.tui.panels.controls.settings import settings_of
-from rl_tui.tui.panels.curve.data import curve_data
-from rl_tui.tui.panels.curve.text import remark
-from rl_tui.tui.panels.last_step.words import words_of
-from rl_tui.tui.theme.glyphs import ASCII, UNICODE
+from rl_tui.live.last_step.step_report import story_of
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.panels.controls.controls import sliders_of
+from rl_tui.screen.panels.controls.settings import settings_of
+from rl_tui.screen.panels.curve.data import curve_data
+from rl_tui.screen.panels.curve.text import remark
+from rl_tui.screen.panels.last_step.words import words_of
+from rl_tui.screen.theme.glyphs import ASCII, UNICODE
 
 __all__ = ["curious"]
 

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rl_tui.tui.draw.number_form import NumberForm, SteadyForms, number_form
-from rl_tui.tui.theme.glyphs import ASCII
+from rl_tui.screen.draw.number_form import NumberForm, SteadyForms, number_form
+from rl_tui.screen.theme.glyphs import ASCII
 
 
 @pytest.mark.parametrize(

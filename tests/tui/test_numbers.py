@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rl_tui.tui.draw import numbers
-from rl_tui.tui.draw.names import with_minus
-from rl_tui.tui.theme.glyphs import ASCII, UNICODE
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.draw.names import with_minus
+from rl_tui.screen.theme.glyphs import ASCII, UNICODE
 
 
 @pytest.mark.parametrize(

@@ -10,18 +10,17 @@ from textual.widgets import Input, OptionList, Static
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
-from rl_tui.lab.live.snapshot import Phase
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.panels.model.model import ModelPanel
-from rl_tui.tui.panels.status_line import StatusLine
-from rl_tui.tui.screens.dialogs.choice import Choice, algorithm_choice, policy_choice
-from rl_tui.tui.screens.dialogs.model import ModelScreen
-from rl_tui.tui.screens.dialogs.options import Options, in_force
-from rl_tui.tui.screens.dialogs.prompt import Prompt
-from rl_tui.tui.theme.glyphs import ASCII, UNICODE
+from rl_tui.live.snapshot import Phase
+from rl_tui.runs.library import recipe_for
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.dialogs.choice import Choice, algorithm_choice, policy_choice
+from rl_tui.screen.dialogs.dialog import ModelScreen, Prompt
+from rl_tui.screen.dialogs.options import Options, in_force
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.panels.controls.slider import Slider
+from rl_tui.screen.panels.model.model import ModelPanel
+from rl_tui.screen.panels.status_line import StatusLine
+from rl_tui.screen.theme.glyphs import ASCII, UNICODE
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.mdp.space import all_pairs
 

@@ -10,7 +10,7 @@ from rich.color import ColorSystem
 from rich.segment import Segment
 from rich.style import Style
 
-from rl_tui.terminal.output import Output
+from rl_tui.screen.terminal.output import Output
 
 ASKED = re.compile(r"\x1b\[2;?(\d*)H\x1b\[6n")
 

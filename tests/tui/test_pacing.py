@@ -4,8 +4,8 @@ import asyncio
 
 import pytest
 
-from rl_tui.tui.screens.playground.actions.run import faster, slower
-from rl_tui.tui.screens.playground.frame_pacing import Pacer
+from rl_tui.screen.board.frames import Pacer
+from rl_tui.screen.playground.actions.run import faster, slower
 
 
 class Clock:

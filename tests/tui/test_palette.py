@@ -14,10 +14,18 @@ from rich.terminal_theme import TerminalTheme
 from textual.app import App
 from textual.strip import Strip
 
-from rl_tui.tui.theme.depth import can_encode, choose_look, depth_of, environment_for, is_native
-from rl_tui.tui.theme.glyphs import ASCII, UNICODE
-from rl_tui.tui.theme.palette import Depth, Palette, palette_for
-from rl_tui.tui.theme.themes import PICTURE_DARK, PICTURE_LIGHT, themes_for
+from rl_tui.screen.theme.glyphs import ASCII, UNICODE
+from rl_tui.screen.theme.look import (
+    Depth,
+    Palette,
+    can_encode,
+    choose_look,
+    depth_of,
+    environment_for,
+    is_native,
+    palette_for,
+)
+from rl_tui.screen.theme.themes import PICTURE_DARK, PICTURE_LIGHT, themes_for
 
 DEPTHS: tuple[Depth, ...] = get_args(Depth)
 BOTH = (True, False)

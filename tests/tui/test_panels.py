@@ -10,20 +10,20 @@ from seams import notes, on_screen
 from test_playground import playground, press
 from textual.strip import Strip
 
-from rl_tui.lab.live.player import Player
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.tui.actions.action import Place
-from rl_tui.tui.actions.registry import all_actions
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
-from rl_tui.tui.app.palette_entries import ActionProvider
-from rl_tui.tui.draw.pieces import Piece, strips_of
-from rl_tui.tui.panels.catalogue import PANELS
-from rl_tui.tui.panels.panel import Panel
-from rl_tui.tui.panels.row import CURVE, MICROSCOPE, OpeningKey, PanelRow
-from rl_tui.tui.screens.explained import Explained
-from rl_tui.tui.screens.key_line import KeyLine
+from rl_tui.live.player import Player
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.library import recipe_for
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.app.display import Display
+from rl_tui.screen.app.palette_entries import ActionProvider
+from rl_tui.screen.draw.canvas import Piece, strips_of
+from rl_tui.screen.frame.help import Explained
+from rl_tui.screen.frame.key_line import KeyLine
+from rl_tui.screen.keys.action import Place
+from rl_tui.screen.keys.registry import all_actions
+from rl_tui.screen.kit.panel import Panel
+from rl_tui.screen.kit.row import CURVE, MICROSCOPE, OpeningKey, PanelRow
+from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.files.catalogue import find
 

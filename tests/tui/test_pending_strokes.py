@@ -10,9 +10,9 @@ from seams import press, snapshot
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.screens.playground.actions.modes.editing import pending
-from rl_tui.tui.screens.playground.actions.modes.editing.pending import PendingStrokes
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.playground.modes import editing as pending
+from rl_tui.screen.playground.modes.editing import PendingStrokes
 from rl_tui.worlds.editing.edit import read_edits
 from rl_tui.worlds.editing.grid_draft import GridDraft
 

@@ -12,9 +12,9 @@ from textual.pilot import Pilot
 from textual.widgets import OptionList
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import Train
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.live.commands import Train
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import scenarios
 
 SAMPLES: Final = Path(__file__).parent / "sample_scenarios"

@@ -4,12 +4,12 @@ import pytest
 from conftest import MakeApp
 from seams import notes, on_screen, playground, press, snapshot, tap, train
 
-from rl_tui.lab.live.snapshot import Phase
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.panels.q_table.q_table import QTable
-from rl_tui.tui.panels.snapshot_facts import is_secret
-from rl_tui.tui.screens.dialogs.model import ModelScreen
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.live.snapshot import Phase
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.dialogs.dialog import ModelScreen
+from rl_tui.screen.kit.snapshot_facts import is_secret
+from rl_tui.screen.panels.q_table.q_table import QTable
+from rl_tui.screen.playground.playground import Playground
 from rl_tui.worlds.files.catalogue import scenarios
 
 

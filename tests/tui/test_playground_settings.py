@@ -10,15 +10,15 @@ from snapshots import changed
 from textual.widgets import Input
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.controls.settings import AgentSettings
-from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.panels.world.grid.grid import GridView
-from rl_tui.tui.screens.dialogs.prompt import Prompt
-from rl_tui.tui.screens.key_line import KeyLine
-from rl_tui.tui.screens.playground.playground import Playground
-from rl_tui.tui.theme.glyphs import UNICODE
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.frame.key_line import KeyLine
+from rl_tui.screen.panels.controls.settings import AgentSettings
+from rl_tui.screen.panels.controls.slider import Slider
+from rl_tui.screen.panels.grid.grid import GridView
+from rl_tui.screen.playground.playground import Playground
+from rl_tui.screen.theme.glyphs import UNICODE
 from rl_tui.worlds.drawing import CellKind, Grid
 
 

@@ -10,9 +10,9 @@ from seams import on_screen, press, screen_text
 from snapshots import changed
 from test_policies_panel import SIZES, drawn, said, studied
 
-from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.lab.run.exact_answers import NO_TABLE
-from rl_tui.tui.panels.policies.notes import OF_MEANS_NOW
+from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.runs.exact_answers import NO_TABLE
+from rl_tui.screen.panels.policies.table import OF_MEANS_NOW
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 

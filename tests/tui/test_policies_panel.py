@@ -13,30 +13,41 @@ from seams import click, on_screen, playground, press, screen_text, show, snapsh
 from snapshots import changed
 from textual.pilot import Pilot
 
-from rl_tui.agents.exact.policies import greedy_policy, softened, uniform_policy
+from rl_tui.agents.exact.policy_figures import greedy_policy, softened, uniform_policy
 from rl_tui.common.errors import UserError
-from rl_tui.lab.answers.drawn_policy import DrawnPolicy
-from rl_tui.lab.answers.policy_kind import PolicyKind
-from rl_tui.lab.answers.policy_values import NO_CHANCES, PLANS, WHILE_RUNNING, PolicyAnswer, worth_of
-from rl_tui.lab.answers.view import AnswersView
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.glossary.glossary import glossary, term_at
-from rl_tui.tui.panels.catalogue import PANELS
-from rl_tui.tui.panels.curve.data import curve_data
-from rl_tui.tui.panels.curve.text import all_words, label_columns
-from rl_tui.tui.panels.curve.text import amount as curve_amount
-from rl_tui.tui.panels.policies.names import POLICY_NAMES
-from rl_tui.tui.panels.policies.notes import AS_MUCH_AS_OPTIMAL, SHORT_OF_OPTIMAL, WITHOUT_LIMIT
-from rl_tui.tui.panels.policies.policies import Policies
-from rl_tui.tui.panels.policies.studied import as_studied
-from rl_tui.tui.panels.policies.table import COLUMNS, amount
-from rl_tui.tui.panels.q_table.layers import Layer
-from rl_tui.tui.panels.row import CURVE, POLICIES, TABLE, WORLD
-from rl_tui.tui.panels.side_by_side import sides
-from rl_tui.tui.panels.snapshot_facts import shown_by
-from rl_tui.tui.screens.number_here import number_here
-from rl_tui.tui.theme.glyphs import UNICODE
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.runs.answers.policy_values import (
+    NO_CHANCES,
+    PLANS,
+    WHILE_RUNNING,
+    DrawnPolicy,
+    PolicyAnswer,
+    worth_of,
+)
+from rl_tui.runs.answers.view import AnswersView
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.frame.number_here import number_here
+from rl_tui.screen.glossary.glossary import glossary, term_at
+from rl_tui.screen.kit.row import CURVE, POLICIES, TABLE, WORLD
+from rl_tui.screen.kit.snapshot_facts import shown_by
+from rl_tui.screen.panels.catalogue import PANELS
+from rl_tui.screen.panels.curve.data import curve_data
+from rl_tui.screen.panels.curve.text import all_words, label_columns
+from rl_tui.screen.panels.curve.text import amount as curve_amount
+from rl_tui.screen.panels.policies.names import POLICY_NAMES
+from rl_tui.screen.panels.policies.policies import Policies
+from rl_tui.screen.panels.policies.studied import as_studied
+from rl_tui.screen.panels.policies.table import (
+    AS_MUCH_AS_OPTIMAL,
+    COLUMNS,
+    SHORT_OF_OPTIMAL,
+    WITHOUT_LIMIT,
+    amount,
+)
+from rl_tui.screen.panels.q_table.layers import Layer
+from rl_tui.screen.panels.side_by_side import sides
+from rl_tui.screen.theme.glyphs import UNICODE
 
 KINDS = list(POLICY_NAMES)
 SIZES = ((60, 40), (46, 16), (36, 19), (27, 13), (27, 5), (27, 3), (16, 10), (8, 4), (3, 2), (1, 1))
@@ -330,8 +341,8 @@ def board_title(pilot: Pilot[UserError]) -> object:
 async def test_two_lanes_show_the_same_policy_each_its_own(make_app: MakeApp) -> None:
     async with on_screen(make_app("student"), (120, 40)) as pilot:
         screen = playground(pilot)
-        from rl_tui.lab.live.commands import AddLane
-        from rl_tui.lab.run.recipe import SetParameter
+        from rl_tui.live.commands import AddLane
+        from rl_tui.runs.recipe import SetParameter
 
         screen.send(AddLane((SetParameter("epsilon", 0.5),)))
         await settle(pilot)

@@ -11,16 +11,16 @@ from hypothesis import strategies as st
 from samples import lake, learned_from, look
 
 from rl_tui.agents.update_terms import Lookup
-from rl_tui.lab.last_step.backup import Backup, Leaf
-from rl_tui.lab.last_step.story import story_of
-from rl_tui.tui.draw import numbers
-from rl_tui.tui.draw.precision import figure
-from rl_tui.tui.panels.last_step.last_step import last_step_lines
-from rl_tui.tui.panels.last_step.update_text import UpdateText, subtracts, update_text
-from rl_tui.tui.panels.last_step.words import words_of
-from rl_tui.tui.panels.microscope.backup_columns import outcome_rows
-from rl_tui.tui.panels.microscope.targets import target_lines
-from rl_tui.tui.theme.glyphs import ASCII, UNICODE
+from rl_tui.live.last_step.backup import Backup, Leaf
+from rl_tui.live.last_step.step_report import story_of
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.draw.precision import figure
+from rl_tui.screen.panels.last_step.last_step import last_step_lines
+from rl_tui.screen.panels.last_step.update_text import UpdateText, subtracts, update_text
+from rl_tui.screen.panels.last_step.words import words_of
+from rl_tui.screen.panels.microscope.backup_columns import outcome_rows
+from rl_tui.screen.panels.microscope.targets import target_lines
+from rl_tui.screen.theme.glyphs import ASCII, UNICODE
 
 LAKE = lake()
 LAST = LAKE.counters.last_step

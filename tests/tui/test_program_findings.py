@@ -9,18 +9,18 @@ from program_samples import AFTER_END, KNOWN, SOURCE, TIES, drawn, failed, progr
 from samples import look
 from seams import sized
 
-from rl_tui.lab.detective.verdict import CodeFault, ProgramVerdict, Rule, UpdateFound
-from rl_tui.lab.programs.program_log import OutputLine
-from rl_tui.tui.panels.program.findings import (
+from rl_tui.programs.evidence.verdict import CodeFault, ProgramVerdict, Rule, UpdateFound
+from rl_tui.programs.watched.program_log import OutputLine
+from rl_tui.screen.panels.program.findings import (
     EXAMINED,
     EXAMINED_WITHOUT_RULE,
     NO_STEP_YET,
     NOTHING,
     FindingsPanel,
 )
-from rl_tui.tui.panels.program.output import MOST_LINES, NOTHING_WRITTEN, OutputPanel
-from rl_tui.tui.panels.program.source import safe_line, source_lines
-from rl_tui.tui.panels.program.words import IN_SHORT, is_own
+from rl_tui.screen.panels.program.output import MOST_LINES, NOTHING_WRITTEN, OutputPanel
+from rl_tui.screen.panels.program.source import safe_line, source_lines
+from rl_tui.screen.panels.program.words import IN_SHORT, is_own
 
 BOTH = ProgramVerdict(update=KNOWN, findings=(TIES, AFTER_END))
 

@@ -11,22 +11,28 @@ from snapshots import changed
 
 from rl_tui.agents.catalogue import OWN_PROGRAM
 from rl_tui.agents.last_step import Author
-from rl_tui.lab.detective.verdict import CodeFault, MovedCell, ProgramVerdict, Rule, UpdateFound, UpdateTarget
-from rl_tui.lab.last_step.story import story_of
-from rl_tui.lab.live.program_view import ProgramView
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.programs.program_log import FoundTable, OutputLine
-from rl_tui.tui.draw.pieces import length
-from rl_tui.tui.panels.last_step.last_step import last_step_lines
-from rl_tui.tui.panels.microscope.backup_tree import AFTER_END as AFTER_THE_END
-from rl_tui.tui.panels.microscope.backup_tree import NOT_KNOWN
-from rl_tui.tui.panels.microscope.microscope import page
-from rl_tui.tui.panels.microscope.return_text import return_section
-from rl_tui.tui.panels.program.findings import FindingsPanel
-from rl_tui.tui.panels.program.output import OutputPanel
-from rl_tui.tui.panels.program.program import UNKNOWN, ProgramPanel
-from rl_tui.tui.panels.program.words import IN_SHORT, ranked, share_text, update_texts
-from rl_tui.tui.panels.status_line import PROGRAM_ENDED, status_line
+from rl_tui.live.last_step.step_report import story_of
+from rl_tui.live.program_view import ProgramView
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.programs.evidence.verdict import (
+    CodeFault,
+    MovedCell,
+    ProgramVerdict,
+    Rule,
+    UpdateFound,
+    UpdateTarget,
+)
+from rl_tui.programs.watched.program_log import FoundTable, OutputLine
+from rl_tui.screen.draw.canvas import length
+from rl_tui.screen.panels.last_step.last_step import last_step_lines
+from rl_tui.screen.panels.microscope.microscope import AFTER_END as AFTER_THE_END
+from rl_tui.screen.panels.microscope.microscope import NOT_KNOWN, page
+from rl_tui.screen.panels.microscope.update import return_section
+from rl_tui.screen.panels.program.findings import FindingsPanel
+from rl_tui.screen.panels.program.output import OutputPanel
+from rl_tui.screen.panels.program.program import UNKNOWN, ProgramPanel
+from rl_tui.screen.panels.program.words import IN_SHORT, ranked, share_text, update_texts
+from rl_tui.screen.panels.status_line import PROGRAM_ENDED, status_line
 
 BOTH = ProgramVerdict(update=KNOWN, findings=(TIES, AFTER_END))
 

@@ -12,9 +12,9 @@ from seams import playground, show
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.detective.verdict import ProgramVerdict
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.app.screenshot import settle
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.programs.evidence.verdict import ProgramVerdict
+from rl_tui.screen.app.screenshot import settle
 
 
 def endless() -> Snapshot:

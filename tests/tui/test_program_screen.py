@@ -12,19 +12,19 @@ from seams import app_at, choose, notes, on_screen, playground, press, screen_te
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.snapshot import Phase
-from rl_tui.lab.live_programs.watched_program import WatchedProgram
-from rl_tui.lab.programs.program_process import ProgramRequest
-from rl_tui.lab.run.library import recipe_named
-from rl_tui.tui.panels.curve.words import GREEDY, NO_LINE_WITHOUT_TABLE
-from rl_tui.tui.panels.discount.discount import DiscountPanel
-from rl_tui.tui.panels.legend import MAY_NEVER_END
-from rl_tui.tui.panels.q_table.layers import Layer
-from rl_tui.tui.panels.q_table.titles import NO_TABLE
-from rl_tui.tui.panels.row import CONTROLS, FINDINGS, OUTPUT, PROGRAM, TABLE
-from rl_tui.tui.panels.side_by_side import DIFFERS
-from rl_tui.tui.screens.playground.actions.program import FIRST_KEYS
-from rl_tui.tui.screens.playground.board import NO_PROGRAM
+from rl_tui.live.programs.watched_program import WatchedProgram
+from rl_tui.live.snapshot import Phase
+from rl_tui.programs.watched.program_process import ProgramRequest
+from rl_tui.runs.library import recipe_named
+from rl_tui.screen.board.board import NO_PROGRAM
+from rl_tui.screen.kit.panel import MAY_NEVER_END
+from rl_tui.screen.kit.row import CONTROLS, FINDINGS, OUTPUT, PROGRAM, TABLE
+from rl_tui.screen.panels.curve.words import GREEDY, NO_LINE_WITHOUT_TABLE
+from rl_tui.screen.panels.discount import DiscountPanel
+from rl_tui.screen.panels.q_table.layers import Layer
+from rl_tui.screen.panels.q_table.sheet import NO_TABLE
+from rl_tui.screen.panels.side_by_side import DIFFERS
+from rl_tui.screen.playground.actions.program import FIRST_KEYS
 
 SCRIPT = """\
     import gymnasium as gym

@@ -13,14 +13,14 @@ from seams import notes, on_screen, order, press, screen_text, snapshot
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.lessons.record import LessonRecord, begun
-from rl_tui.lab.lessons.setups import recipe_of
-from rl_tui.lab.live.commands import KeepLesson
-from rl_tui.lab.live.player import Player
-from rl_tui.terminal.driver_choice import IN_BROWSER
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
-from rl_tui.tui.screens.playground.actions.lesson.own_program import NOT_HERE
+from rl_tui.lessons.file.setups import recipe_of
+from rl_tui.lessons.file.view import LessonRecord, begun
+from rl_tui.live.commands import KeepLesson
+from rl_tui.live.player import Player
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.app.display import Display
+from rl_tui.screen.playground.actions.lesson import NOT_HERE
+from rl_tui.screen.terminal.driver_choice import IN_BROWSER
 
 LESSON = program_lesson()
 

@@ -11,9 +11,9 @@ from samples import bandit, big_lake, lake, snapshot, student
 from snapshots import changed
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.panels.q_table.layers import Figures, Layer
-from rl_tui.tui.panels.q_table.titles import COMPUTING, FOLLOWS
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.screen.panels.q_table.layers import Figures, Layer
+from rl_tui.screen.panels.q_table.sheet import COMPUTING, FOLLOWS
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
 from rl_tui.worlds.world import World

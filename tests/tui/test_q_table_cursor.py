@@ -13,9 +13,9 @@ from textual.pilot import Pilot
 from textual.strip import Strip
 from textual.widgets import Button
 
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.panels.q_table.q_table import QTable
-from rl_tui.tui.panels.q_table.titles import FOLLOW_HINT, FOLLOWS
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.panels.q_table.q_table import QTable
+from rl_tui.screen.panels.q_table.sheet import FOLLOW_HINT, FOLLOWS
 
 
 class Bench(App[None]):

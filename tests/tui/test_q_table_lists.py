@@ -7,8 +7,8 @@ from drawn_tables import Drawn, fresh
 from samples import bandit, student
 from snapshots import changed
 
-from rl_tui.lab.live.snapshot import Phase
-from rl_tui.tui.panels.q_table.layers import Layer
+from rl_tui.live.snapshot import Phase
+from rl_tui.screen.panels.q_table.layers import Layer
 
 
 def test_few_pairs_are_listed_a_row_each() -> None:

@@ -12,13 +12,12 @@ from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.kiosk import VARIABLE
-from rl_tui.lab.run.library import recipe_named, recipe_with, reread
-from rl_tui.lab.sessions.folder import sessions_in
-from rl_tui.lab.sessions.session import read_session
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.panels.snapshot_facts import is_secret
-from rl_tui.tui.screens.dialogs.choice import Choice
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.live.sessions.session import read_session, sessions_in
+from rl_tui.runs.library import recipe_named, recipe_with, reread
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.dialogs.choice import Choice
+from rl_tui.screen.kit.snapshot_facts import is_secret
+from rl_tui.screen.playground.playground import Playground
 
 TEXT = '[defaults]\ngamma = {gamma}\nalpha = 0.1\n[grid]\nmap = """\n{map}\n"""\n'
 FAULTY = TEXT.format(gamma="0,5", map="S.G")

@@ -5,10 +5,10 @@ from conftest import MakeApp
 from seams import on_screen, press, screen_text, train
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.lab.run.recipe import Recipe
-from rl_tui.tui.app.display import Colours, Display
-from rl_tui.tui.app.screenshot import screenshot
+from rl_tui.runs.library import recipe_for
+from rl_tui.runs.recipe import Recipe
+from rl_tui.screen.app.display import Colours, Display
+from rl_tui.screen.app.screenshot import screenshot
 from rl_tui.worlds.files.catalogue import find
 
 

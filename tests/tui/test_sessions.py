@@ -16,27 +16,29 @@ from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.run.library import find, recipe_for
-from rl_tui.lab.run.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm
-from rl_tui.lab.sessions.autosave import untouched
-from rl_tui.lab.sessions.folder import sessions_in
-from rl_tui.lab.sessions.session import digest_of, encoded, read_session
-from rl_tui.lab.sessions.writer import OPEN_ELSEWHERE
-from rl_tui.lab.timeline.branches import FIRST, RunRecord
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.screens.catalogue.catalogue import CatalogueScreen
-from rl_tui.tui.screens.catalogue.scenario_list import LEARN
-from rl_tui.tui.screens.catalogue.session_differences import differences
-from rl_tui.tui.screens.catalogue.session_list import SessionList
-from rl_tui.tui.screens.catalogue.session_text import SessionRow, long_age, session_facts, short_age
-from rl_tui.tui.screens.dialogs.confirm import Confirm
-from rl_tui.tui.screens.dialogs.prompt import Prompt
-from rl_tui.tui.screens.playground.playground import Playground
-from rl_tui.tui.theme.glyphs import ASCII
-from rl_tui.tui.theme.look import Look
-from rl_tui.tui.theme.palette import palette_for
+from rl_tui.live.record import Record
+from rl_tui.live.sessions.autosave import untouched
+from rl_tui.live.sessions.session import digest_of, encoded, read_session, sessions_in
+from rl_tui.live.sessions.writer import OPEN_ELSEWHERE
+from rl_tui.runs.library import find, recipe_for
+from rl_tui.runs.recipe import JournalEntry, Recipe, SetParameter, SwitchAlgorithm
+from rl_tui.runs.timeline.branches import FIRST, RunRecord
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.catalogue.catalogue import CatalogueScreen
+from rl_tui.screen.catalogue.scenario_list import LEARN
+from rl_tui.screen.catalogue.session_text import (
+    SessionList,
+    SessionRow,
+    differences,
+    long_age,
+    session_facts,
+    short_age,
+)
+from rl_tui.screen.dialogs.dialog import Confirm, Prompt
+from rl_tui.screen.playground.playground import Playground
+from rl_tui.screen.theme.glyphs import ASCII
+from rl_tui.screen.theme.look import Look, palette_for
 
 MakeSessionApp = Callable[..., RlTuiApp]
 NOW = datetime(2026, 3, 4, 12, 0, tzinfo=UTC)

@@ -16,17 +16,17 @@ from textual.geometry import Size
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.draw.number_form import SteadyForms
-from rl_tui.tui.panels.panel import Panel
-from rl_tui.tui.panels.q_table.layers import Figures, Layer
-from rl_tui.tui.panels.q_table.q_table import QTable
-from rl_tui.tui.panels.side_by_side import greedy_differences, sides
-from rl_tui.tui.panels.snapshot_facts import is_secret
-from rl_tui.tui.panels.world.grid.grid import GridView
-from rl_tui.tui.panels.world.view import WorldView
-from rl_tui.tui.screens.playground.board import Board
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.board.board import Board
+from rl_tui.screen.draw.number_form import SteadyForms
+from rl_tui.screen.kit.panel import Panel
+from rl_tui.screen.kit.snapshot_facts import is_secret
+from rl_tui.screen.panels.grid.grid import GridView
+from rl_tui.screen.panels.q_table.layers import Figures, Layer
+from rl_tui.screen.panels.q_table.q_table import QTable
+from rl_tui.screen.panels.side_by_side import greedy_differences, sides
+from rl_tui.screen.panels.world.view import WorldView
 
 FOUR = ("world", "world-beside", "table", "table-beside")
 

@@ -16,16 +16,16 @@ from textual.pilot import Pilot
 from textual.widget import Widget
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.workers.answering_process import Background
-from rl_tui.tui.actions.action import Place
-from rl_tui.tui.actions.registry import actions_of
-from rl_tui.tui.draw.canvas import Canvas
-from rl_tui.tui.panels.catalogue import PANELS
-from rl_tui.tui.panels.panel import Panel
-from rl_tui.tui.panels.row import WORLD, PanelRow
-from rl_tui.tui.panels.world.make_view import make_world_view
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.background.background import Background
+from rl_tui.screen.draw.canvas import Canvas
+from rl_tui.screen.keys.action import Place
+from rl_tui.screen.keys.registry import actions_of
+from rl_tui.screen.kit.panel import Panel
+from rl_tui.screen.kit.row import WORLD, PanelRow
+from rl_tui.screen.panels.catalogue import PANELS
+from rl_tui.screen.panels.world_views import make_world_view
+from rl_tui.screen.playground.playground import Playground
 
 SIZES = [(1, 1), (5, 5), (20, 8), (7, 40), (200, 3)]
 MORE = list(product((*range(1, 16), 40, 80, 250), (*range(1, 8), 18, 70)))

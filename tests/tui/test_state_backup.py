@@ -10,20 +10,20 @@ from seams import sized
 from snapshots import changed, snapshot_of
 
 from rl_tui.agents.sweep_phases import SweepPhase
-from rl_tui.lab.last_step.state_backup import StateBackup, state_backup_of
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.run.library import find, recipe_for
-from rl_tui.lab.run.recipe import OrderSweep, SetParameter, SwitchAlgorithm
-from rl_tui.lab.run.run import Run
-from rl_tui.tui.draw.precision import last_digit, parsed
-from rl_tui.tui.draw.to_ascii import to_ascii
-from rl_tui.tui.panels.last_step.last_step import LastStepPanel
-from rl_tui.tui.panels.last_step.state_backup_text import BackupText, backup_text
-from rl_tui.tui.panels.microscope.microscope import Microscope
-from rl_tui.tui.panels.world.grid.grid import GridView
-from rl_tui.tui.panels.world.make_view import make_world_view
-from rl_tui.tui.panels.world.state_values import state_values
-from rl_tui.tui.theme.glyphs import UNICODE
+from rl_tui.live.last_step.step_report import StateBackup, state_backup_of
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.library import find, recipe_for
+from rl_tui.runs.recipe import OrderSweep, SetParameter, SwitchAlgorithm
+from rl_tui.runs.run import Run
+from rl_tui.screen.draw.precision import last_digit, parsed
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.panels.grid.grid import GridView
+from rl_tui.screen.panels.last_step.last_step import LastStepPanel
+from rl_tui.screen.panels.last_step.state_backup_text import BackupText, backup_text
+from rl_tui.screen.panels.microscope.microscope import Microscope
+from rl_tui.screen.panels.world.policy_picture import state_values
+from rl_tui.screen.panels.world_views import make_world_view
+from rl_tui.screen.theme.glyphs import UNICODE
 
 WORLDS = ("frozenlake", "frozenlake-slippery", "book", "student", "bridge", "taxi", "bandit")
 

@@ -12,13 +12,13 @@ from program_samples import program, watched
 from samples import bandit, lake, look, planning, stepped_lake, student
 from snapshots import changed
 
-from rl_tui.lab.live.editing.world_editor import EditorView
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.live.snapshot_builder import PREPARING, REBUILDING
-from rl_tui.lab.live.speed.transport import WAITING
-from rl_tui.lab.timeline.branches import Branch, Timeline
-from rl_tui.tui.panels.status_line import COMPILING, IN_PYTHON, WIDE, StatusLine
-from rl_tui.tui.screens.playground.actions.run import RunActions
+from rl_tui.live.pace.transport import WAITING
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.live.snapshot_builder import PREPARING, REBUILDING
+from rl_tui.live.world_editor import EditorView
+from rl_tui.runs.timeline.branches import Branch, Timeline
+from rl_tui.screen.panels.status_line import COMPILING, IN_PYTHON, WIDE, StatusLine
+from rl_tui.screen.playground.actions.run import RunActions
 
 
 def drawn(snapshot: Snapshot | None, width: int = 80, *, ascii: bool = False) -> str:  # noqa: A002

@@ -11,12 +11,12 @@ from textual.pilot import Pilot
 from textual.widgets import Input, OptionList, Static
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import ClearBreakpoints, Command, RunUntil, ToggleBreakpoint, Train
-from rl_tui.lab.live.until import Event, Until
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.screens.dialogs.prompt import Prompt
-from rl_tui.tui.screens.dialogs.until import UntilChoice
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.live.commands import ClearBreakpoints, Command, RunUntil, ToggleBreakpoint, Train
+from rl_tui.live.pace.until import Event, Until
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.dialogs.until_options import UntilChoice
+from rl_tui.screen.playground.playground import Playground
 
 ASKED = (RunUntil, ToggleBreakpoint, ClearBreakpoints)
 

@@ -7,8 +7,8 @@ from drawn_text import words_of
 from seams import notes, on_screen, playground, press, screen_text, switch
 from textual.widgets import OptionList
 
-from rl_tui.lab.live.snapshot import Phase
-from rl_tui.tui.screens.key_line import KeyLine
+from rl_tui.live.snapshot import Phase
+from rl_tui.screen.frame.key_line import KeyLine
 
 SIZE = (80, 24)
 

@@ -10,13 +10,13 @@ from seams import notes, on_screen, order, playground, press, switch
 from textual.pilot import Pilot
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import Command, RunEpisode, Step, Take, Train
-from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.panels.row import MICROSCOPE, WORLD
-from rl_tui.tui.panels.status_line import StatusLine
-from rl_tui.tui.screens.help import HelpScreen
-from rl_tui.tui.screens.key_line import KeyLine
-from rl_tui.tui.screens.playground.playground import Playground
+from rl_tui.live.commands import Command, RunEpisode, Step, Take, Train
+from rl_tui.screen.frame.help import HelpScreen
+from rl_tui.screen.frame.key_line import KeyLine
+from rl_tui.screen.kit.row import MICROSCOPE, WORLD
+from rl_tui.screen.panels.controls.slider import Slider
+from rl_tui.screen.panels.status_line import StatusLine
+from rl_tui.screen.playground.playground import Playground
 
 LEFT, DOWN, RIGHT, UP = range(4)
 

@@ -9,7 +9,7 @@ from threading import Event
 import pytest
 from textual.events import Key, Paste
 
-from rl_tui.terminal.driver import messages_from
+from rl_tui.screen.terminal.driver import messages_from
 
 
 def keys_of(sent: bytes) -> list[str]:

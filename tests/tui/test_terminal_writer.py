@@ -9,7 +9,7 @@ from threading import Event
 
 import pytest
 
-from rl_tui.terminal.writer import TerminalWriter
+from rl_tui.screen.terminal.writer import TerminalWriter
 
 FULL = b"x" * 1_000_000  # more than any pipe takes
 

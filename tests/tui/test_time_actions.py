@@ -12,21 +12,12 @@ from textual.pilot import Pilot
 from textual.widgets import Input
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.commands import (
-    Apply,
-    ChooseBranch,
-    Command,
-    EpisodeBack,
-    GoTo,
-    LookAt,
-    Restart,
-    StepBack,
-)
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.run.recipe import JournalEntry, SetParameter
-from rl_tui.lab.timeline.branches import Branch, Timeline
-from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.screens.dialogs.prompt import Prompt
+from rl_tui.live.commands import Apply, ChooseBranch, Command, EpisodeBack, GoTo, LookAt, Restart, StepBack
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.recipe import JournalEntry, SetParameter
+from rl_tui.runs.timeline.branches import Branch, Timeline
+from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.panels.controls.slider import Slider
 
 JOURNAL = (JournalEntry(40, SetParameter("alpha", 0.5)),)
 

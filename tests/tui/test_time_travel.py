@@ -11,13 +11,12 @@ from textual.pilot import Pilot
 from textual.widget import Widget
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.tui.panels.curve.curve import ReturnCurve
-from rl_tui.tui.panels.last_step.last_step import LastStepPanel
-from rl_tui.tui.panels.q_table.q_table import QTable
-from rl_tui.tui.panels.world.arms.arms import ArmsView
-from rl_tui.tui.panels.world.arms.scale import NO_SCALE
-from rl_tui.tui.panels.world.make_view import make_world_view
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.screen.panels.arms import NO_SCALE, ArmsView
+from rl_tui.screen.panels.curve.curve import ReturnCurve
+from rl_tui.screen.panels.last_step.last_step import LastStepPanel
+from rl_tui.screen.panels.q_table.q_table import QTable
+from rl_tui.screen.panels.world_views import make_world_view
 
 Moment = tuple[str, ...]
 """What the panels say, and the bits behind it."""

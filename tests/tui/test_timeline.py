@@ -8,12 +8,11 @@ from textual.app import App, ComposeResult
 from textual.pilot import Pilot
 from textual.widgets import Button
 
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.run.recipe import EditWorld, JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
-from rl_tui.lab.timeline.branches import Branch, Timeline
-from rl_tui.tui.panels.timeline.picture import TimelineState, Track, timeline_form, timeline_strip
-from rl_tui.tui.panels.timeline.timeline import TimelineBar
-from rl_tui.tui.theme.palette import Palette
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.recipe import EditWorld, JournalEntry, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.runs.timeline.branches import Branch, Timeline
+from rl_tui.screen.panels.timeline import TimelineBar, TimelineState, Track, timeline_form, timeline_strip
+from rl_tui.screen.theme.look import Palette
 from rl_tui.worlds.editing.edit import read_edits
 
 JOURNAL = (

@@ -4,9 +4,9 @@ import pytest
 from samples import bandit, lake, look, planning, stepped_lake, student
 from snapshots import changed
 
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.live.until import Event, Until
-from rl_tui.tui.screens.dialogs.until_options import UntilOption, ask_number, until_options
+from rl_tui.live.pace.until import Event, Until
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.dialogs.until_options import UntilOption, ask_number, until_options
 
 GLYPHS = look().glyphs
 

@@ -12,8 +12,8 @@ from snapshots import changed
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.last_step import NOTHING
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.tui.panels.last_step.last_step import LastStepPanel
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.panels.last_step.last_step import LastStepPanel
 
 LAKE = lake(slippery=False)
 

@@ -15,13 +15,13 @@ from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.agents.compiling.loops import compile_here
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS
 from rl_tui.common.errors import UserError
-from rl_tui.lab.live.record import LearnedTable, Record
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.lab.run.run import Run
-from rl_tui.lab.sessions.session import StoredSession, digest_of, encoded, read_session
-from rl_tui.lab.timeline.branches import FIRST, RunRecord
-from rl_tui.tui.app.app import RlTuiApp
-from rl_tui.tui.app.display import Display
+from rl_tui.live.record import LearnedTable, Record
+from rl_tui.live.sessions.session import StoredSession, digest_of, encoded, read_session
+from rl_tui.runs.library import recipe_for
+from rl_tui.runs.run import Run
+from rl_tui.runs.timeline.branches import FIRST, RunRecord
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.app.display import Display
 from rl_tui.worlds.files.catalogue import find
 
 pytestmark = pytest.mark.interpreted

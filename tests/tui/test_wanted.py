@@ -12,17 +12,17 @@ from seams import notes, on_screen, playground, press, show
 from snapshots import changed
 
 import rl_tui.agents.learner_memory
-import rl_tui.lab.run.settings
+import rl_tui.runs.settings
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.lab.live.commands import Apply, Command, HideAnswer, LookAt, Restart, SetSpeed, Step
-from rl_tui.lab.live.snapshot import Phase, Snapshot
-from rl_tui.lab.live.viewport import Viewport
-from rl_tui.lab.run.recipe import SetParameter, SwitchAlgorithm, TakeAction
-from rl_tui.lab.timeline.branches import Branch, Timeline
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.controls.slider import Slider
-from rl_tui.tui.screens.playground.wanted import Wanted, in_force
+from rl_tui.live.commands import Apply, Command, HideAnswer, LookAt, Restart, SetSpeed, Step
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.live.viewport import Viewport
+from rl_tui.runs.recipe import SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.runs.timeline.branches import Branch, Timeline
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.board.wanted import Wanted, in_force
+from rl_tui.screen.panels.controls.slider import Slider
 from rl_tui.worlds.mdp.space import FiniteSpace
 
 BEGINNING = samples.student(0)
@@ -87,7 +87,7 @@ async def test_a_tick_of_a_slider_is_checked_once_when_asked_for_and_once_in_the
 ) -> None:
     checks: Counter[str] = Counter()
     async with on_screen(make_app("student")) as pilot:
-        for module in (rl_tui.lab.run.settings, rl_tui.agents.learner_memory):
+        for module in (rl_tui.runs.settings, rl_tui.agents.learner_memory):
 
             def check(
                 space: FiniteSpace, algorithm: str, values: Hyperparameters, name: str = module.__name__
@@ -99,7 +99,7 @@ async def test_a_tick_of_a_slider_is_checked_once_when_asked_for_and_once_in_the
         playground(pilot).query_one("#alpha", Slider).focus()
         for ticks in (1, 2, 3):
             await press(pilot, "right")
-            assert checks == {"rl_tui.lab.run.settings": ticks, "rl_tui.agents.learner_memory": ticks}
+            assert checks == {"rl_tui.runs.settings": ticks, "rl_tui.agents.learner_memory": ticks}
 
 
 async def test_a_run_in_preparation_has_no_journal_to_show(make_app: MakeApp) -> None:

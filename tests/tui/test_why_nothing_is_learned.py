@@ -14,12 +14,12 @@ from samples import lake
 from seams import choose, click, notes, on_screen, playground, press, screen_text, snapshot
 from textual.widgets import OptionList
 
-from rl_tui.cli.main import program
-from rl_tui.lab.answers.first_update_words import episodes_in_words
-from rl_tui.lab.answers.first_updates import FirstUpdateView
-from rl_tui.tui.panels.curve.words import NOTHING_LEARNED
-from rl_tui.tui.screens.dialogs.why import Why, remedies_of, said, written
-from rl_tui.tui.theme.glyphs import UNICODE
+from rl_tui.commands.main import program
+from rl_tui.runs.answers.first_update_words import episodes_in_words
+from rl_tui.runs.answers.view import FirstUpdateView
+from rl_tui.screen.dialogs.why import Why, remedies_of, said, written
+from rl_tui.screen.panels.curve.words import NOTHING_LEARNED
+from rl_tui.screen.theme.glyphs import UNICODE
 
 EPISODES = ("e",) * 11
 

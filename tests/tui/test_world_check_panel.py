@@ -15,16 +15,16 @@ from seams import on_screen, press, screen_text, snapshot
 from snapshots import changed
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.cli.main import program
-from rl_tui.lab.answers.view import AnswersView
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.run.library import recipe_named
-from rl_tui.lab.run.recipe import begin
-from rl_tui.lab.world_check.deep_check import Question, reports
-from rl_tui.lab.world_check.report import CheckStage, WorldReport
-from rl_tui.lab.world_check.world_checks import IN_KIOSK, WorldCheckView
-from rl_tui.tui.app.screenshot import settle
-from rl_tui.tui.panels.world_check.world_check import FINE, OUTDATED, TITLE, WAITING, WorldCheckPanel
+from rl_tui.commands.main import program
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.answers.view import AnswersView
+from rl_tui.runs.library import recipe_named
+from rl_tui.runs.recipe import begin
+from rl_tui.screen.app.screenshot import settle
+from rl_tui.screen.panels.world_check import FINE, OUTDATED, TITLE, WAITING, WorldCheckPanel
+from rl_tui.studies.world_check.deep_check import Question, reports
+from rl_tui.studies.world_check.report import CheckStage, WorldReport
+from rl_tui.studies.world_check.world_checks import IN_KIOSK, WorldCheckView
 
 SIZES = ((118, 30), (58, 19), (36, 17), (36, 5), (20, 30), (16, 10), (5, 3), (1, 1))
 

@@ -10,10 +10,10 @@ from gymnasium.spaces import Box
 
 from rl_tui.common.errors import ScenarioError
 from rl_tui.worlds.files.scenario import read_scenario
+from rl_tui.worlds.gym.bins import BinsSection
 from rl_tui.worlds.gym.section import GymnasiumSection
-from rl_tui.worlds.gym.stepped.bins import BinsSection
-from rl_tui.worlds.gym.stepped.states import OutsideError
-from rl_tui.worlds.sections.world_section import WorldRefusedError
+from rl_tui.worlds.gym.states import OutsideError
+from rl_tui.worlds.sections.schema import WorldRefusedError
 
 PLANE = Box(np.array([-1.0, -np.inf]), np.array([1.0, np.inf]), dtype=np.float64)
 

@@ -13,8 +13,8 @@ from scipy.special import chdtrc
 
 from rl_tui.agents.exact.solve import solve
 from rl_tui.worlds.drawing import CellKind
+from rl_tui.worlds.gym.blackjack import CARDS, Hand, dealer_showing
 from rl_tui.worlds.gym.section import GymnasiumSection
-from rl_tui.worlds.gym.tables.blackjack import CARDS, Hand, dealer_showing
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 STICK, HIT = 0, 1

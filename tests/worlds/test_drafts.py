@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
-from rl_tui.tui.screens.playground.actions.modes.editing.brushes import paying_more
-from rl_tui.worlds.editing.draft import Draft
+from rl_tui.screen.playground.modes.brushes import paying_more
+from rl_tui.worlds.editing.arms_draft import Draft
 from rl_tui.worlds.editing.drafts import first_draft, refusal
 from rl_tui.worlds.editing.edit import Edit, read_edits, written_edits
 from rl_tui.worlds.editing.graph_draft import GraphDraft, chances_of, with_chance

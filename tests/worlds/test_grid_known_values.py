@@ -11,7 +11,7 @@ from rl_tui.agents.exact.solve import solve
 from rl_tui.worlds.drawing import CellKind
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.grid.section import GridSection
-from rl_tui.worlds.gym.tables.toy_text import world_of
+from rl_tui.worlds.gym.toy_text import world_of
 
 LAKES = {
     "4x4": ["SFFF", "FHFH", "FFFH", "HFFG"],

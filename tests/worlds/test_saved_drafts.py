@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rl_tui.common.errors import UserError
-from rl_tui.worlds.editing.draft import Draft, UnfinishedError
+from rl_tui.worlds.editing.arms_draft import Draft, UnfinishedError
 from rl_tui.worlds.editing.drafts import first_draft, refusal
 from rl_tui.worlds.editing.edit import read_edits
 from rl_tui.worlds.editing.saving import saved_text

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from shipped import SHIPPED
 
-from rl_tui.agents.exact.solution import Solution
+from rl_tui.agents.exact.policy_evaluation import Solution
 from rl_tui.agents.exact.solve import greedy_return, solve
-from rl_tui.lab.run.library import recipe_for
-from rl_tui.lab.run.run import Run
+from rl_tui.runs.library import recipe_for
+from rl_tui.runs.run import Run
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.files.scenario import read_scenario
 from rl_tui.worlds.files.shipped import shipped_folder

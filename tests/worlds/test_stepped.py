@@ -18,9 +18,9 @@ from gymnasium import spaces
 from rl_tui.worlds.environment import EnvironmentFailedError, StepResult
 from rl_tui.worlds.gym import env_call
 from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL, seconds_in_call
+from rl_tui.worlds.gym.registered import SteppedEnvironment, stepped_world
 from rl_tui.worlds.gym.section import GymnasiumSection
-from rl_tui.worlds.gym.stepped.tabular_environment import SteppedEnvironment, stepped_world
-from rl_tui.worlds.sections.world_section import WorldRefusedError
+from rl_tui.worlds.sections.schema import WorldRefusedError
 
 
 class Scripted(gymnasium.Env[Any, Any]):

@@ -9,8 +9,8 @@ import pytest
 from gymnasium import spaces
 
 from rl_tui.worlds.drawing import CellKind
-from rl_tui.worlds.gym.stepped.layout import product_grid
-from rl_tui.worlds.gym.stepped.states import OutsideError, ProductNames, discrete_states
+from rl_tui.worlds.gym.states import OutsideError, ProductNames, discrete_states
+from rl_tui.worlds.gym.stepped_layout import product_grid
 
 
 @pytest.mark.parametrize(

@@ -10,11 +10,10 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from rl_tui.agents.exact.solve import best_expected_return
-from rl_tui.agents.exact.ways_out import shortest_way
+from rl_tui.agents.exact.solve import best_expected_return, shortest_way
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
-from rl_tui.lab.run.library import checked
+from rl_tui.runs.library import checked
 from rl_tui.worlds.editing.drafts import refusal
 from rl_tui.worlds.editing.templates import BLANK, LAKE, MAZE, SIZES, named, template_text
 from rl_tui.worlds.files.scenario import Scenario, scenario_of

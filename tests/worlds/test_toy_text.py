@@ -12,8 +12,8 @@ from gymnasium.spaces import Discrete
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.gym.section import GymnasiumSection
-from rl_tui.worlds.gym.tables.toy_text import NoTableError, world_of
-from rl_tui.worlds.sections.world_section import WorldRefusedError
+from rl_tui.worlds.gym.toy_text import NoTableError, world_of
+from rl_tui.worlds.sections.schema import WorldRefusedError
 
 LEFT, DOWN, RIGHT, UP = range(4)
 START, FLOOR, HOLE, GOAL = CellKind.START, CellKind.FLOOR, CellKind.HOLE, CellKind.GOAL

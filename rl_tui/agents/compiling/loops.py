@@ -1,4 +1,7 @@
-"""The machine code that there can be, and how this process comes by it."""
+"""Machine code for the loops of all agents: read from the cache, or compiled here.
+
+Only one of the processes that share a cache compiles at a time.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ import time
 from collections.abc import Callable, Iterator
 from enum import StrEnum
 from importlib import import_module
+from types import TracebackType
 from typing import Final
 
 from rl_tui.agents.batches.batch import compile_batch
@@ -17,7 +21,6 @@ from rl_tui.agents.compiling.cache_folder import (
     takes_code,
     was_compiled,
 )
-from rl_tui.agents.compiling.compiler_lock import CompilerLock
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.machine_code import (
     ALWAYS_INTERPRETED,
@@ -28,10 +31,42 @@ from rl_tui.agents.kernels.machine_code import (
     use_machine_code_from_python,
 )
 from rl_tui.agents.learner import Learner
+from rl_tui.common.files import FileLock
 from rl_tui.common.streams import streams
 from rl_tui.worlds.environment import StepResult
 from rl_tui.worlds.mdp.smallest import smallest_mdp
 from rl_tui.worlds.mdp.space import all_pairs
+
+# One compiler at a time
+
+
+class CompilerLock(FileLock):
+    """What the one holds that compiles; it is released at the end of a ``with``, if it was acquired."""
+
+    def __init__(self) -> None:
+        super().__init__(cache_folder() / "compiling")
+
+    def acquire(self) -> bool:
+        """Take the lock; False while another process has it.
+
+        Where nothing can be kept, no process waits for another one: there everybody gets one.
+        """
+        try:
+            return not takes_code() or super().acquire()
+        except OSError:
+            return True
+
+    def __enter__(self) -> CompilerLock:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.release()
+
+
+# Reading and compiling loops
+
 
 LOOKED_FOR_EVERY: Final = 0.1
 """Seconds after which a process that waits for another one's machine code looks for it again."""

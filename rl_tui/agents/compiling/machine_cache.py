@@ -22,7 +22,7 @@ from numba.core.sigutils import normalize_signature
 from rl_tui.agents.compiling.base_folder import closed_to_others
 from rl_tui.agents.compiling.cache_folder import cache_folder, prune, takes_code
 from rl_tui.agents.compiling.cache_key import NAME
-from rl_tui.common.file_lock import FileLock
+from rl_tui.common.files import FileLock
 
 _LONGEST_SAVE: Final = 5.0  # seconds
 FOLDER: Final = cache_folder()

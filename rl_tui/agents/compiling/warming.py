@@ -8,10 +8,15 @@ from contextlib import suppress
 from itertools import groupby
 from typing import NamedTuple
 
+from rl_tui.agents.compiling.background import GONE, WorkerProcess
 from rl_tui.agents.compiling.cache_folder import cache_folder, takes_code, was_compiled
-from rl_tui.agents.compiling.compiler_lock import CompilerLock
-from rl_tui.agents.compiling.loops import LONGEST_WAIT, LOOKED_FOR_EVERY, CodeOrigin, compile_alone
-from rl_tui.agents.compiling.worker_process import GONE, WorkerProcess
+from rl_tui.agents.compiling.loops import (
+    LONGEST_WAIT,
+    LOOKED_FOR_EVERY,
+    CodeOrigin,
+    CompilerLock,
+    compile_alone,
+)
 from rl_tui.agents.kernels.machine_code import ALWAYS_INTERPRETED, Loop
 from rl_tui.common.errors import UserError
 

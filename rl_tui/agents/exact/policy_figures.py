@@ -1,18 +1,20 @@
-"""Exact figures of any policy: what it earns, how long its episodes last, and whether they end."""
+"""Exact metrics of a policy, such as its return and the length of its episodes.
+
+A policy is an array, [P]: the probability of each state–action pair, with sum 1 in every state.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import NamedTuple, TypeVar
+from typing import Final, NamedTuple, TypeVar
 
 import numpy as np
 
+from rl_tui.agents.exact.backward_induction import model_of
 from rl_tui.agents.exact.exact_model import exact_model
-from rl_tui.agents.exact.expected_visits import expected_visits
-from rl_tui.agents.exact.policies import greedy_policy
-from rl_tui.agents.exact.policy_evaluation import PolicyChain
+from rl_tui.agents.exact.policy_evaluation import NoExactAnswer, PolicyChain, Solution
 from rl_tui.agents.exact.small_worlds.many_policies import (
     ChainOf,
     ValuesOfPolicies,
@@ -20,10 +22,180 @@ from rl_tui.agents.exact.small_worlds.many_policies import (
     returns_of,
     values_of,
 )
-from rl_tui.agents.exact.solution import NoExactAnswer, Solution
 from rl_tui.agents.hyperparameters import Ties
-from rl_tui.worlds.mdp.space import FloatArray
+from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+# Expected visits to each state
+
+
+# Up to so many states the matrix is dense
+MOST_DENSE: Final = 400
+
+Step = Callable[[FloatArray], FloatArray]
+"""From where the agent stands, [S] probabilities, to where it does a step later if the episode goes on."""
+
+
+class _Entries(NamedTuple):
+    """The entries of the matrix of a step: how likely it leads from ``source`` to ``target``, [n] each."""
+
+    source: IntArray
+    target: IntArray
+    chance: FloatArray
+
+
+def expected_visits(mdp: TabularMDP, policy: FloatArray, steps: int) -> FloatArray:
+    """Return in how many of the first ``steps`` steps, on average, each state is where the agent stands, [S].
+
+    One pass serves every sum over an episode: the average of a figure of each state, weighted so, is its
+    expected sum. ``policy``, [P], is followed from the start distribution.
+    """
+    now = np.zeros(mdp.states)
+    np.add.at(now, mdp.start_state, mdp.start_probability)
+    entries = _entries(mdp, policy)
+    if mdp.states > MOST_DENSE:
+        return _one_by_one(_sparse(entries, mdp.states), now, steps)
+    matrix = _dense(entries, mdp.states)
+    if mdp.states * steps.bit_length() < steps:
+        return _by_doubling(matrix, now, steps)
+    return _one_by_one(matrix.dot, now, steps)
+
+
+def _one_by_one(step: Step, now: FloatArray, steps: int) -> FloatArray:
+    visits = np.zeros_like(now)
+    for done in range(steps):
+        later = step(now)
+        if np.array_equal(later, now):  # what has come to rest, to the last bit, rests for ever
+            return visits + (steps - done) * now
+        visits += now
+        now = later
+    return visits
+
+
+def _by_doubling(matrix: FloatArray, now: FloatArray, steps: int) -> FloatArray:
+    """Return (1 + M + M² + …) x of so many terms, in twos: (1 + M) x, and from there on by steps of M²."""
+    visits = np.zeros_like(now)
+    while steps:
+        if steps % 2:
+            visits += now
+            now = matrix @ now
+        now = now + matrix @ now
+        matrix = matrix @ matrix
+        steps //= 2
+    return visits
+
+
+def _entries(mdp: TabularMDP, policy: FloatArray) -> _Entries:
+    chance = policy[mdp.outcome_pair] * model_of(mdp, mdp.reward).weight
+    goes_on = np.flatnonzero(chance)
+    source = mdp.pair_state[mdp.outcome_pair[goes_on]]
+    return _Entries(source, mdp.next_state[goes_on], chance[goes_on])
+
+
+def _dense(entries: _Entries, size: int) -> FloatArray:
+    places = entries.target * size + entries.source
+    matrix = np.bincount(places, weights=entries.chance, minlength=size * size)
+    return matrix.astype(np.float64).reshape(size, size)
+
+
+def _sparse(entries: _Entries, size: int) -> Step:
+    # scipy takes a quarter of a second to import and most worlds never need it
+    from scipy.sparse import csr_matrix
+
+    step: Step = csr_matrix((entries.chance, (entries.target, entries.source)), shape=(size, size)).dot
+    return step
+
+
+# Policies as arrays
+
+
+SUM_TOLERANCE: Final = 1e-9
+
+Choice = int | Mapping[int, float]
+"""What is done in a state: one pair, or the probability of each of some pairs."""
+
+
+def uniform_policy(space: FiniteSpace) -> FloatArray:
+    """Return the policy, [P], that picks uniformly among all legal actions."""
+    return uniform_over(space, np.ones(space.pairs, dtype=np.bool_))
+
+
+def uniform_over(space: FiniteSpace, chosen: BoolArray) -> FloatArray:
+    """Return the policy that picks uniformly among ``chosen`` pairs, at least one a live state.
+
+    Both are [P], or [B, P] for as many policies.
+    """
+    first, count = _live_states(space)
+    share = 1.0 / np.add.reduceat(chosen, first, axis=-1, dtype=np.float64)
+    return np.where(chosen, np.repeat(share, count, axis=-1), 0.0)
+
+
+def greedy_policy(space: FiniteSpace, q: FloatArray, ties: Ties) -> FloatArray:
+    """Return the policy that is greedy for ``q``; both are [P], or [B, P] for as many policies.
+
+    Ties are exact equality, as the agent itself compares: ``random`` picks among them uniformly, ``first``
+    takes the first action.
+    """
+    tied = best_pairs(space, q)
+    return uniform_over(space, tied) if ties == "random" else _first_of(space, tied)
+
+
+def best_pairs(space: FiniteSpace, of_pairs: FloatArray, slack: float = 0.0) -> BoolArray:
+    """Return which pairs have the greatest of the numbers ``of_pairs`` of their state: all ties.
+
+    Both are [P], or [B, P] for as many sets of numbers. Those that have less by at most ``slack``, 0 or more,
+    count as well.
+    """
+    first, count = _live_states(space)
+    greatest = np.maximum.reduceat(of_pairs, first, axis=-1)
+    return np.asarray(of_pairs >= np.repeat(greatest, count, axis=-1) - slack)
+
+
+def softened(space: FiniteSpace, policy: FloatArray, epsilon: float) -> FloatArray:
+    """Return the policy, [P], that takes a uniformly random action ``epsilon`` of the time, else ``policy``.
+
+    ``epsilon`` is in [0, 1]. The random action may be the one that ``policy`` takes (equation 2.2 and the
+    ε-soft policies of section 5.4).
+    """
+    return (1.0 - epsilon) * policy + epsilon * uniform_policy(space)
+
+
+def policy_of_choices(space: FiniteSpace, choices: Mapping[int, Choice]) -> FloatArray:
+    """Return the policy, [P], that does in each state what ``choices`` says: a pair, or the chance of each.
+
+    A state that is not among them picks uniformly among its legal actions. Chances are scaled to sum to
+    exactly 1. Raises ValueError where a pair is not one of its state, or chances are below 0 or do not sum
+    to 1 (±1e-9).
+    """
+    policy = uniform_policy(space)
+    for state, choice in choices.items():
+        chances = choice if isinstance(choice, Mapping) else {choice: 1.0}
+        own, total = space.pairs_of(state), sum(chances.values())
+        if not all(pair in own for pair in chances):
+            raise ValueError(f"state {state}: not all of {list(chances)} are its pairs")
+        if not all(chance >= 0.0 for chance in chances.values()) or not abs(total - 1.0) <= SUM_TOLERANCE:
+            raise ValueError(f"state {state}: {list(chances.values())} are no probabilities that sum to 1")
+        policy[own.start : own.stop] = 0.0
+        for pair, chance in chances.items():
+            policy[pair] = chance / total
+    return policy
+
+
+def _first_of(space: FiniteSpace, chosen: BoolArray) -> FloatArray:
+    first, count = _live_states(space)
+    before: IntArray = np.cumsum(chosen, axis=-1) - chosen
+    return np.where(chosen & (before == np.repeat(before[..., first], count, axis=-1)), 1.0, 0.0)
+
+
+def _live_states(space: FiniteSpace) -> tuple[IntArray, IntArray]:
+    """Return the first pair of every state that owns any, and how many it owns."""
+    count = np.diff(space.first_pair)
+    live = count > 0
+    return space.first_pair[:-1][live], count[live]
+
+
+# Metrics of a policy
+
 
 Answer = TypeVar("Answer")
 

@@ -9,8 +9,7 @@ import numpy as np
 
 from rl_tui.agents.exact.backward_induction import best_values, model_of
 from rl_tui.agents.exact.exact_model import ExactModel, ExtendedArray
-from rl_tui.agents.exact.policy_evaluation import MOST_DENSE, PolicyChain
-from rl_tui.agents.exact.solution import NoExactAnswer
+from rl_tui.agents.exact.policy_evaluation import MOST_DENSE, NoExactAnswer, PolicyChain
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 SMALLEST_GAIN: Final = 1e-12

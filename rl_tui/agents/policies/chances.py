@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from rl_tui.agents.catalogue import POLICY_BY_ID
-from rl_tui.agents.exact.policies import greedy_policy, softened
+from rl_tui.agents.exact.policy_figures import greedy_policy, softened
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.policies.family import in_force, learns, probability_of
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray, all_pairs

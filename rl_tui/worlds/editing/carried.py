@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
-    from rl_tui.worlds.editing.draft import Draft
+    from rl_tui.worlds.editing.arms_draft import Draft
     from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, IntArray
     from rl_tui.worlds.world import World
 

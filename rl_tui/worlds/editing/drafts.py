@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 from rl_tui.common.errors import UserError
 
 if TYPE_CHECKING:
-    from rl_tui.worlds.editing.draft import Draft
+    from rl_tui.worlds.editing.arms_draft import Draft
     from rl_tui.worlds.files.scenario import Scenario
     from rl_tui.worlds.world import World
 

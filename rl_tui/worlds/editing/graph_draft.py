@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any, Final
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
 from rl_tui.common.limits import LARGEST_PLACE, MOST_ACTIONS_WRITTEN, MOST_STATES_WRITTEN, MOST_TRANSITIONS
-from rl_tui.worlds.editing.draft import Draft
-from rl_tui.worlds.editing.edit import Edit, as_json
-from rl_tui.worlds.editing.values import named, plain_value, rule_value
+from rl_tui.worlds.editing.arms_draft import Draft
+from rl_tui.worlds.editing.edit import Edit, as_json, named, plain_value, rule_value
 from rl_tui.worlds.files.toml_file import tables_in
 from rl_tui.worlds.sections.mdp_section import PLACE_FORM, MDPSection, is_place
 

@@ -11,9 +11,9 @@ from rl_tui.common.findings import near, shown
 from rl_tui.common.limits import LONGEST_SIDE, MOST_CELLS, MOST_CHARACTERS
 from rl_tui.common.streams import streams
 from rl_tui.worlds.drawing import Grid
-from rl_tui.worlds.editing.draft import Draft
-from rl_tui.worlds.editing.edit import Edit
-from rl_tui.worlds.editing.values import (
+from rl_tui.worlds.editing.arms_draft import Draft
+from rl_tui.worlds.editing.edit import (
+    Edit,
     lines_added,
     named,
     number_in,
@@ -23,8 +23,7 @@ from rl_tui.worlds.editing.values import (
     rule_value,
 )
 from rl_tui.worlds.files.toml_file import tables_in
-from rl_tui.worlds.grid.legend import BUILT_IN, LegendEntry, is_character
-from rl_tui.worlds.grid.map import FLOOR, CellMap, lines_of
+from rl_tui.worlds.grid.map import BUILT_IN, FLOOR, CellMap, LegendEntry, is_character, lines_of
 from rl_tui.worlds.grid.section import GridSection
 from rl_tui.worlds.sections.schema import parsed
 

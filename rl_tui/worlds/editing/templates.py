@@ -11,7 +11,7 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
 from rl_tui.common.streams import streams
 from rl_tui.worlds.files.shipped import SUFFIX, shipped_folder, shipped_names
-from rl_tui.worlds.sections.world_section import WorldRefusedError
+from rl_tui.worlds.sections.schema import WorldRefusedError
 
 BLANK: Final = ("grid", "mdp", "bandit")
 LAKE, MAZE = "lake", "maze"
@@ -61,8 +61,7 @@ def named(text: str, title: str) -> str:
 
 def lake(rows: int, columns: int, seed: int) -> list[str]:
     """Return the lines of a lake with holes, drawn from ``seed``: there is a way from S to G."""
-    from rl_tui.worlds.grid.legend import BUILT_IN
-    from rl_tui.worlds.grid.map import RandomMap, draw_map
+    from rl_tui.worlds.grid.map import BUILT_IN, RandomMap, draw_map
 
     for holes in LAKE_HOLES:
         wanted = RandomMap(rows=rows, columns=columns, holes=holes)
@@ -109,7 +108,7 @@ def _random_text(template: str, seed: int, rows: int, columns: int) -> str:
     """Return the blank map with lines drawn at random in place of its own."""
     import tomlkit
 
-    from rl_tui.worlds.editing.toml_text import map_text
+    from rl_tui.worlds.editing.saving import map_text
 
     if rows * columns < 2 or max(rows, columns) > LARGEST_SIDE:
         raise UserError(

@@ -1,11 +1,15 @@
-"""A scenario as an environment of Gymnasium, made by ``gymnasium.make("rl_tui/NAME-v0")``."""
+"""A scenario as a Gymnasium environment, made by ``gymnasium.make("rl_tui/NAME-v0")``.
+
+Its table of transitions has the form of Gymnasium's toy_text. The render mode is ``ansi``.
+"""
 
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Final, NamedTuple
 
 import gymnasium
 import numpy as np
@@ -14,14 +18,93 @@ from gymnasium.error import InvalidAction
 from gymnasium.spaces import Discrete
 
 from rl_tui.common.streams import streams
+from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.environment import Environment
-from rl_tui.worlds.environments.text_picture import text_picture
-from rl_tui.worlds.environments.transition_rows import Entry, PairRow, rows_of, table_of
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.gym.advice import advice_kept
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
+
+# The world as text
+
+
+AGENT: Final = "@"
+_CHARACTERS: Final[Mapping[CellKind, str]] = {
+    CellKind.FLOOR: ".",
+    CellKind.START: "S",
+    CellKind.GOAL: "G",
+    CellKind.HOLE: "H",
+    CellKind.WALL: "#",
+    CellKind.CLIFF: "C",
+}
+
+
+def text_picture(world: World, state: int, action: int | None) -> str:
+    """Return a line with the state and the ``action`` that led there, under it the map where there is one."""
+    taken = "" if action is None else f", after {world.space.action_names[action]}"
+    line = f"state {world.space.state_names[state]}{taken}"
+    drawing = world.drawing
+    return f"{line}\n{_map(drawing, state)}" if isinstance(drawing, Grid) else f"{line}\n"
+
+
+def _map(grid: Grid, state: int) -> str:
+    cells = [_CHARACTERS[kind] for kind in grid.kinds]
+    cells[grid.cell_of_state[state]] = AGENT
+    rows = range(0, grid.rows * grid.columns, grid.columns)
+    return "".join(f"{''.join(cells[first : first + grid.columns])}\n" for first in rows)
+
+
+# The transition table as plain Python
+
+
+Entry = tuple[float, int, float, bool]
+"""probability, next state, mean reward, whether the episode ends: as in Gymnasium's toy_text."""
+
+
+class PairRow(NamedTuple):
+    """What may happen when one action is taken in one state.
+
+    ``cumulative`` and ``reward_std`` are as long as ``entries``; ``pair`` is None where nothing can be done.
+    """
+
+    entries: list[Entry]
+    cumulative: list[float]
+    reward_std: list[float]
+    pair: int | None
+
+
+def rows_of(mdp: TabularMDP, state: int) -> list[PairRow]:
+    """Return the row of each of the A actions in ``state``.
+
+    An action that is not legal there does what the first legal one does. A state in which nothing can be done
+    leads to itself for 0, and the episode stays over.
+    """
+    pairs = mdp.pairs_of(state)
+    if not pairs:
+        return [PairRow([(1.0, state, 0.0, True)], [1.0], [0.0], None)] * len(mdp.action_names)
+    legal = {int(mdp.pair_action[pair]): _row(mdp, pair) for pair in pairs}
+    first = next(iter(legal.values()))
+    return [legal.get(action, first) for action in range(len(mdp.action_names))]
+
+
+def table_of(mdp: TabularMDP) -> dict[int, dict[int, list[Entry]]]:
+    """Return state → action → entries, for every state and action."""
+    return {
+        state: {action: list(row.entries) for action, row in enumerate(rows_of(mdp, state))}
+        for state in range(mdp.states)
+    }
+
+
+def _row(mdp: TabularMDP, pair: int) -> PairRow:
+    here = slice(int(mdp.first_outcome[pair]), int(mdp.first_outcome[pair + 1]))
+    columns = (each[here].tolist() for each in (mdp.probability, mdp.next_state, mdp.reward, mdp.terminated))
+    return PairRow(
+        list(zip(*columns, strict=True)), mdp.cumulative[here].tolist(), mdp.reward_std[here].tolist(), pair
+    )
+
+
+# The environment
 
 
 class ScenarioEnv(gymnasium.Env[int, int]):  # type: ignore[misc]

@@ -13,8 +13,7 @@ import platformdirs
 from rl_tui.common.errors import Fault, ScenarioError, UserError
 from rl_tui.common.findings import shown
 from rl_tui.common.kiosk import in_kiosk
-from rl_tui.worlds.files.gymnasium_ids import LAST, PREFIX, environment_scenario
-from rl_tui.worlds.files.scenario import Scenario, read_scenario
+from rl_tui.worlds.files.scenario import LAST, PREFIX, Scenario, environment_scenario, read_scenario
 from rl_tui.worlds.files.shipped import SUFFIX, shipped_folder
 
 YOURS: Final = "Yours"

@@ -1,4 +1,7 @@
-"""A scenario: one TOML file that describes a world, what to try in it and how a run starts."""
+"""A scenario: one TOML file that describes a world, what to try in it and how a run starts.
+
+``gym:ENV_ID`` names a scenario without a file: any environment registered with Gymnasium.
+"""
 
 from __future__ import annotations
 
@@ -11,14 +14,17 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from pydantic import Field
 
-from rl_tui.common.errors import Fault, ScenarioError
-from rl_tui.common.findings import Finding, in_file_order, place, shown
+from rl_tui.common.errors import Fault, ScenarioError, UserError
+from rl_tui.common.findings import Finding, in_file_order, one_line, place, shown
 from rl_tui.common.limits import MOST_FINDINGS
+from rl_tui.common.streams import streams
 from rl_tui.common.text_file import UnreadableError, read_text
 from rl_tui.worlds.files.toml_file import tables_in
 from rl_tui.worlds.sections.schema import (
     Expect,
     FileSection,
+    WorldRefusedError,
+    WorldSection,
     is_plain,
     is_table,
     markdown,
@@ -27,11 +33,14 @@ from rl_tui.worlds.sections.schema import (
     unknown_key,
     whole_number,
 )
-from rl_tui.worlds.sections.world_section import WorldRefusedError, WorldSection
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
     from numpy.random import Generator
+
+
+# Scenarios in files
+
 
 WORLD_KINDS: Final[Mapping[str, str]] = {
     "gymnasium": "rl_tui.worlds.gym.section:GymnasiumSection",
@@ -173,3 +182,74 @@ def _read_world(kind: str, raw: object, ask_environment: bool) -> tuple[WorldSec
     if section is not None and not findings and ask_environment:
         findings += section.environment_findings()
     return section, findings
+
+
+# Scenarios without a file
+
+
+PREFIX: Final = "gym:"
+LAST: Final = 1_000_000
+
+_NOTES: Final = """
+**{id}** as Gymnasium registers it: {states:,} states, {actions} actions ({names}), {limit}.
+
+{how}
+
+**Try this**
+
+* `space` runs, `+` and `−` change the speed, `s` takes one step.
+* The hyper-parameters are the program's own, not chosen for this environment: find better ones.
+* To keep what you find, write a scenario file with `[gymnasium]`, `id = "{id}"` and your `[defaults]`.
+"""
+_BY_TABLE: Final = (
+    "It tells its transition table, so every step is drawn from that, at full speed, and the exact answer is "
+    "known."
+)
+_STEPPED: Final = (
+    "It has no transition table: it is stepped for real, and nobody knows the exact answer. So there is no "
+    "Q*, no error and no exact return here."
+)
+
+
+def environment_scenario(name: str) -> Scenario:
+    """Return the scenario ``name``, gym:ENV_ID, with the usual defaults and notes that tell what it is.
+
+    Imports gymnasium and makes the environment once. Raises UserError, with near ids, where it is not
+    registered or its states and actions are not discrete.
+    """
+    from rl_tui.worlds.gym.section import GymnasiumSection
+
+    section, findings = parsed(GymnasiumSection, {"id": name.removeprefix(PREFIX)})
+    if section is not None and not findings:
+        findings = [*section.connection_findings({"id": section.id}), *section.environment_findings()]
+    if section is None or findings:
+        raise UserError(f"{shown(name)[1:-1]}: found {findings[0].found}; expected {findings[0].expected}")
+    world = section.build(streams(0).world)
+    return Scenario(
+        id=name,
+        title=section.id,
+        summary=f"An environment of Gymnasium, {_kind(world)}.",
+        notes=_notes(section.id, world),
+        order=LAST,
+        kind="gymnasium",
+        defaults={},
+        source=Path(name),
+        section=section,
+    )
+
+
+def _kind(world: World) -> str:
+    return "stepped for real" if world.mdp is None else "by its transition table"
+
+
+def _notes(id_: str, world: World) -> str:
+    space = world.space
+    names = one_line(", ".join(space.action_names), 100)
+    return _NOTES.format(
+        id=id_,
+        states=space.states,
+        actions=len(space.action_names),
+        names=names,
+        limit=f"episodes of at most {space.time_limit:,} steps" if space.time_limit else "no time limit",
+        how=_STEPPED if world.mdp is None else _BY_TABLE,
+    )

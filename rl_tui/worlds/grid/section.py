@@ -1,25 +1,242 @@
-"""The ``[grid]`` table: a map drawn in characters, and how one moves on it."""
+"""The ``[grid]`` table of a scenario file: a map, and the rules for moves on it.
+
+Contradictions between its entries are found in the raw table. So they are reported together with errors
+in single values.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from pydantic import Field
 
-from rl_tui.common.findings import Finding
-from rl_tui.common.limits import LONGEST_SIDE, LONGEST_TIME_LIMIT, MOST_CHARACTERS, STRONGEST_WIND
-from rl_tui.worlds.drawing import Grid
-from rl_tui.worlds.grid.faults import grid_findings
-from rl_tui.worlds.grid.legend import BUILT_IN, Character, LegendEntry
-from rl_tui.worlds.grid.map import CellMap, RandomMap, draw_map, lines_of, read_map
-from rl_tui.worlds.grid.moves import MOVES, Slip, slips_of
-from rl_tui.worlds.sections.schema import Expect, Number, TruthValue, is_table, number, sized, whole_number
-from rl_tui.worlds.sections.world_section import WorldSection
+from rl_tui.common.findings import Finding, shown
+from rl_tui.common.limits import (
+    LONGEST_SIDE,
+    LONGEST_TIME_LIMIT,
+    MOST_CELLS,
+    MOST_CHARACTERS,
+    MOST_OUTCOMES,
+    STRONGEST_WIND,
+)
+from rl_tui.common.words import counted
+from rl_tui.worlds.drawing import CellKind, Grid
+from rl_tui.worlds.grid.map import (
+    BUILT_IN,
+    FLOOR,
+    GOAL,
+    HOLE,
+    START,
+    WAY_CHARACTERS,
+    CellMap,
+    Character,
+    LegendEntry,
+    RandomMap,
+    draw_map,
+    entry_findings,
+    first_place,
+    is_character,
+    lines_of,
+    read_map,
+)
+from rl_tui.worlds.grid.moves import COMPASS, MOVES, Slip, slips_of
+from rl_tui.worlds.sections.schema import (
+    Expect,
+    Number,
+    TruthValue,
+    WorldSection,
+    is_table,
+    number,
+    parsed,
+    sized,
+    whole_number,
+)
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
     from numpy.random import Generator
+
+
+# Contradictions between entries
+#
+# It reads the raw table, so that these faults are reported together with faults of form.
+
+
+_MOST_TOLD: Final = 20
+
+
+@dataclass(frozen=True, slots=True)
+class _Shape:
+    """The size of the map, and how often each character stands on it (``many`` for more than once)."""
+
+    rows: int
+    columns: int
+    counts: Mapping[str, int]
+
+
+def grid_findings(raw: Mapping[str, Any]) -> Iterator[Finding]:
+    """Yield what does not fit together in a raw ``[grid]`` table, located inside it."""
+    legend = _legend(raw.get("legend"))
+    moves = raw.get("moves", "four")
+    known_moves = MOVES[moves] if isinstance(moves, str) and moves in MOVES else None
+    yield from _slip_findings(raw, known_moves)
+    yield from _legend_findings(raw.get("legend"), legend, known_moves)
+    if "map" in raw and "random" in raw:
+        yield Finding(("random",), "random beside map", "either a map or one to be drawn")
+        return
+    if "map" not in raw and "random" not in raw:
+        yield Finding(("map",), "nothing", "a map of characters, or random")
+        return
+    key = "map" if "map" in raw else "random"
+    if key == "map":
+        if not isinstance(raw["map"], str):
+            return  # a fault of form, reported already; it ends the search here
+        findings = list(_form_findings(raw["map"]))
+        if findings:
+            yield from findings
+            return
+    shape = _shape(raw, key)
+    if shape is None:
+        return
+    yield from _size_findings(key, shape, raw, known_moves)
+    yield from _wind_findings(raw, shape)
+    yield from _meeting_findings(key, shape, raw, legend)
+
+
+def _legend(raw: object) -> dict[str, LegendEntry | None]:
+    """Return what each character means, None where the file does not say it soundly."""
+    legend: dict[str, LegendEntry | None] = dict(BUILT_IN)
+    if isinstance(raw, dict) and len(raw) <= MOST_CHARACTERS:
+        legend |= {key: parsed(LegendEntry, entry)[0] for key, entry in raw.items() if is_character(key)}
+    return legend
+
+
+def _slip_findings(raw: Mapping[str, Any], moves: Sequence[str] | None) -> Iterator[Finding]:
+    """Yield what does not go with slips; ``moves`` are None where those are at fault themselves."""
+    noisy, slippery = raw.get("noise") not in (None, 0), raw.get("slippery") is True
+    if noisy and slippery:
+        yield Finding(("slippery",), "slippery beside noise", "one of the two")
+    for key, given in (("noise", noisy), ("slippery", slippery)):
+        if given and moves not in (None, *COMPASS):
+            yield Finding((key,), f"{key} with moves = {shown(raw['moves'])}", 'moves = "four", or no slips')
+    if raw.get("gusts") is True and not _winds(raw):
+        yield Finding(("gusts",), "gusts without wind", "wind or wind_rows")
+
+
+def _winds(raw: Mapping[str, Any]) -> int:
+    """Return along how many axes wind blows anywhere."""
+    return sum(isinstance(wind, list) and any(wind) for wind in (raw.get("wind"), raw.get("wind_rows")))
+
+
+def _legend_findings(
+    raw: object, legend: Mapping[str, LegendEntry | None], moves: Sequence[str] | None
+) -> Iterator[Finding]:
+    for character, entry in raw.items() if isinstance(raw, dict) else ():
+        known = legend.get(character)
+        if known is not None:
+            for finding in entry_findings(known, entry, moves):
+                yield finding.inside("legend", character)
+
+
+def _form_findings(text: str) -> Iterator[Finding]:
+    lines = lines_of(text)
+    if not any(lines):
+        yield Finding(("map",), "an empty map", "a line of characters for each row")
+        return
+    odd = [index for index, line in enumerate(lines) if len(line) != len(lines[0])]
+    if odd:
+        others = f" (and {len(odd) - 1} more of another length)" if len(odd) > 1 else ""
+        found = f"line {odd[0] + 1} of length {len(lines[odd[0]])}{others}"
+        yield Finding(("map",), found, f"length {len(lines[0])} in every line, as in line 1")
+
+
+def _shape(raw: Mapping[str, Any], key: str) -> _Shape | None:
+    """Return the size of the map, None where it cannot be read."""
+    if key == "map":
+        lines = lines_of(raw["map"])
+        return _Shape(len(lines), len(lines[0]), Counter("".join(lines)))
+    wanted, _ = parsed(RandomMap, raw["random"])
+    if wanted is None:
+        return None
+    # the numbers of holes and free cells are unknown, but there are holes and free cells
+    counts = {START: 1, GOAL: 1, FLOOR: 2, HOLE: 2}
+    return _Shape(wanted.rows, wanted.columns, counts)
+
+
+def _size_findings(
+    key: str, shape: _Shape, raw: Mapping[str, Any], moves: Sequence[str] | None
+) -> Iterator[Finding]:
+    rows, columns = shape.rows, shape.columns
+    size = f"{rows:,} × {columns:,} cells"
+    if rows * columns > MOST_CELLS or max(rows, columns) > LONGEST_SIDE:
+        expected = f"at most {MOST_CELLS:,} cells and {LONGEST_SIDE:,} on a side"
+        yield Finding((key,), size, expected)
+        return
+    if key == "random" and rows * columns < 2:
+        yield Finding((key,), size, "a start and a goal: at least 2 cells")
+    ways = 3 if raw.get("slippery") is True or raw.get("noise") not in (None, 0) else 1
+    if raw.get("gusts") is True:
+        ways *= 3 ** _winds(raw)
+    outcomes = rows * columns * len(moves or ()) * ways
+    if outcomes > MOST_OUTCOMES:
+        yield Finding((key,), f"{size} with {outcomes:,} outcomes", f"at most {MOST_OUTCOMES:,} outcomes")
+
+
+def _wind_findings(raw: Mapping[str, Any], shape: _Shape) -> Iterator[Finding]:
+    for key, what, count in (("wind", "column", shape.columns), ("wind_rows", "row", shape.rows)):
+        wind = raw.get(key)
+        if isinstance(wind, list) and 0 < len(wind) <= LONGEST_SIDE and len(wind) != count:
+            yield Finding((key,), counted(len(wind), "number"), f"one for each {what} ({count:,})")
+
+
+def _meeting_findings(
+    key: str, shape: _Shape, raw: Mapping[str, Any], legend: Mapping[str, LegendEntry | None]
+) -> Iterator[Finding]:
+    """Yield where the characters of the map and the legend do not go together."""
+    unknown = sorted(character for character in shape.counts if character not in legend)
+    lines = lines_of(raw["map"]) if unknown else []
+    for character in unknown[:_MOST_TOLD]:
+        found = f"{shown(character)} in {first_place(lines, character)}"
+        yield Finding((key,), found, "a character that the legend knows")
+    if len(shape.counts) > MOST_CHARACTERS:
+        yield Finding((key,), f"{len(shape.counts)} different characters", f"at most {MOST_CHARACTERS}")
+    on_map = {each: entry for each in shape.counts if (entry := legend.get(each)) is not None}
+    starts = sum(shape.counts[each] for each, entry in on_map.items() if entry.kind is CellKind.START)
+    if not unknown and None not in (legend[each] for each in shape.counts) and not starts:
+        yield Finding((key,), "no start", 'a cell of the kind "start", such as S')
+    leaving = raw.get("rewards") == "leaving"
+    for character, entry in sorted(on_map.items()):
+        where = ("legend", character)
+        if key == "random" and entry.is_wall and character in WAY_CHARACTERS:
+            expected = "a cell to walk on: a map that is drawn has a way to its goal"
+            yield Finding((*where, "kind"), "wall", expected)
+        if entry.jump is not None:
+            yield from _jump_findings((*where, "jump"), entry.jump, shape, legend)
+        if entry.back and starts > 1:
+            yield Finding((*where, "back"), f"back with {starts} starts", "one start to go back to")
+        if leaving and (entry.ends or entry.back) and entry.pays and not entry.is_wall:
+            own = raw.get("legend")
+            place = where if isinstance(own, dict) and character in own else (key,)
+            found = f"{shown(character)}, which pays {entry.pays:g} but is never left"
+            yield Finding(place, found, 'a cell with exit = true or reward = 0, or rewards = "entering"')
+
+
+def _jump_findings(
+    where: tuple[str, ...], target: str, shape: _Shape, legend: Mapping[str, LegendEntry | None]
+) -> Iterator[Finding]:
+    count, entry = shape.counts.get(target, 0), legend.get(target)
+    if count != 1:
+        found = f"{shown(target)}, which stands {count:,} times on the map" if count else shown(target)
+        yield Finding(where, found, "a character that stands once on the map")
+    elif entry is not None and entry.is_wall:
+        yield Finding(where, f"{shown(target)}, a wall", "a cell that one can be in")
+
+
+# The table
+
 
 REWARDS: Final = ("entering", "leaving")
 _IS_LEGEND: Final = sized(dict, MOST_CHARACTERS)
@@ -87,8 +304,7 @@ class GridSection(WorldSection):
 
         Raises WorldRefusedError where none with a way to the goal is found.
         """
-        from rl_tui.worlds.grid.states import GridStates, grid_drawing
-        from rl_tui.worlds.grid.table import grid_table
+        from rl_tui.worlds.grid.table import GridStates, grid_drawing, grid_table
 
         states = GridStates(self.cells(generator))
         mdp = grid_table(states, self)

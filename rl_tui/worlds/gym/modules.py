@@ -11,7 +11,7 @@ from rl_tui.common.interrupts import is_interrupt
 from rl_tui.common.kiosk import in_kiosk
 from rl_tui.common.own_ids import OWN_IDS
 from rl_tui.worlds.gym.env_call import ENVIRONMENT_CALL
-from rl_tui.worlds.sections.world_section import WorldRefusedError
+from rl_tui.worlds.sections.schema import WorldRefusedError
 
 OPTION: Final = "--allow-module"
 _LONGEST_REASON: Final = 200

@@ -10,17 +10,18 @@ from pydantic import Field
 from rl_tui.common.findings import Finding, Location, shown
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.environment import EnvironmentFailedError
+from rl_tui.worlds.gym.bins import BinsSection
 from rl_tui.worlds.gym.modules import refusal_of
-from rl_tui.worlds.gym.stepped.bins import BinsSection
 from rl_tui.worlds.sections.schema import (
     Expect,
+    WorldRefusedError,
+    WorldSection,
     is_plain,
     is_table,
     is_truth_value,
     text,
     with_control_character,
 )
-from rl_tui.worlds.sections.world_section import WorldRefusedError, WorldSection
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
@@ -79,7 +80,7 @@ class GymnasiumSection(WorldSection):
 
     def sketch(self) -> Grid | None:
         """Return a grid of the size that is known without Gymnasium, if one is."""
-        from rl_tui.worlds.gym.known_shapes import known_shape
+        from rl_tui.worlds.gym.stepped_layout import known_shape
 
         shape = known_shape(self)
         return None if shape is None else Grid(*shape, (), (), ())
@@ -90,14 +91,14 @@ class GymnasiumSection(WorldSection):
 
     def _world(self) -> World:
         if self.table is not False and self.bins is None:
-            from rl_tui.worlds.gym.tables.toy_text import NoTableError, world_of
+            from rl_tui.worlds.gym.toy_text import NoTableError, world_of
 
             try:
                 return world_of(self.id, self.kwargs, computed=self.table is True)
             except NoTableError:
                 if self.table:
                     raise
-        from rl_tui.worlds.gym.stepped.tabular_environment import stepped_world
+        from rl_tui.worlds.gym.registered import stepped_world
 
         return stepped_world(self.id, self.kwargs, self.bins)
 

@@ -14,13 +14,13 @@ from rl_tui.worlds.sections.schema import (
     Expect,
     FileSection,
     Number,
+    WorldSection,
     is_number,
     is_table,
     number,
     sized,
     whole_number,
 )
-from rl_tui.worlds.sections.world_section import WorldSection
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:

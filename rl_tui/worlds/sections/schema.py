@@ -1,19 +1,33 @@
-"""What the values of a scenario file may be, and how pydantic's complaints become findings."""
+"""The base of all tables in a scenario file: allowed values, and errors reported as findings.
+
+Each kind of world is one subclass of `WorldSection`, and one row in `files/scenario.py`. Complaints of
+pydantic become findings: what was found, what was expected, and where.
+"""
 
 from __future__ import annotations
 
 import typing
 import unicodedata
-from collections.abc import Callable, Iterable, Iterator
+from abc import abstractmethod
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from html import unescape
-from typing import Annotated, Any, Final, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Final, TypeVar
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError, model_validator
 from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
 
-from rl_tui.common.findings import Finding, near, shown
+from rl_tui.common.findings import Finding, Location, near, shown
 from rl_tui.common.limits import LARGEST_NUMBER, LONGEST_NAME, MOST_FINDINGS, MOST_KEYS
+from rl_tui.worlds.drawing import Drawing
+from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from numpy.random import Generator
+
+
+# Values and findings
+
 
 _IN_LINES: Final = "\n\t"
 _BIDIRECTIONAL: Final = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
@@ -205,3 +219,43 @@ def _sections_in(annotation: object) -> Iterator[type[FileSection]]:
 def _expected_of(section: type[FileSection], key: str) -> str:
     metadata = section.model_fields[key].metadata
     return next(each.expected for each in metadata if isinstance(each, Expect))
+
+
+# The table of a world
+
+
+class WorldSection(FileSection):
+    """The table of one kind of world. Findings are located inside it."""
+
+    @classmethod
+    def connection_findings(cls, raw: Mapping[str, Any]) -> Iterator[Finding]:
+        """Yield faults between the entries of the raw table, whether or not the form of each is sound."""
+        return iter(())
+
+    def environment_findings(self) -> Iterator[Finding]:
+        """Yield faults that only show once the world outside the file is looked at; may be slow."""
+        return iter(())
+
+    @property
+    def drawn_from_seed(self) -> bool:
+        """Whether another seed makes another world."""
+        return False
+
+    def sketch(self) -> Drawing | None:
+        """Return how the world will be drawn, without building it; None if the table does not tell.
+
+        A map has its size and wind only, a graph no states.
+        """
+        return None
+
+    @abstractmethod
+    def build(self, generator: Generator) -> World:
+        """Return the world; what is random about the world itself is drawn from ``generator``."""
+
+
+class WorldRefusedError(Exception):
+    """The world cannot be built; ``finding`` says why, located inside its table."""
+
+    def __init__(self, location: Location, found: str, expected: str) -> None:
+        super().__init__(found)
+        self.finding = Finding(location, found, expected)

@@ -12,13 +12,13 @@ from pathlib import Path
 import pytest
 
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.lab.book_figures import dyna_maze, step_sizes
-from rl_tui.lab.book_figures.catalogue import FIGURES, measure
-from rl_tui.lab.book_figures.figure import BookComparison, MeasuredCurve, MeasuredFigure, read_off
-from rl_tui.lab.book_figures.files import HEADER, document_of, write_csv
-from rl_tui.lab.book_figures.measuring import Measuring, mean_and_error, recipe_of
-from rl_tui.lab.pictures.picture import Chart
-from rl_tui.lab.pictures.svg import svg_of
+from rl_tui.studies.book_figures import dyna_maze, step_sizes
+from rl_tui.studies.book_figures.catalogue import FIGURES, measure
+from rl_tui.studies.book_figures.figure import BookComparison, MeasuredCurve, MeasuredFigure, read_off
+from rl_tui.studies.book_figures.files import HEADER, document_of, write_csv
+from rl_tui.studies.book_figures.measuring import Measuring, mean_and_error, recipe_of
+from rl_tui.studies.pictures.picture import Chart
+from rl_tui.studies.pictures.svg import svg_of
 
 pytestmark = pytest.mark.slow
 

@@ -7,14 +7,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from rl_tui.lab.lessons.judging.journal_reader import run_digest
-from rl_tui.lab.lessons.lesson import Lesson, lesson_of
-from rl_tui.lab.lessons.record import Given, LessonRecord, Passed, begun
-from rl_tui.lab.lessons.setups import recipe_of
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.run.recipe import Change, JournalEntry, Recipe, TakeAction, begin
-from rl_tui.lab.sessions.session import encoded
-from rl_tui.lab.timeline.branches import Branch, RunRecord
+from rl_tui.lessons.file.setups import recipe_of
+from rl_tui.lessons.file.view import Given, LessonRecord, Passed, begun
+from rl_tui.lessons.judging.journal_reader import run_digest
+from rl_tui.lessons.lesson import Lesson, lesson_of
+from rl_tui.live.record import Record
+from rl_tui.live.sessions.session import encoded
+from rl_tui.runs.recipe import Change, JournalEntry, Recipe, TakeAction, begin
+from rl_tui.runs.timeline.branches import Branch, RunRecord
 
 TEXT = """
 title = "An evening"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from rl_tui.lab.lessons.lesson import Lesson, lesson_of
+from rl_tui.lessons.lesson import Lesson, lesson_of
 
 MARK: Final = "        # the update of Q[state][action]\n"
 SKELETON: Final = f"""\

@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError, Value
-from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
-from rl_tui.lab.lessons.lesson import Lesson, lesson_of
-from rl_tui.lab.lessons.schema import Attempt, Condition
-from rl_tui.lab.run.library import find, recipe_for
-from rl_tui.lab.run.recipe import Recipe
-from rl_tui.lab.run.run import Run
+from rl_tui.lessons.file.schema import Attempt, Condition
+from rl_tui.lessons.judging.measures import MEASURES, MissingError, Value
+from rl_tui.lessons.judging.moment import JudgedMoment, Kept
+from rl_tui.lessons.lesson import Lesson, lesson_of
+from rl_tui.runs.library import find, recipe_for
+from rl_tui.runs.recipe import Recipe
+from rl_tui.runs.run import Run
 
 HEAD = 'title = "t"\nsummary = "s"\nminutes = 3\ngoals = ["g"]\n'
 

@@ -10,8 +10,8 @@ from lab.lessons.lesson_sessions import TEXT
 from lab.lessons.task_samples import inline, task_text
 
 from rl_tui.common.errors import ScenarioError
-from rl_tui.lab.lessons.judging.world_faults import reference_faults
-from rl_tui.lab.lessons.lesson import lesson_of
+from rl_tui.lessons.judging.world_faults import reference_faults
+from rl_tui.lessons.lesson import lesson_of
 
 pytestmark = pytest.mark.unit
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from rl_tui.lab.lessons.figures.expression import FigureError, evaluate, read_expression
+from rl_tui.lessons.figures.expression import FigureError, evaluate, read_expression
 
 pytestmark = pytest.mark.unit
 

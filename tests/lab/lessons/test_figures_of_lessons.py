@@ -11,13 +11,12 @@ import pytest
 from click.testing import CliRunner
 from lesson_samples import with_figures
 
-from rl_tui.cli.main import program
-from rl_tui.lab.experiments.seeded_runs import SeededRuns
-from rl_tui.lab.lessons.figures.expression import FigureError
-from rl_tui.lab.lessons.figures.figures import LessonFigures
-from rl_tui.lab.lessons.figures.functions import FUNCTIONS
-from rl_tui.lab.lessons.figures.step_budget import FIGURE_STEPS, STEPPED, StepBudget
-from rl_tui.lab.run.run import Run
+from rl_tui.commands.main import program
+from rl_tui.lessons.figures.expression import FigureError
+from rl_tui.lessons.figures.figures import FUNCTIONS, LessonFigures
+from rl_tui.lessons.figures.step_budget import FIGURE_STEPS, STEPPED, StepBudget
+from rl_tui.runs.run import Run
+from rl_tui.runs.training.seeded_runs import SeededRuns
 
 pytestmark = pytest.mark.unit
 

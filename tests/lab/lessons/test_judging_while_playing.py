@@ -8,16 +8,15 @@ import pytest
 from lab.lessons.task_samples import lesson_with
 from lab.playing import begin, do
 
-from rl_tui.lab.lessons.judging.attempts import evidence_holds
-from rl_tui.lab.lessons.judging.conditions import judged_task
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.record import LessonRecord, Passed, begun
-from rl_tui.lab.lessons.view import TaskView
-from rl_tui.lab.live.commands import Apply, Command, GoTo, KeepLesson, Restart, RunEpisode, Step, Take
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.run.recipe import SetParameter
-from rl_tui.lab.timeline.branches import RunRecord
+from rl_tui.lessons.file.view import LessonRecord, Passed, TaskView, begun
+from rl_tui.lessons.judging.conditions import judged_task
+from rl_tui.lessons.judging.seed_panel import evidence_holds
+from rl_tui.lessons.lesson import Lesson
+from rl_tui.live.commands import Apply, Command, GoTo, KeepLesson, Restart, RunEpisode, Step, Take
+from rl_tui.live.playback import Playback
+from rl_tui.live.record import Record
+from rl_tui.runs.recipe import SetParameter
+from rl_tui.runs.timeline.branches import RunRecord
 
 pytestmark = pytest.mark.unit
 

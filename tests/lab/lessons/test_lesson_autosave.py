@@ -9,13 +9,12 @@ from pathlib import Path
 import pytest
 from lesson_sessions import lesson, record, run_of, setup, taken, write
 
-from rl_tui.lab.lessons.record import Given, LessonRecord, Passed, begun
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.sessions import folder as session_folder
-from rl_tui.lab.sessions import held_file
-from rl_tui.lab.sessions.autosave import Autosave
-from rl_tui.lab.sessions.folder import all_sessions_in, prune, sessions_in
-from rl_tui.lab.sessions.session import StoredSession, read_session
+from rl_tui.lessons.file.view import Given, LessonRecord, Passed, begun
+from rl_tui.live.record import Record
+from rl_tui.live.sessions import session as session_folder
+from rl_tui.live.sessions import writer as held_file
+from rl_tui.live.sessions.autosave import Autosave
+from rl_tui.live.sessions.session import StoredSession, all_sessions_in, prune, read_session, sessions_in
 
 BEGUN = begun(lesson())
 OPENED = record(BEGUN)

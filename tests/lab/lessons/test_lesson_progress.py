@@ -8,10 +8,10 @@ from pathlib import Path
 
 from lesson_sessions import TEXT, all_done, guess, lesson, run_of, setup, write
 
-from rl_tui.lab.course.grade import LessonGrading
-from rl_tui.lab.course.progress import StoredProgress
-from rl_tui.lab.lessons.lesson import lesson_of
-from rl_tui.lab.lessons.record import begun
+from rl_tui.lessons.file.view import begun
+from rl_tui.lessons.lesson import lesson_of
+from rl_tui.live.sessions.grade import LessonGrading
+from rl_tui.live.sessions.progress import StoredProgress
 
 LESSON = lesson()
 

@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from lab.lessons.task_samples import condition, recipe_in
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.lessons.judging.journal_reader import entries_before, run_digest
-from rl_tui.lab.lessons.judging.measures import MEASURES, MissingError
-from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
-from rl_tui.lab.lessons.judging.replays import replayed
-from rl_tui.lab.run.recipe import OrderSweep, SetParameter, SwitchAlgorithm, TakeAction
-from rl_tui.lab.run.run import Run
+from rl_tui.lessons.judging.journal_reader import entries_before, run_digest
+from rl_tui.lessons.judging.measures import MEASURES, MissingError
+from rl_tui.lessons.judging.moment import JudgedMoment, Kept
+from rl_tui.lessons.judging.seed_panel import replayed
+from rl_tui.runs.recipe import OrderSweep, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.runs.run import Run
 
 pytestmark = pytest.mark.unit
 

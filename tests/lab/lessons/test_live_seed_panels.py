@@ -10,20 +10,17 @@ import pytest
 from lab.lessons.task_samples import condition, lesson_with, recipe_in
 
 from rl_tui.common.kiosk import VARIABLE
-from rl_tui.lab.lessons.judging import seed_panel
-from rl_tui.lab.lessons.judging.attempts import evidence_holds
-from rl_tui.lab.lessons.judging.conditions import judged_task, verdict
-from rl_tui.lab.lessons.judging.journal_reader import run_digest
-from rl_tui.lab.lessons.judging.judge import TaskJudge
-from rl_tui.lab.lessons.judging.live_panels import LivePanels
-from rl_tui.lab.lessons.judging.panel_request import PanelProgress, PanelRequest, SeedValues
-from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce, worked_out
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.record import begun
-from rl_tui.lab.lessons.view import LessonView, TaskView
-from rl_tui.lab.run.recipe import SetParameter
-from rl_tui.lab.run.run import Run
-from rl_tui.lab.workers import answering_process
+from rl_tui.lessons.file.view import LessonView, TaskView, begun
+from rl_tui.lessons.judging import seed_panel
+from rl_tui.lessons.judging.conditions import judged_task, verdict
+from rl_tui.lessons.judging.journal_reader import run_digest
+from rl_tui.lessons.judging.judge import LivePanels, TaskJudge
+from rl_tui.lessons.judging.seed_panel import PanelsAtOnce, evidence_holds, worked_out
+from rl_tui.lessons.judging.verdicts import PanelProgress, PanelRequest, SeedValues
+from rl_tui.lessons.lesson import Lesson
+from rl_tui.runs.background import background as answering_process
+from rl_tui.runs.recipe import SetParameter
+from rl_tui.runs.run import Run
 
 pytestmark = pytest.mark.process
 

@@ -6,12 +6,12 @@ import pytest
 from lab.lessons.lesson_sessions import lesson, run_of, setup
 from lab.playing import begin, do
 
-from rl_tui.lab.lessons.record import LessonRecord, begun
-from rl_tui.lab.live.commands import Apply, Command, KeepLesson, Play, RunEpisode, Step, Take, Train
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.live.snapshot import Phase
-from rl_tui.lab.run.recipe import TakeAction
+from rl_tui.lessons.file.view import LessonRecord, begun
+from rl_tui.live.commands import Apply, Command, KeepLesson, Play, RunEpisode, Step, Take, Train
+from rl_tui.live.playback import Playback
+from rl_tui.live.record import Record
+from rl_tui.live.snapshot import Phase
+from rl_tui.runs.recipe import TakeAction
 
 pytestmark = pytest.mark.unit
 

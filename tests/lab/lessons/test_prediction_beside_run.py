@@ -8,14 +8,14 @@ import pytest
 from lab.playing import begin, do
 
 from rl_tui.common.errors import ScenarioError
-from rl_tui.lab.lessons.judging.world_faults import reference_faults
-from rl_tui.lab.lessons.lesson import Lesson, lesson_of
-from rl_tui.lab.lessons.record import Given, LessonRecord, begun
-from rl_tui.lab.lessons.setups import recipe_of
-from rl_tui.lab.live.commands import Command, GoTo, KeepLesson, Restart, Step, Take
-from rl_tui.lab.live.playback import Playback
-from rl_tui.lab.live.record import Record
-from rl_tui.lab.timeline.branches import RunRecord
+from rl_tui.lessons.file.setups import recipe_of
+from rl_tui.lessons.file.view import Given, LessonRecord, begun
+from rl_tui.lessons.judging.world_faults import reference_faults
+from rl_tui.lessons.lesson import Lesson, lesson_of
+from rl_tui.live.commands import Command, GoTo, KeepLesson, Restart, Step, Take
+from rl_tui.live.playback import Playback
+from rl_tui.live.record import Record
+from rl_tui.runs.timeline.branches import RunRecord
 
 pytestmark = pytest.mark.unit
 

@@ -12,17 +12,16 @@ from click.testing import CliRunner
 from lab.lessons.lesson_sessions import run_of, write
 from lab.lessons.program_tasks import SKELETON, program_lesson, program_text, updating
 
-from rl_tui.cli.main import program
+from rl_tui.commands.main import program
 from rl_tui.common.errors import UserError
-from rl_tui.lab.lessons.judging.attempts import judged_program
-from rl_tui.lab.lessons.judging.conditions import judged_task
-from rl_tui.lab.lessons.judging.judge import TaskJudge
-from rl_tui.lab.lessons.lesson import lesson_of
-from rl_tui.lab.lessons.programs.watching import read_code, watched_code
-from rl_tui.lab.lessons.record import LessonRecord, Passed, begun
-from rl_tui.lab.lessons.schema import LONGEST_PROGRAM
-from rl_tui.lab.lessons.view import TaskView
-from rl_tui.lab.run.run import Run
+from rl_tui.lessons.file.schema import LONGEST_PROGRAM
+from rl_tui.lessons.file.view import LessonRecord, Passed, TaskView, begun
+from rl_tui.lessons.judging.conditions import judged_task
+from rl_tui.lessons.judging.judge import TaskJudge
+from rl_tui.lessons.judging.seed_panel import judged_program
+from rl_tui.lessons.judging.seen_program import read_code, watched_code
+from rl_tui.lessons.lesson import lesson_of
+from rl_tui.runs.run import Run
 
 pytestmark = pytest.mark.process
 

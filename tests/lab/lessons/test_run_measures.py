@@ -8,15 +8,15 @@ import pytest
 from lab.lessons.task_samples import condition, measured, recipe_in
 
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.lab.experiments.training import Goal, train
-from rl_tui.lab.lessons.judging.condition_faults import FIRST_EPISODES
-from rl_tui.lab.lessons.judging.measures import MEASURES
-from rl_tui.lab.lessons.judging.moment import JudgedMoment, Kept
-from rl_tui.lab.run.changes import journal_of, read_change
-from rl_tui.lab.run.figures import training_figures
-from rl_tui.lab.run.history import FIRST
-from rl_tui.lab.run.recipe import Recipe, SetParameter, SwitchAlgorithm
-from rl_tui.lab.run.run import Run
+from rl_tui.lessons.judging.condition_faults import FIRST_EPISODES
+from rl_tui.lessons.judging.measures import MEASURES
+from rl_tui.lessons.judging.moment import JudgedMoment, Kept
+from rl_tui.runs.changes import journal_of, read_change
+from rl_tui.runs.figures import training_figures
+from rl_tui.runs.history import FIRST
+from rl_tui.runs.recipe import Recipe, SetParameter, SwitchAlgorithm
+from rl_tui.runs.run import Run
+from rl_tui.runs.training.seeded_runs import Goal, train
 
 pytestmark = pytest.mark.unit
 

@@ -9,14 +9,14 @@ import pytest
 from lesson_sessions import TEXT, all_done, digest_at, entries, guess, lesson, run_of, setup, taken, write
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.course.grade import GradedSession, LessonGrading, grade_report
-from rl_tui.lab.lessons.catalogue import shipped_lessons
-from rl_tui.lab.lessons.judging.attempts import passes
-from rl_tui.lab.lessons.lesson import Lesson, read_lesson
-from rl_tui.lab.lessons.record import Given, LessonRecord, Passed, begun
-from rl_tui.lab.run.recipe import EditWorld, JournalEntry, SetParameter, TakeAction
-from rl_tui.lab.sessions.session import SessionError
-from rl_tui.lab.timeline.branches import Branch, RunRecord
+from rl_tui.lessons.catalogue import shipped_lessons
+from rl_tui.lessons.file.view import Given, LessonRecord, Passed, begun
+from rl_tui.lessons.judging.seed_panel import passes
+from rl_tui.lessons.lesson import Lesson, read_lesson
+from rl_tui.live.sessions.grade import GradedSession, LessonGrading, grade_report
+from rl_tui.live.sessions.session import SessionError
+from rl_tui.runs.recipe import EditWorld, JournalEntry, SetParameter, TakeAction
+from rl_tui.runs.timeline.branches import Branch, RunRecord
 from rl_tui.worlds.editing.edit import read_edits
 
 LESSON = lesson()

@@ -8,18 +8,15 @@ import pytest
 from lab.lessons.task_samples import attempt, condition, lesson_with, recipe_in
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.detective.verdict import CodeFault, CodeFinding, ProgramVerdict, Rule, UpdateFound
-from rl_tui.lab.lessons.judging.attempts import evidence_holds, passes
-from rl_tui.lab.lessons.judging.conditions import judged_task, program_verdict, verdict
-from rl_tui.lab.lessons.judging.replays import attempted_run
-from rl_tui.lab.lessons.judging.seed_panel import PanelsAtOnce
-from rl_tui.lab.lessons.judging.verdicts import found_in_words, in_words, is_met
-from rl_tui.lab.lessons.lesson import Lesson
-from rl_tui.lab.lessons.programs.seen_program import SeenProgram
-from rl_tui.lab.lessons.record import Passed
-from rl_tui.lab.lessons.view import TaskView
-from rl_tui.lab.run.recipe import JournalEntry, SetParameter, TakeAction
-from rl_tui.lab.run.run import Run
+from rl_tui.lessons.file.view import Passed, TaskView
+from rl_tui.lessons.judging.conditions import judged_task, program_verdict, verdict
+from rl_tui.lessons.judging.seed_panel import PanelsAtOnce, attempted_run, evidence_holds, passes
+from rl_tui.lessons.judging.seen_program import SeenProgram
+from rl_tui.lessons.judging.verdicts import found_in_words, in_words, is_met
+from rl_tui.lessons.lesson import Lesson
+from rl_tui.programs.evidence.verdict import CodeFault, CodeFinding, ProgramVerdict, Rule, UpdateFound
+from rl_tui.runs.recipe import JournalEntry, SetParameter, TakeAction
+from rl_tui.runs.run import Run
 
 pytestmark = pytest.mark.unit
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rl_tui.lab.lessons.figures.written import written_number
+from rl_tui.lessons.figures.written import written_number
 
 pytestmark = pytest.mark.unit
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from rl_tui.lab.pictures.axis import close_axis, round_axis
-from rl_tui.lab.pictures.picture import AtlasChart, Chart, ChartCurve, Picture
+from rl_tui.studies.pictures.picture import AtlasChart, Chart, ChartCurve, Picture, close_axis, round_axis
 
 
 def curve(name: str, y: Sequence[float | None], colour: int = 0, **more: Any) -> ChartCurve:

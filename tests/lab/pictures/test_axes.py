@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rl_tui.lab.pictures.axis import (
+from rl_tui.studies.pictures.picture import (
     MOST_TICKS,
     ChartAxis,
     close_axis,

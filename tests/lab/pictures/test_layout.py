@@ -9,11 +9,20 @@ from drawn_samples import atlas, chart, curve, picture
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rl_tui.lab.pictures import colours
-from rl_tui.lab.pictures.chart_layout import spread
-from rl_tui.lab.pictures.layout import laid_out
-from rl_tui.lab.pictures.picture import Picture
-from rl_tui.lab.pictures.shapes import Disc, DrawnPage, Path, Rectangle, Text, fitting, text_width, wrapped
+from rl_tui.studies.pictures import colours
+from rl_tui.studies.pictures.chart_layout import spread
+from rl_tui.studies.pictures.layout import laid_out
+from rl_tui.studies.pictures.picture import Picture
+from rl_tui.studies.pictures.shapes import (
+    Disc,
+    DrawnPage,
+    Path,
+    Rectangle,
+    Text,
+    fitting,
+    text_width,
+    wrapped,
+)
 
 LONG = "Expected SARSA with a name that is much too long to stand beside a chart, asymptotic"
 MANY = [curve(f"line {place}", [0.0, 1.0 + place / 100], place) for place in range(14)]

@@ -7,13 +7,12 @@ import pytest
 from result_samples import EPSILONS, STEP_SIZES, grid, runs, sweep
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.pictures.layout import laid_out
-from rl_tui.lab.pictures.picture import AtlasChart, Chart, Picture
-from rl_tui.lab.pictures.results.cut import kept_range
-from rl_tui.lab.pictures.results.picture import picture_of
-from rl_tui.lab.pictures.results.reading import results_of
-from rl_tui.lab.pictures.results.tables import CurveTable
-from rl_tui.lab.pictures.shapes import Text
+from rl_tui.studies.pictures.layout import laid_out
+from rl_tui.studies.pictures.picture import AtlasChart, Chart, Picture, kept_range
+from rl_tui.studies.pictures.reading import results_of
+from rl_tui.studies.pictures.results import picture_of
+from rl_tui.studies.pictures.shapes import Text
+from rl_tui.studies.pictures.tables import CurveTable
 
 CURVE = {
     "episode": [1.0, 2.0, 3.0],

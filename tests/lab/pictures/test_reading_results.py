@@ -8,8 +8,8 @@ import pytest
 from result_samples import STEP_SIZES, grid, runs, sweep, written
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.pictures.results.reading import read_results
-from rl_tui.lab.pictures.results.tables import CellSpread, CurveTable, SweepTable
+from rl_tui.studies.pictures.reading import read_results
+from rl_tui.studies.pictures.tables import CellSpread, CurveTable, SweepTable
 
 CURVE: dict[str, list[float | None]] = {
     "episode": [1, 2],

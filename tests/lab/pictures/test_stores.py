@@ -8,15 +8,15 @@ from pathlib import Path
 import pytest
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.pictures.results.reading import read_results, results_of
-from rl_tui.lab.pictures.results.tables import SweepTable
-from rl_tui.lab.run.library import find
-from rl_tui.lab.sweeps.document import best_documents, json_pieces
-from rl_tui.lab.sweeps.plan import SweepPlan
-from rl_tui.lab.sweeps.ranking import standings_of
-from rl_tui.lab.sweeps.store import Store
-from rl_tui.lab.sweeps.sweep import run_sweep
-from rl_tui.lab.sweeps.variation import read_variation
+from rl_tui.runs.library import find
+from rl_tui.studies.pictures.reading import read_results, results_of
+from rl_tui.studies.pictures.tables import SweepTable
+from rl_tui.studies.sweeps.cells.variation import read_variation
+from rl_tui.studies.sweeps.document import best_documents, json_pieces
+from rl_tui.studies.sweeps.plan import SweepPlan
+from rl_tui.studies.sweeps.ranking import standings_of
+from rl_tui.studies.sweeps.store import Store
+from rl_tui.studies.sweeps.sweep import run_sweep
 
 
 def filled(path: Path) -> object:

@@ -6,11 +6,11 @@ import json
 from pathlib import Path
 from typing import Any, Final
 
-from rl_tui.lab.detective.detective import verdict_of
-from rl_tui.lab.detective.verdict import CodeFinding, ProgramVerdict
-from rl_tui.lab.programs.program_log import ProgramLog
-from rl_tui.lab.programs.program_process import ProgramRequest
-from rl_tui.lab.programs.to_the_end import watched_to_the_end
+from rl_tui.programs.diagnosis.diagnosis import verdict_of
+from rl_tui.programs.evidence.verdict import CodeFinding, ProgramVerdict
+from rl_tui.programs.watched.program_log import ProgramLog
+from rl_tui.programs.watched.program_process import ProgramRequest
+from rl_tui.programs.watched.to_the_end import watched_to_the_end
 
 SCRIPTS: Final = Path(__file__).parent / "scripts"
 FAULTY: Final = sorted((SCRIPTS / "faulty").glob("*.py"))

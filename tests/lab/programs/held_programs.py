@@ -10,9 +10,9 @@ from typing import Any
 
 from watched_scripts import PATIENCE, script_in
 
-from rl_tui.lab.programs.messages import NO_LIMIT
-from rl_tui.lab.programs.program_log import ProgramLog
-from rl_tui.lab.programs.program_process import ProgramProcess, ProgramRequest
+from rl_tui.programs.watched.messages import NO_LIMIT
+from rl_tui.programs.watched.program_log import ProgramLog
+from rl_tui.programs.watched.program_process import ProgramProcess, ProgramRequest
 
 
 class Held:

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from rl_tui.lab.programs.messages import CHANGE_WIDTH, STEP_WIDTH, StepFlag
-from rl_tui.lab.programs.recording import Recording
+from rl_tui.programs.watched.messages import CHANGE_WIDTH, STEP_WIDTH, StepFlag
+from rl_tui.programs.watched.recording import Recording
 from rl_tui.worlds.mdp.space import FloatArray
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rl_tui.lab.programs.messages import StepFlag
-from rl_tui.lab.programs.program_log import FoundTable, ProgramLog
+from rl_tui.programs.watched.messages import StepFlag
+from rl_tui.programs.watched.program_log import FoundTable, ProgramLog
 from rl_tui.worlds.mdp.space import FloatArray
 
 STATES, ACTIONS, LIMIT = 6, 3, 12

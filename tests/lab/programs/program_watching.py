@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from rl_tui.lab.live.commands import Command
-from rl_tui.lab.live.snapshot import Snapshot
-from rl_tui.lab.live_programs.program_playback import ProgramPlayback
-from rl_tui.lab.live_programs.watched_program import WatchedProgram
-from rl_tui.lab.programs.program_process import ProgramRequest
+from rl_tui.live.commands import Command
+from rl_tui.live.programs.program_playback import ProgramPlayback
+from rl_tui.live.programs.watched_program import WatchedProgram
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.programs.watched.program_process import ProgramRequest
 
 LEARNS = """
 import gymnasium as gym

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.own_agents.binding import NAMES, bind, bound_roles, constructor_arguments, role_of
+from rl_tui.programs.own_agents.binding import NAMES, bind, bound_roles, constructor_arguments, role_of
 
 SURROUNDINGS = {
     "env": "the environment",

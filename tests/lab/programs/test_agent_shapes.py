@@ -19,16 +19,16 @@ from lab.programs.course_agents import (
 )
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.detective.detective import verdict_of
-from rl_tui.lab.detective.verdict import Rule
-from rl_tui.lab.experiments.training import Goal
-from rl_tui.lab.grading.agent_request import agent_request
-from rl_tui.lab.own_agents.loading import AgentName, agents_in, the_agent
-from rl_tui.lab.own_agents.shapes import Style
-from rl_tui.lab.programs.program_log import ProgramLog
-from rl_tui.lab.programs.to_the_end import watched_to_the_end
-from rl_tui.lab.run.library import recipe_named
-from rl_tui.lab.run.recipe import begin
+from rl_tui.programs.diagnosis.diagnosis import verdict_of
+from rl_tui.programs.evidence.verdict import Rule
+from rl_tui.programs.grading.agent_training import agent_request
+from rl_tui.programs.own_agents.binding import Style
+from rl_tui.programs.own_agents.loading import AgentName, agents_in, the_agent
+from rl_tui.programs.watched.program_log import ProgramLog
+from rl_tui.programs.watched.to_the_end import watched_to_the_end
+from rl_tui.runs.library import recipe_named
+from rl_tui.runs.recipe import begin
+from rl_tui.runs.training.seeded_runs import Goal
 
 pytestmark = pytest.mark.process
 

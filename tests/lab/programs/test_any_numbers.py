@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rl_tui.lab.detective.detective import verdict_of
-from rl_tui.lab.programs.program_log import FoundTable, ProgramLog
+from rl_tui.programs.diagnosis.diagnosis import verdict_of
+from rl_tui.programs.watched.program_log import FoundTable, ProgramLog
 
 STATES, ACTIONS, STEPS = 5, 3, 400
 ODD = (0.0, 1.0, -1.0, np.nan, np.inf, -np.inf, 1e305, -1e300, 1e-320)

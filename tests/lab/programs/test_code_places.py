@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from rl_tui.lab.detective.source.code_names import CodeNames, names_of
-from rl_tui.lab.detective.source.code_places import CodeLine, ProgramCode, program_code
-from rl_tui.lab.detective.verdict import Rule, UpdateFound, UpdateTarget
-from rl_tui.lab.programs.program_log import FoundTable, ProgramLog
+from rl_tui.programs.evidence.code_names import CodeNames, names_of
+from rl_tui.programs.evidence.code_places import CodeLine, ProgramCode, program_code
+from rl_tui.programs.evidence.verdict import Rule, UpdateFound, UpdateTarget
+from rl_tui.programs.watched.program_log import FoundTable, ProgramLog
 
 LOOP = """
 import gymnasium as gym

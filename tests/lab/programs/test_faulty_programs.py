@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from corpus import FAULTY, expected, line_of, watched
 
-from rl_tui.lab.detective.verdict import CodeFault
+from rl_tui.programs.evidence.verdict import CodeFault
 
 pytestmark = pytest.mark.process
 

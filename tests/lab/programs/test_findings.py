@@ -10,16 +10,22 @@ import pytest
 from correct_learners import ALPHA, CORRECT_LEARNERS, GAMMA, averaging, best, moved, q_learning, sarsa
 from made_recordings import Learner, Step, recorded
 
-from rl_tui.lab.detective.detective import verdict_of
-from rl_tui.lab.detective.evidence import Evidence
-from rl_tui.lab.detective.faults.cells import proof_of_cell
-from rl_tui.lab.detective.findings import findings_of
-from rl_tui.lab.detective.source.code_names import CodeNames
-from rl_tui.lab.detective.verdict import CodeFault, CodeFinding, MovedCell, Rule, UpdateFound, UpdateTarget
-from rl_tui.lab.grading.watch_report import finding_as_json
-from rl_tui.lab.programs.messages import StepFlag
-from rl_tui.lab.programs.program_log import FoundTable, ProgramEnvironment, ProgramLog
-from rl_tui.lab.programs.recording import Recording
+from rl_tui.programs.diagnosis.diagnosis import findings_of, verdict_of
+from rl_tui.programs.diagnosis.faults.cells import proof_of_cell
+from rl_tui.programs.evidence.code_names import CodeNames
+from rl_tui.programs.evidence.evidence import Evidence
+from rl_tui.programs.evidence.verdict import (
+    CodeFault,
+    CodeFinding,
+    MovedCell,
+    Rule,
+    UpdateFound,
+    UpdateTarget,
+)
+from rl_tui.programs.grading.watch_report import finding_as_json
+from rl_tui.programs.watched.messages import StepFlag
+from rl_tui.programs.watched.program_log import FoundTable, ProgramEnvironment, ProgramLog
+from rl_tui.programs.watched.recording import Recording
 from rl_tui.worlds.mdp.space import FloatArray
 
 SEEDS = range(3)

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from rl_tui.lab.programs.messages import MESSAGE, MessageKind
-from rl_tui.lab.programs.program_log import GARBLED, ProgramLog
+from rl_tui.programs.watched.messages import MESSAGE, MessageKind
+from rl_tui.programs.watched.program_log import GARBLED, ProgramLog
 
 ENVIRONMENT: dict[str, Any] = {
     "kind": MessageKind.ENVIRONMENT,

@@ -9,13 +9,12 @@ from correct_learners import ALPHA, moved, q_learning
 from made_recordings import Learner, Step, recorded
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.lab.detective.detective import verdict_of
-from rl_tui.lab.detective.evidence import Evidence
-from rl_tui.lab.detective.notes import MOVES_WITHOUT_GAMMA, notes_on
-from rl_tui.lab.detective.source.code_places import program_code
-from rl_tui.lab.detective.verdict import CodeFault, UpdateFound
-from rl_tui.lab.live_programs.program_snapshot import found_of
-from rl_tui.lab.programs.program_log import FoundTable, ProgramAgent, ProgramLog
+from rl_tui.live.programs.program_snapshot import found_of
+from rl_tui.programs.diagnosis.diagnosis import MOVES_WITHOUT_GAMMA, notes_on, verdict_of
+from rl_tui.programs.evidence.code_places import program_code
+from rl_tui.programs.evidence.evidence import Evidence
+from rl_tui.programs.evidence.verdict import CodeFault, UpdateFound
+from rl_tui.programs.watched.program_log import FoundTable, ProgramAgent, ProgramLog
 from rl_tui.worlds.mdp.space import FloatArray
 
 READS = {

@@ -6,7 +6,7 @@ import pytest
 from correct_learners import CORRECT_LEARNERS
 from made_recordings import recorded
 
-from rl_tui.lab.detective.detective import verdict_of
+from rl_tui.programs.diagnosis.diagnosis import verdict_of
 
 WORLDS = {
     "dense": {"initial": "random", "rewards": (-1.0, 0.0, 0.0, 1.0, 2.0)},

@@ -6,8 +6,8 @@ import sys
 
 import pytest
 
-from rl_tui.lab.programs.program_log import ProgramLog
-from rl_tui.lab.programs.program_output import LAST_KEPT, LONGEST_LINE, MOST_A_SECOND, WrittenLines
+from rl_tui.programs.watched.program_log import ProgramLog
+from rl_tui.programs.watched.program_process import LAST_KEPT, LONGEST_LINE, MOST_A_SECOND, WrittenLines
 
 LINES = [
     (b"one\ntwo\n", ["one", "two"]),

@@ -13,8 +13,8 @@ from textwrap import dedent
 import pytest
 from watched_scripts import LOOP, lines_of, lives, script_in, wait_until, watched
 
-from rl_tui.lab.programs.program_log import ProgramLog
-from rl_tui.lab.programs.program_process import ProgramProcess, ProgramRequest
+from rl_tui.programs.watched.program_log import ProgramLog
+from rl_tui.programs.watched.program_process import ProgramProcess, ProgramRequest
 
 pytestmark = pytest.mark.process
 
@@ -94,8 +94,8 @@ def test_it_ends_with_the_process_that_watches(tmp_path: Path, code: str, how: s
     watching = dedent(
         f"""\
         from pathlib import Path
-        from rl_tui.lab.programs.program_process import ProgramRequest
-        from rl_tui.lab.programs.to_the_end import watched_to_the_end
+        from rl_tui.programs.watched.program_process import ProgramRequest
+        from rl_tui.programs.watched.to_the_end import watched_to_the_end
         watched_to_the_end(ProgramRequest(Path({str(path)!r})))
         """
     )

@@ -9,7 +9,7 @@ import pytest
 from held_programs import held
 from watched_scripts import LOOP, script_in, watched
 
-from rl_tui.lab.programs.program_log import ProgramLog
+from rl_tui.programs.watched.program_log import ProgramLog
 
 pytestmark = pytest.mark.process
 

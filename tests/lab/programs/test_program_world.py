@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.programs.program_log import ProgramEnvironment
-from rl_tui.lab.programs.program_world import world_of_program
+from rl_tui.programs.watched.program_log import ProgramEnvironment
+from rl_tui.programs.watched.program_world import world_of_program
 
 LAKE = ProgramEnvironment(0, "FrozenLake-v1", {"is_slippery": False, "map_name": "4x4"}, (16,), 4, 100)
 BLACKJACK = ProgramEnvironment(0, "Blackjack-v1", {"sab": True, "natural": False}, (32, 11, 2), 2, 0)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rl_tui.lab.programs import recording as of_recording
-from rl_tui.lab.programs.recording import Recording
+from rl_tui.programs.watched import recording as of_recording
+from rl_tui.programs.watched.recording import Recording
 
 CELLS = 6
 

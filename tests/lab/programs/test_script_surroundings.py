@@ -152,7 +152,7 @@ def test_an_error_has_its_place_and_what_helps(tmp_path: Path, line: str, error:
     found = watched(path).error
     assert (found.type, found.file, found.line) == (error, str(path), 5)
     assert text in found.text
-    assert "rl_tui/lab" not in found.traceback
+    assert "rl_tui/programs" not in found.traceback
     assert found.traceback.startswith("Traceback (most recent call last):\n")
     assert "in faulty" in found.traceback
 
@@ -232,8 +232,8 @@ def test_what_a_killed_program_did_is_kept(tmp_path: Path) -> None:
 
 
 def test_a_hang_ends_with_the_time_limit(tmp_path: Path) -> None:
-    from rl_tui.lab.programs.program_process import ProgramRequest
-    from rl_tui.lab.programs.to_the_end import watched_to_the_end
+    from rl_tui.programs.watched.program_process import ProgramRequest
+    from rl_tui.programs.watched.to_the_end import watched_to_the_end
 
     path = script_in(tmp_path, "import re\nre.match('(a+)+$', 'a' * 60 + 'b')\n")  # holds the interpreter
     log = watched_to_the_end(ProgramRequest(path), seconds=0.5)

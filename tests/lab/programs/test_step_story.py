@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from made_agents import Made
 
-from rl_tui.lab.detective.evidence import Evidence
-from rl_tui.lab.detective.step_story import NOTHING, CellChange, StepUpdate, update_of_step
-from rl_tui.lab.detective.update_rule import update_of
-from rl_tui.lab.detective.verdict import UpdateFound
-from rl_tui.lab.programs.recording import Recording
+from rl_tui.programs.diagnosis.step_story import NOTHING, CellChange, StepUpdate, update_of_step
+from rl_tui.programs.diagnosis.update_rule import update_of
+from rl_tui.programs.evidence.evidence import Evidence
+from rl_tui.programs.evidence.verdict import UpdateFound
+from rl_tui.programs.watched.recording import Recording
 
 
 def stories(recording: Recording) -> list[StepUpdate]:

@@ -19,19 +19,19 @@ from lab.programs.course_agents import OF_STYLE, agent_in
 from lab.programs.watched_scripts import lines_of, script_in, watched
 from policy_worth import evaluate
 
-from rl_tui.agents.exact.policies import greedy_policy
-from rl_tui.cli.main import program
+from rl_tui.agents.exact.policy_figures import greedy_policy
+from rl_tui.commands.main import program
 from rl_tui.common.errors import UserError
-from rl_tui.lab.detective.detective import verdict_of
-from rl_tui.lab.detective.verdict import Rule
-from rl_tui.lab.experiments.training import Goal
-from rl_tui.lab.grading.agent_request import agent_request, place_of_agent
-from rl_tui.lab.grading.watch_report import environment_of, learned_figures
-from rl_tui.lab.own_agents.loading import AgentName
-from rl_tui.lab.programs.program_log import ProgramEnvironment, ProgramLog
-from rl_tui.lab.programs.program_world import world_of_program
-from rl_tui.lab.programs.to_the_end import watched_to_the_end
-from rl_tui.lab.run.library import recipe_named
+from rl_tui.programs.diagnosis.diagnosis import verdict_of
+from rl_tui.programs.evidence.verdict import Rule
+from rl_tui.programs.grading.agent_training import agent_request, place_of_agent
+from rl_tui.programs.grading.watch_report import environment_of, learned_figures
+from rl_tui.programs.own_agents.loading import AgentName
+from rl_tui.programs.watched.program_log import ProgramEnvironment, ProgramLog
+from rl_tui.programs.watched.program_world import world_of_program
+from rl_tui.programs.watched.to_the_end import watched_to_the_end
+from rl_tui.runs.library import recipe_named
+from rl_tui.runs.training.seeded_runs import Goal
 from rl_tui.worlds.mdp.space import FloatArray
 
 pytestmark = pytest.mark.process

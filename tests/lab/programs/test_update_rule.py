@@ -9,10 +9,10 @@ import pytest
 from made_agents import Made, sent
 from made_recordings import Step, recorded
 
-from rl_tui.lab.detective.evidence import Evidence
-from rl_tui.lab.detective.update_rule import update_of
-from rl_tui.lab.detective.verdict import MovedCell, Rule, UpdateFound, UpdateTarget
-from rl_tui.lab.programs.recording import Recording
+from rl_tui.programs.diagnosis.update_rule import update_of
+from rl_tui.programs.evidence.evidence import Evidence
+from rl_tui.programs.evidence.verdict import MovedCell, Rule, UpdateFound, UpdateTarget
+from rl_tui.programs.watched.recording import Recording
 from rl_tui.worlds.mdp.space import FloatArray
 
 NAMES = {"q": Rule.Q_LEARNING, "sarsa": Rule.SARSA, "expected": Rule.EXPECTED_SARSA}

@@ -9,12 +9,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from rl_tui.lab.detective.verdict import ProgramVerdict
-from rl_tui.lab.live_programs import verdicts
-from rl_tui.lab.live_programs.verdicts import Verdicts
-from rl_tui.lab.programs.messages import CHANGE_WIDTH, STEP_WIDTH
-from rl_tui.lab.programs.program_log import ProgramLog
-from rl_tui.lab.programs.recording import Recording
+from rl_tui.live.programs import program_playback as verdicts
+from rl_tui.live.programs.program_playback import Verdicts
+from rl_tui.programs.evidence.verdict import ProgramVerdict
+from rl_tui.programs.watched.messages import CHANGE_WIDTH, STEP_WIDTH
+from rl_tui.programs.watched.program_log import ProgramLog
+from rl_tui.programs.watched.recording import Recording
 
 MOST = 100
 PATIENCE = 30.0

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from program_watching import watched
 
-from rl_tui.lab.live import commands
+from rl_tui.live import commands
 
 pytestmark = pytest.mark.process
 

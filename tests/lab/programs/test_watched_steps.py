@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from watched_scripts import script_in, watched
 
-from rl_tui.lab.programs.program_log import ProgramLog
+from rl_tui.programs.watched.program_log import ProgramLog
 
 pytestmark = pytest.mark.process
 

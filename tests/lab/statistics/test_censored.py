@@ -10,8 +10,8 @@ import scipy  # its parts are imported where they are first used
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rl_tui.lab.statistics.censored import arrivals_of, still_under_way
-from rl_tui.lab.statistics.intervals import interval_of, share_interval
+from rl_tui.studies.statistics.censored import arrivals_of, still_under_way
+from rl_tui.studies.statistics.intervals import interval_of, share_interval
 
 NEVER = math.nan
 

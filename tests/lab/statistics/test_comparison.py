@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from interval_coverage import RESULTS
 
-from rl_tui.lab.statistics.comparison import ERROR, METHOD, not_different
-from rl_tui.lab.statistics.intervals import FEWEST_RUNS
+from rl_tui.studies.statistics.comparison import ERROR, METHOD, not_different
+from rl_tui.studies.statistics.intervals import FEWEST_RUNS
 
 NOTHING = np.nan
 MATRICES = arrays(

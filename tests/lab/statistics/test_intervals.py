@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from interval_coverage import HELD, RESULTS, coverage_of_mean
 
-from rl_tui.lab.statistics.intervals import (
+from rl_tui.studies.statistics.intervals import (
     CONFIDENCE,
     FEWEST_RUNS,
     MOST_RESAMPLED,

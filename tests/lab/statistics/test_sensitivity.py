@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from rl_tui.lab.statistics.sensitivity import sensitivity_of
+from rl_tui.studies.statistics.sensitivity import sensitivity_of
 
 ZERO, ONE = np.zeros(2), np.ones(2)
 SCORES = arrays(

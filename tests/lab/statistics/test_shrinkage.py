@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from interval_coverage import HELD, RESULTS, coverage_of_difference
 
-from rl_tui.lab.statistics.intervals import summary_of
-from rl_tui.lab.statistics.shrinkage import shrinkage_of
+from rl_tui.studies.statistics.intervals import summary_of
+from rl_tui.studies.statistics.shrinkage import shrinkage_of
 
 MANY = st.lists(st.integers(-50, 50).map(float), min_size=10, max_size=30)
 

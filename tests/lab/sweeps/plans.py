@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from rl_tui.lab.run.library import find
-from rl_tui.lab.sweeps.cell import Cell
-from rl_tui.lab.sweeps.plan import SweepPlan
-from rl_tui.lab.sweeps.store import Store
-from rl_tui.lab.sweeps.variation import read_variation
+from rl_tui.runs.library import find
+from rl_tui.studies.sweeps.cell import Cell
+from rl_tui.studies.sweeps.cells.variation import read_variation
+from rl_tui.studies.sweeps.plan import SweepPlan
+from rl_tui.studies.sweeps.store import Store
 
 
 def plan_of(scenario: str, *vary: str, **settings: Any) -> SweepPlan:

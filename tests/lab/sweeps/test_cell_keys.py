@@ -12,9 +12,9 @@ from plans import cell_of, plan_of
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
-from rl_tui.lab.sweeps import cell as cell_module
-from rl_tui.lab.sweeps.cell import Cell, used_parameters
-from rl_tui.lab.sweeps.runs import run_rows
+from rl_tui.studies.sweeps import cell as cell_module
+from rl_tui.studies.sweeps.cell import Cell, used_parameters
+from rl_tui.studies.sweeps.runs import run_rows
 from rl_tui.worlds.files.shipped import shipped_folder
 
 MAZE = (shipped_folder() / "maze.toml").read_text(encoding="utf-8")

@@ -12,16 +12,16 @@ from typing import NoReturn
 import pytest
 from plans import cell_of, plan_of
 
-from rl_tui.lab.run.library import find
-from rl_tui.lab.sweeps.cell import Cell
-from rl_tui.lab.sweeps.cluster import task
-from rl_tui.lab.sweeps.cluster.task import Call, Order, TaskAnswer, break_off, order_of, train
-from rl_tui.lab.sweeps.cluster.versions import PYTHON, difference, versions_here
-from rl_tui.lab.sweeps.runs import run_rows
-from rl_tui.lab.sweeps.storing import machine
-from rl_tui.lab.sweeps.storing.machine import this_machine
+from rl_tui.runs.library import find
+from rl_tui.studies.sweeps import machine
+from rl_tui.studies.sweeps.cell import Cell
+from rl_tui.studies.sweeps.cluster import task
+from rl_tui.studies.sweeps.cluster.task import Call, Order, TaskAnswer, break_off, order_of, train
+from rl_tui.studies.sweeps.cluster.versions import PYTHON, difference, versions_here
+from rl_tui.studies.sweeps.machine import this_machine
+from rl_tui.studies.sweeps.runs import run_rows
 from rl_tui.worlds.gym.section import GymnasiumSection
-from rl_tui.worlds.sections.world_section import WorldRefusedError
+from rl_tui.worlds.sections.schema import WorldRefusedError
 
 CELLS = {
     "a map": ("maze", "alpha=0.5"),

@@ -5,8 +5,15 @@ from __future__ import annotations
 import pytest
 from plans import cell_of
 
-from rl_tui.lab.sweeps.cluster.placement import AHEAD, MOST_KILLED, USUAL_TIME, BatchPart, Job, Placement
-from rl_tui.lab.sweeps.sweep import Batch
+from rl_tui.studies.sweeps.cluster.dask_workers import (
+    AHEAD,
+    MOST_KILLED,
+    USUAL_TIME,
+    BatchPart,
+    Job,
+    Placement,
+)
+from rl_tui.studies.sweeps.sweep import Batch
 
 
 @pytest.fixture(scope="module")

@@ -17,18 +17,19 @@ from dask_cluster import Cluster
 from plans import plan_of
 
 from rl_tui.agents.kernels.stepped_loop import MOST_SEEDS
-from rl_tui.cli.commands.sweeping.sweep import command
+from rl_tui.commands.by_name.sweeping.sweep import command
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
-from rl_tui.lab.sweeps.cell import Cell
-from rl_tui.lab.sweeps.cluster import connection, placement
-from rl_tui.lab.sweeps.cluster.dask_workers import DaskWorkers
-from rl_tui.lab.sweeps.csv_rows import write_csv
-from rl_tui.lab.sweeps.merge import merge
-from rl_tui.lab.sweeps.plan import SweepPlan
-from rl_tui.lab.sweeps.runs import RunRow
-from rl_tui.lab.sweeps.store import Store
-from rl_tui.lab.sweeps.sweep import SweepProgress, run_sweep
+from rl_tui.studies.sweeps.cell import Cell
+from rl_tui.studies.sweeps.cluster import connection
+from rl_tui.studies.sweeps.cluster import dask_workers as placement
+from rl_tui.studies.sweeps.cluster.dask_workers import DaskWorkers
+from rl_tui.studies.sweeps.csv_rows import write_csv
+from rl_tui.studies.sweeps.merge import merge
+from rl_tui.studies.sweeps.plan import SweepPlan
+from rl_tui.studies.sweeps.runs import RunRow
+from rl_tui.studies.sweeps.store import Store
+from rl_tui.studies.sweeps.sweep import SweepProgress, run_sweep
 from rl_tui.worlds.gym import modules
 
 pytestmark = [

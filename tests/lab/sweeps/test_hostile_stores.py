@@ -13,15 +13,14 @@ import pytest
 from plans import cell_of
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.pictures.results.reading import read_results
-from rl_tui.lab.sweeps.cell import Cell
-from rl_tui.lab.sweeps.merge import merge
-from rl_tui.lab.sweeps.plan import SweepPlan
-from rl_tui.lab.sweeps.runs import RunRow
-from rl_tui.lab.sweeps.store import Store, stored
-from rl_tui.lab.sweeps.storing.plan_text import read_plan, written_plan
-from rl_tui.lab.sweeps.storing.schema import FIGURES
-from rl_tui.lab.sweeps.variation import read_variation
+from rl_tui.studies.pictures.reading import read_results
+from rl_tui.studies.sweeps.cell import Cell
+from rl_tui.studies.sweeps.cells.variation import read_variation
+from rl_tui.studies.sweeps.merge import merge
+from rl_tui.studies.sweeps.plan import SweepPlan, read_plan, written_plan
+from rl_tui.studies.sweeps.runs import RunRow
+from rl_tui.studies.sweeps.schema import FIGURES
+from rl_tui.studies.sweeps.store import Store, stored
 
 CELL = "maze", "alpha=0.1"
 ROWS = [RunRow(seed, dict.fromkeys(FIGURES, 1)) for seed in range(3)]

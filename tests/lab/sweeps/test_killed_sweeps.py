@@ -11,7 +11,7 @@ import pytest
 from sweep_kills import ALLOWED_LOSS, kills
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.sweeps.store import Store
+from rl_tui.studies.sweeps.store import Store
 
 
 @pytest.mark.exhaustive("kills it again and again")
@@ -30,7 +30,7 @@ def test_a_kill_loses_what_runs_and_a_quarter_second_at_most() -> None:
 @pytest.mark.process
 def test_ctrl_c_says_how_to_go_on(tmp_path: Path) -> None:
     path = tmp_path / "sweep.sqlite"
-    command = [sys.executable, "-m", "rl_tui.cli", "sweep", "maze", "--vary", "alpha=0.001:1:900"]
+    command = [sys.executable, "-m", "rl_tui", "sweep", "maze", "--vary", "alpha=0.001:1:900"]
     with subprocess.Popen(
         [*command, "--store", str(path), "--runs", "100"],
         stdout=subprocess.PIPE,

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 import pytest
 
 from rl_tui.agents.kernels.machine_code import Loop
-from rl_tui.lab.sweeps import machine_code
-from rl_tui.lab.sweeps.machine_code import WORTH_COMPILING, WORTH_READING, MachineCodeDemand
+from rl_tui.studies.sweeps import runs as machine_code
+from rl_tui.studies.sweeps.runs import WORTH_COMPILING, WORTH_READING, MachineCodeDemand
 
 ONE, OTHER = Loop("one", "policy", stepped=False), Loop("other", "policy", stepped=False)
 

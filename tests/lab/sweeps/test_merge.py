@@ -11,12 +11,12 @@ import pytest
 from plans import cell_of, plan_of
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.sweeps.csv_rows import write_csv
-from rl_tui.lab.sweeps.merge import merge
-from rl_tui.lab.sweeps.plan import Shard, SweepPlan
-from rl_tui.lab.sweeps.runs import RunRow, run_rows
-from rl_tui.lab.sweeps.store import Store, stored
-from rl_tui.lab.sweeps.sweep import run_sweep
+from rl_tui.studies.sweeps.csv_rows import write_csv
+from rl_tui.studies.sweeps.merge import merge
+from rl_tui.studies.sweeps.plan import Shard, SweepPlan
+from rl_tui.studies.sweeps.runs import RunRow, run_rows
+from rl_tui.studies.sweeps.store import Store, stored
+from rl_tui.studies.sweeps.sweep import run_sweep
 
 
 def csv_of(plan: SweepPlan, path: Path) -> str:

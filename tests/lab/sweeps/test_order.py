@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rl_tui.lab.sweeps.cells.order import Axis, coarse_first
+from rl_tui.studies.sweeps.cells.order import Axis, coarse_first
 
 
 @given(st.lists(st.builds(Axis, st.integers(1, 12), st.booleans()), min_size=1, max_size=3))

@@ -11,12 +11,11 @@ import pytest
 from plans import cell_of, plan_of
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.run.library import find
-from rl_tui.lab.sweeps.cell import Cell, SkippedCell
-from rl_tui.lab.sweeps.cells.world_settings import scenario_with
-from rl_tui.lab.sweeps.plan import Shard, SweepPlan
-from rl_tui.lab.sweeps.storing.plan_text import read_plan, written_plan
-from rl_tui.lab.sweeps.variation import read_variation
+from rl_tui.runs.library import find
+from rl_tui.studies.sweeps.cell import Cell, SkippedCell
+from rl_tui.studies.sweeps.cells.content import scenario_with
+from rl_tui.studies.sweeps.cells.variation import read_variation
+from rl_tui.studies.sweeps.plan import Shard, SweepPlan, read_plan, written_plan
 
 
 def test_cells_are_all_combinations_the_last_setting_fastest() -> None:

@@ -9,18 +9,15 @@ import pytest
 from plans import cell_of
 
 from rl_tui.agents.compiling.loops import compile_here
-from rl_tui.agents.exact.policies import uniform_policy
-from rl_tui.agents.exact.policy_figures import expected_return
+from rl_tui.agents.exact.policy_figures import expected_return, uniform_policy
 from rl_tui.agents.exact.solve import best_expected_return
-from rl_tui.lab.experiments.seeded_runs import SeededRuns
-from rl_tui.lab.experiments.training import Goal, no_progress
-from rl_tui.lab.run.recipe import begin
-from rl_tui.lab.run.run import Run
-from rl_tui.lab.sweeps import runs
-from rl_tui.lab.sweeps.cell import Cell
-from rl_tui.lab.sweeps.measures import MEASURES
-from rl_tui.lab.sweeps.runs import NO_FIGURES, marks_up_to, run_rows
-from rl_tui.lab.sweeps.training.batched_figures import loop_in_batches
+from rl_tui.runs.recipe import begin
+from rl_tui.runs.run import Run
+from rl_tui.runs.training.seeded_runs import Goal, SeededRuns, no_progress
+from rl_tui.studies.sweeps import runs
+from rl_tui.studies.sweeps.cell import Cell, loop_in_batches
+from rl_tui.studies.sweeps.measures import MEASURES
+from rl_tui.studies.sweeps.runs import NO_FIGURES, marks_up_to, run_rows
 
 SHARED = {
     "expected_return": "expected_return",

@@ -14,10 +14,10 @@ import pytest
 from plans import cell_of
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.sweeps.runs import RunRow, run_rows
-from rl_tui.lab.sweeps.store import COMMIT_EVERY, Store, stored
-from rl_tui.lab.sweeps.storing import machine, schema
-from rl_tui.lab.sweeps.storing.schema import FIGURES, SCHEMA
+from rl_tui.studies.sweeps import machine, schema
+from rl_tui.studies.sweeps.runs import RunRow, run_rows
+from rl_tui.studies.sweeps.schema import FIGURES, SCHEMA
+from rl_tui.studies.sweeps.store import COMMIT_EVERY, Store, stored
 
 
 @pytest.fixture
@@ -72,7 +72,7 @@ def test_what_is_not_committed_is_seen_by_its_writer_alone(path: Path) -> None:
 
 def test_commits_are_a_while_apart(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     now = [1_000.0]
-    monkeypatch.setattr("rl_tui.lab.sweeps.store.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("rl_tui.studies.sweeps.store.time.monotonic", lambda: now[0])
     cell, made = cell_of(*CELL), rows()
     with Store.to_write(path) as store, Store.to_read(path) as reader:
         store.add(stored(cell), made[:1])
@@ -97,7 +97,7 @@ def opened(monkeypatch: pytest.MonkeyPatch) -> list[sqlite3.Connection]:
         connections.append(connect(*args, **kwargs))
         return connections[-1]
 
-    monkeypatch.setattr("rl_tui.lab.sweeps.store.sqlite3.connect", noted)
+    monkeypatch.setattr("rl_tui.studies.sweeps.store.sqlite3.connect", noted)
     return connections
 
 

@@ -11,12 +11,12 @@ import pytest
 from plans import plan_of, seeds_in
 
 from rl_tui.common.errors import UserError
-from rl_tui.lab.sweeps.cell import Cell
-from rl_tui.lab.sweeps.csv_rows import write_csv
-from rl_tui.lab.sweeps.plan import Shard, SweepPlan
-from rl_tui.lab.sweeps.runs import RunRow, run_rows
-from rl_tui.lab.sweeps.store import Store
-from rl_tui.lab.sweeps.sweep import Batch, SweepProgress, ThreadWorkers, run_again, run_sweep
+from rl_tui.studies.sweeps.cell import Cell
+from rl_tui.studies.sweeps.csv_rows import write_csv
+from rl_tui.studies.sweeps.plan import Shard, SweepPlan
+from rl_tui.studies.sweeps.runs import RunRow, run_rows
+from rl_tui.studies.sweeps.store import Store
+from rl_tui.studies.sweeps.sweep import Batch, SweepProgress, ThreadWorkers, run_again, run_sweep
 
 VARY = ("alpha=0.1:0.9:5", "algorithm=q-learning,sarsa")
 

@@ -10,17 +10,15 @@ from typing import Any
 import pytest
 from plans import plan_of
 
-from rl_tui.lab.statistics.intervals import summary_of
-from rl_tui.lab.sweeps.cell import Cell
-from rl_tui.lab.sweeps.document import best_documents, json_pieces
-from rl_tui.lab.sweeps.measures import MEASURES
-from rl_tui.lab.sweeps.plan import SweepPlan
-from rl_tui.lab.sweeps.ranking import Standings, standings_of
-from rl_tui.lab.sweeps.runs import NO_FIGURES, RunRow
-from rl_tui.lab.sweeps.store import Store, stored
-from rl_tui.lab.sweeps.summaries import summarized
-from rl_tui.lab.sweeps.sweep import run_again, run_sweep
-from rl_tui.lab.sweeps.tuning import sensitivities
+from rl_tui.studies.statistics.intervals import summary_of
+from rl_tui.studies.sweeps.cell import Cell
+from rl_tui.studies.sweeps.document import best_documents, json_pieces, sensitivities
+from rl_tui.studies.sweeps.measures import MEASURES
+from rl_tui.studies.sweeps.plan import SweepPlan
+from rl_tui.studies.sweeps.ranking import Standings, standings_of
+from rl_tui.studies.sweeps.runs import NO_FIGURES, RunRow, summarized
+from rl_tui.studies.sweeps.store import Store, stored
+from rl_tui.studies.sweeps.sweep import run_again, run_sweep
 
 
 def row(seed: int, failed: str | None = None, **figures: float | None) -> RunRow:

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
-from rl_tui.lab.sweeps.variation import Spread, Value, Variation, read_variation
+from rl_tui.studies.sweeps.cells.variation import Spread, Value, Variation, read_variation
 
 
 def values(text: str) -> list[Value]:

@@ -12,8 +12,8 @@ import pytest
 from plans import cell_of
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
-from rl_tui.lab.sweeps.cell import KERNELS
-from rl_tui.lab.sweeps.runs import run_rows
+from rl_tui.studies.sweeps.cell import KERNELS
+from rl_tui.studies.sweeps.runs import run_rows
 
 pytestmark = pytest.mark.interpreted  # it has the same bits, and nothing to wait for
 
@@ -36,12 +36,12 @@ def winnings_of(policy: str) -> tuple[int, ...]:
 
 @pytest.mark.parametrize("algorithm", BY_ID)
 def test_the_steps_of_an_algorithm(algorithm: str) -> None:
-    assert STEPS[KERNELS][algorithm] == steps_of(algorithm), "raise KERNELS in lab/sweeps/cell.py"
+    assert STEPS[KERNELS][algorithm] == steps_of(algorithm), "raise KERNELS in studies/sweeps/cell.py"
 
 
 @pytest.mark.parametrize("policy", POLICY_BY_ID)
 def test_the_winnings_of_a_policy(policy: str) -> None:
-    assert WINNINGS[KERNELS][policy] == winnings_of(policy), "raise KERNELS in lab/sweeps/cell.py"
+    assert WINNINGS[KERNELS][policy] == winnings_of(policy), "raise KERNELS in studies/sweeps/cell.py"
 
 
 STEPS: Final = {

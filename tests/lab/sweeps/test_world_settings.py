@@ -6,8 +6,8 @@ import pytest
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
-from rl_tui.lab.run.library import find
-from rl_tui.lab.sweeps.cells.world_settings import raw_table, scenario_with
+from rl_tui.runs.library import find
+from rl_tui.studies.sweeps.cells.content import raw_table, scenario_with
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.files.catalogue import scenarios
 from rl_tui.worlds.files.scenario import Scenario

@@ -8,11 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from rl_tui.agents.exact.backward_induction import policy_values
-from rl_tui.agents.exact.policy_evaluation import PolicyChain
+from rl_tui.agents.exact.policy_evaluation import NoExactAnswer, PolicyChain
 from rl_tui.agents.exact.small_worlds.unlimited import find_values, new_memory, new_values
 from rl_tui.agents.exact.small_worlds.within_limit import find_returns, new_taken
 from rl_tui.agents.exact.small_worlds.world import small_world
-from rl_tui.agents.exact.solution import NoExactAnswer
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, SHARED, fastest
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP

@@ -1,1 +1,0 @@
-"""Every γ at which the set of optimal actions changes, decided in exact rational arithmetic."""

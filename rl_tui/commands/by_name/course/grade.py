@@ -1,0 +1,181 @@
+"""``rl-tui grade``: what submissions learn under many seeds, and what was done in sessions of a lesson."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+from click.core import ParameterSource
+
+from rl_tui.commands.line.output import complain, print_json, progress
+from rl_tui.commands.line.program import FAILED
+from rl_tui.commands.options.run import Real, Whole, allow_module_option, json_option, seed_option
+
+MOST: int = 10**15
+MOST_SEEDS: int = 10_000
+WARNING = (
+    "This is no sandbox: {what} can read, write and send what you can. Grade only what you would run "
+    "yourself, or grade where there is nothing to lose."
+)
+
+
+@click.command("grade")
+@click.argument("target", metavar="FILE.py[:NAME]|SESSION.json|FOLDER")
+@click.argument("lesson", metavar="[LESSON]", required=False)
+@click.option("--scenario", metavar="ID|FILE.toml", help="the world that submissions learn in")
+@click.option("--seeds", type=Whole(1, MOST_SEEDS), default=20, show_default=True, help="how many seeds")
+@click.option(
+    "--episodes",
+    type=Whole(1, MOST),
+    help="how many episodes an agent learns for  [default: the scenario's]; a script decides itself",
+)
+@click.option(
+    "--threshold",
+    type=Real(high=1.0),
+    default=0.95,
+    show_default=True,
+    help="the mean share of the best return that passes",
+)
+@click.option("--seconds", type=Whole(1, MOST), default=60, show_default=True, help="time limit of a seed")
+@click.option(
+    "--memory", type=Whole(256, MOST), default=2048, show_default=True, help="MB that a seed may have"
+)
+@click.option("--programs", is_flag=True, help="watch the programs that sessions hold for a lesson's task")
+@seed_option
+@allow_module_option
+@json_option
+def command(
+    target: str,
+    lesson: str | None,
+    scenario: str | None,
+    seeds: int,
+    episodes: int | None,
+    threshold: float,
+    seconds: int,
+    memory: int,
+    programs: bool,
+    seed: int,
+    as_json: bool,
+) -> None:
+    """Grade an agent or a script, or every one in a folder; or sessions by a LESSON.
+
+    Of a submission, what counts is the exact return of the greedy policy of its table, ties shared evenly.
+    Its share of the best is 1 - (best - return) / stake: 1 for the best policy, and the same less for each
+    point of return that is lost. The stake is what an episode of the best policy earns and pays, added up
+    without signs. So where there are only rewards, the share is return / best.
+
+    It has passed where the mean share over the seeds is the threshold or more, and no seed failed.
+
+    With a LESSON, an ID or a FILE.toml, it is a session of that lesson that is graded, or every one in a
+    folder: all that was done is done again from step 0, and the lesson's tasks are judged by what comes of
+    it, whatever the session says. A program that a session holds is only run with --programs, and not judged
+    without it. A session proves the run, not who made it.
+
+    The exit status is 0 if all have passed, else 1.
+    """
+    from rl_tui.commands.line.screen import refuse_where_served
+
+    refuse_where_served()
+    if lesson is not None:
+        _check_lesson_usage(target)
+        if programs:
+            complain(WARNING.format(what="a program in a session"))
+        _grade_sessions(Path(target), lesson, runs_programs=programs, as_json=as_json)
+        return
+    if programs:
+        raise click.UsageError("--programs is for sessions of a lesson", click.get_current_context())
+    if scenario is None:
+        raise click.UsageError(_what_is_missing(target), click.get_current_context())
+    complain(WARNING.format(what="a submission"))
+    from rl_tui.commands.reports.grading import grades, result_line
+    from rl_tui.programs.grading.grade import GradedSubmission, Grading, GradingLimits, grade_report
+    from rl_tui.programs.grading.submissions import submissions_in
+    from rl_tui.runs.library import episodes_of, recipe_named
+
+    recipe, found = recipe_named(scenario, {}, seed), submissions_in(target)
+    if found.left_out:
+        complain(f"left out: {', '.join(found.left_out)}")
+    limits = GradingLimits(float(seconds), memory * 2**20)
+    grading = Grading(recipe, seeds, episodes or episodes_of(recipe.scenario), threshold, limits)
+    share_of_optimal = grading.yardstick.share(grading.yardstick.of_optimal)
+    if share_of_optimal is not None and share_of_optimal < threshold:
+        complain(
+            f"the optimal policy for γ = {recipe.hyperparameters.gamma:g} has itself only "
+            f"{share_of_optimal:.4f} of the best return in {recipe.scenario.id}: a --threshold above that is "
+            "too much to ask"
+        )
+    with progress(f"{target} in {recipe.scenario.id}") as bar:
+
+        def on_graded(each: GradedSubmission) -> None:
+            if sys.stderr.isatty():
+                bar.say(result_line(each))
+            elif len(found.submissions) > 1:
+                complain(result_line(each))
+            finished.append(each)
+
+        finished: list[GradedSubmission] = []
+        try:
+            graded = grading.grade(found.submissions, bar, on_graded)
+        except KeyboardInterrupt:
+            complain(f"interrupted: {len(finished):,} of {len(found.submissions):,} submissions were graded")
+            if finished:
+                complain(grades(grading, finished))
+            raise
+    if as_json:
+        print_json(grade_report(grading, graded))
+    else:
+        click.echo(grades(grading, graded))
+    if not all(each.passed for each in graded):
+        click.get_current_context().exit(FAILED)
+
+
+def _what_is_missing(target: str) -> str:
+    """Return what to say where neither a lesson nor a scenario is given."""
+    if target.endswith(".json"):
+        return f"{target} is a session: give the lesson after it, such as rl-tui grade SESSION.json q-by-hand"
+    return "Missing option '--scenario'; or give a lesson after a session or a folder of sessions"
+
+
+def _check_lesson_usage(target: str) -> None:
+    """Refuse what does not go with a lesson. Raises click.UsageError."""
+    context = click.get_current_context()
+    given = [
+        f"--{name}"
+        for name in ("scenario", "seeds", "episodes", "threshold", "seconds", "memory", "seed")
+        if context.get_parameter_source(name) is ParameterSource.COMMANDLINE
+    ]
+    if given:
+        raise click.UsageError(f"{given[0]} is for submissions: leave it out with a lesson", context)
+    if target.endswith(".py"):
+        raise click.UsageError(f"{target} is a submission: give --scenario in place of the lesson", context)
+
+
+def _grade_sessions(target: Path, name: str, *, runs_programs: bool, as_json: bool) -> None:
+    from rl_tui.commands.reports.lesson_grading import session_grade, session_table
+    from rl_tui.live.sessions.grade import GradedSession, LessonGrading, grade_report, sessions_to_grade
+    from rl_tui.live.sessions.session import SessionError
+
+    grading = LessonGrading(name, runs_programs=runs_programs)
+    is_folder, graded = target.is_dir(), list[GradedSession]()
+    paths = sessions_to_grade(target)
+    with progress(str(target)) as bar:
+        for number, path in enumerate(paths):
+            bar(number, len(paths))
+            try:
+                graded.append(grading.grade(path))
+            except SessionError as fault:
+                if not is_folder:
+                    raise
+                graded.append(GradedSession(path, fault=fault.fault))
+    reports = [grade_report(grading.lesson, each) for each in graded]
+    if as_json and is_folder:
+        print_json([{"session": str(path), **report} for path, report in zip(paths, reports, strict=True)])
+    elif as_json:
+        print_json(reports[0])
+    elif is_folder:
+        click.echo(session_table(grading.lesson, graded))
+    else:
+        click.echo(session_grade(grading.lesson, graded[0]))
+    if not all(each.passed for each in graded):
+        click.get_current_context().exit(FAILED)

@@ -1,0 +1,44 @@
+"""``rl-tui edit``: draw a world."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Final
+
+import click
+
+from rl_tui.commands.options.display import display_of, display_options
+from rl_tui.commands.options.help_sections import SectionedCommand
+from rl_tui.commands.options.run import allow_module_option, run_options, seed_option
+from rl_tui.common.findings import shown
+
+_BLANK: Final = "my-world.toml"
+
+
+@click.command("edit", cls=SectionedCommand)
+@click.argument("scenario", metavar="[SCENARIO|FILE.toml]", required=False)
+@allow_module_option
+@run_options
+@seed_option
+@display_options
+def command(scenario: str | None, overrides: dict[str, object], seed: int, **display: Any) -> None:
+    """Draw a world while an agent learns in it; w saves it as a scenario file.
+
+    Without a name it is a blank map. Maps, graphs and bandits can be drawn, and lakes and the cliff.
+    """
+    from rl_tui.commands.line.screen import require_terminal, run_app
+    from rl_tui.common.errors import UserError
+    from rl_tui.runs.library import find, recipe_for
+    from rl_tui.screen.app.opening import DrawingStart
+    from rl_tui.worlds.editing.drafts import refusal
+    from rl_tui.worlds.editing.templates import BLANK, template_text
+    from rl_tui.worlds.files.scenario import scenario_of
+    from rl_tui.worlds.files.shipped import SUFFIX
+
+    require_terminal()
+    if scenario is not None and scenario.endswith(SUFFIX) and not Path(scenario).exists():
+        raise UserError(f"{shown(scenario)}: there is no such file; rl-tui new begins one")
+    found = scenario_of(template_text(BLANK[0]), Path(_BLANK)) if scenario is None else find(scenario)
+    if reason := refusal(found, seed):
+        raise UserError(f"{found.id}: {reason}")
+    run_app(display_of(display), DrawingStart(recipe_for(found, overrides, seed)))

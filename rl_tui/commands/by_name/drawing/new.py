@@ -1,0 +1,45 @@
+"""``rl-tui new``: begin a scenario file."""
+
+from __future__ import annotations
+
+import shlex
+
+import click
+
+from rl_tui.commands.line.output import complain
+from rl_tui.commands.options.run import Whole
+from rl_tui.common.findings import shown
+
+
+@click.command("new")
+@click.argument("name", metavar="NAME")
+@click.option(
+    "--template",
+    metavar="grid|mdp|bandit|lake|maze|ID",
+    default="grid",
+    show_default=True,
+    help="what it begins as: a small blank world, a lake or a maze drawn at random, which can always be "
+    "solved, or a shipped scenario",
+)
+@click.option("--seed", type=Whole(0), default=0, show_default=True, help="which lake or maze is drawn")
+@click.option("--rows", type=Whole(1), help="of a lake or a maze")
+@click.option("--columns", type=Whole(1), help="of a lake or a maze")
+def command(name: str, template: str, seed: int, rows: int | None, columns: int | None) -> None:
+    """Write NAME.toml, a new scenario, into the current folder.
+
+    Nothing that is there already is written over. Then draw in it, and look at what came of it.
+    """
+    from rl_tui.common.errors import UserError
+    from rl_tui.runs.export.files import new_path, write_text
+    from rl_tui.worlds.editing.templates import named, template_text
+    from rl_tui.worlds.files.shipped import SUFFIX
+
+    stem = name.removesuffix(SUFFIX)
+    if not any(map(str.isalnum, stem)) or "/" in stem or "\\" in stem:
+        raise UserError(f"{shown(name)}: expected a name such as my-maze, which becomes my-maze{SUFFIX}")
+    path = new_path(f"{stem}{SUFFIX}")
+    write_text(path, named(template_text(template, seed, rows, columns), stem))
+    complain(f"{path} is written")
+    argument = shlex.quote(f"./{path}" if stem.startswith("-") else str(path))
+    click.echo(f"rl-tui edit {argument}")
+    click.echo(f"rl-tui check --deep {argument}")

@@ -1,0 +1,47 @@
+"""``rl-tui play``: straight into the playground."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rl_tui.commands.line.screen import enter_kiosk, kiosk_option
+from rl_tui.commands.options.agent import agent_option, request_of
+from rl_tui.commands.options.display import display_of, display_options
+from rl_tui.commands.options.help_sections import SectionedCommand
+from rl_tui.commands.options.run import allow_module_option, run_options, seed_option, start_of
+
+if TYPE_CHECKING:
+    from rl_tui.programs.own_agents.loading import AgentName
+
+
+@click.command("play", cls=SectionedCommand)
+@click.argument("scenario", metavar="[SCENARIO|FILE.toml|gym:ENV_ID|SESSION.json]", required=False)
+@kiosk_option
+@allow_module_option
+@run_options
+@seed_option
+@agent_option
+@display_options
+def command(
+    scenario: str | None,
+    overrides: dict[str, object],
+    seed: int,
+    agent: AgentName | None,
+    **display: Any,
+) -> None:
+    """Open a scenario in the playground, or go on with a session.
+
+    Without a name it is the first scenario of the catalogue. A session stands where it was left, to the last
+    bit, and goes on keeping itself in its file. With --agent your own agent takes the steps; it can do all
+    that you can.
+    """
+    from rl_tui.commands.line.screen import require_terminal, run_app
+
+    enter_kiosk("play")
+    require_terminal()
+    from rl_tui.worlds.files.catalogue import scenarios
+
+    what = start_of(scenario if scenario is not None else scenarios()[0].id, overrides, seed)
+    run_app(display_of(display), what if agent is None else request_of(agent, what, overrides))

@@ -1,0 +1,86 @@
+"""``rl-tui replay``: a session without a screen."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rl_tui.commands.line.output import print_json, progress
+from rl_tui.commands.options.run import (
+    CsvTarget,
+    Whole,
+    allow_module_option,
+    check_targets,
+    csv_option,
+    is_stdout,
+    json_option,
+)
+
+if TYPE_CHECKING:
+    from rl_tui.live.sessions.replay import ReplayTarget
+    from rl_tui.live.sessions.session import StoredSession
+    from rl_tui.runs.run import Run
+
+
+@click.command("replay")
+@click.argument("session", metavar="SESSION.json", type=click.Path(path_type=Path))
+@click.option("--lane", type=Whole(1), help="of several runs side by side  [default: the one shown last]")
+@click.option("--branch", metavar="NAME", help="of several branches  [default: the one it stands on]")
+@csv_option
+@allow_module_option
+@json_option
+def command(session: Path, lane: int | None, branch: str | None, csv: CsvTarget, as_json: bool) -> None:
+    """Run a session again, to where it was left.
+
+    Sessions are the files that w saves on screen, and that are kept by themselves. Prints what was learned
+    by then, the same to the last bit.
+    """
+    check_targets({"--csv": csv}, as_json)
+    from rl_tui.live.sessions.replay import comes_out_otherwise, replay_figures, replay_target
+    from rl_tui.live.sessions.session import OTHER_BITS, SessionError, read_session
+
+    stored = read_session(session)
+    if isinstance(csv, Path) and csv.exists() and session.samefile(csv):
+        raise click.UsageError("--csv would write over the session", click.get_current_context())
+    target = replay_target(stored.record(), lane, branch)
+    run, seconds = _replayed(stored, target, csv)
+    if comes_out_otherwise(stored, target, run):
+        click.echo(str(SessionError(session, OTHER_BITS)), err=True)
+    figures = replay_figures(stored, target, run, seconds)
+    if as_json:
+        print_json(figures)
+    else:
+        click.echo(_report(stored, target, run, figures), err=is_stdout(csv))
+
+
+def _replayed(stored: StoredSession, target: ReplayTarget, csv: CsvTarget) -> tuple[Run, float]:
+    from rl_tui.common.errors import UserError
+    from rl_tui.live.sessions.replay import replayed
+    from rl_tui.live.sessions.session import SessionError
+    from rl_tui.runs.training.episode_rows import EpisodeRows, csv_file
+
+    with (
+        progress(stored.title) as on_progress,
+        nullcontext() if csv is None else csv_file(csv) as stream,
+    ):
+        rows = None if stream is None else EpisodeRows(stream, 1)
+        try:
+            return replayed(target, on_progress, rows)
+        except UserError as fault:
+            raise SessionError(stored.path, str(fault)) from fault
+
+
+def _report(stored: StoredSession, target: ReplayTarget, run: Run, figures: dict[str, Any]) -> str:
+    from rl_tui.commands.reports.training import one_run
+
+    lanes = len(stored.document.lanes)
+    parts = [stored.title]
+    if lanes > 1:
+        parts.append(f"lane {target.number + 1} of {lanes}")
+    if len(target.lane.branches) > 1:
+        parts.append(f"{target.branch.name} of {len(target.lane.branches)}")
+    parts.append(f"at step {run.step:,}")
+    return "\n".join([", ".join(parts), "", one_run(run, figures)])

@@ -1,0 +1,131 @@
+"""``rl-tui screenshot``: a screen as SVG after given keys, no terminal needed."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rl_tui.commands.options.agent import agent_option, request_of
+from rl_tui.commands.options.display import display_of, display_options
+from rl_tui.commands.options.help_sections import SectionedCommand
+from rl_tui.commands.options.run import OptionValue, allow_module_option, run_options, seed_option, start_of
+
+if TYPE_CHECKING:
+    from rl_tui.programs.own_agents.loading import AgentName
+    from rl_tui.programs.watched.program_process import ProgramRequest
+    from rl_tui.screen.app.display import Display
+    from rl_tui.screen.app.opening import Start
+
+
+class ScreenSize(OptionValue):
+    """Columns and rows: ``120x40``."""
+
+    name = "COLUMNSxROWS"
+
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[int, int]:
+        """Return columns and rows; fails naming the range."""
+        match = re.fullmatch(r"([0-9]{1,4})x([0-9]{1,4})", str(value))
+        columns, rows = (int(match[1]), int(match[2])) if match else (0, 0)
+        if not (20 <= columns <= 500 and 5 <= rows <= 200):
+            self.fail(f"{value} is not a size such as 120x40, from 20x5 to 500x200", param, ctx)
+        return columns, rows
+
+
+@click.command("screenshot", cls=SectionedCommand)
+@click.argument("scenario", metavar="[SCENARIO|FILE.toml|gym:ENV_ID|SESSION.json]", required=False)
+@click.option("--out", required=True, metavar="F.svg", help="the file to write; - for stdout")
+@click.option("--size", type=ScreenSize(), default="120x40", show_default=True, help="columns x rows")
+@click.option(
+    "--keys", default="", help="keys to press first, between commas; wait:N lets N steps of training pass"
+)
+@click.option("--watch", metavar="SCRIPT.py", help="your own script is watched, in place of a scenario")
+@click.option("--lesson", metavar="ID|FILE.toml", help="a lesson at its first page, in place of a scenario")
+@agent_option
+@allow_module_option
+@run_options
+@seed_option
+@display_options
+def command(
+    scenario: str | None,
+    watch: str | None,
+    lesson: str | None,
+    agent: AgentName | None,
+    out: str,
+    size: tuple[int, int],
+    keys: str,
+    overrides: dict[str, object],
+    seed: int,
+    **display: Any,
+) -> None:
+    """Draw a screen as an SVG picture.
+
+    It is the playground of a scenario or of a session or, without one, the catalogue; with --watch that of
+    your own script, with --lesson that of a lesson, with --agent your own agent takes the steps. The same
+    call gives the same bytes, so steps a second are left blank. An example:
+
+    rl-tui screenshot frozenlake --keys "wait:20000,v" --out lake.svg
+    """
+    context = click.get_current_context()
+    if watch is not None and (scenario is not None or overrides or agent is not None):
+        raise click.UsageError("a script that is watched brings its own settings", context)
+    if lesson is not None and (scenario is not None or overrides or seed or agent is not None or watch):
+        raise click.UsageError("a lesson brings its own runs", context)
+    if watch is None and scenario is None and (overrides or seed or agent is not None):
+        raise click.UsageError("options of a run need a scenario", context)
+    start = start_of(scenario, overrides, seed) if scenario is not None else None
+    wanted = keys.split(",") if keys else []
+    if lesson is not None:
+        from rl_tui.lessons.catalogue import find_lesson
+        from rl_tui.lessons.file.setups import check_setups
+        from rl_tui.live.sessions.progress import start_of as lesson_start_of
+
+        found = find_lesson(lesson)
+        check_setups(found)
+        svg = _picture(lesson_start_of(found, None), size, wanted, display_of(display))
+    elif watch is not None:
+        from rl_tui.programs.watched.program_process import ProgramRequest
+
+        svg = _picture_of_program(ProgramRequest(Path(watch), seed=seed), size, wanted, display_of(display))
+    elif agent is not None and start is not None:
+        svg = _picture_of_program(request_of(agent, start, overrides), size, wanted, display_of(display))
+    else:
+        svg = _picture(start, size, wanted, display_of(display))
+    _write(svg, out)
+
+
+def _picture_of_program(
+    request: ProgramRequest, size: tuple[int, int], keys: Sequence[str], display: Display
+) -> str:
+    from rl_tui.commands.line.screen import started
+
+    with started(request) as program:
+        return _picture(program, size, keys, display)
+
+
+def _picture(
+    start: Start,
+    size: tuple[int, int],
+    keys: Sequence[str],
+    display: Display,
+) -> str:
+    import asyncio
+
+    from rl_tui.screen.app.screenshot import screenshot
+
+    return asyncio.run(screenshot(start, size, keys, display))
+
+
+def _write(svg: str, out: str) -> None:
+    if out == "-":
+        click.echo(svg, nl=False)
+    else:
+        from rl_tui.common.whole_file import whole_file
+
+        with whole_file(Path(out)) as stream:
+            stream.write(svg)

@@ -1,0 +1,201 @@
+"""``rl-tui serve``: the same app in a browser."""
+
+from __future__ import annotations
+
+import asyncio
+import subprocess
+import sys
+from contextlib import suppress
+from difflib import get_close_matches
+from importlib.resources import files
+from importlib.util import find_spec
+from pathlib import Path
+from subprocess import DEVNULL
+from typing import TYPE_CHECKING, Any, Final
+from urllib.parse import urlsplit
+
+import click
+
+from rl_tui.commands.line.program import FAILED
+from rl_tui.commands.options.display import DISPLAY_OPTIONS, display_of, display_options, is_given
+from rl_tui.commands.options.run import Whole, start_of
+from rl_tui.common.errors import UserError
+from rl_tui.common.kiosk import VARIABLE, in_kiosk
+
+if TYPE_CHECKING:
+    import socket
+
+_LONGEST_WARMING: Final = 600.0  # seconds
+_USUAL: Final = "frozenlake-slippery"  # learns as most scenarios do
+_MISSING: Final = 'rl-tui serve needs two more packages: pip install "rl-tui[serve]"'
+
+
+@click.command("serve")
+@click.argument("scenario", metavar="[SCENARIO]", required=False)
+@click.option("--host", default="127.0.0.1", show_default=True, help="the address to listen on")
+@click.option(
+    "--port",
+    type=Whole(0, 65535),
+    default=8000,
+    show_default=True,
+    help="the port to listen on; 0: a free one",
+)
+@click.option("--url", help="what people type where a proxy stands in front: https://lab.example.org")
+@click.option(
+    "--most",
+    type=Whole(1, 1000),
+    default=8,
+    show_default=True,
+    help="how many people at once: a process each",
+)
+@click.option("--no-kiosk", is_flag=True, help="let the browser read and write your files, as play does")
+@click.option("--yes", is_flag=True, help="do not ask before other machines are let in")
+@display_options
+@click.pass_context
+def command(
+    context: click.Context,
+    /,
+    scenario: str | None,
+    host: str,
+    port: int,
+    url: str | None,
+    most: int,
+    no_kiosk: bool,
+    yes: bool,
+    **display: Any,
+) -> None:
+    """Serve rl-tui to browsers: every tab is a run of its own.
+
+    Without a scenario it opens the catalogue. It is a kiosk: nobody can read or write files through it. Only
+    this machine can reach it, unless you give another address.
+    """
+    if find_spec("textual_serve") is None or find_spec("aiohttp") is None:
+        raise UserError(_MISSING)
+    kiosk = not no_kiosk
+    if no_kiosk and in_kiosk():
+        raise click.UsageError(f"{VARIABLE} is set: a kiosk cannot be left with --no-kiosk")
+    if url is not None and not _is_url(url):
+        raise click.UsageError(f"--url {url} is not an address; expected one such as https://lab.example.org")
+    _check_start(scenario, display, kiosk=kiosk)
+    _confirm(context, host, port, url, most=most, kiosk=kiosk, yes=yes)
+
+    from rl_tui.commands.serving.addresses import bind, listen
+
+    with bind(host, port) as bound:  # before what takes long: that it cannot be had is said at once
+        if kiosk and not in_kiosk():
+            prepare(scenario or _USUAL)
+        listen(bound, host)
+        serve_apps(bound, app_command(context, scenario, display), host, url, kiosk=kiosk, most=most)
+
+
+def prepare(scenario: str) -> None:
+    """Compile what plays ``scenario``: a kiosk keeps no compiled code, and each tab would do it anew."""
+    from rl_tui.commands.serving.app_process import command_line
+
+    click.echo("getting machine code ready: a moment, or half a minute where there is none yet", err=True)
+    warming = command_line(sys.executable, ["warm", scenario])
+    with suppress(OSError, subprocess.TimeoutExpired):  # what is wrong shows in the tabs
+        subprocess.run(
+            warming, timeout=_LONGEST_WARMING, stdin=DEVNULL, stdout=DEVNULL, stderr=DEVNULL, check=False
+        )
+
+
+def serve_apps(
+    listening: socket.socket, command: tuple[str, ...], host: str, url: str | None, *, kiosk: bool, most: int
+) -> None:
+    """Serve the apps that ``command`` starts until it is interrupted."""
+    from rl_tui.commands.serving.addresses import Doorkeeper, url_of
+    from rl_tui.commands.serving.site import Site, serve
+
+    terminal = Path(str(files("textual_serve"))) / "static"
+    site = Site(command, Doorkeeper(host, url), terminal, kiosk=kiosk, most=most)
+
+    def started() -> None:
+        people = "one person" if most == 1 else f"{most} people"
+        files = "files are out of reach" if kiosk else "the browser reads and writes your files"
+        click.echo(f"rl-tui is at {url_of(listening)} for up to {people} at once; {files}; ctrl+c stops it")
+
+    asyncio.run(serve(site, listening, started))
+
+
+def _check_start(scenario: str | None, display: dict[str, Any], *, kiosk: bool) -> None:
+    """Raise what every app would end with at once."""
+    if scenario is not None:
+        if kiosk:
+            _check_shipped(scenario)
+        start_of(scenario, {}, 0)
+    from rl_tui.screen.app.app import RlTuiApp
+
+    RlTuiApp(display_of(display))
+
+
+def _check_shipped(scenario: str) -> None:
+    from rl_tui.common.findings import shown
+    from rl_tui.worlds.files.shipped import shipped_folder
+
+    shipped = [path.stem for path in shipped_folder().glob("*.toml")]
+    if scenario not in shipped:
+        near = get_close_matches(scenario.lower(), shipped, n=3, cutoff=0.5)
+        hint = f"did you mean {' or '.join(near)}?" if near else "--no-kiosk plays your own, for you alone"
+        raise UserError(f"{shown(scenario)} is not a shipped scenario, and a kiosk plays no other: {hint}")
+
+
+def _confirm(
+    context: click.Context, host: str, port: int, url: str | None, *, most: int, kiosk: bool, yes: bool
+) -> None:
+    """Warn of, and have confirmed, what lets other machines in; refuse what would give them files."""
+    from rl_tui.commands.serving.addresses import is_this_machine
+
+    if is_this_machine(host):
+        if kiosk or url is None:
+            return
+        warning = (
+            f"whoever reaches {url} reads and writes files as you do.\n"
+            "The proxy in front must ask for a password."
+        )
+    elif not kiosk:
+        raise click.UsageError(
+            f"--no-kiosk lets whoever connects read and write your files: not on {host}, only on 127.0.0.1"
+        )
+    else:
+        where = "every address of this machine" if host in ("0.0.0.0", "::") else host
+        warning = (
+            f"{where} can be reached from other machines.\n"
+            "There is no password and no encryption: anybody who reaches"
+            f" {'the port' if port == 0 else f'port {port}'} can use rl-tui, {most} at once.\n"
+            "Safer: leave it on 127.0.0.1 and put a web server with TLS and a password in front (--url),\n"
+            "or come through ssh -L."
+        )
+    click.echo(f"Warning: {warning}", err=True)
+    if yes:
+        return
+    if not is_interactive():
+        raise click.UsageError("nobody can be asked here whether that is meant: say so with --yes")
+    if not click.confirm("Serve it there?", err=True):
+        context.exit(FAILED)
+
+
+def is_interactive() -> bool:
+    """Whether somebody is there who can be asked."""
+    return sys.stdin.isatty() and sys.stderr.isatty()
+
+
+def app_command(context: click.Context, scenario: str | None, display: dict[str, Any]) -> tuple[str, ...]:
+    """Return the command line of an app, with the display options that were given to this one."""
+    from rl_tui.commands.serving.app_process import command_line
+
+    arguments = [] if scenario is None else ["play", scenario]
+    for name in DISPLAY_OPTIONS:
+        if is_given(context, name):
+            value = display[name]
+            option = f"--{name.replace('_', '-')}"
+            arguments.append(option if value is True else f"{option}={value}")
+    return command_line(sys.executable, arguments)
+
+
+def _is_url(text: str) -> bool:
+    try:
+        parts = urlsplit(text)
+        return parts.scheme in ("http", "https") and bool(parts.hostname) and parts.port != 0
+    except ValueError:
+        return False

@@ -1,0 +1,288 @@
+"""``rl-tui sweep``: the same training with many settings, each under many seeds."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import click
+
+from rl_tui.commands.line.output import WORTH_A_FORECAST, complain, finish_compiling, progress
+from rl_tui.commands.options.help_sections import SectionedCommand
+from rl_tui.commands.options.run import (
+    CsvTarget,
+    Whole,
+    allow_module_option,
+    check_targets,
+    is_stdout,
+    json_option,
+    run_options,
+    scenario_argument,
+    seed_option,
+    target_option,
+)
+from rl_tui.commands.options.sweep import MeasureValue, SchedulerValue, ShardValue, VariationValue
+from rl_tui.common.limits import MOST_SWEEP_CELLS, MOST_SWEEP_EPISODES, MOST_SWEEP_RUNS
+from rl_tui.common.words import counted, lasting, short_count
+
+if TYPE_CHECKING:
+    from rl_tui.studies.sweeps.cells.variation import Variation
+    from rl_tui.studies.sweeps.measures import SweepMeasure
+    from rl_tui.studies.sweeps.plan import Shard, SweepPlan
+    from rl_tui.studies.sweeps.store import Store
+    from rl_tui.studies.sweeps.sweep import SweepProgress, Workers
+
+    MakeWorkers = Callable[[Callable[[str], None]], Workers]
+
+_STORE: Final = click.Path(dir_okay=False, path_type=Path)
+
+
+@click.command("merge")
+@click.argument("out", metavar="OUT.sqlite", type=_STORE)
+@click.argument("stores", metavar="IN.sqlite...", type=_STORE, nargs=-1, required=True)
+def merge_command(out: Path, stores: tuple[Path, ...]) -> None:
+    """Put the runs of several stores into one.
+
+    A run that stands in two of them is kept once. Where its figures differ though both come from the same
+    kind of machine, that is an error; from different kinds the first is kept. An example:
+
+    rl-tui sweep merge all.sqlite part1.sqlite part2.sqlite part3.sqlite
+    """
+    from rl_tui.studies.sweeps.merge import merge
+
+    with progress("merging") as bar:
+        merged = merge(out, stores, bar)
+    click.echo(f"{out}: {counted(merged.new, 'new run')}, {merged.same:,} that were there already")
+    if merged.kept:
+        complain(
+            f"{counted(merged.kept, 'run')} came to other figures on another kind of machine: the first stay"
+        )
+
+
+class SweepCommand(SectionedCommand):
+    """The command, which has one of its own: ``sweep merge``."""
+
+    def make_context(
+        self, info_name: str | None, args: list[str], parent: click.Context | None = None, **extra: Any
+    ) -> click.Context:
+        """Return the context of ``sweep``, or that of ``sweep merge``."""
+        if args[:1] == [merge_command.name]:
+            return merge_command.make_context(f"{info_name} {args[0]}", args[1:], parent=parent, **extra)
+        return super().make_context(info_name, args, parent=parent, **extra)
+
+
+@click.command("sweep", cls=SweepCommand)
+@scenario_argument
+@click.option(
+    "--vary",
+    "variations",
+    type=VariationValue(),
+    multiple=True,
+    required=True,
+    help="what varies: a hyper-parameter, algorithm, policy, scenario, or a parameter of the world such as "
+    "world.noise; so many values at equal distances, with log at equal ratios, or those listed; may be given "
+    "several times, for all combinations",
+)
+@click.option(
+    "--runs",
+    type=Whole(1, MOST_SWEEP_RUNS),
+    default=10,
+    show_default=True,
+    help="train each combination so often, with the seed and those that follow it",
+)
+@click.option("--random", type=Whole(1, MOST_SWEEP_CELLS), help="draw so many combinations in place of all")
+@click.option(
+    "--episodes", type=Whole(1, MOST_SWEEP_EPISODES), help="train so many episodes  [default: the scenario's]"
+)
+@click.option("--store", type=_STORE, help="keep the runs in FILE.sqlite, and train only those not there yet")
+@click.option("--jobs", type=Whole(1, 4096), help="train so many at once  [default: one a core]")
+@click.option(
+    "--dask",
+    type=SchedulerValue(),
+    help="train on the workers of the Dask scheduler at tcp://HOST:PORT; never in a network that you do not "
+    "trust: Dask unpickles, and so runs, whatever it is sent",
+)
+@click.option("--shard", type=ShardValue(), help="do part I of N only, as other machines do the others")
+@click.option(
+    "--measure", type=MeasureValue(), help="compare by this figure of a run, such as area or arrival"
+)
+@click.option("--no-again", is_flag=True, help="do not train the best once more with fresh seeds")
+@target_option("--csv", "one row a run: settings, seed and figures")
+@allow_module_option
+@run_options
+@seed_option
+@json_option
+def command(
+    scenario: str,
+    variations: tuple[Variation, ...],
+    runs: int,
+    random: int | None,
+    episodes: int | None,
+    store: Path | None,
+    jobs: int | None,
+    dask: str | None,
+    shard: Shard | None,
+    measure: SweepMeasure | None,
+    no_again: bool,
+    csv: CsvTarget,
+    overrides: dict[str, object],
+    seed: int,
+    as_json: bool,
+) -> None:
+    """Train with every combination of settings, each under the same seeds, and say which is best.
+
+    With a store, a sweep that was interrupted goes on where it stopped, and one that is extended trains only
+    what is new. An example:
+
+    rl-tui sweep cliff --vary alpha=0.05:1:20 --vary algorithm=q-learning,sarsa --store cliff.sqlite
+
+    To put stores of several machines together: rl-tui sweep merge --help
+    """
+    check_targets({"--csv": csv, "--store": store}, as_json)
+    for each in variations:
+        if each.name in overrides:
+            raise click.UsageError(
+                f"--vary {each.name} and --{each.name.replace('_', '-')} exclude each other",
+                click.get_current_context(),
+            )
+    _check_shard(shard, store, has_output=as_json or csv is not None)
+    if dask is not None and jobs is not None:
+        raise click.UsageError(
+            "--jobs is for this machine: with --dask each worker trains as many as it has threads",
+            click.get_current_context(),
+        )
+    from rl_tui.runs.library import find
+    from rl_tui.studies.sweeps.plan import WHOLE, SweepPlan
+    from rl_tui.studies.sweeps.store import Store
+
+    plan = SweepPlan(find(scenario), variations, overrides, episodes, runs, seed, random, seed)
+    plan.check()
+    for name in plan.without_effect():
+        complain(f"{name} has no effect: nothing that is trained here uses it")
+    with Store.without_file() if store is None else Store.to_write(store) as kept:
+        workers = partial(_workers, jobs, dask)
+        done = _train(plan, kept, shard or WHOLE, workers, is_kept=store is not None)
+        if shard is None:
+            _report(plan, kept, done, measure, workers, csv, again=not no_again, as_json=as_json)
+        else:
+            click.echo(
+                f"part {shard.number} of {shard.parts} is done: {counted(done.done, 'run')} in {store}; "
+                f"rl-tui sweep merge puts all parts together"
+            )
+    if store is not None and shard is None and not as_json:
+        click.echo(
+            f"\n{store} keeps the runs. To draw them: rl-tui plot {store}",
+            err=is_stdout(csv),
+        )
+    finish_compiling()
+
+
+def _check_shard(shard: Shard | None, store: Path | None, *, has_output: bool) -> None:
+    """Refuse what does not go with a part of a sweep. Raises click.UsageError."""
+    if shard is None:
+        return
+    if store is None:
+        raise click.UsageError(
+            "--shard without --store would lose what it trains; give each part a store of its own",
+            click.get_current_context(),
+        )
+    if has_output:
+        raise click.UsageError(
+            "--shard trains a part: print what came of all parts after sweep merge, without it",
+            click.get_current_context(),
+        )
+
+
+def _workers(jobs: int | None, dask: str | None, tell: Callable[[str], None]) -> Workers:
+    """Return who trains: threads here, or the workers of a cluster, of which ``tell`` says what is wrong."""
+    if dask is not None:
+        from rl_tui.studies.sweeps.cluster.dask_workers import DaskWorkers
+
+        return DaskWorkers(dask, tell=tell)
+    from rl_tui.studies.sweeps.sweep import ThreadWorkers
+
+    return ThreadWorkers(jobs)
+
+
+def _complain_below_bar(message: str) -> None:
+    complain(f"\n{message}" if sys.stderr.isatty() else message)
+
+
+def _train(
+    plan: SweepPlan, store: Store, shard: Shard, workers: MakeWorkers, *, is_kept: bool
+) -> SweepProgress:
+    """Train what is not stored, and say how far it has come."""
+    from rl_tui.studies.sweeps.sweep import SweepProgress, run_sweep
+
+    latest = SweepProgress(plan.size_of(shard) * plan.runs)
+    with progress(f"{plan.scenario.id}, {counted(plan.count, 'cell')}") as bar:
+
+        def on_progress(now: SweepProgress) -> None:
+            nonlocal latest
+            latest = now
+            bar.show(now.done, now.planned, _how_far(now))
+
+        try:
+            return run_sweep(
+                plan, store, shard=shard, workers=workers(_complain_below_bar), on_progress=on_progress
+            )
+        except KeyboardInterrupt:
+            kept = f"kept in {store.name}: the same line goes on"
+            where = kept if is_kept else "lost; --store would keep them"
+            _complain_below_bar(
+                f"interrupted: {latest.done:,} of {counted(latest.planned, 'run')} are {where}"
+            )
+            raise
+
+
+def _how_far(now: SweepProgress) -> str:
+    """Return ``1.2k of 3.0k runs, 41M steps/s, 12 s left``."""
+    parts = [f"{short_count(now.done)} of {short_count(now.planned)} runs"]
+    if now.seconds >= WORTH_A_FORECAST and now.trained and now.done < now.planned:
+        parts.append(f"{short_count(int(now.steps / now.seconds))} steps/s")
+        parts.append(f"{lasting((now.planned - now.done) * now.seconds / now.trained)} left")
+    return ", ".join(parts)
+
+
+def _report(
+    plan: SweepPlan,
+    store: Store,
+    done: SweepProgress,
+    measure: SweepMeasure | None,
+    workers: MakeWorkers,
+    csv: CsvTarget,
+    *,
+    again: bool,
+    as_json: bool,
+) -> None:
+    """Train the best cell once more, and print what came of the whole."""
+    from rl_tui.common.whole_file import file_or_stream
+    from rl_tui.studies.sweeps.csv_rows import write_csv
+    from rl_tui.studies.sweeps.document import best_documents, json_pieces
+    from rl_tui.studies.sweeps.ranking import standings_of
+    from rl_tui.studies.sweeps.sweep import run_again
+
+    standings = standings_of(plan, store, measure)
+    if again:
+        for cell in standings.chosen:
+            run_again(plan, cell, store, workers(complain))
+    bests = best_documents(standings, plan, store, again=again)
+    if csv is not None:
+        with file_or_stream(csv) as stream:
+            write_csv(stream, plan, store)
+    if as_json:
+        rate = done.steps / done.seconds if done.steps and done.seconds else None
+        for piece in json_pieces(plan, store, standings, bests, seconds=done.seconds, steps_per_second=rate):
+            click.echo(piece, nl=False)
+        return
+    from rl_tui.commands.reports.sweep import sensitivity_report, sweep_report
+    from rl_tui.studies.sweeps.document import sensitivities
+
+    reports = (
+        sweep_report(plan, store, standings, bests, done.failed),
+        sensitivity_report(sensitivities(plan, store, standings.measure)),
+    )
+    click.echo("\n\n".join(filter(None, reports)), err=is_stdout(csv))

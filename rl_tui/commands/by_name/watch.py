@@ -1,0 +1,119 @@
+"""``rl-tui watch``: somebody's own training script, on the screen of the playground or as JSON."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import click
+
+from rl_tui.commands.line.output import complain, print_json, progress
+from rl_tui.commands.line.program import FAILED
+from rl_tui.commands.options.display import display_of, display_options
+from rl_tui.commands.options.run import Whole, json_option, seed_option
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line
+from rl_tui.common.words import counted
+
+if TYPE_CHECKING:
+    from rl_tui.programs.watched.program_log import ProgramError, ProgramLog
+    from rl_tui.programs.watched.program_process import ProgramRequest
+
+MOST: Final = 10**15
+WORTH_TELLING: Final = 3.0  # seconds without an environment
+_LONGEST_ERROR: Final = 500
+
+
+@click.command("watch", context_settings={"ignore_unknown_options": True})
+@click.argument("script", metavar="SCRIPT.py")
+@click.argument("arguments", metavar="[ARGS]...", nargs=-1, type=click.UNPROCESSED)
+@click.option("--table", metavar="NAME", help="which variable is the table  [default: it is looked for]")
+@seed_option
+@click.option("--steps", type=Whole(1, MOST), help="end the script after so many steps")
+@json_option
+@display_options
+def command(
+    script: str,
+    arguments: tuple[str, ...],
+    table: str | None,
+    seed: int,
+    steps: int | None,
+    as_json: bool,
+    **display: Any,
+) -> None:
+    """Watch your own Gymnasium script learn, unchanged.
+
+    It runs in a process of its own, and stops and goes on with the screen. Arguments that are none of these
+    options go to the script, and so does all that follows --. With --json there is no screen: it prints what
+    the script does to its table, and what is wrong with it.
+
+    It is not a sandbox: the script can do all that you can.
+    """
+    from rl_tui.commands.line.screen import require_terminal
+    from rl_tui.programs.watched.child.script import check_script
+    from rl_tui.programs.watched.program_process import ProgramRequest
+    from rl_tui.screen.terminal.driver_choice import in_browser
+
+    if in_browser():
+        raise UserError("watch runs what stands in a file, and so does nothing where the program is served")
+    if not as_json:
+        require_terminal("--json does without")
+    check_script(Path(script))
+    request = ProgramRequest(Path(script), arguments, seed=seed, steps=steps, table=table)
+    if not as_json:
+        from rl_tui.commands.line.screen import run_app
+
+        run_app(display_of(display), request)
+        return
+    error = _print_report(request)
+    if error is not None:
+        complain(f"rl-tui: {_in_a_line(script, error)}")
+        click.get_current_context().exit(FAILED)
+
+
+def _print_report(request: ProgramRequest) -> ProgramError | None:
+    """Watch the script to its end, print the document, and return what was raised."""
+    from rl_tui.programs.diagnosis.diagnosis import verdict_of
+    from rl_tui.programs.grading.watch_report import error_of, watch_report
+    from rl_tui.programs.watched.to_the_end import watched_to_the_end
+
+    name = request.path.name
+    with progress(name, has_end=request.steps is not None) as bar:
+        say_what_is_missing = environment_missed(name)
+
+        def show(log: ProgramLog) -> None:
+            say_what_is_missing(log)
+            if request.steps is None:
+                bar.say(f"{counted(log.recording.count, 'step')}, {counted(log.episodes, 'episode')}")
+            else:
+                bar(log.recording.count, request.steps)
+
+        log = watched_to_the_end(request, show)
+    print_json(watch_report(str(request.path), log, verdict_of(log)))
+    return error_of(log)
+
+
+def environment_missed(name: str) -> Callable[[ProgramLog], None]:
+    """Return what says once, on stderr, that the script ``name`` runs for long without an environment."""
+    due, is_said = time.monotonic() + WORTH_TELLING, False
+
+    def say(log: ProgramLog) -> None:
+        nonlocal is_said
+        if is_said or log.environments or log.ended or time.monotonic() < due:
+            return
+        is_said = True
+        why = f": {'; '.join(log.notes)}" if log.notes else ""
+        text = one_line(f"{name} has not made an environment yet{why}", _LONGEST_ERROR)
+        if sys.stderr.isatty():
+            click.echo(err=True)  # behind what shows how far it has come
+        complain(f"rl-tui: {text}")
+
+    return say
+
+
+def _in_a_line(script: str, error: ProgramError) -> str:
+    place = script if error.line is None else f"{error.file or script}, line {error.line}"
+    return one_line(f"{place}: {error.type}: {error.text}", _LONGEST_ERROR)

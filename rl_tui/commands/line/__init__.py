@@ -1,0 +1,1 @@
+"""What every command uses: output, progress, the way to the screen."""

@@ -1,0 +1,195 @@
+"""Printed output: JSON for programs, aligned columns and progress bars for people."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, Any, Final
+
+import click
+
+from rl_tui.common.findings import printable
+from rl_tui.common.words import lasting, short_count
+
+if TYPE_CHECKING:
+    from rl_tui.runs.training.seeded_runs import OnProgress
+
+
+# JSON and columns
+
+
+_DIGITS: Final = 5
+_SMALLEST: Final = 1e-5
+_NOISE: Final = 1e-12  # what binary fractions leave of a zero
+
+
+def print_json(document: Any) -> None:
+    """Print one JSON document on stdout; raises ValueError if there is a NaN or an infinity in it."""
+    click.echo(json.dumps(document, allow_nan=False))
+
+
+def complain(message: str) -> None:
+    """Print ``message`` on stderr; characters that a terminal might obey are written out."""
+    click.echo("\n".join(map(printable, message.split("\n"))), err=True)
+
+
+def columns(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:
+    """Return ``rows`` of equal length as aligned columns; those in ``right`` are aligned to the right."""
+    from rich.cells import cell_len
+
+    widths = [max(cell_len(cell) for cell in column) for column in zip(*rows, strict=True)]
+
+    def padded(row: Sequence[str]) -> str:
+        cells = []
+        for place, (cell, width) in enumerate(zip(row, widths, strict=True)):
+            space = " " * (width - cell_len(cell))
+            cells.append(space + cell if place in right else cell + space)
+        return "  ".join(cells).rstrip()
+
+    return "\n".join(padded(row) for row in rows)
+
+
+def number(value: float | str | None, form: str = ".5g") -> str:
+    """Return a figure as people read it; a word stays as it is, and what is not known is a dash.
+
+    What rounding errors leave of a zero is 0.
+    """
+    if value is None:
+        return "-"
+    return value if isinstance(value, str) else format(_without_noise(value), form)
+
+
+def alike(values: Sequence[float | None]) -> list[str]:
+    """Return figures that stand beside one another with as many decimals each, five digits of the largest.
+
+    Where they all are below 1e-5 they all have an exponent. Zeros that all of them end with are left out, and
+    what would read 0 and is not is a bound.
+    """
+    known = [_without_noise(value) for value in values if value is not None]
+    largest = max(map(abs, known), default=0.0)
+    if 0.0 < largest < _SMALLEST:
+        return [number(value, ".3e") if value else number(value) for value in values]
+    decimals = max(0, _DIGITS - 1 - math.floor(math.log10(largest))) if largest else 0
+    plain = [f"{value:.{decimals}f}" for value in known]
+    while decimals and all(text.endswith("0") for text in plain):
+        decimals, plain = decimals - 1, [text[:-1].removesuffix(".") for text in plain]
+    shown = iter(_bounded(value, text, decimals) for value, text in zip(known, plain, strict=True))
+    return ["-" if value is None else next(shown) for value in values]
+
+
+def _bounded(value: float, text: str, decimals: int) -> str:
+    if any(digit in text for digit in "123456789"):
+        return text
+    bound = f"{10.0**-decimals:.{decimals}f}"
+    return text.removeprefix("-") if not value else f"<{bound}" if value > 0.0 else f">-{bound}"
+
+
+def _without_noise(value: float) -> float:
+    return 0.0 if abs(value) < _NOISE else value
+
+
+def can_print(text: str) -> bool:
+    """Return whether stdout has all the characters of ``text``."""
+    try:
+        text.encode(getattr(sys.stdout, "encoding", None) or "ascii")
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+# Progress bars on stderr
+
+
+_PARTS: Final = 1000
+WORTH_A_FORECAST: Final = 0.5
+"""Seconds after which what was done tells how long the rest will take."""
+_LONGEST_FINISH: Final = 20.0  # seconds
+
+
+class Progress:
+    """Shows how far it has come: call it with how much is done, and how much there is to do."""
+
+    def __init__(self, advance_bar: Callable[[int, str], object]) -> None:
+        self._advance_bar = advance_bar
+        self._parts = 0
+        self._begun: tuple[float, int] | None = None
+
+    def __call__(self, done: int, wanted: int) -> None:
+        """Show that ``done`` of ``wanted`` is done."""
+        self._begun = self._begun or (time.monotonic(), done)
+        self.show(done, wanted, _how_far(self._begun, done, wanted))
+
+    def show(self, done: int, wanted: int, text: str) -> None:
+        """Show that ``done`` of ``wanted`` is done, and ``text`` in place of the usual words."""
+        before, self._parts = self._parts, min(done, wanted) * _PARTS // max(1, wanted)
+        self._advance_bar(self._parts - before, text)
+
+    def say(self, text: str) -> None:
+        """Show ``text`` in place of how much is done, until there is more; a forecast then begins anew."""
+        self._begun = None
+        self._advance_bar(0, text)
+
+
+@contextmanager
+def progress(label: str, *, has_end: bool = True) -> Iterator[Progress]:
+    """Yield what shows how far it has come; only what it says, where nobody knows how far it will go."""
+    if not sys.stderr.isatty():
+        yield Progress(lambda parts, text: None)
+        return
+    # its words alone: the bar of click's for what has no end fails where nothing is counted
+    without_bar: dict[str, Any] = {"bar_template": "%(label)s  %(info)s", "show_percent": False}
+    with click.progressbar(
+        length=_PARTS,
+        **({} if has_end else without_bar),
+        label=label,
+        file=sys.stderr,
+        width=0,  # what the rest leaves of the line
+        show_eta=False,  # it knows none before the first of so many parts is done
+        update_min_steps=0,
+        item_show_func=lambda text: text,
+    ) as bar:
+        yield Progress(bar.update)
+
+
+def with_compiling(bar: Progress) -> OnProgress:
+    """Return what shows how far training has come, and for how long it is compiled, which has no forecast."""
+    from rl_tui.agents.compiling.background import BACKGROUND
+
+    def on_progress(done: int, wanted: int) -> None:
+        if BACKGROUND.is_busy:
+            bar.say("compiling, soon faster")
+        else:
+            bar(done, wanted)
+
+    return on_progress
+
+
+def finish_compiling() -> None:
+    """Let a compiler that was too late for this run finish, or it is too late for all others like it.
+
+    Where no machine code can be had, say why: what was trained took far longer than it need take.
+    """
+    from rl_tui.agents.compiling.background import BACKGROUND
+
+    why_not = BACKGROUND.why_not(list(BACKGROUND.failed))
+    if why_not:
+        complain(why_not)
+    if BACKGROUND.is_busy and sys.stderr.isatty():  # a script has no time for that
+        sys.stdout.flush()
+        click.echo("finishing to compile, so that the next time is quick; ctrl+c leaves it", err=True)
+        with suppress(KeyboardInterrupt):
+            BACKGROUND.finish(_LONGEST_FINISH)
+
+
+def _how_far(begun: tuple[float, int], done: int, wanted: int) -> str:
+    """Return ``30.2M of 1000T, 3 years left``, if it goes on as it did since the time and count ``begun``."""
+    start, before = begun
+    seconds = time.monotonic() - start
+    words = f"{short_count(done)} of {short_count(wanted)}"
+    if seconds < WORTH_A_FORECAST or not before < done < wanted:
+        return words
+    return f"{words}, {lasting((wanted - done) * seconds / (done - before))} left"

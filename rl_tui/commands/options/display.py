@@ -1,0 +1,58 @@
+"""The options that say how a screen looks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final, get_args
+
+import click
+
+from rl_tui.agents.hyperparameters import Parameter, Range
+from rl_tui.commands.options.run import Command, ParameterValue
+from rl_tui.screen.app.display import Colours, Display
+
+_DEFAULT: Final = Display()
+_FPS: Final = Parameter(
+    "fps", "fps", "most frames drawn a second; fewer suit a slow link", Range(0, 60, open_low=True)
+)
+_OPTIONS: Final = (
+    click.option(
+        "--theme", default=_DEFAULT.theme, show_default=True, help="dark, light or one of Textual's themes"
+    ),
+    click.option(
+        "--colors",
+        type=click.Choice(get_args(Colours)),
+        default=_DEFAULT.colors,
+        show_default=True,
+        help="how many colours the terminal shows",
+    ),
+    click.option("--no-color", is_flag=True, help="the same as --colors none"),
+    click.option("--ascii", is_flag=True, help="draw with ASCII characters only"),
+    click.option("--fps", type=ParameterValue(_FPS), default=_DEFAULT.fps, show_default=True, help=_FPS.help),
+    click.option("--no-mouse", is_flag=True, help="leave the mouse alone"),
+)
+DISPLAY_OPTIONS: Final = ("theme", "colors", "no_color", "ascii", "fps", "no_mouse")
+
+
+def display_options(command: Command) -> Command:
+    """Add the display options; they arrive under the names of ``DISPLAY_OPTIONS``."""
+    for option in reversed(_OPTIONS):
+        command = option(command)
+    return command
+
+
+def is_given(context: click.Context, name: str) -> bool:
+    """Return whether the option ``name`` was given on the command line, before the command or after it."""
+    source = context.get_parameter_source(name)
+    return source in (click.core.ParameterSource.COMMANDLINE, click.core.ParameterSource.DEFAULT_MAP)
+
+
+def display_of(values: Mapping[str, Any]) -> Display:
+    """Return what the values of the display options, by name, say."""
+    return Display(
+        theme=values["theme"],
+        colors="none" if values["no_color"] else values["colors"],
+        ascii=values["ascii"],
+        fps=values["fps"],
+        mouse=not values["no_mouse"],
+    )

@@ -1,0 +1,292 @@
+"""Command-line options that say how a run starts.
+
+Hyperparameters come from their one list, so a new one appears here automatically.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+import os
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, TextIO
+
+import click
+
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.hyperparameters import PARAMETERS, Parameter, Range
+from rl_tui.common.errors import UserError
+
+if TYPE_CHECKING:
+    from rl_tui.live.sessions.session import StoredSession
+    from rl_tui.runs.changes import ChangeText
+    from rl_tui.runs.recipe import Recipe
+
+
+# Numbers as option values
+
+
+class OptionValue(click.ParamType):  # type: ignore[type-arg]  # generic in newer versions only
+    """A kind of option value."""
+
+
+class ParameterValue(OptionValue):
+    """A value of a hyper-parameter: a number in its range or one of its words."""
+
+    def __init__(self, parameter: Parameter) -> None:
+        self.parameter = parameter
+        numbers = ["number"] if parameter.range else []
+        self.name = "|".join([*numbers, *parameter.words])
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        """Return what the help shows in place of a value."""
+        return self.name.replace("number", "NUMBER")
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float | str:
+        """Return the number or word; fails naming what is expected."""
+        number = number_in(value)
+        if isinstance(value, str) and value in self.parameter.words:
+            return value
+        if number is None or not self.parameter.accepts(number):
+            self.fail(f"{value} is not {self.parameter.expected}", param, ctx)
+        return number
+
+
+class Whole(OptionValue):
+    """A whole number from ``low`` to ``high``."""
+
+    name = "N"
+
+    def __init__(self, low: int, high: float = math.inf) -> None:
+        self.range = Range(low, high)
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        """Return the number; fails naming the range."""
+        try:
+            number: int | None = int(str(value))
+        except ValueError:
+            number = None
+        if number is None or number not in self.range:
+            self.fail(f"{value} is not a whole number in {self.range}", param, ctx)
+        return number
+
+
+class Real(OptionValue):
+    """A finite number from ``low`` to ``high``."""
+
+    name = "NUMBER"
+
+    def __init__(self, low: float = -math.inf, high: float = math.inf) -> None:
+        self.range = Range(low, high)
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Return the number; fails naming the range."""
+        number = number_in(value)
+        if number is None or not math.isfinite(number) or number not in self.range:
+            self.fail(f"{value} is not a number in {self.range}", param, ctx)
+        return number
+
+
+class ChangeValue(OptionValue):
+    """A change on the way, STEP:NAME=VALUE."""
+
+    name = "STEP:NAME=VALUE"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> ChangeText:
+        """Return the change; fails naming what is expected."""
+        from rl_tui.runs.changes import ChangeText, read_change
+
+        if isinstance(value, ChangeText):
+            return value
+        try:
+            return read_change(str(value))
+        except ValueError as fault:
+            self.fail(str(fault), param, ctx)
+
+
+def number_in(value: object) -> float | None:
+    """Return the number that an option's text spells, None if it spells none."""
+    try:
+        return float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        return None
+
+
+# The file of a picture
+
+
+SUFFIXES: Final = (".svg", ".png")
+
+
+class PictureFile(OptionValue):
+    """A file whose name says what kind of picture it takes."""
+
+    name = "F.svg|F.png"
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        """Return what the help shows in place of a value: the ends of names in small letters."""
+        return self.name
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """Return the path; fails naming the ends that a name may have."""
+        path = Path(str(value))
+        if path.suffix.lower() not in SUFFIXES:
+            self.fail(f"{value} does not end in {' or '.join(SUFFIXES)}", param, ctx)
+        return path
+
+
+out_option: Final = click.option(
+    "--out", type=PictureFile(), help='write the picture there; a PNG takes pip install "rl-tui[plot]"'
+)
+
+
+# Options of a run
+
+
+Command = Callable[..., Any]
+
+scenario_argument: Final = click.argument("scenario", metavar="SCENARIO|FILE.toml|gym:ENV_ID")
+seed_option: Final = click.option(
+    "--seed", type=Whole(0), default=0, show_default=True, help="where all randomness comes from"
+)
+
+
+def _allow_modules(_: click.Context, __: click.Parameter, names: tuple[str, ...]) -> None:
+    if names:
+        from rl_tui.worlds.gym.modules import allow_module
+
+        for name in names:
+            allow_module(name)
+
+
+allow_module_option: Final = click.option(
+    "--allow-module",
+    metavar="MODULE",
+    multiple=True,
+    is_eager=True,
+    expose_value=False,
+    callback=_allow_modules,
+    help="let environments be called MODULE:ID, which imports MODULE: whatever it does, it does here",
+)
+json_option: Final = click.option("--json", "as_json", is_flag=True, help="print one JSON document")
+CsvTarget = Path | TextIO | None
+
+
+def _csv_target(_: click.Context, __: click.Parameter, name: str | None) -> CsvTarget:
+    if name == "-":
+        if sys.stdout is None:
+            raise UserError("stdout: cannot be written (it is closed)")
+        return sys.stdout
+    return None if name is None else Path(name)
+
+
+def target_option(option: str, text: str) -> Callable[[Command], Command]:
+    """Return the option of that name, a file or ``-`` for stdout; ``text`` is what is written there."""
+    return click.option(
+        option,
+        type=click.Path(dir_okay=False, allow_dash=True),
+        callback=_csv_target,
+        help=f"write {text}; - is stdout, the report then goes to stderr",
+    )
+
+
+csv_option: Final = target_option(
+    "--csv", "raw rows, one an episode: run, episode, return (undiscounted), length"
+)
+curve_option: Final = target_option(
+    "--curve", "the mean curve of the run or runs, a row for each of at most 200 bins of episodes"
+)
+
+
+def is_stdout(target: CsvTarget) -> bool:
+    """Return whether ``target`` is stdout, so that nothing else may be written there."""
+    return target is not None and target is sys.stdout
+
+
+def check_targets(targets: Mapping[str, CsvTarget], as_json: bool) -> None:
+    """Raise UsageError where two of ``targets``, named by their options, or JSON want the same place."""
+    wanted: dict[object, str] = {sys.stdout: "--json"} if as_json else {}
+    for option, target in targets.items():
+        if target is None:
+            continue
+        place = os.path.realpath(target) if isinstance(target, Path) else target
+        if place in wanted:
+            where = "stdout" if is_stdout(target) else "the same file"
+            first, second = sorted((option, wanted[place]))
+            raise click.UsageError(f"{first} and {second} both want {where}", click.get_current_context())
+        wanted[place] = option
+
+
+def run_options(command: Command) -> Command:
+    """Add ``--algorithm`` and every hyper-parameter; those given arrive as the mapping ``overrides``."""
+    names = ("algorithm", *PARAMETERS)
+
+    @functools.wraps(command)
+    def gathered(**values: Any) -> Any:
+        given = {name: values.pop(name) for name in names}
+        overrides = {name: value for name, value in given.items() if value is not None}
+        return command(overrides=overrides, **values)
+
+    decorated: Command = gathered
+    for name in reversed(list(PARAMETERS)):
+        decorated = parameter_option(name)(decorated)
+    return algorithm_option("algorithm")(decorated)
+
+
+def algorithm_option(argument: str, more: str = "") -> Callable[[Command], Command]:
+    """Return the option ``--algorithm``, which arrives as ``argument``; ``more`` is said in the help."""
+    return click.option(
+        "--algorithm",
+        argument,
+        type=click.Choice(list(BY_ID)),
+        metavar="NAME",
+        help=f"one of {', '.join(BY_ID)}{more}",
+    )
+
+
+def parameter_option(name: str, more: str = "") -> Callable[[Command], Command]:
+    """Return the option of the hyper-parameter of that ``name``; ``more`` is said in the help."""
+    parameter = PARAMETERS[name]
+    return click.option(
+        f"--{name.replace('_', '-')}",
+        name,
+        type=ParameterValue(parameter),
+        help=f"{_help(parameter)}{more}",
+    )
+
+
+def start_of(name: str, overrides: dict[str, object], seed: int) -> Recipe | StoredSession:
+    """Return the recipe of a scenario, or where ``name`` ends in .json the session in that file.
+
+    Raises UserError where there is none, UsageError where options of a run are given to a session.
+    """
+    from rl_tui.live.sessions.session import SUFFIX, read_session
+    from rl_tui.runs.library import recipe_named
+
+    if not name.endswith(SUFFIX):
+        return recipe_named(name, overrides, seed)
+    if overrides or seed:
+        context = click.get_current_context()
+        raise click.UsageError("a session brings its own settings: leave the options of a run out", context)
+    session = read_session(Path(name))
+    session.record()  # what is wrong with it is said before the screen is taken
+    return session
+
+
+def warn_of_no_effect(recipe: Recipe, overrides: Mapping[str, object]) -> None:
+    """Say on stderr which of ``overrides`` the algorithm and the policy of ``recipe`` do not use."""
+    from rl_tui.runs.library import without_effect
+
+    policy = "" if BY_ID[recipe.algorithm].planner else f" with policy {recipe.hyperparameters.policy}"
+    for name in without_effect(recipe, overrides):
+        option = f"--{name.replace('_', '-')}"
+        click.echo(f"{option} has no effect: {recipe.algorithm}{policy} does not use it", err=True)
+
+
+def _help(parameter: Parameter) -> str:
+    """Return what it is and what it takes, each said once: words alone stand in place of the value."""
+    is_a_sign = len(parameter.symbol.strip("₀")) == 1 and parameter.symbol != parameter.name
+    named = f"{parameter.symbol}, {parameter.help}" if is_a_sign else parameter.help
+    return named if parameter.range is None else f"{named}: {parameter.expected}"

@@ -1,0 +1,61 @@
+"""Between arrays over legal pairs, [P], and those over states and actions, [S, A]."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from rl_tui.agents.exact.policy_figures import SUM_TOLERANCE, Choice
+from rl_tui.common.errors import UserError
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
+
+
+def by_state(space: FiniteSpace, of_pairs: npt.NDArray[Any], otherwise: float = np.nan) -> npt.NDArray[Any]:
+    """Return values of pairs, [P], as [S, A], ``otherwise`` where an action is not legal."""
+    table = np.full((space.states, len(space.action_names)), otherwise, dtype=of_pairs.dtype)
+    table[space.pair_state, space.pair_action] = of_pairs
+    return table
+
+
+def numbers(values: Iterable[float | None]) -> FloatArray:
+    """Return numbers as an array, NaN where there is none."""
+    return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
+
+
+def choices_in(space: FiniteSpace, policy: npt.ArrayLike) -> Mapping[int, Choice]:
+    """Return the policy in an array: an action in each state, [S], or the probability of each, [S, A].
+
+    States in which nothing can be done do not count. Raises UserError where it has another shape, an action
+    is not legal, or probabilities are below 0 or do not sum to 1 (±1e-9).
+    """
+    try:
+        array = np.asarray(policy)
+    except ValueError as fault:  # rows of different lengths
+        raise UserError("the policy is no array: its rows are of different lengths") from fault
+    states, actions = space.states, len(space.action_names)
+    if array.shape == (states,) and array.dtype.kind in "iu":
+        array = array[:, None] == np.arange(actions)[None, :]
+    if array.shape != (states, actions) or array.dtype.kind not in "biuf":
+        raise UserError(
+            f"the policy is an array {list(array.shape)} of {array.dtype}; expected actions, "
+            f"[{states}] whole numbers, or probabilities, [{states}, {actions}]"
+        )
+    chances = np.nan_to_num(array.astype(np.float64), nan=0.0)
+    live = (state for state in range(states) if space.pairs_of(state))
+    return {state: _choice(space, state, chances[state]) for state in live}
+
+
+def _choice(space: FiniteSpace, state: int, chances: FloatArray) -> Choice:
+    pairs = space.pairs_of(state)
+    legal = space.pair_action[pairs.start : pairs.stop]
+    here = chances[legal]
+    if (chances < 0.0).any() or not abs(here.sum() - 1.0) <= SUM_TOLERANCE or np.delete(chances, legal).any():
+        names = ", ".join(space.action_names[action] for action in legal[:10])
+        raise UserError(
+            f"the policy in state {state} ({space.state_names[state]}): expected one of the actions that are "
+            f"legal there ({names}), or probabilities of them that sum to 1"
+        )
+    return dict(zip(pairs, here.tolist(), strict=True))

@@ -1,0 +1,258 @@
+"""The report of a training, for people."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
+from rl_tui.agents.exact.solve import best_expected_return
+from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
+from rl_tui.commands.line.output import alike, columns, number
+from rl_tui.commands.reports.policy_map import policy_map
+from rl_tui.common.words import counted
+from rl_tui.runs.bandit import BanditFigures
+from rl_tui.runs.exact_answers import NO_TABLE
+from rl_tui.runs.figures import exact_world, why_inexact
+from rl_tui.runs.recipe import Recipe
+from rl_tui.runs.run import Run
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+from rl_tui.worlds.world import World
+
+Figures = Mapping[str, Any]
+Row = tuple[str, str, str]
+
+FIRST_REWARD: Final = "first reward"
+GREEDY_ENDS: Final = "greedy policy ends"
+VALUE_AT_START: Final = "value at the start"
+LAST: Final = 100
+MOST_NAMES: Final = 8
+MOST_CHANGES: Final = 20
+EXACT: Final = ("value_at_start", "expected_return", "max_error")
+_NO_RETURN: Final = """\
+such a run
+has no expected return, and at γ = 1 no value at the start, and is left out of that row."""
+_WHOLE: Final = ("episodes", "steps")
+
+
+def one_run(run: Run, figures: Figures) -> str:
+    """Return the report of one run; ``figures`` is its document of ``train --json``."""
+    plans, spent = run.learner.plans, run.bandit
+    parts = [_head(run.recipe)]
+    if figures.get("journal"):
+        parts.append(_changes(figures["journal"]))
+    if spent is not None and not plans:
+        parts += [_done(figures, "pull"), "", columns(_bandit_rows(figures, spent))]
+    else:
+        done = _planned(run, figures) if plans else _done(figures, "episode")
+        parts += [done, "", policy_map(run.world, figures["policy"]), "", columns(_rows(run, figures))]
+    if figures["first_reward_episode"] is None and not plans:
+        parts += ["", no_reward(run.recipe)]
+    return "\n".join(parts)
+
+
+def _changes(journal: Sequence[Figures]) -> str:
+    """Return what was changed on the way, a line a change."""
+    rows = [(f"after {each['step']:,}", str(each["name"]), number(each["value"], ".12g")) for each in journal]
+    return columns([("step", "changed", "to"), *rows[:MOST_CHANGES]]) + (
+        f"\n... and {len(rows) - MOST_CHANGES:,} more: --json has all" if len(rows) > MOST_CHANGES else ""
+    )
+
+
+def agent_run(world: World, mdp: TabularMDP | None, title: str, figures: Figures, found: str) -> str:
+    """Return the report of one run of an agent that somebody wrote, in ``world``, whose table is ``mdp``.
+
+    ``title`` is the scenario's, ``found`` says what was found out about the agent.
+    """
+    best = best_expected_return(mdp) if mdp else None
+    exact = (
+        _greedy_rows(figures, best)
+        if mdp and figures["q"]
+        else [("exact figures", "none", _no_exact(figures))]
+    )
+    first = figures["first_reward_episode"]
+    rows = [
+        *exact,
+        *_last_rows(figures),
+        (FIRST_REWARD, "never" if first is None else f"episode {first:,}", "the first that is not 0"),
+    ]
+    drawn = ["", policy_map(world, figures["policy"])] if figures["policy"] else []
+    return "\n".join(
+        [agent_head(title, figures), found, _done(figures, "episode"), *drawn, "", columns(rows)]
+    )
+
+
+def agent_head(title: str, figures: Figures, seeds: str = "") -> str:
+    """Return which agent learned where, with which seed or ``seeds``."""
+    agent = figures["agent"]
+    return f"{title}: {agent['name']} of {agent['file']}, {seeds or 'seed ' + str(figures['seed'])}"
+
+
+def _no_exact(figures: Figures) -> str:
+    return "no table of values was found in the agent" if figures["q"] is None else NO_TABLE
+
+
+def several_runs(recipe: Recipe, figures: Figures) -> str:
+    """Return the report of several runs; ``figures`` is their document of ``train --runs --json``."""
+    runs = figures["runs"]
+    rows = [("", "mean", "stderr", "min", "max", "runs")]
+    for name, title in _summary_titles(runs).items():
+        summary = figures["summary"][name]
+        if summary["count"] == 0 and name in EXACT:
+            continue
+        known = [summary[key] for key in ("mean", "stderr", "min", "max")]
+        shown = [number(each, ",.0f") for each in known] if name in _WHOLE else alike(known)
+        rows.append((title, shown[0], shown[1], shown[2], shown[3], f"{summary['count']:,}"))
+    last = runs[-1]["seed"]
+    seeds = f"seeds {recipe.seed} to {last}" if last != recipe.seed else f"seed {recipe.seed}"
+    head = agent_head(recipe.scenario.title, figures, seeds) if "agent" in figures else _head(recipe, seeds)
+    parts = [head, "", columns(rows, right=(1, 2, 3, 4, 5))]
+    if "winnings" not in runs[0] and figures["summary"]["value_at_start"]["count"]:
+        parts += ["", f"The {VALUE_AT_START} is discounted, returns are not."]
+    endless = sum(row["expected_return"] is None and row["max_error"] is not None for row in runs)
+    if endless:
+        share = f"{endless:,} of {counted(len(runs), 'run')}"
+        parts += ["", f"In {share} the greedy policy may never end; {_NO_RETURN}"]
+    blind = sum(row["first_reward_episode"] is None for row in runs)
+    if blind and "agent" not in figures:
+        parts += ["", no_reward(recipe, blind, len(runs))]
+    return "\n".join(parts)
+
+
+def _done(figures: Figures, thing: str) -> str:
+    seconds, speed = number(figures["seconds"], ".3f"), figures["steps_per_second"]
+    rate = f", {_rate(speed)} steps/s" if speed else ""
+    steps = f", {counted(figures['steps'], 'step')}" if thing == "episode" else ""
+    return f"{counted(figures['episodes'], thing)}{steps} in {seconds} s{rate}"
+
+
+def _rate(speed: float) -> str:
+    return f"{speed / 1e6:.1f} million" if speed >= 1e5 else f"{speed:,.0f}"
+
+
+def _planned(run: Run, figures: Figures) -> str:
+    done = f"{counted(figures['episodes'], 'sweep')}, {counted(figures['steps'], 'backup')} of a state"
+    return f"{done}\n{run.message}" if run.message else done
+
+
+def _rows(run: Run, figures: Figures) -> list[Row]:
+    mdp = exact_world(run)
+    best = best_expected_return(mdp) if mdp else None
+    if run.learner.plans:
+        return _greedy_rows(figures, best)
+    first = figures["first_reward_episode"]
+    return [
+        *(_greedy_rows(figures, best) if mdp else [("exact figures", "none", why_inexact(run))]),
+        *_last_rows(figures),
+        (FIRST_REWARD, "never" if first is None else f"episode {first:,}", "the first that is not 0"),
+    ]
+
+
+def _greedy_rows(figures: Figures, best: float | None) -> list[Row]:
+    value, optimum = alike([figures["value_at_start"], figures["optimal_value_at_start"]])
+    expected, possible = alike([figures["expected_return"], best])
+    ends = figures["greedy_ends"]
+    return [
+        (VALUE_AT_START, f"{value} of {optimum}", "discounted: greedy policy of optimum"),
+        ("expected return", f"{expected} of {possible}", "undiscounted: greedy policy of best"),
+        (GREEDY_ENDS, "-" if ends is None else f"with probability {number(ends)}", ""),
+        ("largest error of Q", number(figures["max_error"]), "max |Q - Q*|"),
+    ]
+
+
+def _last_rows(figures: Figures) -> list[Row]:
+    if figures["return_last_100"] is None:
+        return [("last episodes", "none is finished", "")]
+    return [
+        (
+            _last(figures["episodes"]),
+            number(figures["return_last_100"]),
+            "undiscounted mean return, exploring",
+        ),
+        ("", number(figures["length_last_100"]), "mean length"),
+    ]
+
+
+def _bandit_rows(figures: Figures, spent: BanditFigures) -> list[Row]:
+    greedy, best = alike([figures["expected_return"], figures["optimal_value_at_start"]])
+    share = "-" if spent.best_arm_rate is None else f"{spent.best_arm_rate:.1%} of the time"
+    winnings = f"{spent.winnings:,.1f} of {spent.best_possible:,.1f}"
+    return [
+        ("greedy arm", _arms(figures["policy"][0]), "the best by what was seen"),
+        ("its true mean", f"{greedy} of {best}", "greedy arm of best arm"),
+        ("best arm pulled", share, ""),
+        ("winnings", winnings, "of what the best arm brings on average"),
+        ("regret", f"{spent.regret:,.1f}", "lost to other arms, counted in true means"),
+        ("largest error of Q", number(figures["max_error"]), "max |Q - q*|"),
+        (_last(figures["episodes"], "pull"), number(figures["return_last_100"]), "mean reward, exploring"),
+    ]
+
+
+def _arms(names: Sequence[str]) -> str:
+    return ", ".join(names) if len(names) <= MOST_NAMES else f"{len(names):,} arms tie"
+
+
+def _last(episodes: int, thing: str = "episode") -> str:
+    """Return over how many episodes the means of the last 100 are."""
+    number_of = min(episodes, LAST)
+    return f"last {thing}" if number_of == 1 else f"last {counted(number_of, thing)}"
+
+
+def _summary_titles(runs: Sequence[Figures]) -> dict[str, str]:
+    fewest, most = (min(pick(row["episodes"] for row in runs), LAST) for pick in (min, max))
+    if "winnings" in runs[0]:
+        return {
+            "expected_return": "true mean of the greedy arm",
+            "best_arm_rate": "best arm, share of pulls",
+            "winnings": "winnings",
+            "regret": "regret",
+            "max_error": "largest error of Q",
+            "return_last_100": f"reward, {_last(most, 'pull')}",
+            "episodes": "pulls",
+        }
+    last = _last(most) if fewest == most else f"up to {most} last episodes"
+    return {
+        "value_at_start": VALUE_AT_START,
+        "expected_return": "expected return",
+        "max_error": "largest error of Q",
+        "return_last_100": f"return, {last}",
+        "length_last_100": f"length, {last}",
+        "first_reward_episode": f"{FIRST_REWARD} that is not 0, episode",
+        "episodes": "episodes",
+        "steps": "steps",
+    }
+
+
+def _head(recipe: Recipe, seeds: str = "") -> str:
+    algorithm, hyperparameters = BY_ID[recipe.algorithm], recipe.hyperparameters
+    policy = POLICY_BY_ID[hyperparameters.policy]
+    name = algorithm.name if algorithm.planner else f"{algorithm.name}, {policy.name}"
+    settings = "  ".join(
+        f"{PARAMETERS[each].symbol} {number(hyperparameters.value(each), '.12g')}"
+        for each in parameters_of(algorithm.id, policy.id)
+        if _counts(each, hyperparameters)
+    )
+    return f"{recipe.scenario.title}: {name}, {seeds or f'seed {recipe.seed}'}\n{settings}"
+
+
+def _counts(name: str, hyperparameters: Hyperparameters) -> bool:
+    """Return True if the head names the parameter: not the policy, nor a schedule without decay."""
+    if PARAMETERS[name].schedule:
+        return hyperparameters.value("epsilon_decay" if name.startswith("epsilon") else "alpha_decay") != 0.0
+    return name != "policy"
+
+
+def no_reward(recipe: Recipe, blind: int = 1, runs: int = 1) -> str:
+    """Return that ``blind`` of so many runs never saw a reward, why that may be, and what to try."""
+    who = "This run" if runs == 1 else f"{blind:,} of {runs:,} runs"
+    hyperparameters = recipe.hyperparameters
+    if hyperparameters.initial_q != 0.0:
+        # Estimates that start elsewhere move without a reward too: something was learned, and no tie lasts
+        return f"{who} never saw a reward. Try more --episodes or a larger --epsilon."
+    blank = f"{who} never saw a reward and learned nothing"
+    if hyperparameters.ties == "first":
+        return (
+            f"{blank}: all estimates stay equal, and --ties first then\n"
+            "always takes the first action, which here leads nowhere. Try --ties random."
+        )
+    return f"{blank}. Try more --episodes, a larger --epsilon,\nor an --initial-q above what can be earned."

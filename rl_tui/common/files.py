@@ -1,0 +1,156 @@
+"""Safe files: locks between programs, and writing that never leaves half a file."""
+
+from __future__ import annotations
+
+import errno
+import os
+import sys
+from contextlib import suppress
+from pathlib import Path
+from typing import Final
+
+# Locks
+
+
+OURS_ALONE: Final = 0o600
+"""The mode of files that no other user may read."""
+_TAKEN: Final = (errno.EACCES, errno.EAGAIN, errno.EWOULDBLOCK, errno.EDEADLK)
+_WITHOUT_LOCKS: Final = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP)
+
+if sys.platform == "win32":
+    import msvcrt
+
+    def _seize(descriptor: int) -> None:
+        msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+else:
+    import fcntl
+
+    def _seize(descriptor: int) -> None:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+class FileLock:
+    """The lock of ``path``: a hidden file beside it, as the file itself is replaced when it is written.
+
+    A lock file that was left behind by a program that was killed is nobody's, and is taken over.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path.with_name(f".{path.name}.lock")
+        self._descriptor: int | None = None
+
+    def acquire(self) -> bool:
+        """Take the lock; False where another program, or another part of this one, holds it.
+
+        Some network file systems know no locks: there everybody gets one. Raises OSError where the lock file
+        cannot be made.
+        """
+        while self._descriptor is None:
+            descriptor = os.open(self._path, os.O_RDWR | os.O_CREAT, OURS_ALONE)
+            try:
+                _seize(descriptor)
+            except OSError as error:
+                if error.errno not in _WITHOUT_LOCKS:
+                    os.close(descriptor)
+                    if error.errno in _TAKEN:
+                        return False
+                    raise
+            if self._is_still_there(descriptor):
+                self._descriptor = descriptor
+            else:  # whoever held it has just let go and removed the file: this one has no name any more
+                os.close(descriptor)
+        return True
+
+    def keep(self) -> bool:
+        """Take the lock once more where its file was removed; False where somebody else has it by now.
+
+        Raises OSError as :meth:`acquire` does.
+        """
+        if self._descriptor is not None and not self._is_still_there(self._descriptor):
+            os.close(self._descriptor)
+            self._descriptor = None
+        return self.acquire()
+
+    def release(self) -> None:
+        """Give the lock back; nothing happens without one."""
+        if self._descriptor is None:
+            return
+        with suppress(OSError):  # while it is held, so that nobody else's is removed
+            self._path.unlink()
+        os.close(self._descriptor)
+        self._descriptor = None
+
+    def _is_still_there(self, descriptor: int) -> bool:
+        try:
+            return os.path.samestat(os.fstat(descriptor), self._path.stat())
+        except FileNotFoundError:
+            return False
+
+
+# Atomic writing
+
+
+# Whoever may write in the folder must not have us write elsewhere by a link in the draft's place
+_FLAGS: Final = (
+    os.O_WRONLY | os.O_CREAT | os.O_TRUNC | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
+)
+_NEW: Final = ".new"
+
+
+def write_atomically(path: Path, content: bytes, mode: int = OURS_ALONE) -> None:
+    """Put ``content`` into ``path``, in place of what was there; on the disk once this returns.
+
+    ``mode`` says who may read and write it, as far as the system lets new files be so. Raises OSError, which
+    names a file, and then the old one is as it was.
+    """
+    new = draft_of(path)
+    try:
+        with open(os.open(new, _FLAGS, mode), "wb") as stream:
+            stream.write(content)
+            stream.flush()
+            os.fsync(stream.fileno())
+        new.replace(path)
+    except OSError as error:
+        with suppress(OSError):
+            new.unlink()
+        # a full disk does not say which one it is
+        raise OSError(error.errno, error.strerror, error.filename or str(path)) from error
+    _settle(path.parent)
+
+
+def draft_of(path: Path) -> Path:
+    """Return where the next content of ``path`` is written: one place, so that none is left to pile up."""
+    return path.with_name(f".{path.name}{_NEW}")
+
+
+def drafts_in(folder: Path, suffix: str) -> list[tuple[Path, Path]]:
+    """Return the drafts in ``folder``, each after the path, ending in ``suffix``, that it was to replace.
+
+    They are being written, or were when their program was killed.
+    """
+    try:
+        drafts = sorted(folder.glob(f".*{suffix}{_NEW}"))
+    except OSError:  # a folder that may not be read
+        return []
+    return [(draft.with_name(draft.name[1 : -len(_NEW)]), draft) for draft in drafts]
+
+
+def remove_with_draft(path: Path) -> None:
+    """Remove ``path`` and its draft, where they are there. Raises OSError."""
+    for each in (path, draft_of(path)):
+        each.unlink(missing_ok=True)
+
+
+def _settle(folder: Path) -> None:
+    """Bring the name itself to the disk, where the system lets a folder be opened."""
+    with suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+
+
+def signature(status: os.stat_result) -> tuple[int, ...]:
+    """Return what changes whenever somebody writes a file."""
+    return status.st_ino, status.st_mtime_ns, status.st_size

@@ -1,1 +1,0 @@
-"""Runs: what was done, in what order, with which result. Nothing here draws."""

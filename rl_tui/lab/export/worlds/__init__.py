@@ -1,1 +1,0 @@
-"""Each kind of world as the text of a script."""

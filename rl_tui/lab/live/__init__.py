@@ -1,1 +1,0 @@
-"""A run on screen: the thread that owns it, its commands, and the snapshots it publishes."""

@@ -1,1 +1,0 @@
-"""A run: its recipe, its journal, and what came of them."""

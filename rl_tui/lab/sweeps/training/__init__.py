@@ -1,1 +1,0 @@
-"""How the runs of a cell are trained and looked at."""

@@ -1,1 +1,0 @@
-"""Work done by processes of their own, asked for once and answered line by line."""

@@ -1,0 +1,245 @@
+"""Figures of runs: of one, of an attempt recorded in the lesson, of many that differ in their seed."""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING, Any, Final
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import near, shown
+from rl_tui.lessons.figures.expression import FigureError, SeedMean
+from rl_tui.lessons.figures.subject import FigureSubject, measured, measuring, name_of, whole
+from rl_tui.lessons.judging.seed_panel import attempted_run
+from rl_tui.runs.changes import journal_of, read_change
+from rl_tui.runs.run import Run
+from rl_tui.runs.training.compile_or_interpret import cores
+from rl_tui.runs.training.seeded_runs import Goal, SeededRuns, no_compiling, train
+
+if TYPE_CHECKING:
+    from rl_tui.lessons.judging.measures import Value
+    from rl_tui.runs.recipe import JournalEntry
+
+LEAST_SEEDS: Final = 50
+"""Of what is said about learning: fewer may say anything."""
+MOST_SEEDS: Final = 10_000
+MOST_STEPS: Final = 10**9
+"""Steps or episodes of one run. How many all of them may take, the budget says."""
+MOST_KEPT: Final = 4
+"""Single runs that are kept, of which other measures may be asked. Of runs over seeds only measures are."""
+
+
+def run(
+    subject: FigureSubject,
+    measure: object,
+    steps: object = None,
+    episodes: object = None,
+    changes: Sequence[object] = (),
+    **arguments: Any,
+) -> Value:
+    """Return a measure of one run under the setup's seed, after so many steps or episodes."""
+    goal, journal = _goal(steps, episodes), _journal(subject, changes)
+
+    def trained() -> Run:
+        made = Run(subject.recipe, None, evaluate=False)
+        with subject.budget.counted(made, journal, goal, 1) as watch:
+            train(made, goal, watch(made), journal)
+        return made
+
+    made = _kept(subject, ("run", id(subject), goal, journal), trained)
+    return measured(made, _name(measure), arguments)
+
+
+def attempt(subject: FigureSubject, page: object, name: object, measure: object, **arguments: Any) -> Value:
+    """Return a measure at the end of an attempt, by its page and its name."""
+    lesson = subject.lesson
+    tasks = {each.id: each for each in lesson.tasks}
+    wanted = name_of(page)
+    if wanted not in tasks:
+        raise FigureError(shown(wanted), f"the id of a page with a task{near(wanted, tasks)}")
+    task = tasks[wanted].task
+    attempts = {each.name: each for each in (*task.accepts, *task.rejects)} if task else {}
+    called = name_of(name)
+    if called not in attempts:
+        raise FigureError(shown(called), f"the name of an attempt of that task{near(called, attempts)}")
+    made = _kept(
+        subject,
+        ("attempt", id(lesson), wanted, called),
+        lambda: attempted_run(lesson, wanted, attempts[called], on_end=subject.budget.charge),
+    )
+    return measured(made, _name(measure), arguments)
+
+
+def _kept(subject: FigureSubject, key: object, make: Callable[[], Run]) -> Run:
+    """Return the run of this ``key``, made anew where it is not among the last few."""
+    kept: dict[object, Run] = subject.known.setdefault("runs", {})
+    if key not in kept:
+        made = make()
+        while len(kept) >= MOST_KEPT:
+            kept.pop(next(iter(kept)))
+        kept[key] = made
+    return kept[key]
+
+
+def mean(subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> SeedMean:
+    """Return the mean of a measure over seeds 0, 1, …, with its standard error: written ``m ± e``."""
+    values = _values(subject, measure, _many(seeds), arguments)
+    return SeedMean(statistics.fmean(values), statistics.stdev(values) / math.sqrt(len(values)))
+
+
+def error_of_mean(
+    subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any
+) -> float:
+    """Return the standard error of that mean."""
+    return mean(subject, measure, seeds, **arguments).error
+
+
+def median(subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> float:
+    """Return the median of a measure over seeds 0, 1, …"""
+    return statistics.median(_values(subject, measure, _many(seeds), arguments))
+
+
+def least(subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> float:
+    """Return the least value of a measure over seeds 0, 1, …"""
+    return min(_values(subject, measure, _many(seeds), arguments))
+
+
+def greatest(subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> float:
+    """Return the greatest value of a measure over seeds 0, 1, …"""
+    return max(_values(subject, measure, _many(seeds), arguments))
+
+
+def share(subject: FigureSubject, measure: object, seeds: object = LEAST_SEEDS, **arguments: Any) -> float:
+    """Return the share of seeds 0, 1, … in which a measure is ``at_least``, ``equals`` … what is given."""
+    many = _many(seeds)
+    return _holding(subject, measure, many, arguments) / many
+
+
+def count(subject: FigureSubject, measure: object, seeds: object, **arguments: Any) -> int:
+    """Return in how many of the seeds 0, 1, … that is so: of these seeds alone, be they few."""
+    return _holding(subject, measure, whole(seeds, "seeds", 1, MOST_SEEDS), arguments)
+
+
+def ahead(
+    subject: FigureSubject,
+    measure: object,
+    these: object,
+    those: object,
+    seeds: object = LEAST_SEEDS,
+    **arguments: Any,
+) -> float:
+    """Return the share of seeds in which a measure is greater with settings ``these`` than with ``those``."""
+    many = _many(seeds)
+    one, other = (
+        _values(subject.changed(_settings(each)), measure, many, arguments) for each in (these, those)
+    )
+    return sum(mine > its for mine, its in zip(one, other, strict=True)) / many
+
+
+def _settings(value: object) -> dict[str, Any]:
+    if not isinstance(value, dict) or not all(isinstance(name, str) for name in value):
+        raise FigureError(shown(value), 'a table of settings, such as {"epsilon": 0}')
+    return value
+
+
+_TESTS: Final[dict[str, Callable[[Any, Any], bool]]] = {
+    "at_least": lambda value, bound: value >= bound,
+    "at_most": lambda value, bound: value <= bound,
+    "above": lambda value, bound: value > bound,
+    "below": lambda value, bound: value < bound,
+    "equals": lambda value, bound: bool(value == bound),
+}
+TESTS: Final = tuple(_TESTS)
+
+
+def _holding(subject: FigureSubject, measure: object, seeds: int, arguments: dict[str, Any]) -> int:
+    """Return in how many seeds all the tests among ``arguments`` hold; what has no value passes none."""
+    bounds = {name: arguments.pop(name) for name in TESTS if name in arguments}
+    if not bounds:
+        raise FigureError("no test", f"one of {', '.join(TESTS)}")
+    every = _measured(subject, measure, seeds, arguments)
+    try:
+        return sum(
+            value is not None and all(_TESTS[name](value, bound) for name, bound in bounds.items())
+            for value in every
+        )
+    except TypeError as fault:  # a word, held against a number
+        raise FigureError(
+            f"{name_of(measure)} held against {shown(list(bounds.values()))}", "its kind"
+        ) from fault
+
+
+def _values(subject: FigureSubject, measure: object, seeds: int, arguments: dict[str, Any]) -> list[float]:
+    every = _measured(subject, measure, seeds, arguments)
+    missing = [seed for seed, value in enumerate(every) if not isinstance(value, int | float)]
+    if missing:
+        raise FigureError(
+            f"no number of {name_of(measure)} under seed {missing[0]}", "a number under every seed"
+        )
+    return [float(value) for value in every if value is not None]
+
+
+def _measured(
+    subject: FigureSubject, measure: object, seeds: int, arguments: dict[str, Any]
+) -> list[Value | None]:
+    """Return the measure under each of the seeds 0 … seeds - 1."""
+    rest = dict(arguments)
+    goal = _goal(rest.pop("steps", None), rest.pop("episodes", None))
+    journal = _journal(subject, rest.pop("changes", ()))
+    name = _name(measure)
+    key = "seeds", id(subject), goal, journal, seeds, name, repr(sorted(rest.items()))
+    if key not in subject.known:
+        subject.known[key] = _of_each_seed(subject, goal, journal, seeds, measuring(name, rest))
+    found: list[Value | None] = subject.known[key]
+    return found
+
+
+def _of_each_seed(
+    subject: FigureSubject,
+    goal: Goal,
+    journal: tuple[JournalEntry, ...],
+    seeds: int,
+    measure: Callable[[Run], Value | None],
+) -> list[Value | None]:
+    """Return what ``measure`` gives of the run of each seed, trained on all cores; no run is kept."""
+    seeded = SeededRuns(subject.with_seed(0), journal)
+    with subject.budget.counted(seeded.first, journal, goal, seeds) as watch:
+        seeded.get_machine_code(seeds, goal, no_compiling)
+
+        def of_seed(seed: int) -> Value | None:
+            made = seeded.new_run(seed)
+            seeded.train(made, goal, watch(made))
+            return measure(made)
+
+        with ThreadPoolExecutor(min(cores(), seeds), thread_name_prefix="figure") as pool:
+            return list(pool.map(of_seed, range(seeds)))
+
+
+def _many(seeds: object) -> int:
+    return whole(seeds, "seeds", LEAST_SEEDS, MOST_SEEDS)
+
+
+def _name(measure: object) -> str:
+    if not isinstance(measure, str):
+        raise FigureError(shown(measure), "the name of a measure, in quotes")
+    return measure
+
+
+def _goal(steps: object, episodes: object) -> Goal:
+    if (steps is None) == (episodes is None):
+        raise FigureError("both or neither of steps and episodes", "how far a run goes: one of them")
+    if steps is not None:
+        return Goal(steps=whole(steps, "steps", 0, MOST_STEPS))
+    return Goal(episodes=whole(episodes, "episodes", 0, MOST_STEPS))
+
+
+def _journal(subject: FigureSubject, changes: object) -> tuple[JournalEntry, ...]:
+    if not isinstance(changes, list | tuple) or not all(isinstance(each, str) for each in changes):
+        raise FigureError(shown(changes), 'a list of changes, ["STEP:NAME=VALUE"]')
+    try:
+        texts = [read_change(str(each)) for each in changes]
+    except ValueError as fault:
+        raise UserError(str(fault)) from fault
+    return journal_of(texts, subject.world.space.action_names)

@@ -1,0 +1,315 @@
+"""The subject of a figure: a setup of the lesson, with its world and its runs."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from rl_tui.agents.exact.solve import returns, solve
+from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
+from rl_tui.common.findings import near, shown
+from rl_tui.lessons.figures.expression import FigureError
+from rl_tui.lessons.file.schema import MOST_STEPS, Condition
+from rl_tui.lessons.file.setups import scenario_for
+from rl_tui.lessons.judging.measures import MEASURES, MissingError, Value
+from rl_tui.lessons.judging.moment import JudgedMoment, Kept
+from rl_tui.runs.exact_answers import NO_TABLE
+from rl_tui.runs.library import find, recipe_for
+from rl_tui.runs.recipe import Recipe, begin
+
+if TYPE_CHECKING:
+    from rl_tui.agents.exact.policy_evaluation import Returns, Solution
+    from rl_tui.lessons.figures.step_budget import StepBudget
+    from rl_tui.lessons.lesson import Lesson
+    from rl_tui.runs.run import Run
+    from rl_tui.worlds.mdp.space import IntArray
+    from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+    from rl_tui.worlds.world import World
+
+
+# A setup and its world
+
+
+OTHER_WORLD: Final = ("setup", "scenario", "seed")
+SETTINGS: Final = ("algorithm", *PARAMETERS)
+
+
+class FigureSubject:
+    """A recipe of the lesson, and what is worked out of it once: its world and its exact answer.
+
+    ``known`` are results of runs, and ``budget`` counts their steps: all subjects of one check share both.
+    """
+
+    def __init__(
+        self,
+        lesson: Lesson,
+        recipe: Recipe,
+        known: dict[Any, Any],
+        budget: StepBudget,
+        changed: Callable[[Mapping[str, Any]], FigureSubject],
+    ) -> None:
+        self.lesson = lesson
+        self.recipe = recipe
+        self.known = known
+        self.budget = budget
+        self.changed = changed
+        """Returns the subject with other settings besides."""
+
+    @property
+    def values(self) -> Hyperparameters:
+        """The hyper-parameters of its setup."""
+        return self.recipe.hyperparameters
+
+    @cached_property
+    def world(self) -> World:
+        """The world, as the seed makes it. Raises UserError where it cannot be built."""
+        key = "world", self.recipe.scenario.text or self.recipe.scenario.id, self.recipe.seed
+        if key not in self.known:
+            self.known[key] = begin(self.recipe).world
+        world: World = self.known[key]
+        return world
+
+    @cached_property
+    def mdp(self) -> TabularMDP:
+        """The table of the world. Raises FigureError where it has none."""
+        if self.world.mdp is None:
+            raise FigureError(f"{self.recipe.scenario.id}: {NO_TABLE}", "a world with a transition table")
+        return self.world.mdp
+
+    @cached_property
+    def solution(self) -> Solution:
+        """The exact answer for its γ. Raises UserError where there is none."""
+        return solve(self.mdp, self.values.gamma)
+
+    @cached_property
+    def returns(self) -> Returns:
+        """What optimal policies earn in an episode. Raises UserError where there is no exact answer."""
+        return returns(self.mdp, self.solution)
+
+    @cached_property
+    def unlimited(self) -> TabularMDP:
+        """The table without a time limit."""
+        return replace(self.mdp, time_limit=0)
+
+    def with_seed(self, seed: int) -> Recipe:
+        """Return the recipe under another seed."""
+        return replace(self.recipe, seed=seed)
+
+    def setting(self, name: str) -> float | str:
+        """Return the algorithm, or the value of a hyper-parameter."""
+        return self.recipe.algorithm if name == "algorithm" else self.values.value(plain_name(name))
+
+    def state(self, name: object) -> int:
+        """Return the number of the state of this name. Raises FigureError with near names."""
+        return _place(name_of(name), self.world.space.state_names, "a state of this world")
+
+    def action(self, name: object) -> int:
+        """Return the number of the action of this name. Raises FigureError with near names."""
+        return _place(name_of(name), self.world.space.action_names, "an action of this world")
+
+    def pair(self, state: object, action: object) -> int:
+        """Return the pair of state and action, by their names. Raises FigureError."""
+        space = self.world.space
+        number = self.state(state)
+        pair = space.pair_of(number, self.action(action))
+        if pair is None:
+            names = ", ".join(space.action_names[space.pair_action[each]] for each in space.pairs_of(number))
+            found = f"{shown(action)} in state {name_of(state)}"
+            raise FigureError(found, f"one of {names}" if names else "a state that is not terminal")
+        return pair
+
+
+def subject_of(
+    lesson: Lesson, setup: str, overrides: Mapping[str, Any], known: dict[Any, Any], budget: StepBudget
+) -> FigureSubject:
+    """Return the subject of a setup, with ``overrides``: setup or scenario, seed, and settings by name.
+
+    Raises UserError where a scenario cannot be found or a setting does not fit.
+    """
+    others = dict(overrides)
+    setup = name_of(others.pop("setup", setup))
+    if setup not in lesson.setups:
+        raise FigureError(shown(setup), f"the name of a setup{near(setup, lesson.setups)}")
+    table = lesson.setups[setup]
+    scenario = name_of(others.pop("scenario")) if "scenario" in others else None
+    seed = whole(others.pop("seed", table.seed), "seed", 0, 2**31)
+    settings = {plain_name(name): value for name, value in others.items()}
+    key = (
+        "subject",
+        id(lesson),
+        setup,
+        scenario,
+        seed,
+        repr(sorted(settings.items(), key=lambda item: item[0])),
+    )
+    if key not in known:
+        if scenario is None:
+            found, settings = scenario_for(lesson, setup), {**table.settings, **settings}
+        else:
+            found = find(scenario)
+
+        def changed(more: Mapping[str, Any]) -> FigureSubject:
+            return subject_of(lesson, setup, {**overrides, **more}, known, budget)
+
+        known[key] = FigureSubject(lesson, recipe_for(found, settings, seed), known, budget, changed)
+    subject: FigureSubject = known[key]
+    return subject
+
+
+def plain_name(name: str) -> str:
+    """Return the name of a setting that was written as ``lambda_``, which is no word of Python."""
+    return "lambda" if name == "lambda_" else name
+
+
+def name_of(value: object) -> str:
+    """Return the name that an argument means: a text, or a whole number such as that of a cell."""
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        raise FigureError(shown(value), "a name in quotes")
+    return str(int(value)) if not isinstance(value, str) and value == int(value) else str(value)
+
+
+def whole(value: object, name: str, least: int, most: int) -> int:
+    """Return ``value`` as the whole number that it is. Raises FigureError with the range."""
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not is_number or value != int(value) or not least <= value <= most:  # type: ignore[call-overload, operator]
+        raise FigureError(f"{name} = {shown(value)}", f"a whole number, {least:,} to {most:,}")
+    return int(value)  # type: ignore[call-overload, no-any-return]
+
+
+def share(value: object, name: str) -> float:
+    """Return ``value`` as a number from 0 to 1. Raises FigureError."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value <= 1.0:
+        raise FigureError(f"{name} = {shown(value)}", "a number from 0 to 1")
+    return float(value)
+
+
+def _place(name: str, names: Any, what: str) -> int:
+    for place, each in enumerate(names):
+        if each == name:
+            return place
+    raise FigureError(shown(name), f"{what}{near(name, names)}")
+
+
+# Metrics of a run
+
+
+ARGUMENTS: Final = ("state", "action", "actions", "first", "last", "at")
+"""What some measures take besides."""
+
+
+def measured(run: Run, measure: str, arguments: Mapping[str, Any]) -> Value:
+    """Return a measure of ``run`` where it stands. Raises FigureError where it has no value."""
+    condition = _condition(measure, arguments)
+    try:
+        return MEASURES[measure].of(JudgedMoment(run, run.recipe, Kept()), condition)
+    except MissingError as reason:
+        raise FigureError(f"{measure}: {reason}", "a measure that has a value at that step") from reason
+
+
+def measuring(measure: str, arguments: Mapping[str, Any]) -> Callable[[Run], Value | None]:
+    """Return what measures any run, from several threads if need be: None where there is no value."""
+    condition = _condition(measure, arguments)
+    in_turn, kept = threading.Lock(), Kept()
+
+    def of_run(run: Run) -> Value | None:
+        with in_turn:
+            try:
+                return MEASURES[measure].of(JudgedMoment(run, run.recipe, kept), condition)
+            except MissingError:
+                return None
+
+    return of_run
+
+
+def _condition(measure: str, arguments: Mapping[str, Any]) -> Condition:
+    """Return a condition that measures so; what it asks for does not count."""
+    row = MEASURES.get(measure)
+    if row is None:
+        raise FigureError(shown(measure), f"the name of a measure{near(measure, MEASURES)}")
+    missing = [name for name in row.needs if name not in arguments]
+    if missing:
+        raise FigureError(f"{measure} without {missing[0]}", f"{measure} with {', '.join(row.needs)}")
+    given: dict[str, Any] = dict(arguments)
+    for name in ("state", "action", "at"):
+        if name in given:
+            given[name] = name_of(given[name])
+    for name in ("first", "last"):
+        if name in given:
+            given[name] = whole(given[name], name, 0, MOST_STEPS)
+    if "actions" in given:
+        actions = given["actions"]
+        if not isinstance(actions, list) or len(actions) != 2:
+            raise FigureError(f"actions = {shown(actions)}", "a list of two actions")
+        given["actions"] = [name_of(each) for each in actions]
+    try:
+        return Condition.model_validate({"text": measure, "measure": measure, "equals": 0.0, **given})
+    except ValueError as fault:
+        raise FigureError(shown(str(arguments)), f"arguments of {measure}") from fault
+
+
+# Facts from the transition table
+
+
+def states(subject: FigureSubject) -> int:
+    """Return how many states there are, terminal ones and those that cannot be reached included."""
+    return subject.world.space.states
+
+
+def live_states(subject: FigureSubject) -> int:
+    """Return how many states own actions: they can be reached, and the episode goes on there."""
+    return int(np.count_nonzero(np.diff(subject.world.space.first_pair)))
+
+
+def pairs(subject: FigureSubject) -> int:
+    """Return how many legal pairs of state and action there are: the cells of the table."""
+    return subject.world.space.pairs
+
+
+def actions(subject: FigureSubject, state: object = None) -> int:
+    """Return how many actions there are in all, or are legal in a state."""
+    space = subject.world.space
+    return len(space.action_names) if state is None else len(space.pairs_of(subject.state(state)))
+
+
+def time_limit(subject: FigureSubject) -> int:
+    """Return after how many steps an episode is cut short; 0 for never."""
+    return subject.world.space.time_limit
+
+
+def budget(subject: FigureSubject) -> int:
+    """Return how many pulls of a bandit, or episodes, there are in all."""
+    if subject.world.budget is None:
+        raise FigureError("a world without a budget", "a bandit")
+    return subject.world.budget
+
+
+def reward(subject: FigureSubject, state: object, action: object, next_state: object = None) -> float:
+    """Return the mean reward of an action in a state, or of that action where it leads to ``next_state``."""
+    mdp = subject.mdp
+    pair = subject.pair(state, action)
+    if next_state is None:
+        return float(mdp.expected_reward[pair])
+    outcomes = _outcomes(subject, pair, next_state)
+    if not len(outcomes):
+        raise FigureError(
+            f"{mdp.pair_name(pair)} never leads to {shown(name_of(next_state))}", "where it leads"
+        )
+    chances = mdp.probability[outcomes]
+    return float(np.dot(chances, mdp.reward[outcomes]) / chances.sum())
+
+
+def chance(subject: FigureSubject, state: object, action: object, next_state: object) -> float:
+    """Return the probability that an action in a state leads to ``next_state``."""
+    return float(subject.mdp.probability[_outcomes(subject, subject.pair(state, action), next_state)].sum())
+
+
+def _outcomes(subject: FigureSubject, pair: int, next_state: object) -> IntArray:
+    mdp = subject.mdp
+    own = np.array(mdp.outcomes_of(pair), dtype=np.int64)
+    landing: IntArray = own[mdp.next_state[own] == subject.state(next_state)]
+    return landing

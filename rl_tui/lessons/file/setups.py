@@ -1,0 +1,53 @@
+"""How a run of a lesson begins."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+from weakref import WeakKeyDictionary
+
+from rl_tui.runs.library import find, recipe_for
+from rl_tui.worlds.files.scenario import Scenario, scenario_of
+from rl_tui.worlds.files.shipped import SUFFIX
+
+if TYPE_CHECKING:
+    from rl_tui.lessons.lesson import Lesson
+    from rl_tui.runs.recipe import Recipe
+
+
+def recipe_of(lesson: Lesson, setup: str) -> Recipe:
+    """Return the recipe with which the setup of this name begins.
+
+    Raises UserError where its scenario cannot be found or played, or a setting does not fit.
+    """
+    table = lesson.setups[setup]
+    return recipe_for(scenario_for(lesson, setup), table.settings, table.seed)
+
+
+def check_setups(lesson: Lesson) -> None:
+    """Raise UserError where the run of a setup cannot begin; worlds are not built for that."""
+    for setup in lesson.setups:
+        recipe_of(lesson, setup)
+
+
+def scenario_for(lesson: Lesson, setup: str) -> Scenario:
+    """Return the scenario of a setup: by its id, in a file beside the lesson's, or written out in it.
+
+    It is read once, so that all runs of the lesson are of the same.
+    """
+    known = _KNOWN.setdefault(lesson, {})
+    if setup not in known:
+        known[setup] = _read(lesson, setup)
+    return known[setup]
+
+
+_KNOWN: Final[WeakKeyDictionary[Lesson, dict[str, Scenario]]] = WeakKeyDictionary()
+
+
+def _read(lesson: Lesson, setup: str) -> Scenario:
+    table = lesson.setups[setup]
+    if table.world:
+        return scenario_of(table.world, Path(f"{lesson.id}-{setup}{SUFFIX}"), ask_environment=False)
+    if table.scenario.endswith(SUFFIX):
+        return find(str(lesson.source.parent / table.scenario))
+    return find(table.scenario)

@@ -1,0 +1,155 @@
+"""Whether the conditions of a task hold at one step of a run: exact, and the same for run and replay."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from rl_tui.lessons.file.setups import recipe_of
+from rl_tui.lessons.file.view import ConditionView, Passed, TaskView
+from rl_tui.lessons.judging.measures import MEASURES, MissingError, NoMomentError, NotYetError
+from rl_tui.lessons.judging.verdicts import ConditionVerdict, Panels, found_in_words, is_met
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from rl_tui.lessons.file.schema import Condition, Task
+    from rl_tui.lessons.judging.moment import JudgedMoment, Kept
+    from rl_tui.lessons.judging.seen_program import SeenProgram
+    from rl_tui.lessons.lesson import Lesson
+    from rl_tui.runs.recipe import Recipe
+    from rl_tui.runs.run import Run
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JudgedTask:
+    """The task of a page, and the recipe with which its run begins."""
+
+    page: str
+    task: Task
+    setup: Recipe
+
+
+def judged_task(lesson: Lesson, page: str, seed: int | None = None) -> JudgedTask:
+    """Return the task of a page, with another ``seed`` than its setup's if one is given.
+
+    Raises KeyError where there is no such page, ValueError where it sets no task, UserError where its setup
+    cannot be played.
+    """
+    task = lesson.page(page).task
+    if task is None:
+        raise ValueError(f"page {page} sets no task")
+    recipe = recipe_of(lesson, lesson.setup_of(page))
+    return JudgedTask(page, task, recipe if seed is None else replace(recipe, seed=seed))
+
+
+def verdict(judged: JudgedTask, run: Run, panels: Panels, kept: Kept | None = None) -> TaskView:
+    """Return how the task stands at the step where ``run`` is, as the replay that ends there would show it.
+
+    Conditions that many seeds decide are worked out once all others hold, by ``panels``.
+    ``kept`` makes the next verdict on the same run cheaper.
+    """
+    from rl_tui.lessons.judging.moment import JudgedMoment, Kept
+
+    kept = kept or Kept()
+    conditions = judged.task.conditions
+    reason = elsewhere(judged.setup, run.recipe, kept)
+    if reason:
+        return TaskView(tuple(ConditionView(each.text, False, reason) for each in conditions))
+    moment = JudgedMoment(run, judged.setup, kept)
+    verdicts = {place: judged_at(moment, each) for place, each in enumerate(conditions) if not each.seeds}
+    waits = ""
+    by_seeds = {place: each for place, each in enumerate(conditions) if each.seeds}
+    if by_seeds:
+        spoilt = _spoilt(moment)
+        if not run.step:
+            verdicts |= dict.fromkeys(by_seeds, ConditionVerdict(None, "no step is taken yet"))
+        elif spoilt:
+            verdicts |= dict.fromkeys(by_seeds, ConditionVerdict(False, spoilt))
+        elif all(each.holds for each in verdicts.values()):
+            found = panels.of(moment.journal.start, tuple(by_seeds.values()))
+            verdicts |= dict(zip(by_seeds, found, strict=True))
+            waits = panels.waits
+        else:
+            verdicts |= dict.fromkeys(by_seeds, ConditionVerdict(None, "worked out once the others hold"))
+    ordered = [verdicts[place] for place in range(len(conditions))]
+    evidence = None
+    if all(each.holds is not False for each in ordered) and judged.task.proof is None:
+        evidence = Passed(judged.page, run.recipe, run.journal[: moment.journal.count], run.step)
+    views = tuple(ConditionView(each.text, *found) for each, found in zip(conditions, ordered, strict=True))
+    if all(each.holds for each in ordered):
+        return TaskView(views, evidence, waits)
+    return TaskView(views, None, waits, evidence if waits else None)
+
+
+def judged_at(moment: JudgedMoment, condition: Condition) -> ConditionVerdict:
+    """Return whether ``condition`` holds at ``moment``, the seeds that it may ask for left aside.
+
+    What only a step can tell is not known before the first one, nor what only the end of an episode can
+    before there is one.
+    """
+    try:
+        value = MEASURES[condition.measure].of(moment, condition)
+    except NoMomentError as reason:
+        return ConditionVerdict(None, str(reason))
+    except MissingError as reason:
+        return ConditionVerdict(False, str(reason))
+    except NotYetError:
+        return ConditionVerdict(None, "being worked out")
+    return ConditionVerdict(is_met(condition, value), found_in_words(condition, value))
+
+
+def program_verdict(judged: JudgedTask, program: str, seen: SeenProgram) -> TaskView:
+    """Return how a task that asks for a program stands, by what was ``seen`` of it up to its end.
+
+    ``program`` is the code.
+    """
+    conditions = judged.task.conditions
+    verdicts = program_verdicts(conditions, seen)
+    views = (ConditionView(each.text, *one) for each, one in zip(conditions, verdicts, strict=True))
+    passed = None
+    if all(each.holds for each in verdicts) and judged.task.proof is None:
+        passed = Passed(judged.page, judged.setup, program=program)
+    return TaskView(tuple(views), passed, remarks=remarks_on(seen))
+
+
+def program_verdicts(conditions: Sequence[Condition], seen: SeenProgram) -> list[ConditionVerdict]:
+    """Return the verdict on each of ``conditions``; of a program with an error none holds."""
+    if seen.error:
+        return [ConditionVerdict(False) for _ in conditions]
+    return [_of_program(each, seen) for each in conditions]
+
+
+def remarks_on(seen: SeenProgram) -> tuple[str, ...]:
+    """Return what is to be said of a program besides: first what kept it from its end."""
+    return (seen.error, *seen.remarks) if seen.error else seen.remarks
+
+
+def _of_program(condition: Condition, seen: SeenProgram) -> ConditionVerdict:
+    of_program = MEASURES[condition.measure].of_program
+    try:
+        value = None if of_program is None else of_program(seen)
+    except MissingError as reason:
+        return ConditionVerdict(False, str(reason))
+    if value is None:
+        return ConditionVerdict(False, "this is not measured of a program")
+    return ConditionVerdict(is_met(condition, value), found_in_words(condition, value))
+
+
+def elsewhere(setup: Recipe, recipe: Recipe, kept: Kept | None = None) -> str:
+    """Return why a run of ``recipe`` is not one that the task is about; empty where it is."""
+    from rl_tui.lessons.judging.moment import Kept
+
+    if not (kept or Kept()).is_same_world(setup.scenario, recipe.scenario):
+        return f"this is another world: the task is about {setup.scenario.id}"
+    if setup.seed != recipe.seed:
+        return f"this is seed {recipe.seed}: the task is about seed {setup.seed}"
+    return ""
+
+
+def _spoilt(moment: JudgedMoment) -> str:
+    """Return why nothing that many seeds decide can hold; empty where it can."""
+    journal = moment.journal
+    if journal.taken:
+        return "steps were taken by hand on the way: r begins again"
+    return "" if journal.is_as_begun else "settings were changed on the way: r begins again"

@@ -1,0 +1,288 @@
+"""The judge of the open page, beside a live run.
+
+It reaches the same verdict as a replay of the run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from rl_tui.common.errors import UserError
+from rl_tui.lessons.file.setups import recipe_of
+from rl_tui.lessons.file.view import NO_STEP, ConditionView, Given, LessonRecord, LessonView, TaskView
+from rl_tui.lessons.judging.conditions import JudgedTask, judged_task, verdict
+from rl_tui.lessons.judging.journal_reader import entries_before
+from rl_tui.lessons.judging.live_program import LiveProgram
+from rl_tui.lessons.judging.measures import MEASURES, MissingError, NotYetError, Value
+from rl_tui.lessons.judging.verdicts import (
+    ConditionVerdict,
+    KnownPanels,
+    PanelProgress,
+    PanelRequest,
+    same_panel,
+)
+from rl_tui.runs.background.background import AnsweringProcess, Background
+
+if TYPE_CHECKING:
+    from rl_tui.lessons.file.schema import Measured, Task
+    from rl_tui.lessons.file.view import Passed
+    from rl_tui.lessons.judging.moment import Kept
+    from rl_tui.lessons.lesson import Lesson
+    from rl_tui.runs.recipe import JournalEntry, Recipe
+    from rl_tui.runs.run import Run
+
+
+# The number behind a prediction
+
+
+FARTHEST: Final = 20_000
+"""A run that has gone past a step beyond this one is not replayed to it."""
+
+
+class _Known(NamedTuple):
+    given: Given
+    recipe: Recipe
+    journal: tuple[JournalEntry, ...]
+    value: Value | None
+
+
+class InRun:
+    """Measures it at that very step: of the run where it stands there, else of a replay of its branch.
+
+    What was measured is kept while the run stands earlier on, until it comes there by another way.
+    """
+
+    def __init__(self) -> None:
+        self._known: _Known | None = None
+
+    def of(self, record: LessonRecord, run: Run, kept: Kept) -> Value | None:
+        """Return the measure, in words why it has no value, or None: not due, not known, none asked for."""
+        ask, given = record.lesson.page(record.page).prediction, record.given_on(record.page)
+        if ask is None or ask.shows is None or given is None or given.step == NO_STEP:
+            return None
+        known, due = self._known, given.step + ask.steps
+        is_same = known is not None and known.given == given and known.recipe is run.recipe
+        if run.step < due:
+            return known.value if known is not None and is_same else None
+        entries = entries_before(run.journal, due)
+        if known is not None and is_same and known.journal == entries:
+            return known.value
+        try:
+            setup = recipe_of(record.lesson, record.lesson.setup_of(record.page))
+            value = _measured(ask.shows, run, setup, entries, due, kept)
+        except NotYetError:
+            return None
+        except UserError as reason:
+            value = str(reason)
+        self._known = _Known(given, run.recipe, entries, value)
+        return value
+
+
+def _measured(
+    shows: Measured, run: Run, setup: Recipe, entries: tuple[JournalEntry, ...], due: int, kept: Kept
+) -> Value | None:
+    from rl_tui.lessons.judging.moment import JudgedMoment, Kept
+    from rl_tui.runs.run import Run
+
+    if run.step > due:
+        if due > FARTHEST:
+            return None
+        earlier = Run(run.recipe, evaluate=False)
+        earlier.follow(entries, due)
+        run, kept = earlier, Kept()
+    try:
+        return MEASURES[shows.measure].of(JudgedMoment(run, setup, kept), shows)
+    except MissingError as reason:
+        return str(reason)
+
+
+# Conditions over many seeds
+
+
+if TYPE_CHECKING:
+    from rl_tui.lessons.file.schema import Condition
+    from rl_tui.runs.recipe import Recipe
+
+    _Process = AnsweringProcess[PanelRequest, PanelProgress]
+
+WORK: Final = "rl_tui.lessons.judging.seed_panel:work"
+"""What runs in the process."""
+
+
+class LivePanels:
+    """Has them worked out in a process of its own, and remembers what came of it, be it of some seeds only.
+
+    ``on_news`` is called, from any thread, when there is more to tell. With ``automatic`` off :meth:`of`
+    works them out itself, so that what is known does not depend on the time; a process takes longer to begin.
+    """
+
+    def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
+        self._automatic = automatic
+        self._background = Background[PanelRequest, PanelProgress](WORK, on_news)
+        self._known = KnownPanels()
+
+    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
+        """Return what is known by now of ``conditions`` for runs of ``recipe``, and see to the rest."""
+        found = self._known.of(recipe, conditions)
+        if found is not None:
+            return found
+        if not self._automatic:
+            return self._worked_out_here(recipe, conditions)
+        process = self._background.process
+        if process is None or not same_panel(*_panel(process), recipe, conditions):
+            process = self._begin(recipe, conditions)
+        if process is None:
+            return [ConditionVerdict(None, "no process can be started to work it out")] * len(conditions)
+        verdicts = process.known.verdicts
+        if verdicts is not None:
+            self._known.keep(recipe, conditions, verdicts)
+            return verdicts
+        return [ConditionVerdict(None, process.failed or self.waits)] * len(conditions)
+
+    @property
+    def waits(self) -> str:
+        """How many seeds are done of those under way, and how long the rest takes; empty where none are."""
+        process = self._background.process
+        if process is None or process.known.verdicts is not None or process.failed:
+            return ""
+        done, wanted = len(process.known.seeds), process.known.wanted
+        said = f"{done} of {wanted} seeds" if wanted else f"{done} seeds so far"
+        return " · ".join(filter(None, (f"judging: {said}", process.how_long)))
+
+    def end(self) -> None:
+        """End what is being worked out; what is known is remembered, so that it may go on from there."""
+        process = self._background.process
+        if process is not None and process.known.verdicts is None:
+            self._known.keep_seeds(*_panel(process), process.known.seeds)
+        self._background.end()
+
+    def close(self) -> None:
+        """End it, from any thread, and begin nothing any more."""
+        self._background.close()
+
+    def _worked_out_here(
+        self, recipe: Recipe, conditions: tuple[Condition, ...]
+    ) -> Sequence[ConditionVerdict]:
+        from rl_tui.lessons.judging.seed_panel import worked_out
+
+        try:
+            found = worked_out(recipe, conditions)
+        except UserError as reason:
+            return [ConditionVerdict(None, str(reason))] * len(conditions)
+        self._known.keep(recipe, conditions, found)
+        return found
+
+    def _begin(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> _Process | None:
+        self.end()
+        seeds = self._known.seeds_of(recipe, conditions)
+        try:
+            return self._background.begin(PanelRequest(recipe, conditions, seeds), PanelProgress(seeds))
+        except OSError:
+            return None
+
+
+def _panel(process: _Process) -> tuple[Recipe, tuple[Condition, ...]]:
+    return process.request.recipe, process.request.conditions
+
+
+# The judge
+
+
+class TaskJudge:
+    """Judges the open page's task at each snapshot; ``on_news`` is called when what takes long is known.
+
+    Once all its conditions held at a step that was judged, the task stays passed, by the evidence of that
+    step, wherever the run goes; also where it went on while many seeds were still being worked out. With
+    ``automatic`` off no answer depends on the time.
+    """
+
+    def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
+        self._on_news = on_news
+        self._automatic = automatic
+        self._panels = LivePanels(on_news, automatic=automatic)
+        self._program = LiveProgram(on_news, automatic=automatic)
+        self._kept: Kept | None = None
+        self._in_run = InRun()
+        self._lesson: Lesson | None = None
+        self._page = ""
+        self._judged: JudgedTask | None = None
+        self._refused = ""
+        self._passed: Passed | None = None
+        self._awaited: tuple[Passed, Recipe] | None = None  # and the settings of its first step
+
+    def view(self, record: LessonRecord, run: Run) -> LessonView:
+        """Return how the lesson of ``record`` stands beside ``run`` at this step."""
+        kept = self._kept = self._kept or self._new_kept()
+        kept.journal.read(run.recipe, run.journal, run.step, run.world.space.action_names)
+        task, digest = self._task(record, run, kept), kept.journal.digest
+        return LessonView(record, task, digest, self._in_run.of(record, run, kept))
+
+    def watch(self, record: LessonRecord, path: Path) -> None:
+        """Watch the program in the file ``path`` for the open page's task, if that asks for one."""
+        task = record.lesson.page(record.page).task
+        if task is None or task.program is None:
+            return
+        self._open_page_of(record)
+        if self._judged is not None:
+            self._program.begin(path, self._judged)
+
+    def close(self) -> None:
+        """End what is worked out in processes of their own, from any thread."""
+        self._panels.close()
+        self._program.close()
+
+    def _new_kept(self) -> Kept:
+        from rl_tui.lessons.judging.moment import Kept, exact_at_once
+        from rl_tui.runs.exact_answers import RunAnswers
+
+        return Kept(RunAnswers(self._on_news).at if self._automatic else exact_at_once)
+
+    def _task(self, record: LessonRecord, run: Run, kept: Kept) -> TaskView | None:
+        task = record.lesson.page(record.page).task
+        self._open_page_of(record)
+        if task is None:
+            return None
+        if self._judged is None:
+            return TaskView(tuple(ConditionView(each.text, None, self._refused) for each in task.conditions))
+        has_passed = record.has_passed(record.page)
+        if task.program is None:
+            view = verdict(self._judged, run, self._panels, kept)
+        else:
+            view = self._program.view(self._judged, has_passed=has_passed)
+        if has_passed:
+            return view
+        self._passed = self._passed or view.passed
+        if view.awaited is not None:
+            self._awaited = view.awaited, kept.journal.start
+        elif self._awaited is not None and self._passed is None and not view.waits:
+            view = self._with_awaited(view, task, *self._awaited)
+        return replace(view, passed=self._passed)
+
+    def _with_awaited(self, view: TaskView, task: Task, evidence: Passed, start: Recipe) -> TaskView:
+        """Return ``view`` of a run that has gone on, with what is known of the seeds asked for before."""
+        found = self._panels.of(start, tuple(each for each in task.conditions if each.seeds))
+        if all(each.holds for each in found):
+            self._passed = evidence
+        if not self._panels.waits:
+            self._awaited = None
+            return view
+        return replace(view, waits=f"{self._panels.waits}, as of step {evidence.step:,}")
+
+    def _open_page_of(self, record: LessonRecord) -> None:
+        """Judge the task of the open page from here on, if that is another one."""
+        lesson, page = record.lesson, record.page
+        if lesson is self._lesson and page == self._page:
+            return
+        self._panels.end()
+        self._program.end()
+        self._lesson, self._page, self._judged, self._refused = lesson, page, None, ""
+        self._passed = self._awaited = None
+        if lesson.page(page).task is None:
+            return
+        try:
+            self._judged = judged_task(lesson, page)
+        except UserError as reason:
+            self._refused = str(reason)

@@ -1,0 +1,152 @@
+"""The result of a learner's program, watched to its end."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line
+from rl_tui.common.text_file import UnreadableError, read_text
+from rl_tui.lessons.file.schema import LONGEST_PROGRAM
+from rl_tui.programs.diagnosis.diagnosis import verdict_of
+from rl_tui.programs.diagnosis.step_story import update_of_step
+from rl_tui.programs.evidence.code_places import program_code
+from rl_tui.programs.evidence.verdict import CodeFinding, ProgramVerdict, Rule, step_number
+from rl_tui.programs.grading.watch_report import environment_of, episodes_of, error_of, learned_figures
+from rl_tui.programs.watched.child.script import check_script
+from rl_tui.programs.watched.program_log import ProgramError, ProgramLog
+from rl_tui.programs.watched.program_process import ProgramRequest
+from rl_tui.programs.watched.to_the_end import watched_to_the_end
+
+# The result
+
+
+_LONGEST: Final = 900
+_MOST_REMARKS: Final = 8
+
+
+@dataclass(frozen=True, slots=True)
+class SeenProgram:
+    """What was seen of a program: the ``verdict`` of the detective, and how far it went.
+
+    ``environment`` is the id of the one that its table belongs to, empty without one. ``expected_return`` is
+    what the greedy policy of its table earns, undiscounted; None where that is not known. ``error`` is what
+    kept it from its end, in a line; empty where nothing did. ``remarks`` are sentences for its author: where
+    it departs from its rule, what is wrong and how to mend it, each with its line.
+    """
+
+    verdict: ProgramVerdict = field(default_factory=ProgramVerdict)
+    steps: int = 0
+    episodes: int = 0
+    environment: str = ""
+    expected_return: float | None = None
+    error: str = ""
+    remarks: tuple[str, ...] = ()
+
+
+def seen_program(log: ProgramLog, verdict: ProgramVerdict) -> SeenProgram:
+    """Return what the program that told ``log`` has come to."""
+    environment, error = environment_of(log), error_of(log)
+    remarks = [*_departure(log, verdict), *(_of_finding(each) for each in verdict.findings)]
+    if error is None:  # what is not known of half a program is no news
+        remarks += verdict.notes
+    remarks += log.notes
+    return SeenProgram(
+        verdict,
+        log.recording.count,
+        episodes_of(log),
+        "" if environment is None else environment.id,
+        learned_figures(log, verdict.update.gamma).expected_return,
+        "" if error is None else _in_a_line(error),
+        tuple(one_line(each, _LONGEST) for each in dict.fromkeys(remarks))[:_MOST_REMARKS],
+    )
+
+
+def _in_a_line(error: ProgramError) -> str:
+    place = "" if error.line is None else f"line {error.line}: "
+    return one_line(f"{place}{error.type}: {error.text}", _LONGEST)
+
+
+def _of_finding(finding: CodeFinding) -> str:
+    place = "" if finding.line is None else f"line {finding.line}: "
+    return f"{place}{finding.text.rstrip('.')}. Mend it: {finding.correction.rstrip('.')}."
+
+
+def _departure(log: ProgramLog, verdict: ProgramVerdict) -> list[str]:
+    """Return, as one sentence if any, the first step that the rule found does not explain."""
+    update = verdict.update
+    if update.rule is Rule.UNKNOWN or update.departs_at is None:
+        return []
+    code = program_code(log).update_line()
+    place = "" if code is None else f"line {code.line}: "
+    step = step_number(update.departs_at)
+    try:
+        moved = update_of_step(log.recording, update, update.departs_at).moved
+    except ValueError:  # the step is kept no more
+        moved = ()
+    actions = max(1, log.recording.actions)
+    cells = ", ".join(
+        f"Q({each.cell // actions}, {each.cell % actions}) from {each.before:.4g} to {each.after:.4g}"
+        for each in moved[:3]
+    )
+    what = f"moved {cells}" if cells else "moved nothing"
+    return [f"{place}step {step:,} {what}, which {update.rule.value} does not explain."]
+
+
+# Watching in a separate process
+
+
+MOST_SECONDS: Final = 60.0
+MOST_STEPS: Final = 500_000
+"""After so many it is ended, and judged by them."""
+MOST_MEMORY: Final = 2048 * 2**20
+_LONGEST_ERROR: Final = 400
+
+OnSteps = Callable[[int, int], None]
+"""Hears how many steps were taken, and how many episodes are begun."""
+
+
+def read_code(path: Path) -> str:
+    """Return the program in a file. Raises UserError, in one line, where there is none."""
+    try:
+        code = read_text(path, "a Python file")
+    except UnreadableError as reason:
+        place = f"{path.name}, {reason.place}" if reason.place else path.name
+        raise UserError(f"{place}: found {reason.found}; expected {reason.expected}") from reason
+    if len(code) > LONGEST_PROGRAM:
+        raise UserError(
+            f"{path.name}: found {len(code):,} characters; expected a program of at most {LONGEST_PROGRAM:,}"
+        )
+    return code
+
+
+def watched_code(
+    code: str, name: str, on_steps: OnSteps = lambda steps, episodes: None, seconds: float = MOST_SECONDS
+) -> SeenProgram:
+    """Return what ``code`` comes to, run from a file called ``name`` in a temporary folder, alone.
+
+    It is ended after ``seconds``, after 500,000 steps, and where it asks for more than 2 GB. What keeps it
+    from its end is said in the result.
+    """
+    with tempfile.TemporaryDirectory(prefix="rl-tui-") as folder:
+        path = Path(folder) / Path(name).name
+        try:
+            path.write_text(code, encoding="utf-8")
+            check_script(path)
+            log = watched_to_the_end(
+                ProgramRequest(path, steps=MOST_STEPS, memory=MOST_MEMORY),
+                lambda log: on_steps(log.recording.count, log.episodes),
+                seconds,
+            )
+            return seen_program(log, verdict_of(log))
+        except (UserError, OSError) as fault:
+            text = str(fault).replace(f"{folder}{os.sep}", "")
+            return SeenProgram(error=one_line(text, _LONGEST_ERROR))
+        except Exception as fault:  # what a program sends may be anything
+            text = f"what came of it cannot be read ({type(fault).__name__}: {fault})"
+            return SeenProgram(error=one_line(text, _LONGEST_ERROR))

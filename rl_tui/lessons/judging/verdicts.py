@@ -1,0 +1,165 @@
+"""Verdicts on conditions: whether each one holds, and its measure in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, NamedTuple, Protocol, TypeVar
+
+if TYPE_CHECKING:
+    from rl_tui.lessons.file.schema import Condition
+    from rl_tui.lessons.judging.measures import Value
+    from rl_tui.runs.recipe import Recipe
+
+
+# Conditions over many seeds
+
+
+KEPT: Final = 64
+"""Settings of which the verdicts are remembered."""
+SeedValues = list[float | str | bool | None]
+"""What each of the conditions that share a run measures of one seed; None where that has no value."""
+_Panel = tuple["Recipe", tuple["Condition", ...]]
+_Of = TypeVar("_Of")
+
+
+@dataclass(frozen=True, slots=True)
+class PanelRequest:
+    """What is to be worked out: ``conditions`` for runs of ``recipe`` under the seeds from 0.
+
+    ``known`` is what came of the first seeds.
+    """
+
+    recipe: Recipe
+    conditions: tuple[Condition, ...]
+    known: tuple[SeedValues, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class PanelProgress:
+    """What is known by now: what came of the ``seeds`` that are done, at the end the ``verdicts``."""
+
+    seeds: tuple[SeedValues, ...]
+    wanted: int = 0
+    """How many seeds there are to be; 0 before the first that was not known."""
+    verdicts: tuple[ConditionVerdict, ...] | None = None
+
+
+class KnownPanels:
+    """The verdicts of the last settings that were asked for, and the seeds that are done where they lack."""
+
+    def __init__(self) -> None:
+        self._verdicts: list[tuple[_Panel, tuple[ConditionVerdict, ...]]] = []
+        self._seeds: list[tuple[_Panel, tuple[SeedValues, ...]]] = []
+
+    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> tuple[ConditionVerdict, ...] | None:
+        """Return what is known of ``conditions`` for runs of ``recipe``, None where that is nothing."""
+        return _of(self._verdicts, (recipe, conditions))
+
+    def keep(
+        self, recipe: Recipe, conditions: tuple[Condition, ...], verdicts: tuple[ConditionVerdict, ...]
+    ) -> None:
+        """Remember ``verdicts``; of very many, the oldest are forgotten."""
+        self._verdicts = [*self._verdicts, ((recipe, conditions), verdicts)][-KEPT:]
+
+    def seeds_of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> tuple[SeedValues, ...]:
+        """Return what came of the seeds that were done when the work on them ended."""
+        return _of(self._seeds, (recipe, conditions)) or ()
+
+    def keep_seeds(
+        self, recipe: Recipe, conditions: tuple[Condition, ...], seeds: tuple[SeedValues, ...]
+    ) -> None:
+        """Remember what came of the first seeds."""
+        others = [each for each in self._seeds if not same_panel(*each[0], recipe, conditions)]
+        self._seeds = [*others, ((recipe, conditions), seeds)][-KEPT:]
+
+
+def _of(kept: Sequence[tuple[_Panel, _Of]], panel: _Panel) -> _Of | None:
+    return next((known for other, known in kept if same_panel(*other, *panel)), None)
+
+
+def same_panel(one: Recipe, its: tuple[Condition, ...], other: Recipe, others: tuple[Condition, ...]) -> bool:
+    """Return whether both ask for the same runs and the same conditions, whatever seed the recipes have."""
+    return (
+        one.algorithm == other.algorithm
+        and one.hyperparameters == other.hyperparameters
+        and (one.scenario is other.scenario or one.scenario.section == other.scenario.section)
+        and (its is others or its == others)
+    )
+
+
+# A verdict and its words
+
+
+TOLERANCE: Final = 1e-9
+"""Numbers no further apart are equal."""
+
+_DIGITS: Final = 4
+_MOST_DIGITS: Final = 12
+
+
+class ConditionVerdict(NamedTuple):
+    """Whether a condition holds, None while that is not known, and the measure in words."""
+
+    holds: bool | None
+    found: str = ""
+
+
+class Panels(Protocol):
+    """What works out conditions that many seeds decide."""
+
+    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
+        """Return the verdict on each of ``conditions`` for runs of ``recipe``, whatever seed that has."""
+
+    @property
+    def waits(self) -> str:
+        """What is being worked out, in words; empty where nothing is."""
+
+
+def is_met(condition: Condition, value: Value) -> bool:
+    """Return whether ``value`` is what ``condition`` asks for."""
+    if condition.equals is not None and not _equal(value, condition.equals):
+        return False
+    if condition.one_of and not any(_equal(value, each) for each in condition.one_of):
+        return False
+    bounds = (condition.at_least, condition.at_most, condition.above, condition.below)
+    if all(bound is None for bound in bounds):
+        return True
+    if isinstance(value, str | bool):
+        return False
+    at_least, at_most, above, below = bounds
+    return (
+        (at_least is None or value >= at_least - TOLERANCE)
+        and (at_most is None or value <= at_most + TOLERANCE)
+        and (above is None or value > above + TOLERANCE)
+        and (below is None or value < below - TOLERANCE)
+    )
+
+
+def in_words(value: Value, digits: int = _DIGITS) -> str:
+    """Return a value as people read it: a number that is not whole with so many significant ``digits``."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, str):
+        return value
+    is_whole = abs(value) < 1e15 and value == int(value)
+    has_no_fraction = is_whole or 10**digits <= abs(value) < 1e15
+    return (f"{value:,.0f}" if has_no_fraction else f"{value:.{digits}g}").replace("-", "−")
+
+
+def found_in_words(condition: Condition, value: Value) -> str:
+    """Return ``value`` in words: exact enough that whoever reads it comes to the same verdict."""
+    if isinstance(value, str | bool):
+        return in_words(value)
+    same = (
+        digits
+        for digits in range(_DIGITS, _MOST_DIGITS)
+        if is_met(condition, float(f"{value:.{digits}g}")) == is_met(condition, value)
+    )
+    return in_words(value, next(same, _MOST_DIGITS))
+
+
+def _equal(value: Value, wanted: Value) -> bool:
+    if isinstance(value, str | bool) or isinstance(wanted, str | bool):
+        return value == wanted and isinstance(value, bool) == isinstance(wanted, bool)
+    return abs(value - wanted) <= TOLERANCE

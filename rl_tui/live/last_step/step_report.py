@@ -1,0 +1,384 @@
+"""The last step of a snapshot in numbers, computed once for all panels.
+
+The panels put these numbers into words.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import Final
+
+import numpy as np
+
+from rl_tui.agents.catalogue import OWN_PROGRAM, POLICY_BY_ID, Algorithm, Policy, algorithm_row
+from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, Hyperparameters
+from rl_tui.agents.last_step import NOTHING, LastStep
+from rl_tui.agents.sweep_phases import SweepPhase
+from rl_tui.agents.update_terms import Lookup, UpdateTerms
+from rl_tui.live.last_step.backup import Backup, EstimatesBefore, backup_of, sources
+from rl_tui.live.last_step.gust import gust_of
+from rl_tui.live.program_view import ProgramView
+from rl_tui.live.snapshot import AgentView, Snapshot
+from rl_tui.programs.evidence.verdict import Rule, UpdateFound, UpdateTarget
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.space import FloatArray
+from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION
+from rl_tui.worlds.world import World
+
+# The update of a program
+
+
+NO_CHANGE: Final = "your program changed nothing"
+NO_TABLE: Final = "no table was found, so no change is seen"
+_OF_THE_BOOK: Final = {
+    Lookup.BEST: UpdateTarget.BEST,
+    Lookup.NEXT: UpdateTarget.NEXT_ACTION,
+    Lookup.MEAN: UpdateTarget.EXPECTED,
+}
+_OTHERWISE: Final = {
+    UpdateTarget.COLUMN: "max Q(·,a)",
+    UpdateTarget.SAME_ACTION: "Q({next},a)",
+    UpdateTarget.OWN_STATE: "max Q(s,·)",
+    UpdateTarget.INDEX: "argmax Q({next},·)",
+}
+
+
+def program_terms(terms: UpdateTerms, program: ProgramView) -> UpdateTerms:
+    """Return ``terms``, those of the algorithm meant, with what ``program`` puts in their place."""
+    update = program.verdict.update
+    gathered = "r before" if update.uses_reward_before else "own r" if update.reward == "own" else "r"
+    return replace(
+        terms,
+        gathered=gathered if terms.gathered == "r" else terms.gathered,
+        bootstrap=_OTHERWISE.get(update.target, terms.bootstrap),
+        waiting=NO_TABLE if program.table is None else NO_CHANGE,
+    )
+
+
+def reads_by_the_book(terms: UpdateTerms, update: UpdateFound, last: LastStep) -> bool:
+    """Return whether the program's target looks up what ``terms`` say, in a way that is known.
+
+    A mean over actions is known where it is that of one ε, which the step names.
+    """
+    if _OF_THE_BOOK.get(terms.lookup) is not update.target:
+        return False
+    return terms.lookup is not Lookup.MEAN or update.epsilon == last.epsilon
+
+
+# A planner's backup of one state
+
+
+_STATE_BACKUP_TOLERANCE: Final = 1e-9
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StateBackup:
+    """The backup of ``state`` (Sutton & Barto, 2nd ed., equations 4.5, 4.9 and 4.10).
+
+    ``phase`` is None in value iteration. ``pairs`` are those of the state, and all arrays [n], one number
+    each: ``q`` = Σ p [r + γ V(s′)], which is ``reward`` + ``gamma`` · ``bootstrap``, and ``chance``, π(a|s)
+    as it is after the backup; of value iteration it is shared among the best. ``value`` is V(s) after it.
+    ``is_split`` says that reward and bootstrap are known: not where rewards drift.
+    """
+
+    state: int
+    phase: SweepPhase | None
+    pairs: range
+    q: FloatArray
+    reward: FloatArray
+    bootstrap: FloatArray
+    gamma: float
+    chance: FloatArray
+    value: float
+    is_split: bool
+
+
+def state_backup_of(world: World, agent: AgentView, last: LastStep) -> StateBackup | None:
+    """Return the backup that ``last`` was; None where it was none, or its numbers are not known any more."""
+    mdp, algorithm = world.mdp, agent.row
+    pairs = world.space.pairs_of(last.state)
+    if not last.planned or not last.learned or mdp is None or agent.learned_by[0] != algorithm.id:
+        return None
+    if not len(pairs) or not agent.holds(pairs.start):
+        return None
+    q = agent.q[pairs.start : pairs.stop]
+    if agent.q[last.updated_pair] != last.after or not np.isfinite(q).all():
+        return None  # another algorithm may have learned since
+    if algorithm.takes_orders:
+        if agent.sweep is None or not len(agent.policy) or not len(agent.values):
+            return None
+        chance, value = agent.policy[pairs.start : pairs.stop], float(agent.values[last.state])
+        expected = float(chance @ q)
+        is_kept = abs(expected - value) <= _STATE_BACKUP_TOLERANCE * max(1.0, abs(value))
+        if agent.sweep == "evaluation" and not is_kept:
+            return None
+    else:
+        best = q == q.max()
+        chance, value = np.asarray(best / best.sum()), float(q.max())
+        if value != last.after:
+            return None
+    first = mdp.outcomes_of(pairs.start).start
+    outcomes = slice(first, mdp.outcomes_of(pairs[-1]).stop)
+    owner = mdp.outcome_pair[outcomes] - pairs.start
+    weighed = mdp.probability[outcomes] * mdp.reward[outcomes]
+    reward: FloatArray = np.bincount(owner, weighed, minlength=len(pairs)).astype(np.float64)
+    bootstrap = (q - reward) / last.gamma if last.gamma else np.zeros(len(pairs))
+    return StateBackup(
+        state=last.state,
+        phase=agent.sweep if algorithm.takes_orders else None,
+        pairs=pairs,
+        q=q,
+        reward=reward,
+        bootstrap=bootstrap,
+        gamma=last.gamma,
+        chance=chance,
+        value=value,
+        is_split=not mdp.drift_std and last.gamma > 0.0,
+    )
+
+
+# The whole step
+
+
+_TOLERANCE: Final = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class StepStory:
+    """One turn of the agent–environment loop, or one backup of a planner, with all that led to its numbers.
+
+    What only the microscope tells is worked out when it is asked for.
+    """
+
+    world: World
+    """The world of the run."""
+    last: LastStep
+    """State, action, reward, next state, the end of the episode, and the terms of the update."""
+    algorithm: Algorithm
+    """The algorithm that took the step."""
+    hyperparameters: Hyperparameters
+    """The hyper-parameters in force at the step; which ε a schedule had come to is in ``last``."""
+    policy: Policy
+    """The policy that chose the action."""
+    before: EstimatesBefore
+    """The estimates as the update found them."""
+    greedy: Sequence[int]
+    """The pairs that were greedy when the action was chosen; empty where that is not known any more."""
+    chance: float | None
+    """The probability of what the environment drew; None where it is not known."""
+    meant: int | None
+    """The action chosen, where the world may slip and what happened is known; else None."""
+    went: int | None
+    """The action that really happened; None where ``meant`` is."""
+    wind: int
+    """By how many cells the wind blew the agent up, below 0 down; 0 where it did not."""
+    visits: int
+    """How often the pair taken was taken or updated; 0 for a planner."""
+    planning: str
+    """How a planner's sweep is getting on, in words; empty for an agent that learns."""
+    rewards: Sequence[float]
+    """The rewards of the episode, oldest first; of a long one the last of them; none for a planner."""
+    discounted_return: float
+    """The return of the episode so far, each reward discounted by the γ in force at its step."""
+    ends_episode: bool
+    """Whether it was the last step of its episode, of a planner the last backup of its sweep."""
+    mean: FloatArray | None
+    """[P], the mean rewards as they are now, where they drift and are known."""
+    program: ProgramView | None = None
+    """The program of somebody's own that took the step; None for an agent of ours."""
+
+    @property
+    def has_equation(self) -> bool:
+        """Whether the terms of the update are known: else only the estimate before it and after it are."""
+        return self.algorithm is not OWN_PROGRAM
+
+    @property
+    def terms(self) -> UpdateTerms:
+        """The symbols and words of the algorithm's update, or of what a program makes of it."""
+        terms, program = self.algorithm.update, self.program
+        return terms if program is None else program_terms(terms, program)
+
+    @property
+    def reads_by_the_book(self) -> bool:
+        """Whether which estimates the update looked up is what its algorithm says."""
+        program = self.program
+        return program is None or (
+            self.has_equation and reads_by_the_book(self.terms, program.verdict.update, self.last)
+        )
+
+    @property
+    def is_bandit(self) -> bool:
+        """Whether every step is a pull of an arm, and an episode of its own."""
+        return isinstance(self.world.drawing, Arms)
+
+    @property
+    def bootstraps(self) -> bool:
+        """Whether the target has an estimate in it."""
+        return self.last.planned or self.last.bootstrap_state != NOTHING
+
+    @property
+    def step_size(self) -> float | str:
+        """The step size that is no fraction 1/N: the one in force, which a schedule may move."""
+        values = self.hyperparameters
+        if values.sample_average:
+            return SAMPLE_AVERAGE
+        moves = values.step_size_schedule != "constant" and values.alpha_decay > 0.0
+        return self.last.step_size if moves else values.alpha
+
+    @property
+    def has_trace(self) -> bool:
+        """Whether the step size is α times the trace of the pair."""
+        return "traces" in self.algorithm.parameters and self.last.step_size != self.hyperparameters.alpha
+
+    @cached_property
+    def backup(self) -> Backup | None:
+        """The update as a tree over all that might have followed; None where there is none, or not known."""
+        return backup_of(self.before, self.mean) if self.reads_by_the_book else None
+
+    @cached_property
+    def state_backup(self) -> StateBackup | None:
+        """A planner's backup of a state: its value or its policy; None for an agent, and where not known."""
+        return state_backup_of(self.world, self.before.agent, self.last)
+
+    @cached_property
+    def sources(self) -> dict[int, float]:
+        """The pairs that the bootstrap was read from, each with its weight in it; none where not known."""
+        return sources(self.before) if self.reads_by_the_book else {}
+
+    @property
+    def looked_up(self) -> list[tuple[float, float]]:
+        """The weights of ``sources``, each with the estimate as the update found it."""
+        last, q = self.last, self.before.agent.q
+        return [
+            (weight, last.before if pair == last.updated_pair else float(q[pair]))
+            for pair, weight in self.sources.items()
+        ]
+
+    @property
+    def steps(self) -> int:
+        """How many steps the episode has had, this one included."""
+        return max(self.last.episode_step, len(self.rewards))
+
+    @property
+    def has_one_gamma(self) -> bool:
+        """Whether the return is that of all rewards with the γ in force, as far as they are known."""
+        is_whole = len(self.rewards) == self.steps
+        return not is_whole or self._comes_to(self.rewards, self.discounted_return)
+
+    @property
+    def gathered_rewards(self) -> Sequence[float]:
+        """The rewards, oldest first, whose discounted sum is the target of several steps.
+
+        Nothing for methods of one step, and where they are not known any more.
+        """
+        last, parameters = self.last, self.algorithm.parameters
+        if self.terms.one_step or not last.learned or not self.rewards:
+            return []
+        ended = last.terminated or last.truncated
+        count = last.episode_step if "n" not in parameters else 1 if ended else self.hyperparameters.n
+        rewards = self.rewards[-count:]
+        is_whole = len(rewards) == count and self._comes_to(rewards, last.gathered)
+        return rewards if is_whole and count > 1 else []
+
+    def _comes_to(self, rewards: Sequence[float], total: float) -> bool:
+        worked_out = discounted_sum(rewards, self.last.gamma)
+        return abs(worked_out - total) <= _TOLERANCE * max(1.0, abs(worked_out))
+
+
+def discounted_sum(rewards: Sequence[float], gamma: float) -> float:
+    """Return Σ γᵏ r of ``rewards``, oldest first."""
+    return sum(reward * gamma**place for place, reward in enumerate(rewards))
+
+
+@lru_cache(maxsize=1)
+def story_of(snapshot: Snapshot) -> StepStory | None:
+    """Return the story of the last step of ``snapshot``, None before the first.
+
+    It is kept until that of another snapshot is asked for: every panel of a frame tells the same one.
+    """
+    last, agent, world = snapshot.counters.last_step, snapshot.agent, snapshot.world
+    if last is None:
+        return None
+    taken_by, hyperparameters = agent.learned_by
+    algorithm = _algorithm_of(snapshot)
+    before = EstimatesBefore(world, agent, last, algorithm.update)
+    solution = snapshot.exact_answer.solution
+    drifts = world.mdp is not None and world.mdp.drift_std and not last.planned
+    (chance, meant, went), gust = _drawn(world, last), gust_of(world, last)
+    return StepStory(
+        world=world,
+        last=last,
+        algorithm=algorithm,
+        hyperparameters=hyperparameters,
+        policy=POLICY_BY_ID[hyperparameters.policy],
+        before=before,
+        greedy=[]
+        if snapshot.program is not None and snapshot.program.table is None
+        else _greedy_before(before, knows_others=_knows_others(snapshot, algorithm)),
+        chance=chance,
+        meant=meant,
+        went=went,
+        wind=0 if gust is None else gust.pushed,
+        visits=0 if last.planned else int(agent.visits[last.pair]),
+        planning=agent.planning if last.planned and taken_by == agent.algorithm else "",
+        rewards=snapshot.counters.rewards.tolist(),
+        discounted_return=snapshot.counters.discounted_return,
+        ends_episode=last.terminated
+        or last.truncated
+        or (last.planned and snapshot.counters.episode_step == 0),
+        mean=solution.q if drifts and solution is not None else None,
+        program=snapshot.program,
+    )
+
+
+def _drawn(world: World, last: LastStep) -> tuple[float | None, int | None, int | None]:
+    """Return the chance of what was drawn and, where the world may slip, what was meant and what happened."""
+    mdp = world.mdp
+    if mdp is None or last.outcome == UNKNOWN_ACTION:
+        return None, None, None
+    chance = float(mdp.probability[last.outcome])
+    meant, went = int(mdp.pair_action[last.pair]), int(mdp.outcome_action[last.outcome])
+    outcomes = mdp.outcomes_of(last.pair)
+    slips = bool((mdp.outcome_action[outcomes.start : outcomes.stop] != meant).any())
+    return (chance, meant, went) if slips and went != UNKNOWN_ACTION else (chance, None, None)
+
+
+def _algorithm_of(snapshot: Snapshot) -> Algorithm:
+    """Return the algorithm that took the last step.
+
+    Of a program whose step size is not constant it is still the one whose update explains the step.
+    """
+    agent, program = snapshot.agent, snapshot.program
+    row = algorithm_row(agent.learned_by[0])
+    if program is None or row is not OWN_PROGRAM or agent.author is not None:
+        return row
+    rule = program.verdict.update.rule
+    return row if rule is Rule.UNKNOWN else algorithm_row(rule)
+
+
+def _knows_others(snapshot: Snapshot, algorithm: Algorithm) -> bool:
+    """Return whether an action that was not greedy before the update was not greedy when it was chosen.
+
+    Of a program that is so where it chooses after it has learned: nobody knows how it explores.
+    """
+    last = snapshot.counters.last_step
+    if snapshot.program is None:
+        return last is not None and last.explored
+    return algorithm is not OWN_PROGRAM and algorithm.update.lookup is not Lookup.NEXT
+
+
+def _greedy_before(before: EstimatesBefore, *, knows_others: bool) -> list[int]:
+    """Return the pairs that were greedy when the action was chosen, that is before the update.
+
+    None are known where the step changed more than one estimate, or one of two tables. The action may have
+    been chosen before the last update but one: unless ``knows_others`` it is one of them, or none is known.
+    """
+    last = before.last
+    pairs = before.world.space.pairs_of(last.state)
+    estimates = before.of(pairs)
+    if last.planned or last.others or last.table or estimates is None:
+        return []
+    best = [pairs.start + int(each) for each in np.flatnonzero(estimates == estimates.max())]
+    return best if knows_others or last.pair in best else []

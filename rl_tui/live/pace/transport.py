@@ -1,0 +1,364 @@
+"""The pace of a group of runs: how many steps they take, and when.
+
+The pace never changes which steps are taken. Times are in seconds, speeds in steps a second.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from enum import Enum, auto
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from rl_tui.common.words import lasting
+from rl_tui.live.pace.pacing import CHUNK, ChunkSize, Pace, SpeedMeter
+from rl_tui.live.pace.stop_condition import is_optimal
+from rl_tui.runs.large_worlds import is_large
+from rl_tui.runs.recipe import UNLIMITED
+from rl_tui.worlds.drawing import Arms
+
+if TYPE_CHECKING:
+    from rl_tui.agents.kernels.machine_code import Loop
+    from rl_tui.runs.exact_answers import Answer
+    from rl_tui.runs.run import Run
+    from rl_tui.runs.timeline.run_group import RunGroup
+    from rl_tui.worlds.mdp.space import IntArray
+    from rl_tui.worlds.world import World
+
+
+# Speed that follows learning
+#
+# Only when steps are taken depends on it, never which. Times are in seconds, speeds in steps a second.
+
+
+QUIET: Final = 1.5
+"""After so long without anything new it gets faster."""
+REST: Final = 0.3
+"""So long it stands still where a state has its first value."""
+_LONG_RESTS: Final = 10
+_SHORTER: Final = 0.9  # each rest after those, than the one before
+_LOOKS_A_SECOND: Final = 1_000
+_JUDGED_EVERY: Final = 0.1
+
+
+class Stage(Enum):
+    """What there is to see."""
+
+    FIRST_REWARD = auto()
+    """No estimate has changed yet."""
+    SPREADING = auto()
+    """States get their first values."""
+    OPTIMAL = auto()
+    """The greedy policy came to be optimal."""
+    PULLS = auto()
+    """The pulls of a bandit."""
+
+
+SPEEDS: Final = {
+    Stage.FIRST_REWARD: (1_000.0, 3_000.0, 10_000.0, 30_000.0, 100_000.0),
+    Stage.SPREADING: (1_000.0, 3_000.0, 10_000.0, 30_000.0),
+    Stage.OPTIMAL: (100.0, 300.0, 1_000.0, 30.0),
+    Stage.PULLS: (3.0, 10.0, 30.0, 100.0, 300.0),
+}
+"""The speeds that follow one another while nothing new is seen."""
+_ENDING: Final = (Stage.OPTIMAL, Stage.PULLS)
+
+
+class LearningPace:
+    """Paces runs; ``answer`` gives the exact answer for the one shown, if there is one.
+
+    It is quick until the first reward has changed an estimate, and gets quicker while none does. Then it
+    stands still for a moment whenever a state gets a value: whenever its V, the largest of its estimates, is
+    for the first time another than at the start. Once the greedy policy is optimal from the start of an
+    episode, it goes on slowly and gets quicker; the last of these speeds stays. In a bandit there is nothing
+    to spread: pulls get quicker.
+    """
+
+    def __init__(self, answer: Callable[[], Answer]) -> None:
+        self._answer = answer
+        self._world: World | None = None
+        self._first_pairs: IntArray
+        self._has_choices = True
+        self._with_value = self._rests = 0
+        self._judged_at = self._since = 0.0
+        self._stage, self._rise = Stage.PULLS, 0
+
+    def start(self, run: Run, now: float) -> None:
+        """Begin with what ``run`` has learned so far."""
+        self._rests = 0
+        self._judged_at = now
+        self._count(run)
+        if isinstance(run.world.drawing, Arms):
+            self._enter(Stage.PULLS, now)
+        elif self._has_optimal_policy(run):
+            self._enter(Stage.OPTIMAL, now)
+        else:
+            self._enter(Stage.FIRST_REWARD if self._is_blank(run) else Stage.SPREADING, now)
+
+    @property
+    def speed(self) -> float:
+        """The wanted speed."""
+        return SPEEDS[self._stage][self._rise]
+
+    @property
+    def is_over(self) -> bool:
+        """Whether nothing is waited for any more: its speed stays."""
+        if self._rise < len(SPEEDS[self._stage]) - 1:
+            return False
+        if self._stage is Stage.SPREADING:
+            return not self._has_choices or self._answer().solution is None
+        return self._stage in _ENDING
+
+    def stride(self, run: Run, due: int) -> int:
+        """Return how many of the steps that are ``due`` to take before looking at ``run`` again."""
+        if self._stage in _ENDING or is_large(run.world):
+            return due
+        return min(due, max(1, int(self.speed) // _LOOKS_A_SECOND))
+
+    def look(self, run: Run, now: float) -> float | None:
+        """Look what the last steps of ``run`` changed; return for how long to rest, None if not at all."""
+        if self._stage in _ENDING:
+            return None
+        before = self._with_value
+        self._count(run)
+        if self._stage is Stage.FIRST_REWARD and not self._is_blank(run):
+            self._enter(Stage.SPREADING, now)
+        is_new = self._with_value > before
+        if is_new or now - self._judged_at >= _JUDGED_EVERY:
+            self._judged_at = now
+            if self._has_optimal_policy(run):
+                self._enter(Stage.OPTIMAL, now)
+        if not is_new:
+            return None
+        if self._stage is Stage.SPREADING:
+            self._enter(Stage.SPREADING, now)
+        self._rests += 1
+        return REST * _SHORTER ** max(0, self._rests - _LONG_RESTS)
+
+    def hasten(self, now: float) -> None:
+        """Get faster if there was nothing new for a while."""
+        if now - self._since >= QUIET and self._rise < len(SPEEDS[self._stage]) - 1:
+            self._rise, self._since = self._rise + 1, now
+
+    def in_words(self, *, hides_answer: bool) -> str:
+        """Return what is waited for; while the answer is hidden nothing of it is told."""
+        match self._stage:
+            case Stage.FIRST_REWARD:
+                return "until the first reward"
+            case Stage.SPREADING:
+                return f"values in {self._with_value:,} of {len(self._first_pairs):,} states"
+            case Stage.OPTIMAL:
+                return "nothing new" if hides_answer else "an optimal policy is found"
+        return "faster and faster"
+
+    def _enter(self, stage: Stage, now: float) -> None:
+        self._stage, self._rise, self._since = stage, 0, now
+
+    def _count(self, run: Run) -> None:
+        """Count the states that have a value."""
+        if self._world is not run.world:
+            self._world, first = run.world, run.world.space.first_pair
+            self._first_pairs = first[:-1][first[:-1] < first[1:]]
+            self._has_choices = len(self._first_pairs) < run.world.space.pairs
+        learner = run.learner
+        values = np.maximum.reduceat(learner.q, self._first_pairs)
+        self._with_value = int(np.count_nonzero(values != learner.hyperparameters.initial_q))
+
+    def _is_blank(self, run: Run) -> bool:
+        return not self._with_value and bool((run.learner.q == run.learner.hyperparameters.initial_q).all())
+
+    def _has_optimal_policy(self, run: Run) -> bool:
+        """Return whether an optimal policy was learned: not if there is none to learn, or nothing was yet."""
+        learner, optimum = run.learner, self._answer().solution
+        if learner.mdp is None or optimum is None or not (self._has_choices and self._with_value):
+            return False
+        return is_optimal(learner.mdp, learner.q, learner.hyperparameters.ties, optimum)
+
+
+# Stepping and seeking
+
+
+NEWS_EVERY: Final = 0.25
+WAITING: Final = "{steps:,} steps to replay: waiting for the compiler, which takes some seconds"
+_WORTH_A_FORECAST: Final = 0.5  # seconds at full speed
+_ALIKE: Final = 2.0
+"""A chunk is alike that is less than so many times as large as the one before."""
+_SETTLED: Final = 3
+"""So many alike in a row have the size that fits; the first call of machine code alone takes long."""
+
+
+class Transport:
+    """Moves ``group`` on in chunks of about 15 ms, and measures how long they take.
+
+    ``clock`` gives seconds. With ``automatic`` off no speed is measured.
+    """
+
+    def __init__(
+        self, group: RunGroup, *, speed: float | None, automatic: bool, clock: Callable[[], float]
+    ) -> None:
+        self.group = group
+        """The runs that are moved."""
+        self.speed = speed
+        """The wanted steps a second, None for as fast as it goes."""
+        self.learning: LearningPace | None = None
+        """What sets the speed while a person watches it learn; once that is over, its last speed stays."""
+        self.meter = SpeedMeter()
+        """What measures the steps a second."""
+        self._automatic = automatic
+        self._clock = clock
+        self._pace = Pace()
+        self._chunk = ChunkSize()
+        self._loops: list[Loop] = []  # those that were interpreted when it was measured
+        self._last_news = 0.0
+        self._sought = 0
+        self._seek_meter = SpeedMeter()
+        self._alike = 0
+        """How many chunks in a row were of about the same size."""
+        self._settled_at: float | None = None
+        """When a seek came to full speed: at first its chunks are small, which tells nothing of the rest."""
+
+    def set_speed(self, speed: float | None) -> None:
+        """Aim at another speed, from now on whatever is learned."""
+        self.learning = None
+        self.speed = speed
+        self.start(at_once=False)
+
+    def go_by_learning(self, answer: Callable[[], Answer]) -> None:
+        """Let what is learned set the speed from now on; ``answer`` gives the exact answer, if any."""
+        self.learning = LearningPace(answer)
+        self.start(at_once=False)
+
+    def watching(self, *, hides_answer: bool) -> str:
+        """Return what the speed goes by, in words; empty where it is the wanted one.
+
+        With ``hides_answer`` the words do not tell whether an optimal policy was found.
+        """
+        learning, run = self.learning, self.group.current.run
+        if learning is None or learning.is_over:
+            return ""
+        if not self._automatic:
+            learning.look(run, self._clock())
+        return learning.in_words(hides_answer=hides_answer)
+
+    def start(self, *, at_once: bool) -> None:
+        """Aim at the wanted speed from now on; ``at_once`` makes the first step due immediately."""
+        self.meter.clear()
+        if self.learning is not None and not self.learning.is_over:
+            self.learning.start(self.group.current.run, self._clock())
+            self.speed = self.learning.speed
+        if self.speed is not None:
+            self._pace.start(self.speed, self._clock(), at_once)
+
+    def measure_anew(self) -> None:
+        """Forget how long a step takes: it may now take a thousand times as long, or as short."""
+        self._chunk = ChunkSize()
+        self.meter.clear()
+        self._measure_seek()
+
+    def keep_pace(self) -> float:
+        """Take the steps that are due at the wanted speed; return in how many seconds the next ones are."""
+        if self.speed is None:
+            self.take_steps(self._chunk.steps)
+            return 0.0
+        due = self._pace.due(self._clock())
+        if due > 0 and self.learning is not None and not self.learning.is_over:
+            self._take_and_look(self.learning, due)
+        elif due > 0:
+            self._pace.took(self.take_steps(due))
+        return self._pace.wait(self._clock())
+
+    def _take_and_look(self, learning: LearningPace, due: int) -> None:
+        """Take steps that are ``due`` as far as there is nothing new, and go on at the speed for what is."""
+        run, until, rest = self.group.current.run, self._clock() + CHUNK, None
+        while due > 0 and rest is None and self._clock() < until and not run.over:
+            taken = self.take_steps(learning.stride(run, due))
+            self._pace.took(taken)
+            due -= taken
+            rest = learning.look(run, self._clock())
+            if run.noticed:
+                break
+        now = self._clock()
+        learning.hasten(now)
+        if rest is not None or learning.speed != self.speed:
+            self.speed = learning.speed
+            self._pace.start(self.speed, now + (rest or 0.0), at_once=False)
+
+    def take_steps(self, steps: int, episodes: int = UNLIMITED) -> int:
+        """Take at most ``steps`` steps, or ``episodes`` episodes, within a chunk; return how many steps."""
+        loops = self.group.interpreted_loops
+        if loops != self._loops:
+            self._loops, self._chunk = loops, ChunkSize()
+        run, steps = self.group.current.run, min(steps, self._chunk.steps)
+        before, start = run.step, self._clock()
+        if self._automatic:
+            run.learner.set_time_budget(CHUNK)
+        self.group.advance(steps, episodes)
+        now = self._clock()
+        taken = run.step - before
+        if taken == self._chunk.steps:
+            self._chunk.measured(taken, now - start)
+        if self._automatic:
+            self.meter.note(now, run.step, self.speed)
+        return taken
+
+    def start_seek(self) -> None:
+        """Note that the group begins to seek now."""
+        self._chunk = ChunkSize()
+        self._last_news = self._clock()
+        self._measure_seek()
+
+    def _measure_seek(self) -> None:
+        self._sought, self._alike, self._settled_at = 0, 0, None
+        self._seek_meter.clear()
+
+    def continue_seek(self, seconds: float) -> bool:
+        """Seek for about so many seconds; return whether all are where they have to be."""
+        now = self._clock()
+        until = now + seconds
+        while self.group.seeking:
+            if now >= until:
+                return False
+            before, wanted = self._clock(), self._chunk.steps
+            taken = self.group.continue_seek(wanted)
+            self._sought += taken
+            now = self._clock()
+            if self._settled_at is not None:
+                self._seek_meter.note(now, self._sought, None)
+            if taken == wanted:
+                self._chunk.measured(taken, now - before)
+                self._alike = self._alike + 1 if self._chunk.steps < _ALIKE * wanted else 0
+                if self._settled_at is None and self._alike == _SETTLED:
+                    self._settled_at = now
+            else:
+                self._chunk = ChunkSize()  # in another run or loop a step may take a thousand times as long
+        self._chunk = ChunkSize()
+        return True
+
+    def has_news(self) -> bool:
+        """Return True if it is time to show how far a seek has come."""
+        now = self._clock()
+        if now - self._last_news < NEWS_EVERY:
+            return False
+        self._last_news = now
+        return True
+
+    @property
+    def steps_to_seek(self) -> int:
+        """How many steps are left until the run that is seeking now is where it has to be."""
+        done, steps = self.group.progress
+        return steps - done
+
+    def seek_message(self, *, waits: bool) -> str:
+        """Return how far a seek has come and how long it will take, as far as that is known.
+
+        Where it ``waits`` for machine code it says so.
+        """
+        if waits:
+            return WAITING.format(steps=self.steps_to_seek)
+        done, steps = self.group.progress
+        begins = "" if self.group.current.run.learner.rewindable else " from the seed"
+        words = f"replaying{begins}: {done:,} of {steps:,} steps"
+        rate = self._seek_meter.steps_per_second
+        is_sure = self._settled_at is not None and self._clock() - self._settled_at >= _WORTH_A_FORECAST
+        return f"{words}, about {lasting((steps - done) / rate)} left" if rate and is_sure else words

@@ -1,0 +1,321 @@
+"""The thread that owns a run while it is on screen."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import time
+from collections import deque
+from collections.abc import AsyncIterator, Callable
+from typing import Final
+
+from rl_tui.agents.compiling.background import BACKGROUND
+from rl_tui.common.errors import UserError
+from rl_tui.live.commands import Command, Restart
+from rl_tui.live.pace.interpreter import as_usual, leave_out_of_collections, switch_often
+from rl_tui.live.pace.pacing import START_SPEED
+from rl_tui.live.playback import Playback
+from rl_tui.live.record import Record, RecordSink
+from rl_tui.live.snapshot import MakePlayable, Phase, Playable, Snapshot
+from rl_tui.live.state import State
+from rl_tui.runs.recipe import Recipe
+from rl_tui.worlds.gym.env_call import seconds_in_call
+
+LONGEST_GOODBYE: Final = 0.2
+OFFERED_EVERY: Final = 0.25
+
+
+class PlayerClosedError(Exception):
+    """The player was closed before it had carried out what was asked."""
+
+
+class Player:
+    """Plays a run in a thread of its own, the only one that touches it.
+
+    Everything is asked for by :meth:`send`; what came of it is read from :meth:`snapshots`, by one reader.
+    The run never waits for that reader. ``speed`` is the wanted steps a second, None for as fast as it goes.
+    With ``automatic`` off only what is asked for takes steps, and no speed is measured, so that what
+    snapshots show depends on the commands alone. With ``record`` it begins where that was written.
+    ``record_sink`` is offered the record after every command and, while the run goes on, some times a second.
+    ``playable`` makes something else to be played than runs of ours.
+    """
+
+    def __init__(
+        self,
+        recipe: Recipe,
+        *,
+        speed: float | None = START_SPEED,
+        automatic: bool = True,
+        clock: Callable[[], float] = time.perf_counter,
+        record: Record | None = None,
+        record_sink: RecordSink | None = None,
+        playable: MakePlayable | None = None,
+    ) -> None:
+        self._playback: Playable = (
+            playable(self._on_exact, automatic=automatic)
+            if playable is not None
+            else Playback(
+                recipe, speed=speed, automatic=automatic, clock=clock, on_exact=self._on_exact, record=record
+            )
+        )
+        self._automatic = automatic
+        self._clock = clock
+        self._record_sink = record_sink
+        self._offered, self._offered_at = (0, Phase.PREPARING), clock()
+        self._changed = threading.Condition()  # guards everything below
+        self._commands: deque[Command | _Question] = deque()
+        self._reader: _Reader | None = None
+        self._wanted = False
+        self._outdated = True
+        self._put_off = False
+        self._latest: Snapshot | None = None  # which the reader has not taken yet
+        self._newest: Snapshot | None = None
+        self._failure: BaseException | None = None
+        self._closing = False
+        self._thread: threading.Thread | None = None
+
+    def send(self, command: Command) -> None:
+        """Ask for something; commands are carried out in order, none is lost, and this never waits."""
+        self._post(command)
+
+    async def snapshots(self) -> AsyncIterator[Snapshot]:
+        """Yield the newest snapshot whenever it differs from the last one, until the player is closed.
+
+        The first has Phase.PREPARING, as soon as the world is there. Raises UserError where the world cannot
+        be built, and whatever else made the player end.
+        """
+        reader = _Reader()
+        with self._changed:
+            self._reader, self._outdated = reader, True
+        while True:
+            with self._changed:
+                snapshot, self._latest = self._latest, None
+                if self._closing:
+                    return
+                if snapshot is None and self._failure is not None:
+                    raise self._failure
+                if snapshot is None:
+                    self._wanted = True
+                    self._start_or_wake()
+            if snapshot is None:
+                await reader.woken()
+            else:
+                yield snapshot
+
+    async def carried_out(self) -> Snapshot:
+        """Wait until all that was sent is done, episodes and training included; return the run then.
+
+        The reader of the snapshots has the same one, or gets it next, if no newer one.
+        Raises PlayerClosedError if the player is closed before, or what made it end.
+        """
+        question = _Question()
+        self._post(question)
+        return await question.answer
+
+    @property
+    def is_automatic(self) -> bool:
+        """Whether the run goes on by itself, so that what snapshots show depends on the time."""
+        return self._automatic
+
+    @property
+    def unanswered(self) -> float:
+        """For how many seconds an environment or a program has kept the run waiting; 0 where none does."""
+        thread = self._thread
+        if thread is None or not self._automatic:
+            return 0.0
+        return max(seconds_in_call(thread.ident), self._playback.unanswered)
+
+    def close(self) -> None:
+        """End the thread and the snapshots; returns at once, be it in the middle of compiling."""
+        with self._changed:
+            self._closing = True
+            self._changed.notify_all()
+            self._wake_reader()
+        if self._thread is not None:
+            self._thread.join(LONGEST_GOODBYE)
+            self._playback.close()
+            is_last = as_usual(self)
+            if is_last and self._automatic:
+                BACKGROUND.want(())
+        if self._record_sink is not None:
+            self._record_sink.close()
+        self._refuse_questions(PlayerClosedError())
+
+    def _post(self, item: Command | _Question) -> None:
+        with self._changed:
+            self._commands.append(item)
+            self._start_or_wake()
+            gone = self._closing or self._failure is not None
+        if gone:
+            self._refuse_questions(self._failure or PlayerClosedError())
+
+    def _start_or_wake(self) -> None:
+        if self._thread is None and not self._closing:
+            thread = threading.Thread(target=self._live, name="player", daemon=True)
+            try:
+                thread.start()
+            except RuntimeError as error:  # there may be only so many threads
+                self._failure = UserError(f"the run has no thread to learn in: {error}")
+                self._wake_reader()
+                return
+            switch_often(self)
+            self._thread = thread
+        else:
+            self._changed.notify_all()
+
+    def _wake_reader(self) -> None:
+        if self._reader is not None:
+            self._reader.wake()
+
+    def _on_exact(self) -> None:
+        with self._changed:
+            self._outdated = True
+            self._changed.notify_all()
+
+    # From here on everything runs in the player's thread.
+
+    def _live(self) -> None:
+        playback = self._playback
+        try:
+            while not self._closing:
+                self._take_commands()
+                loaded = playback.loaded
+                wait = playback.work()
+                if self._automatic and playback.loaded != loaded:
+                    leave_out_of_collections()
+                if self._record_sink is not None:
+                    self._offer_record(self._record_sink)
+                self._publish()
+                if wait != 0.0:
+                    with self._changed:
+                        self._changed.wait_for(self._has_news, wait)
+            if self._record_sink is not None:
+                self._offer_record(self._record_sink)
+        except BaseException as failure:  # it is raised again where the snapshots are read
+            with self._changed:
+                self._failure = failure
+                self._wake_reader()
+            self._refuse_questions(failure)
+
+    def _offer_record(self, sink: RecordSink, *, ends: bool = False) -> None:
+        """Offer the record where something was asked for or has ended, or the run has gone on for a while.
+
+        The last one of a run that ``ends`` is offered in any case.
+        """
+        playback, now = self._playback, self._clock()
+        if not playback.touched:
+            return
+        last = (playback.handled, playback.phase)
+        goes_on = playback.phase is Phase.RUNNING and now - self._offered_at >= OFFERED_EVERY
+        if last != self._offered or goes_on or ends or self._closing:
+            self._offered, self._offered_at = last, now
+            sink.offer(playback.record, playback.table)
+
+    def _take_commands(self) -> None:
+        """Carry out what was sent until now; what is sent meanwhile must not hold up the run."""
+        for _ in range(len(self._commands)):
+            with self._changed:
+                if self._closing or not self._may_take():
+                    return
+                item = self._commands.popleft()
+            if isinstance(item, _Question):
+                snapshot = self._newest
+                if snapshot is None or self._playback.changed or self._outdated:
+                    snapshot = self._snapshot()
+                    self._hand_over(snapshot)
+                item.reply(snapshot)
+            elif isinstance(item, Restart) and self._record_sink is not None:
+                self._offer_record(self._record_sink, ends=True)
+                self._playback.handle(item)
+                self._record_sink.begin_anew(self._playback.record)
+            else:
+                self._playback.handle(item)
+
+    def _may_take(self) -> bool:
+        """Return True if the oldest queued command can run now."""
+        if not self._commands:
+            return False
+        first = self._commands[0]
+        return not self._playback.on_the_way if isinstance(first, _Question) else self._playback.takes(first)
+
+    def _publish(self) -> None:
+        """Hand over a snapshot if one is asked for and there is news; that of a new world in any case.
+
+        It is put off once, not twice, where it would not show what the next commands change.
+        """
+        playback = self._playback
+        with self._changed:
+            self._put_off = not self._put_off and self._may_take()
+        if self._put_off:
+            return
+        if self._owes_snapshot() or (playback.changed and playback.phase is Phase.PREPARING):
+            self._hand_over(self._snapshot())
+
+    def _snapshot(self) -> Snapshot:
+        """Return a snapshot; an exact answer that comes while it is made is news for the next."""
+        with self._changed:
+            self._outdated = False
+        return self._playback.snapshot()
+
+    def _hand_over(self, snapshot: Snapshot) -> None:
+        """Let the reader have ``snapshot`` next."""
+        with self._changed:
+            self._latest = self._newest = snapshot
+            self._wanted = False
+            if self._reader is not None:
+                self._reader.wake()
+
+    def _owes_snapshot(self) -> bool:
+        """Return True if the reader waits and there is news.
+
+        Training has none before its end. Where nothing may depend on the time, nothing else that has an end
+        has any: which pictures are drawn on the way would decide on axes and on what is scrolled into view.
+        """
+        playback = self._playback
+        has_news = playback.changed or self._outdated
+        comes_to_an_end = playback.state is State.TRAINING if self._automatic else playback.on_the_way
+        return self._wanted and has_news and not comes_to_an_end
+
+    def _has_news(self) -> bool:
+        return self._closing or bool(self._commands) or self._owes_snapshot()
+
+    def _refuse_questions(self, failure: BaseException) -> None:
+        with self._changed:
+            questions = [item for item in self._commands if isinstance(item, _Question)]
+            self._commands.clear()
+        for question in questions:
+            question.refuse(failure)
+
+
+class _Reader:
+    """Wakes a coroutine from any thread."""
+
+    def __init__(self) -> None:
+        self._loop = asyncio.get_running_loop()
+        self._event = asyncio.Event()
+
+    def wake(self) -> None:
+        if not self._loop.is_closed():
+            self._loop.call_soon_threadsafe(self._event.set)
+
+    async def woken(self) -> None:
+        await self._event.wait()
+        self._event.clear()
+
+
+class _Question:
+    """Asks for a snapshot in the order of the commands; answered from any thread."""
+
+    def __init__(self) -> None:
+        self._loop = asyncio.get_running_loop()
+        self.answer: asyncio.Future[Snapshot] = self._loop.create_future()
+
+    def reply(self, snapshot: Snapshot) -> None:
+        self._settle(lambda: self.answer.set_result(snapshot))
+
+    def refuse(self, failure: BaseException) -> None:
+        self._settle(lambda: self.answer.set_exception(failure))
+
+    def _settle(self, settle: Callable[[], None]) -> None:
+        if not self._loop.is_closed():
+            self._loop.call_soon_threadsafe(lambda: None if self.answer.done() else settle())

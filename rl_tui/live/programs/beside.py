@@ -1,0 +1,95 @@
+"""Runs of ours beside a program: in the same world, from the same seed, as far as the program has come."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from typing import Final
+
+from rl_tui.agents.catalogue import algorithm_row
+from rl_tui.agents.compatibility import check_compatible
+from rl_tui.agents.compiling.background import BACKGROUND
+from rl_tui.common.errors import UserError
+from rl_tui.runs.edited_world import EditedWorld
+from rl_tui.runs.recipe import Recipe, SetParameter, Setting, changed_recipe
+from rl_tui.runs.timeline.branches import RunRecord
+from rl_tui.runs.timeline.branching_run import BranchingRun
+from rl_tui.worlds.world import World
+
+MOST: Final = 3
+_PIECE: Final = 2_000
+_UNHURRIED: Final = math.inf
+
+
+class RunsBeside:
+    """Up to three runs of ours, each of which comes to the step at which the program is shown."""
+
+    def __init__(self, world: World, *, automatic: bool) -> None:
+        self.world = world
+        """The world of the program, and of all of them."""
+        self.runs: list[BranchingRun] = []
+        self.names: list[str] = []
+        self.marked = 0
+        """The place of the one that stands beside the program."""
+        self._automatic = automatic
+
+    @property
+    def beside(self) -> BranchingRun | None:
+        """The run that stands beside the program, None where there is none."""
+        return self.runs[min(self.marked, len(self.runs) - 1)] if self.runs else None
+
+    def add(self, recipe: Recipe, changes: Sequence[Setting]) -> None:
+        """Add a run of ``recipe`` with ``changes``. Raises UserError where it cannot work."""
+        if len(self.runs) == MOST:
+            raise UserError(f"there are {MOST} runs beside your program already; end one first")
+        if self.world.mdp is None and self.world.new_environment is None:
+            raise UserError("only your program can make this environment: ours cannot learn in it")
+        recipe = changed_recipe(recipe, *changes)
+        check_compatible(self.world.space, recipe.algorithm, recipe.hyperparameters)
+        self.runs.append(BranchingRun(RunRecord(recipe), EditedWorld(self.world), time.perf_counter))
+        self.names.append(_name(recipe, changes))
+        self.marked = len(self.runs) - 1
+
+    def drop(self, place: int) -> None:
+        """End the run at ``place``, from 0."""
+        if 0 <= place < len(self.runs):
+            del self.runs[place], self.names[place]
+            self.marked = max(0, min(self.marked, len(self.runs) - 1))
+
+    def is_behind(self, step: int) -> bool:
+        """Return whether one of them is not where the program is."""
+        return any(self._has_to_move(run, step) for run in self.runs)
+
+    def follow(self, step: int, seconds: float) -> bool:
+        """Bring them to ``step`` for about ``seconds``; return whether one moved."""
+        until, has_moved = time.perf_counter() + seconds, False
+        for run in self.runs:
+            while self._has_to_move(run, step) and (
+                not self._automatic or time.perf_counter() < until or not has_moved
+            ):
+                self._move(run, step)
+                has_moved = True
+        if self._automatic:
+            loops = [run.run.learner.loop for run in self.runs if not run.run.learner.is_compiled]
+            if loops:
+                BACKGROUND.want(loops)
+        return has_moved
+
+    def _has_to_move(self, run: BranchingRun, step: int) -> bool:
+        return run.seek is not None or run.step > step or (run.step < step and not run.run.over)
+
+    def _move(self, run: BranchingRun, step: int) -> None:
+        if run.seek is None and (run.step > step or run.timeline.in_past):
+            run.seek_to(step=step)
+        if run.seek is not None:
+            run.continue_seek(_PIECE)
+        if run.seek is None and run.step < step and not run.timeline.in_past:
+            run.run.learner.set_time_budget(_UNHURRIED)
+            run.advance(min(_PIECE, step - run.step))
+
+
+def _name(recipe: Recipe, changes: Sequence[Setting]) -> str:
+    """Return what a run is called beside a program."""
+    values = [f"{each.name} {each.value}" for each in changes if isinstance(each, SetParameter)]
+    return " ".join([f"ours: {algorithm_row(recipe.algorithm).name}", *values])

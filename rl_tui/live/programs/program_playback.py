@@ -1,0 +1,463 @@
+"""The playback of a watched program, the counterpart of ``Playback`` for built-in agents."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Final
+
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line
+from rl_tui.common.words import counted
+from rl_tui.live.commands import LOOKING, MOVES, Command
+from rl_tui.live.pace.pacing import CHUNK, START_SPEED
+from rl_tui.live.pace.until import Breakpoints
+from rl_tui.live.programs.beside import RunsBeside
+from rl_tui.live.programs.program_file import LOOKS, ProgramFile
+from rl_tui.live.programs.program_handlers import HANDLERS, refusal_of
+from rl_tui.live.programs.program_questions import ProgramQuestions
+from rl_tui.live.programs.program_snapshot import Found, ProgramSnapshots, found_of, usual_recipe
+from rl_tui.live.programs.program_transport import ProgramTransport
+from rl_tui.live.programs.progress import ProgramHistory
+from rl_tui.live.programs.watched_program import WatchedProgram
+from rl_tui.live.record import LearnedTable, Record
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.live.state import BUSY, ENDED, State, shows_trail
+from rl_tui.programs.diagnosis.diagnosis import verdict_of
+from rl_tui.programs.evidence.verdict import CodeFault, ProgramVerdict
+from rl_tui.programs.watched.program_log import ProgramLog
+from rl_tui.programs.watched.program_process import ProgramRequest
+from rl_tui.runs.exact_answers import Answer
+from rl_tui.runs.timeline.branches import RunRecord
+
+# Starting the program again
+
+
+class Reload:
+    """The program of ``request``, started again; ``before`` is what the run until now had achieved.
+
+    ``is_saved`` says that its file was saved, so that a person wants to know what became better. Raises
+    UserError where no process can be started.
+    """
+
+    def __init__(self, request: ProgramRequest, before: ProgramHistory, *, is_saved: bool) -> None:
+        self.is_saved = is_saved
+        self.is_watched = False
+        """Whether it has taken the place of the run until now."""
+        self._program = WatchedProgram(request)
+        results = before.newest.results
+        self._step, self._episodes = before.newest.step, before.newest.episodes
+        self._return = results.greedy_return
+        self._mean = results.return_last_100
+
+    def is_ready(self) -> bool:
+        """Return whether it stands before its first step. Raises UserError where it came to nothing."""
+        self._program.listen()
+        self._program.check()
+        is_there = bool(self._program.log.environments) and self._program.is_settled
+        return is_there and self._program.world is not None  # a world that is too large is refused here
+
+    def wait(self) -> None:
+        """Wait until it stands there. Raises UserError where it came to nothing."""
+        self._program.wait_for_environment()
+
+    def taken(self) -> WatchedProgram:
+        """Return the program, which is somebody else's from now on."""
+        self.is_watched = True
+        return self._program
+
+    def compared(self, now: ProgramHistory, *, is_over: bool) -> str:
+        """Return what became better or worse; empty as long as it has not come as far as before.
+
+        That is as many episodes, since a better agent takes fewer steps; as many steps where none had ended.
+        """
+        newest, episodes = now.newest, self._episodes
+        has_come_as_far = newest.episodes >= episodes if episodes else newest.step >= self._step
+        if not self._step or not (has_come_as_far or is_over):
+            return ""
+        results, mine, before = newest.results, "", ""
+        if has_come_as_far:
+            kept = now.shown
+            now.show(now.begin_of_episode(episodes + 1) if episodes else self._step)
+            results, now.shown = now.shown.results, kept
+            where = f"after {counted(episodes, 'episode')}" if episodes else f"at step {self._step:,}"
+        else:
+            where, mine = "at its end", f" after {counted(newest.episodes, 'episode')}"
+            before = f" after {counted(episodes, 'episode')}" if episodes else f" at step {self._step:,}"
+        which, then, after = "the greedy policy's exact return", self._return, results.greedy_return
+        if then is None or after is None:
+            which, then, after = "the mean of the last 100 returns", self._mean, results.return_last_100
+        if then is None or after is None:
+            return f"started again from its seed: {where}{mine} there is nothing to compare"
+        word = "better than" if after > then else "worse than" if after < then else "the same as"
+        return f"{word} before {where}: {which} is {after:.4g}{mine}, it was {then:.4g}{before}"
+
+    def close(self) -> None:
+        """End it, unless it is somebody else's by now."""
+        if not self.is_watched:
+            self._program.end()
+
+
+class Restarts:
+    """Starts the program in ``file`` again; ``go_over_to`` is called once it stands before its first step."""
+
+    def __init__(self, file: ProgramFile, go_over_to: Callable[[WatchedProgram], None]) -> None:
+        self.file = file
+        """The file of the program."""
+        self.words = ""
+        """What became of the last time that the file was saved; mostly empty."""
+        self._go_over_to = go_over_to
+        self._newest: Reload | None = None
+
+    @property
+    def is_awaited(self) -> bool:
+        """Whether a person has asked for a start that is still under way."""
+        newest = self._newest
+        return newest is not None and not (newest.is_watched or newest.is_saved)
+
+    def begin(self, request: ProgramRequest, before: ProgramHistory, *, is_saved: bool = False) -> None:
+        """Start ``request``; ``before`` is the run until now. Raises UserError where there is no process."""
+        self.close()
+        self._newest = Reload(request, before, is_saved=is_saved)
+
+    def wait(self) -> None:
+        """Wait until what was started has taken its place."""
+        try:
+            if self._newest is not None:
+                self._newest.wait()
+        except UserError as fault:
+            self._give_up(fault)
+        self.look()
+
+    def look_at_file(self, request: ProgramRequest, before: ProgramHistory) -> bool:
+        """Start ``request`` again where its file was saved; return whether there is something to tell."""
+        if not self.file.was_saved():
+            return False
+        fault = self.file.fault()
+        try:
+            if not fault:
+                self.begin(request, before, is_saved=True)
+                self.words = "saved: it is started again, and shown once it has made its environment"
+        except UserError as error:
+            fault = str(error)
+        if fault:
+            self.words = f"not started again: {fault}"
+        return True
+
+    def look(self) -> bool:
+        """Go over to what was started once it stands before its first step; return whether it is news."""
+        newest = self._newest
+        if newest is None or newest.is_watched:
+            return False
+        try:
+            if not newest.is_ready():
+                return False
+        except UserError as fault:
+            self._give_up(fault)
+            return True
+        self.file.read_again()
+        self.words = "started again from its seed" if newest.is_saved else ""
+        self._newest = newest if newest.is_saved else None
+        self._go_over_to(newest.taken())
+        return True
+
+    def compare(self, now: ProgramHistory, *, is_over: bool) -> bool:
+        """Say what became better, once it has come as far as before; return whether it has just done so."""
+        newest = self._newest
+        words = newest.compared(now, is_over=is_over) if newest is not None and newest.is_watched else ""
+        if words:
+            self.words, self._newest = words, None
+        return bool(words)
+
+    def close(self) -> None:
+        """End what was started and has not taken its place."""
+        if self._newest is not None:
+            self._newest.close()
+            self._newest = None
+
+    def _give_up(self, fault: UserError) -> None:
+        self.close()
+        self.words = str(fault)
+
+
+# Verdicts while it runs
+
+
+EVERY: Final = 1.0
+"""Seconds between two verdicts on a program that runs."""
+NOT_EXAMINED: Final = "what your program does could not be examined, by a fault of rl-tui"
+_LONGEST: Final = 300
+_REST: Final = 4.0
+"""So many times as long as the last verdict took, nothing is worked out."""
+
+
+class Verdicts:
+    """The newest verdict on a program; ``on_news`` is called from another thread when there is one.
+
+    With ``automatic`` off it is worked out when it is asked for, so that it does not depend on the time.
+    """
+
+    def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
+        self.newest = ProgramVerdict()
+        """The newest verdict."""
+        self._on_news = on_news
+        self._automatic = automatic
+        self._judged: tuple[int, ...] = ()  # how much was known when it was judged last
+        self._next = 0.0  # when the next one may begin
+        self._thread: threading.Thread | None = None
+        self._generation = 0
+
+    def forget(self) -> None:
+        """Begin anew: it is another run of the program."""
+        self.newest, self._judged, self._next = ProgramVerdict(), (), 0.0
+        self._generation += 1
+
+    def look(self, log: ProgramLog, *, is_still: bool) -> None:
+        """See to it that there is a verdict on what ``log`` holds: soon, or at once where it ``is_still``."""
+        known = (
+            log.recording.count,
+            len(log.recording.changes.step),
+            len(log.numbers),
+            sum(log.lines.values()),
+        )
+        if known == self._judged or (self._thread is not None and self._thread.is_alive()):
+            return
+        if not self._automatic:
+            if is_still:
+                self.newest, self._judged = _judged(log), known
+        elif is_still or time.monotonic() >= self._next:
+            self._judged = known
+            arguments = (log.frozen(), self._generation)
+            self._thread = threading.Thread(
+                target=self._work, args=arguments, name="the detective", daemon=True
+            )
+            try:
+                self._thread.start()
+            except RuntimeError:  # what the program started may leave no room for a thread
+                self._thread, self._judged, self._next = None, (), time.monotonic() + EVERY
+
+    def _work(self, log: ProgramLog, generation: int) -> None:
+        begun = time.monotonic()
+        verdict = _judged(log)
+        taken = time.monotonic() - begun
+        if generation == self._generation:
+            self.newest = verdict
+            self._next = begun + taken + max(EVERY, _REST * taken)
+            self._on_news()
+
+
+def _judged(log: ProgramLog) -> ProgramVerdict:
+    """Return the verdict on ``log``; what nobody has thought of must not end the program on screen."""
+    try:
+        return verdict_of(log)
+    except Exception as error:
+        return ProgramVerdict(notes=(one_line(f"{NOT_EXAMINED}: {type(error).__name__}: {error}", _LONGEST),))
+
+
+# The playback
+
+
+class ProgramPlayback:
+    """Takes commands and works them off in short pieces, as :class:`Playback` does for runs of ours.
+
+    ``program`` was started and stands before its first step. A program cannot be taken back: what is shown of
+    its past was recorded, and it goes on where it is. With ``automatic`` off it takes no step but those that
+    commands ask for, and its file is not looked at.
+    """
+
+    def __init__(
+        self,
+        program: WatchedProgram,
+        on_exact: Callable[[], None],
+        *,
+        automatic: bool = True,
+        speed: float | None = START_SPEED,
+        clock: Callable[[], float] = time.perf_counter,
+    ) -> None:
+        self.handled = 0
+        self.touched = False
+        self.transport: ProgramTransport = ProgramTransport(
+            program, self._exact_answer, clock, automatic=automatic, speed=speed
+        )
+        """What lets the program go, and holds it."""
+        self.automatic = automatic
+        self._on_exact = on_exact
+        self._snapshots = ProgramSnapshots()
+        self.restarts = Restarts(ProgramFile(program.request.path, clock), self._go_over_to)
+        """Starts it again."""
+        self.verdicts = Verdicts(on_exact, automatic=automatic)
+        self._traced: set[CodeFault] = set()  # for which the lines were asked for again
+        """What the detective says of it."""
+        self._is_closed = False
+        self._set_up()
+
+    def _set_up(self) -> None:
+        """Begin anew all that depends on the world of the program."""
+        program, transport = self.program, self.transport
+        recipe = usual_recipe(program.world, program.request.seed)
+        self.usual: Hyperparameters = recipe.hyperparameters
+        """The hyper-parameters that the scenario suggests."""
+        self._record = Record((RunRecord(recipe),), speed=transport.speed)
+        self.questions: ProgramQuestions = ProgramQuestions(
+            self._record, self._on_exact, automatic=self.automatic
+        )
+        """What a person asks beside it."""
+        self.beside = RunsBeside(program.world.world, automatic=self.automatic)
+        """Runs of ours beside it."""
+
+    @property
+    def program(self) -> WatchedProgram:
+        """What is watched."""
+        return self.transport.program
+
+    @property
+    def history(self) -> ProgramHistory:
+        """What it has done so far."""
+        return self.transport.history
+
+    @property
+    def state(self) -> State:
+        """What it is doing."""
+        return self.transport.state
+
+    @property
+    def phase(self) -> Phase:
+        """What a snapshot says that it is doing."""
+        return self.transport.phase
+
+    @property
+    def changed(self) -> bool:
+        """Whether there is something new to show."""
+        return self.transport.changed
+
+    @property
+    def loaded(self) -> tuple[bool, bool]:
+        """Whether the world is there."""
+        return self.state is not State.BUILDING, False
+
+    @property
+    def on_the_way(self) -> bool:
+        """Whether something that was asked for and has an end is not done yet."""
+        is_behind = not self.automatic and self.beside.is_behind(self.history.shown.step)
+        return self.transport.on_the_way or is_behind or self.restarts.is_awaited
+
+    @property
+    def shows_trail(self) -> bool:
+        """Whether the way that the agent went is shown."""
+        return shows_trail(self.state, self.transport.speed)
+
+    @property
+    def found(self) -> Found:
+        """What is known of how it learns."""
+        return found_of(self.verdicts.newest.update, self.program.log.numbers, self.usual)
+
+    @property
+    def record(self) -> Record:
+        """What would be needed to come back; a program is kept in no session."""
+        return self._record
+
+    @property
+    def table(self) -> LearnedTable | None:
+        """Nothing: a program is kept in no session."""
+        return None
+
+    @property
+    def unanswered(self) -> float:
+        """For how many seconds it has told nothing although it may go on."""
+        return self.transport.unanswered
+
+    def takes(self, command: Command) -> bool:
+        """Return True if ``command`` need not wait."""
+        if self.state in BUSY:
+            return False
+        return self.automatic or not self.on_the_way
+
+    def handle(self, command: Command) -> None:
+        """Carry out ``command``, or begin to; what cannot be done is told by the next snapshot."""
+        kind = type(command)
+        self.transport.changed = True
+        self.handled += 1
+        self.touched = self.touched or kind not in LOOKING
+        if self.state in ENDED and kind in MOVES and not self.history.in_past:
+            return
+        handler = HANDLERS.get(kind)
+        try:
+            if handler is None:
+                raise UserError(refusal_of(command, self.program.request.path.name))
+            handler(self, command)
+        except UserError as fault:
+            if self.state in (State.RUNNING, State.UNTIL):
+                self.transport.rest()
+            self.transport.paused_by = str(fault)
+
+    def work(self) -> float | None:
+        """Do what is due, for some milliseconds; return in how many seconds to call again, None for never."""
+        if self._is_closed:
+            return None
+        if self.automatic:
+            self._look_at_file()
+        transport = self.transport
+        wait = transport.work()
+        self.verdicts.look(self.program.log, is_still=transport.is_still and self.program.is_settled)
+        self._trace_findings()
+        step, beside = self.history.shown.step, self.beside
+        if beside.runs and beside.follow(step, CHUNK):
+            transport.changed = True
+        if wait is None and beside.is_behind(step):
+            return 0.0
+        return LOOKS if wait is None and self.automatic else wait
+
+    def _trace_findings(self) -> None:
+        """Have lines told again once something new was found: the first changes may be of another part."""
+        found = {each.fault for each in self.verdicts.newest.findings}
+        if not found <= self._traced:
+            self._traced |= found
+            self.program.trace()
+
+    def snapshot(self) -> Snapshot:
+        """Return the newest picture."""
+        self.transport.changed = False
+        if not self.automatic:
+            self.verdicts.look(self.program.log, is_still=self.program.is_settled)
+        return self._snapshots.build(self)
+
+    def close(self) -> None:
+        """End the program, and what is worked out beside it."""
+        self._is_closed = True
+        self.program.end()
+        self.restarts.close()
+        self.questions.beside.close()
+
+    def restart(self, request: ProgramRequest | None = None) -> None:
+        """Start the program again from its seed; the one until now is shown until that has begun."""
+        self.transport.rest()
+        self.restarts.begin(request or self.program.request, self.history)
+        if not self.automatic:
+            self.restarts.wait()
+
+    def _exact_answer(self) -> Answer:
+        return self.questions.exact(self.history.newest, self.found.hyperparameters.gamma)
+
+    def _look_at_file(self) -> None:
+        """Start again where the file was saved; say then what became better."""
+        restarts = self.restarts
+        has_news = restarts.look_at_file(self.program.request, self.history)
+        has_news |= restarts.look()
+        if restarts.compare(self.history, is_over=self.program.is_over) or has_news:
+            self.transport.changed = True
+
+    def _go_over_to(self, program: WatchedProgram) -> None:
+        """Watch ``program`` in place of the one until now; what was asked beside it may stay."""
+        before = self.program.world
+        is_same = before.is_same(program.world)
+        if is_same:
+            program.world = before
+        else:
+            self.transport.breakpoints = Breakpoints()
+        self._traced.clear()
+        self.verdicts.forget()
+        self.transport.go_over_to(program)
+        if not is_same:
+            self._set_up()

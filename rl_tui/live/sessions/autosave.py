@@ -1,0 +1,353 @@
+"""Keeping a session on the disk while it goes on, so that whatever ends the program takes little along."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Final, NamedTuple
+
+from rl_tui.live.record import LearnedTable, Record, RecordSink
+from rl_tui.live.sessions.place import settled
+from rl_tui.live.sessions.session import MOST_PAIRS_DIGESTED, StoredSession, digest_of
+from rl_tui.live.sessions.writer import SessionWriter, reason
+from rl_tui.runs.recipe import Recipe, WorldChange
+from rl_tui.runs.timeline.branches import RunRecord
+
+INTERVAL: Final = 0.3
+AGAIN: Final = 2.0  # seconds until it is tried again what could not be written
+LONGEST_GOODBYE: Final = 3.0
+_REST: Final = 3  # times as long as writing took: a large session does not keep the disk busy
+
+OnNotice = Callable[[str], None]
+
+
+def untouched(recipe: Recipe) -> Record:
+    """Return the record of a run that has only just begun."""
+    return Record((RunRecord(recipe),))
+
+
+class KeptSession(NamedTuple):
+    """A session that is on the disk, whole."""
+
+    title: str
+    """The name that a person gave it, or the title of its lesson or scenario."""
+    step: int
+    """Where it stands."""
+    path: Path
+    """Its file."""
+
+
+class Autosave:
+    """Writes the newest record that it is offered to a file of its own, at most every 0.3 s if it changed.
+
+    ``opened`` is what the screen starts from: a file is begun only once something differs from it and a step
+    was taken, world or policy drawn, or something done in a lesson, or a person saves it by a name. Settings
+    alone are quickly made again.
+    ``resumed`` is the session that it came from; that file is gone on with where it can be, otherwise a new
+    one in ``folder``. A file is locked as long as it is written here.
+
+    A player offers its records to :attr:`sink`. Where another player is to go on with the same session, as
+    when a lesson opens another world: call :meth:`hand_over`, then give the next player the new :attr:`sink`
+    and close the one before, in any order.
+
+    What a person should know (that nothing can be written, that it is a copy) is told, from any thread, to
+    whoever listens.
+    """
+
+    def __init__(self, opened: Record, folder: Path, resumed: StoredSession | None = None) -> None:
+        self.folder = settled(folder)
+        self._changed = threading.Condition()  # guards the lines up to the next lock
+        self._notices: list[str] = []
+        self._on_notice: OnNotice | None = None
+        self._closing = False
+        self._thread: threading.Thread | None = None
+        self._session = _Session(opened, SessionWriter(self.folder, resumed, self._tell))
+        self._left: list[_Session] = []  # those that were left, and are not written yet
+        self._before: _Session | None = None  # the last of those that were left with something to keep
+        self._sink = _PlayerSink(self, self._changed)  # that of the newest player; the others are deaf
+        self._writing = threading.Lock()  # guards the files, and what follows
+        self._in_trouble = False
+
+    @property
+    def path(self) -> Path | None:
+        """The file of the session, None while there is none."""
+        return self._session.writer.path
+
+    @property
+    def title(self) -> str:
+        """The name that a person gave to the session, empty without one."""
+        return self._session.writer.title
+
+    @property
+    def kept(self) -> KeptSession | None:
+        """The session on the disk, or the one before it where nothing was done in it; None without any."""
+        for session in (self._session, self._before):
+            path = None if session is None else session.writer.path
+            if session is not None and path is not None and not session.is_due and path.exists():
+                record = session.newest.record
+                shown = record.lanes[record.shown]
+                subject = shown.recipe.scenario if record.lesson is None else record.lesson.lesson
+                return KeptSession(session.writer.title or subject.title, shown.step, path)
+        return None
+
+    @property
+    def has_something(self) -> bool:
+        """Whether there is a session on the disk, or will be soon."""
+        return self.kept is not None or self.has_work
+
+    def offer(self, record: Record, table: LearnedTable | None = None) -> None:
+        """Take ``record`` as the newest; never waits for the disk.
+
+        ``table`` is that of the lane shown where ``record`` says that it stands, None where that is not at
+        hand; it is copied.
+        """
+        with self._changed:
+            newest = self._session.newest
+            is_news = record != newest.record or (table is not None and not newest.has_table)
+            if is_news and not self._closing:
+                self._session.take(_Offer(record, table))
+                self._start_or_wake()
+
+    def begin_anew(self, record: Record) -> None:
+        """Take ``record`` as the beginning of another session; the one until now stays as it is.
+
+        One in which nothing was done yet, or no more than is done in ``record``, gives way; and where that
+        has the same recipes only, there is nothing to keep of it yet. A lesson goes on in the session it is
+        in. Never waits for the disk.
+        """
+        with self._changed:
+            old = self._session
+            is_as_before = record.lanes == old.newest.record.lanes
+            gives_way = (is_as_before or _is_blank(old.newest.record)) and not old.writer.kept
+            if self._closing or gives_way or record.lesson is not None:
+                same_session = old
+            else:
+                self._left.append(old)
+                if old.is_due or old.writer.path is not None:
+                    self._before = old
+                before = tuple(RunRecord(lane.recipe) for lane in old.newest.record.lanes)
+                opened = replace(record, lanes=before)
+                same_session = _Session(opened, SessionWriter(self.folder, None, self._tell))
+                self._session = same_session
+            same_session.take(_Offer(record, None))
+            self._start_or_wake()
+
+    @property
+    def sink(self) -> RecordSink:
+        """What the newest player offers its records to; that one closes this too when it is closed."""
+        return self._sink
+
+    def hand_over(self, record: Record) -> None:
+        """Go on in the same session with ``record``, with which the next player begins.
+
+        What the player before still offers is not heeded any more, and to close it closes nothing. The file
+        stays locked meanwhile. Never waits for the disk. Call it before that player is closed: to close the
+        newest one ends the session.
+        """
+        with self._changed:
+            self._sink.is_newest = False
+            self._sink = _PlayerSink(self, self._changed)
+            self.offer(record)
+
+    def save_as(self, title: str) -> Path:
+        """Save the session under ``title`` and go on there; return its file. Waits for the disk.
+
+        Raises UserError where another session has that name, or the file cannot be written.
+        """
+        with self._writing:
+            session = self._session
+            newest = session.newest
+            path = session.writer.save_as(title, newest.record, newest.digest)
+            session.written, session.begun = newest, True
+            self._in_trouble = False
+            if self._closing:
+                session.writer.release()
+        return path
+
+    def become_copy(self) -> None:
+        """Leave the file as it is; what is done from now on goes into another one."""
+        with self._writing:
+            self._session.writer.become_copy()
+
+    def listen(self, on_notice: OnNotice) -> None:
+        """Call ``on_notice`` with each sentence that a person should read, those of before included."""
+        with self._changed:
+            self._on_notice = on_notice
+            waiting, self._notices = self._notices, []
+        for notice in waiting:
+            on_notice(notice)
+
+    def close(self) -> None:
+        """Write what is not written yet, and let the file go."""
+        with self._changed:
+            self._closing = True
+            self._changed.notify_all()
+        if self._thread is not None:
+            self._thread.join(LONGEST_GOODBYE)
+            if self._thread.is_alive():
+                return  # the disk hangs: the lock is held until the program is gone
+        for session in (*self._left, self._session):
+            session.writer.release()
+
+    def _start_or_wake(self) -> None:
+        if self._thread is None and self.has_work:
+            thread = threading.Thread(target=self._live, name="autosave", daemon=True)
+            try:
+                thread.start()
+            except RuntimeError as error:  # there may be only so many threads; the next offer tries again
+                if not self._in_trouble:
+                    self._in_trouble = True
+                    self._tell(f"this session is not being saved: {error}")
+                return
+            self._thread = thread
+        self._changed.notify_all()
+
+    @property
+    def has_work(self) -> bool:
+        """Whether something is not written yet."""
+        return bool(self._left) or self._session.is_due
+
+    def _tell(self, notice: str) -> None:
+        with self._changed:
+            on_notice = self._on_notice
+            if on_notice is None:
+                self._notices.append(notice)
+        if on_notice is not None:
+            on_notice(notice)
+
+    # The thread
+
+    def _live(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._closing or self.has_work)
+                closing = self._closing
+            started = time.perf_counter()
+            self.write_due()
+            if closing:
+                return
+            least = AGAIN if self._in_trouble else INTERVAL
+            pause = max(least, _REST * (time.perf_counter() - started))
+            with self._changed:
+                self._changed.wait_for(lambda: self._closing, pause)
+
+    def write_due(self) -> None:
+        """Write what is not written yet. Waits for the disk."""
+        with self._writing:
+            with self._changed:
+                left, self._left = self._left, []
+            faults = [(session, self._fault_of(session)) for session in (*left, self._session)]
+            for session, fault in faults:
+                if session in left and fault is None:
+                    session.writer.release()
+            with self._changed:
+                self._left = [each for each, fault in faults if each in left and fault] + self._left
+            self._tell_of([fault for _, fault in faults if fault is not None])
+
+    def _tell_of(self, faults: list[Exception]) -> None:
+        if faults and not self._in_trouble:
+            self._tell(f"this session is not being saved: {reason(faults[0])}")
+        elif self._in_trouble and not faults:
+            self._tell("this session is being saved again")
+        self._in_trouble = bool(faults)
+
+    def _fault_of(self, session: _Session) -> Exception | None:
+        """Write ``session`` if that is due; return why it cannot be."""
+        if not session.is_due:
+            return None
+        newest = session.newest
+        try:
+            session.writer.write(newest.record, newest.digest)
+        except Exception as error:  # whatever it is, the program goes on, and says so
+            return error
+        session.written = newest
+        return None
+
+
+class _PlayerSink:
+    """What one player offers its records to; it passes them on to ``autosave`` while it is the newest one."""
+
+    def __init__(self, autosave: Autosave, changed: threading.Condition) -> None:
+        self.is_newest = True
+        self._autosave = autosave
+        self._changed = changed  # guards is_newest
+
+    def offer(self, record: Record, table: LearnedTable | None = None) -> None:
+        with self._changed:
+            if self.is_newest:
+                self._autosave.offer(record, table)
+
+    def begin_anew(self, record: Record) -> None:
+        with self._changed:
+            if self.is_newest:
+                self._autosave.begin_anew(record)
+
+    def close(self) -> None:
+        with self._changed:
+            is_newest = self.is_newest
+        if is_newest:
+            self._autosave.close()
+
+
+class _Session:
+    """A session under way: what is to be written, and who writes it.
+
+    It is ``begun`` once a record differs from the one with which it was ``opened``. With nothing done in it
+    yet it is written only where it has a file already.
+    """
+
+    def __init__(self, opened: Record, writer: SessionWriter) -> None:
+        self.writer = writer
+        self.newest = _Offer(opened, None)
+        self.begun = False
+        self.written = self.newest
+        self._opened = opened
+
+    @property
+    def is_due(self) -> bool:
+        is_worth_it = self.writer.path is not None or _has_deeds(self.newest.record)
+        return self.begun and self.newest is not self.written and is_worth_it
+
+    def take(self, offer: _Offer) -> None:
+        self.newest = offer
+        # how fast it goes is nothing that was done
+        here, opened = replace(offer.record, speed=None), replace(self._opened, speed=None)
+        self.begun = self.begun or here != opened
+
+
+class _Offer:
+    """A record, and a copy of the table where it stands, unless that is large."""
+
+    def __init__(self, record: Record, table: LearnedTable | None) -> None:
+        self.has_table = table is not None
+        self._copy = None if table is None or len(table.q) > MOST_PAIRS_DIGESTED else _copied(table)
+        self.record = record if self._copy is None else replace(record, table=self._copy)
+
+    @property
+    def digest(self) -> str:
+        return "" if self._copy is None else digest_of(self._copy.q)
+
+
+def _copied(table: LearnedTable) -> LearnedTable:
+    return replace(table, q=table.q.copy(), visits=table.visits.copy())
+
+
+def _has_deeds(record: Record) -> bool:
+    """Tell whether a step was taken in any lane, world or policy drawn, or something done in a lesson."""
+    branches = [branch for lane in record.lanes for branch in lane.branches]
+    is_drawn = any(isinstance(entry.change, WorldChange) for each in branches for entry in each.journal)
+    return (
+        is_drawn
+        or any(each.end for each in branches)
+        or bool(record.drawn.choices)
+        or (record.lesson is not None and record.lesson.is_begun)
+    )
+
+
+def _is_blank(record: Record) -> bool:
+    """Tell whether no step was taken, nothing changed in any lane, and nothing drawn."""
+    is_changed = any(branch.journal for lane in record.lanes for branch in lane.branches)
+    return not (is_changed or _has_deeds(record))

@@ -1,0 +1,395 @@
+"""A session as a JSON document, with the limits of its fields."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, FailFast, Field, model_validator
+
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
+from rl_tui.agents.sweep_phases import SweepPhase
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import near, shown
+from rl_tui.common.limits import LONGEST_EDIT
+from rl_tui.lessons.file.schema import LONGEST_LESSON, LONGEST_PROGRAM
+from rl_tui.runs.changes import read_world, written_world
+from rl_tui.runs.recipe import (
+    Change,
+    EditWorld,
+    JournalEntry,
+    OrderSweep,
+    Recipe,
+    RedoEdit,
+    SetParameter,
+    SwitchAlgorithm,
+    TakeAction,
+    UndoEdit,
+)
+from rl_tui.worlds.files.scenario import PREFIX, Scenario, environment_scenario, scenario_of
+from rl_tui.worlds.sections.schema import control_character
+
+# Fields and their limits
+
+
+FORMAT: Final = "rl-tui session"
+VERSION: Final = 2
+LONGEST_NAME: Final = 80
+MOST_LANES: Final = 4
+MOST_BRANCHES: Final = 1_000
+MOST_ENTRIES: Final = 200_000
+MOST_STEPS: Final = 10**15
+_MOST_KEYS: Final = 100
+_MOST_BREAKPOINTS: Final = 100_000
+MOST_DRAWN: Final = 100_000
+MOST_IN_ALL: Final = 20_000_000  # entries of all branches, those that they share counted for each
+_LONGEST_TEXT: Final = 20_000_000
+# Taxi has 2,400 pairs. With so many a file has 70 kB more, and is written in 2.7 ms, read in 2.2 ms
+MOST_PAIRS_KEPT: Final = 2_500
+MOST_PAGES_NAMED: Final = 1_000
+MOST_GIVEN: Final = 10_000
+
+
+def _plain(text: str) -> str:
+    character = control_character(text)
+    if character:
+        raise ValueError(f"{character} is a control character, of which none is allowed")
+    return text
+
+
+def _of_few_keys(value: object) -> object:
+    """Refuse a table of very many keys at once: to complain of each takes a kilobyte."""
+    if isinstance(value, dict) and len(value) > _MOST_KEYS:
+        raise ValueError(f"{len(value):,} keys; expected at most {_MOST_KEYS}")
+    return value
+
+
+Name = Annotated[str, Field(max_length=LONGEST_NAME), AfterValidator(_plain)]
+Word = Annotated[str, Field(max_length=200), AfterValidator(_plain)]
+Number = Annotated[float, Field(allow_inf_nan=False)]
+Count = Annotated[int, Field(ge=0, le=MOST_STEPS)]
+Place = Annotated[int, Field(ge=0, le=10**12)]
+Value = Number | Word
+Digest = Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")]
+Settings = Annotated[dict[Word, Value], BeforeValidator(_of_few_keys)]
+DrawnChoice = Annotated[tuple[Place, Place], Field(strict=False)]
+
+
+class Part(BaseModel):
+    """A table of the document. Nothing is converted, and unknown keys are refused."""
+
+    model_config = ConfigDict(strict=True, extra="forbid", frozen=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _has_few_keys(cls, value: object) -> object:
+        return _of_few_keys(value)
+
+
+class Entry(Part):
+    """One change after ``step`` steps: a parameter is ``set`` ``to`` a value, another ``algorithm`` takes
+    over, a person takes the action of that name or number, orders what a planner's next ``sweep`` does, or
+    changes the ``world``: by edits as the command line has them, or by undoing or redoing one.
+    """
+
+    step: Count
+    set: Word | None = None
+    to: Value | None = None
+    algorithm: Word | None = None
+    take: Place | Name | None = None
+    sweep: SweepPhase | None = None
+    world: Annotated[str, Field(max_length=LONGEST_EDIT)] | None = None
+
+
+class StoredBranch(Part):
+    """One branch; ``shared`` is how many entries it has from its parent, ``journal`` those that follow."""
+
+    name: Name
+    parent: Annotated[int, Field(ge=0, lt=MOST_BRANCHES)] | None = None
+    fork: Count = 0
+    end: Count = 0
+    here: Count = 0
+    shared: Annotated[int, Field(ge=0, le=MOST_ENTRIES)] = 0
+    journal: Annotated[tuple[Entry, ...], FailFast(), Field(max_length=MOST_ENTRIES, strict=False)] = ()
+
+
+class StoredLane(Part):
+    """One run: what it started from, its branches, and the number of the one in force."""
+
+    seed: Annotated[int, Field(ge=0)]
+    algorithm: Word
+    hyperparameters: Settings
+    branches: Annotated[
+        tuple[StoredBranch, ...], FailFast(), Field(min_length=1, max_length=MOST_BRANCHES, strict=False)
+    ]
+    branch: Annotated[int, Field(ge=0)]
+
+    @model_validator(mode="after")
+    def _check_numbers(self) -> StoredLane:
+        if self.branch >= len(self.branches):
+            raise ValueError(f"there is no branch {self.branch}")
+        for number, branch in enumerate(self.branches):
+            if branch.parent is not None and branch.parent >= number:
+                raise ValueError(f"branch {number} has a parent that does not stand before it")
+        return self
+
+    @property
+    def algorithm_in_force(self) -> str:
+        """The algorithm at work where it stands; switches of its branch's ancestors included."""
+        switches = (entry.algorithm for entry in self._entries_in_force() if entry.algorithm is not None)
+        return next(switches, self.algorithm)
+
+    @property
+    def settings_in_force(self) -> dict[str, Value]:
+        """The values of the hyper-parameters where it stands, by name."""
+        settings = dict[str, Value]()
+        for entry in self._entries_in_force():
+            if entry.set is not None and entry.to is not None:
+                settings.setdefault(entry.set, entry.to)
+        return {**self.hyperparameters, **settings}
+
+    def _entries_in_force(self) -> Iterator[Entry]:
+        """Yield what was changed on the way to where it stands, the last change first."""
+        branch: StoredBranch | None = self.branches[self.branch]
+        here, own = self.branches[self.branch].here, MOST_ENTRIES
+        while branch is not None:
+            left = max(0, own - branch.shared)
+            yield from (entry for entry in reversed(branch.journal[:left]) if entry.step <= here)
+            own = min(own, branch.shared)
+            branch = None if branch.parent is None else self.branches[branch.parent]
+
+
+class StoredScenario(Part):
+    """The world: the whole text of its file, or where Gymnasium makes it its id alone."""
+
+    id: Annotated[str, Field(min_length=1, max_length=400), AfterValidator(_plain)]
+    kind: Literal["file", "gymnasium"]
+    title: Word
+    text: Annotated[str, Field(max_length=_LONGEST_TEXT)] = ""
+
+
+class StoredBreakpoints(Part):
+    """The numbers of states and pairs."""
+
+    states: Annotated[tuple[Place, ...], FailFast(), Field(max_length=_MOST_BREAKPOINTS, strict=False)] = ()
+    pairs: Annotated[tuple[Place, ...], FailFast(), Field(max_length=_MOST_BREAKPOINTS, strict=False)] = ()
+
+
+class StoredTable(Part):
+    """What the run shown had learned where it stands: Q and visits of each pair, and where the agent was."""
+
+    q: Annotated[tuple[Number, ...], FailFast(), Field(max_length=MOST_PAIRS_KEPT, strict=False)]
+    visits: Annotated[tuple[Count, ...], FailFast(), Field(max_length=MOST_PAIRS_KEPT, strict=False)]
+    episodes: Count
+    state: Place
+
+    @model_validator(mode="after")
+    def _check_numbers(self) -> StoredTable:
+        if len(self.q) != len(self.visits):
+            raise ValueError(f"Q of {len(self.q):,} pairs, but visits of {len(self.visits):,}")
+        return self
+
+
+class StoredGiven(Part):
+    """An answer on a page: a number, or the place of a choice; ``step`` -1 where there was no run."""
+
+    page: Name
+    answer: Number
+    right: bool
+    step: Annotated[int, Field(ge=-1, le=MOST_STEPS)] = -1
+    digest: Digest = ""
+
+
+class StoredPassed(Part):
+    """A task that was passed: the run that shows it, from its beginning to ``step``."""
+
+    page: Name
+    scenario: StoredScenario
+    seed: Annotated[int, Field(ge=0)]
+    algorithm: Word
+    hyperparameters: Settings
+    journal: Annotated[tuple[Entry, ...], FailFast(), Field(max_length=MOST_ENTRIES, strict=False)] = ()
+    step: Count
+    claim: bool = False
+    program: Annotated[str, Field(max_length=LONGEST_PROGRAM)] = ""
+
+
+class StoredLesson(Part):
+    """A lesson and how far somebody came in it.
+
+    ``text`` is the whole file, so that it goes on anywhere; ``source`` is where that was, empty where it is
+    one that is shipped. ``hints`` are counts by page.
+    """
+
+    id: Annotated[str, Field(min_length=1, max_length=200), AfterValidator(_plain)]
+    title: Word
+    text: Annotated[str, Field(max_length=LONGEST_LESSON)]
+    source: Annotated[str, Field(max_length=4_000), AfterValidator(_plain)] = ""
+    variant: Name = ""
+    page: Name
+    given: Annotated[tuple[StoredGiven, ...], FailFast(), Field(max_length=MOST_GIVEN, strict=False)] = ()
+    passed: Annotated[
+        tuple[StoredPassed, ...], FailFast(), Field(max_length=MOST_PAGES_NAMED, strict=False)
+    ] = ()
+    skipped: Annotated[tuple[Name, ...], FailFast(), Field(max_length=MOST_PAGES_NAMED, strict=False)] = ()
+    hints: Annotated[dict[Name, Count], BeforeValidator(_of_few_keys)] = Field(default_factory=dict)
+    finished: bool = False
+
+
+class Document(Part):
+    """A whole session, without its checksum. In version 1 there were no lessons."""
+
+    format: Literal["rl-tui session"]
+    version: Literal[1, 2]
+    program: Word
+    title: Name
+    kept: bool
+    saved: Annotated[str, Field(max_length=40)]
+    scenario: StoredScenario
+    lanes: Annotated[
+        tuple[StoredLane, ...], FailFast(), Field(min_length=1, max_length=MOST_LANES, strict=False)
+    ]
+    shown: Annotated[int, Field(ge=0)]
+    breakpoints: StoredBreakpoints
+    speed: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None
+    digest: Digest
+    answer_hidden: bool | None = None
+    table: StoredTable | None = None
+    # The state and the action of each choice of the policy that a person drew, by their numbers
+    drawn: Annotated[tuple[DrawnChoice, ...], FailFast(), Field(max_length=MOST_DRAWN, strict=False)] = ()
+    lesson: StoredLesson | None = None
+
+    @model_validator(mode="after")
+    def _check_numbers(self) -> Document:
+        if self.version == 1 and self.lesson is not None:
+            raise ValueError("a session of format 1 has no lesson")
+        if self.shown >= len(self.lanes):
+            raise ValueError(f"there is no lane {self.shown}")
+        return self
+
+    @property
+    def changes(self) -> int:
+        """How many changes were made in all lanes, those that branches share counted once."""
+        return sum(len(branch.journal) for lane in self.lanes for branch in lane.branches)
+
+
+# Runs as JSON and back
+
+
+def stored_scenario(scenario: Scenario) -> dict[str, str]:
+    """Return ``scenario`` as JSON. Raises UserError where its file is not known."""
+    if scenario.id.startswith(PREFIX):
+        return {"id": scenario.id, "kind": "gymnasium", "title": scenario.title}
+    if not scenario.text:
+        raise UserError(f"the file of scenario {scenario.id} is not known")
+    return {"id": scenario.id, "kind": "file", "title": scenario.title, "text": scenario.text}
+
+
+def stored_recipe(recipe: Recipe) -> dict[str, Any]:
+    """Return ``recipe`` without its scenario as JSON."""
+    return {
+        "seed": recipe.seed,
+        "algorithm": recipe.algorithm,
+        "hyperparameters": recipe.hyperparameters.as_dict(),
+    }
+
+
+def stored_journal(journal: Iterable[JournalEntry]) -> list[dict[str, Any]]:
+    """Return ``journal`` as JSON. Raises UserError where it is longer than what is read again."""
+    stored = [_stored_entry(entry) for entry in journal]
+    if len(stored) > MOST_ENTRIES:
+        raise UserError(f"there are more than {MOST_ENTRIES:,} changes")
+    return stored
+
+
+def _stored_entry(entry: JournalEntry) -> dict[str, Any]:
+    match entry.change:
+        case SetParameter(name, value):
+            return {"step": entry.step, "set": name, "to": value}
+        case SwitchAlgorithm(algorithm):
+            return {"step": entry.step, "algorithm": algorithm}
+        case TakeAction(action):
+            return {"step": entry.step, "take": action}
+        case EditWorld() | UndoEdit() | RedoEdit():
+            return {"step": entry.step, "world": written_world(entry.change)}
+        case OrderSweep(phase):
+            return {"step": entry.step, "sweep": phase}
+
+
+# And back. ``place`` is where it stands in the document
+
+
+def scenario_from(stored: StoredScenario) -> Scenario:
+    """Return the scenario. Raises UserError, in one line, where it cannot be played."""
+    if stored.kind == "gymnasium":
+        return environment_scenario(stored.id)
+    try:
+        return scenario_of(stored.text, Path(f"{stored.id}.toml"), ask_environment=False)
+    except UserError as fault:
+        raise UserError(f"its scenario cannot be played: {str(fault).splitlines()[0]}") from fault
+
+
+def recipe_from(
+    scenario: Scenario, algorithm: str, settings: Mapping[str, Value], seed: int, place: str
+) -> Recipe:
+    """Return the recipe of these. Raises UserError where a setting does not fit."""
+    _check_algorithm(algorithm, f"{place}.algorithm")
+    hyperparameters = Hyperparameters()
+    for name, value in settings.items():
+        hyperparameters = _changed(hyperparameters, name, value, f"{place}.hyperparameters")
+    return Recipe(scenario, algorithm, hyperparameters, seed)
+
+
+def journal_from(stored: Iterable[Entry], place: str, end: int, latest: int = 0) -> Iterator[JournalEntry]:
+    """Yield the entries of ``stored``, all of them changes that can be made; ``latest`` is the step of the
+    one before them.
+
+    Raises UserError where one cannot be made, is out of order, or comes after ``end`` steps.
+    """
+    _check_order(0, latest, end, place)
+    for number, each in enumerate(stored):
+        _check_order(latest, each.step, end, place)
+        latest = each.step
+        yield JournalEntry(each.step, _change(each, f"{place}.journal[{number}]"))
+
+
+def _check_order(before: int, step: int, end: int, place: str) -> None:
+    if not before <= step <= end:
+        raise UserError(f"{place}.journal: step {step} is out of order or beyond its end")
+
+
+def _change(entry: Entry, place: str) -> Change:
+    kinds = ("set", "algorithm", "take", "sweep", "world")
+    given = [key for key in kinds if getattr(entry, key) is not None]
+    if len(given) != 1 or (entry.to is None) == (entry.set is not None):
+        raise UserError(f"{place} is no change; expected set and to, algorithm, take, sweep, or world")
+    if entry.set is not None and entry.to is not None:
+        values = _changed(Hyperparameters(), entry.set, entry.to, place)
+        return SetParameter(entry.set, values.value(entry.set))
+    if entry.algorithm is not None:
+        _check_algorithm(entry.algorithm, f"{place}.algorithm")
+        return SwitchAlgorithm(entry.algorithm)
+    if entry.sweep is not None:
+        return OrderSweep(entry.sweep)
+    if entry.world is not None:
+        try:
+            return read_world(entry.world)
+        except ValueError as fault:
+            raise UserError(f"{place}.world: {fault}") from fault
+    return TakeAction(0 if entry.take is None else entry.take)
+
+
+def _check_algorithm(algorithm: str, place: str) -> None:
+    if algorithm not in BY_ID:
+        raise UserError(f"{place} is {shown(algorithm)}, which is not known{near(algorithm, BY_ID)}")
+
+
+def _changed(values: Hyperparameters, name: str, value: Value, place: str) -> Hyperparameters:
+    if name not in PARAMETERS:
+        raise UserError(f"{place}: there is no hyper-parameter {shown(name)}{near(name, PARAMETERS)}")
+    try:
+        return values.changed(name, value)
+    except ValueError as fault:
+        raise UserError(f"{place}: {fault}") from fault

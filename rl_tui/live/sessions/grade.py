@@ -1,0 +1,397 @@
+"""Grading of sessions by a lesson: which of its tasks their runs pass.
+
+The runs are replayed. Nothing that a session claims counts without its run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+from rl_tui.common.errors import ScenarioError, UserError
+from rl_tui.common.findings import shown
+from rl_tui.lessons.catalogue import find_lesson
+from rl_tui.lessons.file.setups import recipe_of
+from rl_tui.lessons.file.view import ConditionView, Given, LessonRecord, TaskView
+from rl_tui.lessons.judging.conditions import JudgedTask, elsewhere, judged_task, verdict
+from rl_tui.lessons.judging.journal_reader import RunDigest
+from rl_tui.lessons.judging.moment import Kept
+from rl_tui.lessons.judging.seed_panel import (
+    MOST_STEPS,
+    PanelsAtOnce,
+    check_world_stays,
+    judged_claim,
+    judged_program,
+    replayed,
+)
+from rl_tui.lessons.judging.verdicts import ConditionVerdict, Panels, same_panel
+from rl_tui.lessons.lesson import Lesson
+from rl_tui.live.sessions.session import SUFFIX, SessionError, files_in, read_session
+from rl_tui.runs.recipe import JournalEntry, Recipe, TakeAction, begin
+from rl_tui.runs.run import Run
+from rl_tui.runs.training.seeded_runs import Goal, train
+
+if TYPE_CHECKING:
+    from rl_tui.lessons.file.schema import Condition
+    from rl_tui.lessons.file.view import Passed
+    from rl_tui.live.record import Record
+    from rl_tui.runs.timeline.branches import Branch
+
+
+# Predictions
+
+
+_MOST_ENTRIES: Final = 1_000_000
+"""Changes that are gone through, of all runs; what is locked with later ones stays unknown."""
+
+
+class PredictionScore(NamedTuple):
+    """Of the ``made`` ones, how many were ``right``, and how many are ``locked``: given at a step to which a
+    run in the session came, or which its setup begins with, all that was changed before included.
+    """
+
+    right: int = 0
+    made: int = 0
+    locked: int = 0
+
+
+NO_PREDICTIONS: Final = PredictionScore()
+
+
+class _Known(NamedTuple):
+    """A run of the session, which came to ``end``."""
+
+    recipe: Recipe
+    journal: Sequence[JournalEntry]
+    end: int
+
+
+def predictions_in(taken: LessonRecord, lesson: Lesson, record: Record) -> PredictionScore:
+    """Return the predictions of ``taken``, of which ``record`` has the runs.
+
+    What is right is what ``lesson`` says. Of each page the first answer counts. Raises UserError where a
+    setup cannot be played.
+    """
+    asked = {page.id: page.prediction for page in lesson.counted_predictions if page.prediction is not None}
+    made = [given for page in asked if (given := taken.given_on(page)) is not None]
+    right = sum(asked[given.page].is_right(given.answer) for given in made)
+    known = [_Known(each.recipe, each.journal, each.step) for each in taken.passed]
+    known += [
+        _Known(lane.recipe, branch.journal, branch.end) for lane in record.lanes for branch in lane.branches
+    ]
+    setups = dict.fromkeys(lesson.setup_of(given.page) for given in made)
+    locked = sum(
+        _locked(lesson, setup, [given for given in made if lesson.setup_of(given.page) == setup], known)
+        for setup in setups
+    )
+    return PredictionScore(right, len(made), locked)
+
+
+def _locked(lesson: Lesson, setup: str, made: Sequence[Given], known: Sequence[_Known]) -> int:
+    """Return how many of ``made``, all of one setup, were given where one of its runs has been."""
+    begins = recipe_of(lesson, setup)
+    names = begin(begins).world.space.action_names
+    steps = sorted({given.step for given in made if given.step >= 0})
+    found = set(_digests(_Known(begins, (), max(steps, default=0)), steps, names))
+    entries = 0
+    for run in known:
+        entries += len(run.journal)
+        if entries <= _MOST_ENTRIES and not elsewhere(begins, run.recipe) and _is_possible(run, names):
+            found.update(_digests(run, steps, names))
+    return sum((given.step, given.digest) in found for given in made)
+
+
+def _is_possible(run: _Known, names: Sequence[str]) -> bool:
+    """Return whether every action that a person took is there at all."""
+    taken = (entry.change.action for entry in run.journal if isinstance(entry.change, TakeAction))
+    return all(action in names if isinstance(action, str) else action < len(names) for action in taken)
+
+
+def _digests(run: _Known, steps: Sequence[int], names: Sequence[str]) -> Iterator[tuple[int, str]]:
+    """Yield the digests of ``run`` at those of ``steps``, ascending, to which it came."""
+    digest, place = RunDigest(run.recipe), 0
+    for step in steps:
+        if step > run.end:
+            return
+        while place < len(run.journal) and run.journal[place].step < step:
+            digest.add(run.journal[place], names)
+            place += 1
+        yield step, digest.at(step)
+
+
+# Tasks
+
+
+PROVES: Final = "A session proves the run, not who made it."
+_MOST_STEPS_IN_ALL: Final = 100_000_000
+"""Steps of evidence and of branches together: what goes further is not replayed."""
+_MOST_MOMENTS: Final = 1_000
+"""Steps taken by hand of a branch after which its run is looked at, and twice as many in all."""
+_MOST_PANELS: Final = 30
+"""Settings of a session that are worked out under many seeds: each takes as long as some hundred runs."""
+_MOST_REMARKS: Final = 10
+_MOST_SESSIONS: Final = 1_000
+
+
+@dataclass(frozen=True, slots=True)
+class GradedTask:
+    """A task: its page's id and title, whether it is ``passed``, and how its conditions came out."""
+
+    id: str
+    title: str
+    passed: bool
+    conditions: tuple[ConditionView, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class GradedSession:
+    """A session by a lesson. ``remarks`` are sentences on what was left aside."""
+
+    path: Path
+    tasks: tuple[GradedTask, ...] = ()
+    predictions: PredictionScore = NO_PREDICTIONS
+    remarks: tuple[str, ...] = ()
+    fault: str = ""
+    """Why there is nothing to grade; mostly empty."""
+
+    @property
+    def passed(self) -> bool:
+        """Whether all tasks are."""
+        return not self.fault and all(task.passed for task in self.tasks)
+
+
+class LessonGrading:
+    """Grades sessions by the lesson of this ``name``, an id or a file, one after the other.
+
+    With ``runs_programs`` a program that a session holds is watched, which is no sandbox; else its task is
+    not judged. Raises UserError where there is no such lesson, or it sets no task.
+    """
+
+    def __init__(self, name: str, *, runs_programs: bool = False) -> None:
+        self._name = name
+        self._runs_programs = runs_programs
+        self._lessons = dict[str, Lesson]()
+        self._panels = PanelsAtOnce()
+        self.lesson = self._variant("")
+        """The lesson; its first variant where it has some."""
+
+    def grade(self, path: Path) -> GradedSession:
+        """Return which tasks the runs in a session do. Raises SessionError where the file holds none that
+        can be played.
+        """
+        record = read_session(path).record()
+        remarks = list[str]()
+        taken = record.lesson
+        if taken is not None and taken.lesson.id != self.lesson.id:
+            remarks.append(f"It is a session of the lesson {taken.lesson.id}: only its runs are looked at.")
+            taken = None
+        try:
+            lesson = self._variant("" if taken is None else taken.lesson.variant)
+        except ScenarioError as fault:
+            raise SessionError(path, str(fault.faults[0])) from fault
+        if lesson.variant:
+            remarks.append(f"It is graded as variant {lesson.variant}.")
+        tasks = [judged_task(lesson, page.id) for page in lesson.tasks]
+        panels, steps = _FewPanels(self._panels), _MOST_STEPS_IN_ALL
+        views = {task.page: _not_done(task, "nothing of it is in the session") for task in tasks}
+        for task in tasks:
+            evidence = _evidence(taken, task.page)
+            if evidence is not None:
+                judged = self._judged(task, evidence, panels, min(MOST_STEPS, steps))
+                views[task.page] = _better(judged, views[task.page])
+                steps -= min(evidence.step, steps)
+        search = _Search(views, panels)
+        for lane in record.lanes:
+            for branch in lane.branches:
+                search.look_at(tasks, lane.recipe, branch)
+        graded = tuple(_graded(lesson, task.page, views[task.page]) for task in tasks)
+        predictions = NO_PREDICTIONS if taken is None else predictions_in(taken, lesson, record)
+        remarks += [*search.remarks[:_MOST_REMARKS], *panels.remarks]
+        if len(search.remarks) > _MOST_REMARKS:
+            remarks.append(f"So were {len(search.remarks) - _MOST_REMARKS:,} more.")
+        return GradedSession(path, graded, predictions, tuple(remarks))
+
+    def _judged(self, task: JudgedTask, evidence: Passed, panels: Panels, most_steps: int) -> TaskView:
+        if task.task.program is None or evidence.claim:
+            return _judged_evidence(task, evidence, panels, most_steps)
+        if not self._runs_programs:
+            return _not_done(task, "not judged: --programs watches the program that is in the session")
+        return judged_program(task, evidence.program)
+
+    def _variant(self, variant: str) -> Lesson:
+        if variant not in self._lessons:
+            lesson = find_lesson(self._name, variant)
+            _check(lesson)
+            self._lessons[variant] = lesson
+        return self._lessons[variant]
+
+
+def sessions_to_grade(target: Path) -> list[Path]:
+    """Return the file ``target``, or the session files of that folder by their names.
+
+    Raises UserError where a folder has none, or more than 1,000.
+    """
+    if not target.is_dir():
+        return [target]
+    files = files_in(target)
+    if not files:
+        raise UserError(f"{shown(str(target))}: found no session in this folder; expected {SUFFIX} files")
+    if len(files) > _MOST_SESSIONS:
+        raise UserError(
+            f"{shown(str(target))}: found {len(files):,} {SUFFIX} files; expected at most {_MOST_SESSIONS:,}"
+        )
+    return files
+
+
+def grade_report(lesson: Lesson, graded: GradedSession) -> dict[str, Any]:
+    """Return what ``graded`` came to, as JSON."""
+    report: dict[str, Any] = {
+        "lesson": lesson.id,
+        "passed": graded.passed,
+        "tasks": [
+            {
+                "id": task.id,
+                "passed": task.passed,
+                "conditions": [{"text": each.text, "holds": each.holds is True} for each in task.conditions],
+            }
+            for task in graded.tasks
+        ],
+        "predictions": graded.predictions._asdict(),
+        "remarks": list(graded.remarks),
+    }
+    return report | ({"error": graded.fault} if graded.fault else {})
+
+
+def _check(lesson: Lesson) -> None:
+    """Refuse a lesson by which nothing can be graded. Raises UserError."""
+    if not lesson.tasks:
+        raise UserError(f"the lesson {lesson.id} sets no task, so nothing can be graded by it")
+
+
+def _evidence(taken: LessonRecord | None, page: str) -> Passed | None:
+    return None if taken is None else next((each for each in taken.passed if each.page == page), None)
+
+
+def _judged_evidence(task: JudgedTask, evidence: Passed, panels: Panels, most_steps: int) -> TaskView:
+    """Return how the task stands when what ``evidence`` says was done is done again, if in so many steps."""
+    if evidence.claim:
+        return judged_claim(task, Run(task.setup, evaluate=False), panels)
+    reason = elsewhere(task.setup, evidence.recipe)
+    if evidence.step > most_steps:
+        reason = f"its evidence has {evidence.step:,} steps; at most {most_steps:,} are replayed"
+    if reason:
+        return _not_done(task, reason)
+    recipe = replace(evidence.recipe, scenario=task.setup.scenario)
+    try:
+        run = replayed(recipe, evidence.journal, evidence.step)
+    except UserError as fault:
+        return _not_done(task, f"its evidence cannot be replayed: {fault}")
+    if run.step != evidence.step:
+        return _not_done(task, f"its evidence ends at step {run.step:,}, not {evidence.step:,}")
+    return verdict(task, run, panels)
+
+
+class _FewPanels:
+    """The ``panels`` of one session: of very many settings, those that come first."""
+
+    waits = ""
+
+    def __init__(self, panels: Panels) -> None:
+        self._panels = panels
+        self._asked: list[tuple[Recipe, tuple[Condition, ...]]] = []
+        self._left_out = False
+
+    def of(self, recipe: Recipe, conditions: tuple[Condition, ...]) -> Sequence[ConditionVerdict]:
+        """Return the verdict on each of ``conditions`` for runs of ``recipe``."""
+        if not any(same_panel(*asked, recipe, conditions) for asked in self._asked):
+            if len(self._asked) >= _MOST_PANELS:
+                self._left_out = True
+                return [ConditionVerdict(None, "too many settings were tried")] * len(conditions)
+            self._asked.append((recipe, conditions))
+        return self._panels.of(recipe, conditions)
+
+    @property
+    def remarks(self) -> list[str]:
+        """What is to be said of those that were left out."""
+        said = f"Only the first {_MOST_PANELS} settings were tried under many seeds: there are more."
+        return [said] if self._left_out else []
+
+
+class _Search:
+    """Looks in runs for moments at which tasks hold; ``views`` are the best until now, by page."""
+
+    def __init__(self, views: dict[str, TaskView], panels: Panels) -> None:
+        self._views = views
+        self._panels = panels
+        self._steps = _MOST_STEPS_IN_ALL
+        self._moments = 2 * _MOST_MOMENTS
+        self.remarks = list[str]()
+
+    def look_at(self, tasks: Sequence[JudgedTask], recipe: Recipe, branch: Branch) -> None:
+        """Look for those of ``tasks`` that are not passed yet, wherever ``branch`` may have come to one."""
+        wanted = [
+            task
+            for task in tasks
+            if self._views[task.page].passed is None
+            and task.task.program is None
+            and not elsewhere(task.setup, recipe)
+        ]
+        moments = list(_moments(branch))
+        if not wanted:
+            return
+        if branch.end > min(MOST_STEPS, self._steps) or len(moments) > self._moments:
+            self.remarks.append(f"{branch.name} was not looked at: it has too many steps.")
+            return
+        self._steps -= branch.end
+        self._moments -= len(moments)
+        try:
+            check_world_stays(branch.journal)
+            self._judge(wanted, replace(recipe, scenario=wanted[0].setup.scenario), branch, moments)
+        except UserError as fault:
+            self.remarks.append(f"{branch.name} cannot be replayed: {fault}")
+
+    def _judge(
+        self, tasks: Sequence[JudgedTask], recipe: Recipe, branch: Branch, moments: Sequence[int]
+    ) -> None:
+        beginning = begin(recipe)
+        run = Run(recipe, beginning, evaluate=False, episode_limit=beginning.world.budget)
+        kept = Kept()
+        for step in moments:
+            train(run, Goal(steps=step), journal=branch.journal)
+            if run.step != step:
+                return
+            for task in tasks:
+                best = self._views[task.page]
+                if best.passed is None:
+                    self._views[task.page] = _better(verdict(task, run, self._panels, kept), best)
+
+
+def _moments(branch: Branch) -> Iterator[int]:
+    """Yield the steps at which the run of ``branch`` may have come to something: its end, where it stands,
+    and after the first 1,000 steps taken by hand.
+    """
+    by_hand = [
+        entry.step + 1
+        for entry in branch.journal
+        if isinstance(entry.change, TakeAction) and entry.step < branch.end
+    ]
+    yield from sorted({branch.here, branch.end, *by_hand[:_MOST_MOMENTS]})
+
+
+def _not_done(task: JudgedTask, reason: str) -> TaskView:
+    return TaskView(tuple(ConditionView(each.text, False, reason) for each in task.task.conditions))
+
+
+def _better(view: TaskView, best: TaskView) -> TaskView:
+    """Return the one that is passed, or of which more conditions hold; else the first."""
+
+    def rank(each: TaskView) -> tuple[bool, int]:
+        return each.passed is not None, sum(condition.holds is True for condition in each.conditions)
+
+    return best if rank(best) > rank(view) else view
+
+
+def _graded(lesson: Lesson, page: str, view: TaskView) -> GradedTask:
+    return GradedTask(page, lesson.page(page).title, view.passed is not None, view.conditions)

@@ -1,0 +1,331 @@
+"""Session files: one JSON file for each session.
+
+The document model is imported only to read or write one, so the start screen does not wait for it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import time
+from contextlib import suppress
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, NoReturn
+
+from pydantic import ValidationError
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.files import FileLock, drafts_in, remove_with_draft, signature
+from rl_tui.common.findings import one_line, place
+from rl_tui.common.kiosk import in_kiosk
+from rl_tui.common.limits import LARGEST_SESSION
+from rl_tui.common.text_file import UnreadableError, read_bytes
+from rl_tui.worlds.sections.schema import is_plain
+
+if TYPE_CHECKING:
+    from pydantic_core import ErrorDetails
+
+    from rl_tui.live.record import Record
+    from rl_tui.live.sessions.document import Document
+    from rl_tui.worlds.mdp.space import FloatArray
+
+
+# Reading and encoding a file
+
+
+SUFFIX: Final = ".json"
+MOST_PAIRS_DIGESTED: Final = 100_000
+OTHER_BITS: Final = (
+    "Q does not come out as it was saved: the program, NumPy or Numba is another version now, and so the run "
+    "is another one"
+)
+_CHECKSUM: Final = "checksum"
+_LONGEST_FAULT: Final = 300
+
+
+class SessionError(UserError):
+    """A file that gives no session: its ``path``, and the ``fault``: what is wrong with it, what to do."""
+
+    def __init__(self, path: Path, fault: str) -> None:
+        super().__init__(f"{one_line(str(path), 1000)}: {one_line(fault, _LONGEST_FAULT)}")
+        self.path = path
+        self.fault = one_line(fault, _LONGEST_FAULT)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StoredSession:
+    """A sound session file as it was when it was read. ``written`` tells that file from a later one."""
+
+    path: Path
+    document: Document
+    written: tuple[int, ...]
+
+    @property
+    def title(self) -> str:
+        """The name it was given; without one, the title of its lesson or scenario."""
+        document = self.document
+        lesson = "" if document.lesson is None else document.lesson.title
+        return document.title or lesson or document.scenario.title or document.scenario.id
+
+    @property
+    def saved(self) -> datetime:
+        """When it was last saved, in UTC."""
+        return datetime.fromisoformat(self.document.saved).astimezone(UTC)
+
+    @property
+    def step(self) -> int:
+        """The step at which the lane shown stands."""
+        lane = self.document.lanes[self.document.shown]
+        return lane.branches[lane.branch].here
+
+    @property
+    def is_blank(self) -> bool:
+        """Whether there is nothing to go on with: no step was taken, nothing drawn, and it has no name.
+
+        Of a lesson a session is begun only once something was done.
+        """
+        document = self.document
+        branches = [branch for lane in document.lanes for branch in lane.branches]
+        has_steps = any(branch.end for branch in branches)
+        is_drawn = any(entry.world for branch in branches for entry in branch.journal)
+        return not (has_steps or is_drawn or document.drawn or document.title or self.stays)
+
+    @property
+    def stays(self) -> bool:
+        """Whether it is never pruned: a person saved it, or it is that of a lesson."""
+        return self.document.kept or self.document.lesson is not None
+
+    @property
+    def algorithm(self) -> str:
+        """The id of the algorithm at work there."""
+        return self.document.lanes[self.document.shown].algorithm_in_force
+
+    @property
+    def changes(self) -> int:
+        """How many changes were made in all lanes and branches."""
+        return self.document.changes
+
+    @lru_cache(maxsize=1)  # noqa: B019  # one is opened at a time: checked first, then put on the screen
+    def record(self) -> Record:
+        """Return what to resume. Raises SessionError where its scenario or a change cannot be used here."""
+        from rl_tui.live.sessions.encoding import record_of
+
+        try:
+            return record_of(self.document)
+        except UserError as fault:
+            raise SessionError(self.path, str(fault)) from fault
+
+
+def read_session(path: Path) -> StoredSession:
+    """Return the session in the file ``path``; raises SessionError where it holds none, in a kiosk always."""
+    if in_kiosk():
+        raise SessionError(path, "kiosk mode opens no files: only the shipped scenarios")
+    try:
+        content, status = read_bytes(path, "the .json file of a session", LARGEST_SESSION)
+    except UnreadableError as reason:
+        raise SessionError(path, str(reason)) from reason
+    return StoredSession(path, _document(path, content), signature(status))
+
+
+def encoded(record: Record, *, title: str = "", kept: bool = False, digest: str = "") -> bytes:
+    """Return the content of a session file.
+
+    A ``kept`` session was saved by a person under its ``title``; others are pruned when they are many.
+    ``digest`` is that of Q where the lane shown stands, empty where it is not known. Raises UserError where
+    the session is too large, or of a scenario whose file is not known.
+    """
+    from rl_tui.live.sessions.encoding import document_of
+
+    fields = document_of(record, title=title, kept=kept, digest=digest)
+    try:
+        content = json.dumps({**fields, _CHECKSUM: checksum_of(fields)}, allow_nan=False).encode()
+    except ValueError as error:
+        raise UserError(f"it holds a number that cannot be written ({error})") from error
+    if len(content) > LARGEST_SESSION:
+        raise UserError(f"it is larger than {LARGEST_SESSION // 10**6} MB")
+    return content
+
+
+def digest_of(q: FloatArray) -> str:
+    """Return what tells ``q``, [P], from any other table to the last bit; empty above 100,000 pairs."""
+    if len(q) > MOST_PAIRS_DIGESTED:
+        return ""
+    import numpy as np  # the catalogue lists sessions before it is needed
+
+    return hashlib.sha256(np.ascontiguousarray(q, dtype="<f8").tobytes()).hexdigest()
+
+
+def _document(path: Path, content: bytes) -> Document:
+    from rl_tui.live.sessions.document import FORMAT, VERSION, Document
+
+    fields = _fields(path, content, FORMAT)
+    if fields.get("format") != FORMAT:
+        raise SessionError(path, "is not a session of rl-tui; sessions are the files that rl-tui saves")
+    version = fields.get("version")
+    if isinstance(version, int) and version > VERSION:
+        raise SessionError(
+            path, f"was saved by a newer rl-tui (format {version}, this one reads {VERSION}); update rl-tui"
+        )
+    checksum = fields.pop(_CHECKSUM, None)
+    if checksum != checksum_of(fields):
+        raise SessionError(path, "was damaged or edited: its checksum does not fit; go back to a copy of it")
+    try:
+        document = Document.model_validate(fields)
+        if not 1970 <= datetime.fromisoformat(document.saved).year < 9000:
+            raise ValueError(f"{document.saved} is no time at which anything was saved")
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        where = place(first["loc"]) or "the document"
+        raise SessionError(path, f"is no sound session: {where}: {_reason(first)}") from error
+    except ValueError as error:
+        raise SessionError(path, f"is no sound session: saved: {error}") from error
+    return document
+
+
+def _reason(error: ErrorDetails) -> str:
+    """Return why a value is refused, as part of a sentence."""
+    if error["type"] == "value_error":
+        return str(error["ctx"]["error"])
+    return error["msg"].lower()
+
+
+def _fields(path: Path, content: bytes, mark: str) -> dict[str, Any]:
+    """Return the object in ``content``; otherwise tell by its ``mark`` half a session from another file."""
+    if not content:
+        raise SessionError(path, "is empty; nothing can be resumed from it")
+    try:
+        fields = json.loads(content.decode("utf-8"), parse_constant=_refuse_constant)
+    except (ValueError, RecursionError) as error:
+        if mark.encode() in content[:100]:
+            raise SessionError(
+                path, "is cut off or damaged, and cannot be resumed; go back to a copy of it"
+            ) from error
+        raise SessionError(path, "is not JSON, so it is no session of rl-tui") from error
+    if not isinstance(fields, dict):
+        raise SessionError(path, "is not a session of rl-tui; sessions are the files that rl-tui saves")
+    return fields
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise ValueError(f"{name} is not JSON")
+
+
+def checksum_of(fields: dict[str, Any]) -> str:
+    """Return the SHA-256 of ``fields`` in one form of all those that mean the same."""
+    text = json.dumps(fields, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+# The folder of sessions
+
+
+MOST_UNNAMED: Final = 50
+_LONGEST_WRITE: Final = 60.0  # seconds, by far
+_LONGEST_STEM: Final = 200  # bytes: file systems take 255, of which a lock needs some
+
+
+def files_in(folder: Path) -> list[Path]:
+    """Return the files in ``folder`` that should be sessions."""
+    try:
+        # hidden ones are the locks and drafts of others
+        return sorted(path for path in folder.glob(f"*{SUFFIX}") if not path.name.startswith("."))
+    except OSError:  # a folder that may not be read holds nothing
+        return []
+
+
+def sessions_in(folder: Path) -> tuple[list[StoredSession], list[SessionError]]:
+    """Return the sessions in ``folder``, the last one saved first, and what is wrong with other files.
+
+    Those in which nothing was done are left out.
+    """
+    sound, broken = all_sessions_in(folder)
+    return [session for session in sound if not session.is_blank], broken
+
+
+def all_sessions_in(folder: Path) -> tuple[list[StoredSession], list[SessionError]]:
+    """Return what :func:`sessions_in` does, and those in which nothing was done too."""
+    sound, broken = [], []
+    for path in files_in(folder):
+        try:
+            sound.append(read_session(path))
+        except SessionError as error:
+            broken.append(error)
+    # of those saved in one second the order on the disk decides
+    sound.sort(key=lambda session: (session.saved, session.written[1]), reverse=True)
+    return sound, broken
+
+
+def prune(folder: Path) -> None:
+    """Remove all but the newest 50 sessions that nobody gave a name, and what was left half done.
+
+    Those in which nothing was done go too; those open somewhere stay, and those of lessons: of what was
+    learned nothing is thrown away. What cannot be removed stays as well:
+    that is no reason to keep nothing new.
+    """
+    unnamed = [session for session in all_sessions_in(folder)[0] if not session.stays]
+    worth_keeping = [session for session in unnamed if not session.is_blank][:MOST_UNNAMED]
+    for session in unnamed:
+        if session not in worth_keeping:
+            lock = FileLock(session.path)
+            with suppress(OSError):
+                # it may have been gone on with, or named, since it was read
+                if lock.acquire() and signature(session.path.stat()) == session.written:
+                    remove_with_draft(session.path)
+            lock.release()
+    _remove_old_drafts(folder)
+
+
+def _remove_old_drafts(folder: Path) -> None:
+    """Remove what programs that were killed while they wrote have left."""
+    for path, draft in drafts_in(folder, SUFFIX):
+        lock = FileLock(path)
+        with suppress(OSError):
+            # on file systems without locks its age alone tells it from one that is being written
+            if lock.acquire() and time.time() - draft.stat().st_mtime > _LONGEST_WRITE:
+                draft.unlink()
+        lock.release()
+
+
+def remove(session: StoredSession) -> None:
+    """Remove the file of ``session``. Raises UserError where it is open somewhere or cannot be removed."""
+    lock = FileLock(session.path)
+    try:
+        if not lock.acquire():
+            raise UserError(f"{session.title} is open in another program; close it there first")
+        remove_with_draft(session.path)
+    except OSError as error:
+        raise UserError(f"{session.path}: cannot be removed ({error.strerror or error})") from error
+    finally:
+        lock.release()
+
+
+def new_path(folder: Path, subject: str) -> Path:
+    """Return a path in ``folder`` that no file has, named after its subject and the moment."""
+    moment = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
+    stem = f"{file_stem(subject)}-{moment}"
+    candidate, number = folder / f"{stem}{SUFFIX}", 1
+    while candidate.exists():
+        number += 1
+        candidate = folder / f"{stem}-{number}{SUFFIX}"
+    return candidate
+
+
+def named_path(folder: Path, name: str) -> Path:
+    """Return the path of the session called ``name``. Raises UserError where that cannot be a name."""
+    from rl_tui.live.sessions.document import LONGEST_NAME
+
+    if not name.strip():
+        raise UserError("type a name")
+    if len(name) > LONGEST_NAME or not is_plain(name):
+        raise UserError(f"type one line of at most {LONGEST_NAME} characters")
+    return folder / f"{file_stem(name)}{SUFFIX}"
+
+
+def file_stem(name: str) -> str:
+    """Return ``name`` with nothing but letters, digits and dashes: harmless in every file system."""
+    words = re.sub(r"[\W_]+", "-", name.lower()).strip("-")
+    return words.encode()[:_LONGEST_STEM].decode(errors="ignore") or "session"

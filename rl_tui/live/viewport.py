@@ -1,0 +1,180 @@
+"""What a snapshot copies of a world too large to be copied whole for every frame."""
+
+from __future__ import annotations
+
+import mmap
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from rl_tui.worlds.drawing import Grid
+from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from rl_tui.agents.last_step import LastStep
+    from rl_tui.agents.learner_counters import Counters
+
+NO_STATE: Final = -1
+
+
+class Cells(NamedTuple):
+    """A rectangle of cells of a map."""
+
+    rows: int
+    """How many rows of cells it is high."""
+    columns: int
+    """How many columns of cells it is wide."""
+    top: int | None = None
+    """Its first row, from 0; None: it follows the agent."""
+    left: int | None = None
+    """Its first column, from 0; None: it follows the agent."""
+
+
+class RowRange(NamedTuple):
+    """Neighbouring rows of a table that has one row for each pair."""
+
+    pairs: int
+    """How many pairs."""
+    first: int | None = None
+    """The first pair; None: they follow the agent."""
+
+
+class Viewport(NamedTuple):
+    """What a screen shows of a world."""
+
+    cells: Cells | None = None
+    """The part of the map; None: no map is shown."""
+    rows: RowRange | None = None
+    """The part of the table; None: no table is shown."""
+    pair: int | None = None
+    """One more pair that is shown by itself."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CopiedPart:
+    """The part of Q and visits that was copied; everywhere else both are 0 and mean nothing."""
+
+    q: FloatArray
+    """[P], the estimates of the pairs copied, elsewhere 0."""
+    visits: IntArray
+    """[P], the visits of the pairs copied, elsewhere 0."""
+    pairs: IntArray
+    """[K], the pairs copied, some more than once."""
+    held: BoolArray
+    """[P], true for the pairs copied."""
+
+
+def first_state_of_cells(grid: Grid) -> IntArray:
+    """Return the first state that is drawn in each cell, [rows, columns]; ``NO_STATE`` where none is."""
+    states = np.full(grid.rows * grid.columns, NO_STATE, dtype=np.int64)
+    cells = np.array(grid.cell_of_state, dtype=np.int64)
+    # backwards, so that the first of several states in one cell stays
+    states[cells[::-1]] = np.arange(len(cells))[::-1]
+    return states.reshape(grid.rows, grid.columns)
+
+
+class PartCopier:
+    """Copies what a screen shows of one world, and what it will show when it follows the agent.
+
+    A view that follows has the agent somewhere in it, so that all it may show lies less than its own size
+    away from the agent in either direction. The cost depends on the size of the views only, not on that of
+    the world.
+    """
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self._space = world.space
+        self._cells: IntArray | None = None
+        if isinstance(world.drawing, Grid):
+            self._cells = first_state_of_cells(world.drawing)
+            self._cell_of_state = world.drawing.cell_of_state
+
+    def copy(
+        self, viewport: Viewport, agents: Iterable[Counters], q: FloatArray, visits: IntArray
+    ) -> CopiedPart:
+        """Return what ``viewport`` shows of ``q`` and ``visits``, [P] each, wherever one of ``agents`` is.
+
+        Of two lanes side by side both show what is around the agent of the one led.
+        """
+        pairs = np.concatenate([self._pairs_in(viewport, each.state, each.last_step) for each in agents])
+        part = CopiedPart(
+            _blank(len(q), np.float64), _blank(len(q), np.int64), pairs, _blank(len(q), np.bool_)
+        )
+        part.q[pairs] = q[pairs]
+        part.visits[pairs] = visits[pairs]
+        part.held[pairs] = True
+        for array in (part.q, part.visits, part.held):
+            array.flags.writeable = False
+        return part
+
+    def _pairs_in(self, viewport: Viewport, state: int, last: LastStep | None) -> IntArray:
+        states = [np.array(self._met(viewport, state, last), dtype=np.int64)]
+        if viewport.cells is not None:
+            states += self._states_in(viewport.cells, state)
+        parts = [pairs_of_states(self._space, np.concatenate(states))]
+        if viewport.rows is not None:
+            length, first = viewport.rows
+            here = int(self._space.first_pair[followed_state(self._space, state, last)])
+            parts.append(self._clipped(here - length, here + length + len(self._space.action_names)))
+            if first is not None:
+                parts.append(self._clipped(first, first + length))
+        return np.concatenate(parts)
+
+    def _met(self, viewport: Viewport, state: int, last: LastStep | None) -> list[int]:
+        """Return the states that are shown outside of map and table."""
+        states = [state]
+        if last is not None:
+            states += [each for each in (last.state, last.next_state) if each != NO_STATE]
+            if last.learned:
+                states.append(self._space.state_of(last.updated_pair))
+        # what a screen last asked for may be of the world before this one
+        if viewport.pair is not None and viewport.pair < self._space.pairs:
+            states.append(self._space.state_of(viewport.pair))
+        return states
+
+    def _states_in(self, cells: Cells, state: int) -> list[IntArray]:
+        if self._cells is None:
+            return []
+        row, column = divmod(int(self._cell_of_state[state]), self._cells.shape[1])
+        blocks = [
+            self._cells[
+                max(0, row - cells.rows) : row + cells.rows + 1,
+                max(0, column - cells.columns) : column + cells.columns + 1,
+            ]
+        ]
+        if cells.top is not None and cells.left is not None:
+            top, left = cells.top, cells.left
+            blocks.append(self._cells[top : top + cells.rows, left : left + cells.columns])
+        return [block[block != NO_STATE] for block in blocks]
+
+    def _clipped(self, first: int, last: int) -> IntArray:
+        return np.arange(max(0, first), min(last, self._space.pairs), dtype=np.int64)
+
+
+def followed_state(space: FiniteSpace, state: int, last: LastStep | None) -> int:
+    """Return the state whose row a table follows: the agent's, or the last one with a row."""
+    return last.state if last is not None and not space.pairs_of(state) else state
+
+
+def pairs_of_states(space: FiniteSpace, states: IntArray) -> IntArray:
+    """Return the pairs that each of ``states`` owns, in one array."""
+    first = space.first_pair[states]
+    count = space.first_pair[states + 1] - first
+    before = np.cumsum(count) - count
+    return np.asarray(np.repeat(first - before, count) + np.arange(int(count.sum())))
+
+
+def _blank(length: int, kind: type[np.generic]) -> npt.NDArray[Any]:
+    """Return zeros that take memory and time only where something is written.
+
+    numpy.zeros promises neither: what it gets from the heap it has to clear.
+    """
+    size = length * np.dtype(kind).itemsize
+    private = getattr(mmap, "MAP_PRIVATE", None)
+    if private is None:
+        return np.frombuffer(mmap.mmap(-1, size), dtype=kind)
+    return np.frombuffer(mmap.mmap(-1, size, flags=private | mmap.MAP_ANONYMOUS), dtype=kind)

@@ -1,0 +1,268 @@
+"""The verdict on a watched program, from the steps it has reported."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Final
+
+import numpy as np
+
+from rl_tui.common.findings import one_line
+from rl_tui.programs.diagnosis.faults.cells import (
+    FEWEST_STEPS,
+    CodePlace,
+    Proof,
+    proof_of_cell,
+    proof_of_sharing,
+    step_text,
+)
+from rl_tui.programs.diagnosis.faults.choices import risk_of_choices
+from rl_tui.programs.diagnosis.faults.constants import proof_of_gamma_twice, proof_of_step_size
+from rl_tui.programs.diagnosis.faults.ends import proofs_at_ends
+from rl_tui.programs.diagnosis.faults.lost_updates import (
+    proof_of_missing_update,
+    proof_of_no_update,
+    proof_of_rounding,
+)
+from rl_tui.programs.diagnosis.faults.predictions import (
+    Predictions,
+    by_the_environment,
+    proof_of_axis,
+    reward_used,
+)
+from rl_tui.programs.diagnosis.update_rule import update_of
+from rl_tui.programs.evidence.code_names import CodeNames, declared_discount, names_of
+from rl_tui.programs.evidence.code_places import ProgramCode, program_code
+from rl_tui.programs.evidence.evidence import Evidence
+from rl_tui.programs.evidence.verdict import (
+    CodeFault,
+    CodeFinding,
+    MovedCell,
+    ProgramVerdict,
+    Rule,
+    UpdateFound,
+    UpdateTarget,
+)
+from rl_tui.programs.watched.program_log import FoundTable, ProgramLog
+
+# Notes on unknown facts
+
+
+MOVES_WITHOUT_GAMMA: Final = "The table moves as with γ 0"
+_LONGEST: Final = 80
+_UNUSUAL: Final = (UpdateTarget.SAME_ACTION, UpdateTarget.OWN_STATE, UpdateTarget.INDEX, UpdateTarget.NOTHING)
+
+
+def notes_on(
+    evidence: Evidence, update: UpdateFound, dtype: str, numbers: Mapping[str, float]
+) -> tuple[str, ...]:
+    """Return plain sentences, none where all is told; ``numbers`` are those of the code, by name."""
+    return tuple(_notes(evidence, update, dtype, numbers))
+
+
+def note_on_other_worlds(log: ProgramLog) -> tuple[str, ...]:
+    """Return a sentence on environments of other sizes than the table has, if steps are taken there."""
+    if log.table is None or log.recording.initial is None:
+        return ()
+    cells = len(log.recording.initial)
+    used = set(np.unique(log.recording.steps.environment).tolist())
+    others = [
+        each for each in log.environments if each.number in used and each.states * each.actions != cells
+    ]
+    if not others:
+        return ()
+    ids = ", ".join(dict.fromkeys(f"{each.id} ({each.states} × {each.actions})" for each in others))
+    name = one_line(log.table.name, _LONGEST)
+    return (
+        f"Of the steps in {one_line(ids, _LONGEST)} nothing is told: {name} has no row for them; "
+        "--table NAME follows another table.",
+    )
+
+
+def _notes(
+    evidence: Evidence, update: UpdateFound, dtype: str, numbers: Mapping[str, float]
+) -> Iterator[str]:
+    if not evidence.changes.step.size:
+        rewards = int(np.count_nonzero(evidence.reward))
+        came = f", though {rewards:,} rewards came" if rewards else ", and no reward came"
+        yield f"No number of the table has moved yet{came}: nothing can be told of the update."
+        return
+    discount = declared_discount(numbers)
+    if update.gamma == 0.0 and discount is not None and discount[1] > 0.0:
+        yield _without_discount(evidence, *discount)
+    elif update.reason:
+        yield update.reason
+    if update.rule is Rule.UNKNOWN:
+        yield from _few_of_the_next_state(evidence)
+    if update.rule in (Rule.UNKNOWN, Rule.MONTE_CARLO):
+        yield "What is done at the end of an episode cannot be told without a known update."
+        return
+    if update.gamma is None:
+        yield "No step yet tells γ: the values of the next states were 0, or always the same."
+    elif update.target in _UNUSUAL:
+        yield f"The target takes {update.target} for the value of the next state."
+    if update.reward == "own":
+        yield "The reward is the program's own: what is done at the end of an episode cannot be told."
+    if update.place is MovedCell.ONE_LATE:
+        yield "Each update comes one step late: it is that of the step before."
+    if dtype.startswith("float16"):
+        yield "The table holds float16: estimates have three digits."
+
+
+def _without_discount(evidence: Evidence, name: str, gamma: float) -> str:
+    """Return what is to be said where the table moves as with γ 0, but the code holds ``gamma``."""
+    table = np.nan_to_num(evidence.recording.table_at(evidence.recording.count))
+    highest = table.reshape(-1, evidence.actions).max(0)
+    text = (
+        f"{MOVES_WITHOUT_GAMMA}, though `{one_line(name, _LONGEST)}` in your code is {gamma:g}: the "
+        "value of the next state never enters the target."
+    )
+    if np.all(highest == 0.0) and np.all(evidence.changes.after <= 0.0):
+        text += (
+            " A maximum over all states in place of the actions, as in max(Q[:, a]), would explain it: it "
+            "was always 0 here."
+        )
+    return text
+
+
+def _few_of_the_next_state(evidence: Evidence) -> Iterator[str]:
+    """Yield a sentence where less steps than prove it moved the row of the next state, and none their own."""
+    cell = evidence.only_change[0]
+    at = np.flatnonzero((cell >= 0) & (evidence.state != evidence.next_state))
+    moved = evidence.next_state[at] * evidence.actions + evidence.action[at]
+    if 0 < len(at) < FEWEST_STEPS and np.array_equal(cell[at], moved):
+        first = evidence.number[at[0]]
+        yield (
+            f"At {step_text(first)} it was Q(s′, a) that moved, not Q(s, a): {len(at)} such "
+            f"{'step' if len(at) == 1 else 'steps'} so far, {FEWEST_STEPS} would prove that the state "
+            "is moved on before the update."
+        )
+
+
+# Findings with proof
+
+
+_LONGEST_TEXT: Final = 600
+"""Characters of a sentence; names of the program stand in it."""
+_HIDDEN_BY: Final = {
+    CodeFault.ROUNDING_TABLE: frozenset(
+        {CodeFault.LOSES_UPDATE, CodeFault.FIRST_OF_TIES, CodeFault.NEVER_EXPLORES}
+    ),
+    CodeFault.SHARED_TABLE: frozenset({CodeFault.WRONG_CELL, CodeFault.UPDATES_AFTER_MOVING}),
+    CodeFault.UPDATES_AFTER_MOVING: frozenset({CodeFault.BOOTSTRAPS_AFTER_END}),
+}
+"""Faults that follow from another, which alone is told."""
+
+
+def findings_of(
+    evidence: Evidence, update: UpdateFound, log: ProgramLog, *, done_is_either: bool = False
+) -> tuple[tuple[CodeFinding, ...], tuple[str, ...]]:
+    """Return the findings about the program of ``log`` and the notes on what cannot be told.
+
+    ``done_is_either`` says that an agent is handed one flag for the end of an episode and its being cut off.
+    """
+    if log.table is None or not len(evidence):
+        return (), ()
+    with np.errstate(over="ignore", invalid="ignore"):  # of a table whose numbers run away
+        return _found(evidence, update, log, log.table, done_is_either=done_is_either)
+
+
+def _found(
+    evidence: Evidence, update: UpdateFound, log: ProgramLog, table: FoundTable, *, done_is_either: bool
+) -> tuple[tuple[CodeFinding, ...], tuple[str, ...]]:
+    code = program_code(log)
+    names = names_of(code, table, update, log.numbers)
+    predictions = by_the_environment(evidence, update, table.dtype)
+    proofs = [
+        *_without_a_rule(evidence, log, table, code, names),
+        *_by_the_rule(predictions, update, log, code, names, done_is_either=done_is_either),
+    ]
+    enough = [proof for proof in proofs if proof is not None and proof.is_enough]
+    hidden = frozenset().union(*(_HIDDEN_BY.get(proof.fault, frozenset()) for proof in enough))
+    findings = tuple(_finding(proof, code) for proof in enough if proof.fault not in hidden)
+    return findings, notes_on(evidence, predictions.update, table.dtype, log.numbers)
+
+
+def findings_without_table(log: ProgramLog) -> tuple[CodeFinding, ...]:
+    """Return what may be told of an agent in which no table was found."""
+    if log.agent is None:
+        return ()
+    code = program_code(log)
+    proof = proof_of_missing_update(log, code)
+    return () if proof is None else (_finding(proof, code),)
+
+
+def _without_a_rule(
+    evidence: Evidence, log: ProgramLog, table: FoundTable, code: ProgramCode, names: CodeNames
+) -> Iterator[Proof | None]:
+    """Yield what may be proven of any program."""
+    writes = code.always_writes
+    yield proof_of_sharing(evidence, log.shared_at, names)
+    yield proof_of_rounding(evidence, table.dtype, log.numbers, names, writes=writes)
+    yield proof_of_no_update(evidence, names, code, is_over=log.ended)
+    yield proof_of_cell(evidence, names)
+    yield risk_of_choices(evidence, log, names)
+
+
+def _by_the_rule(
+    predictions: Predictions,
+    update: UpdateFound,
+    log: ProgramLog,
+    code: ProgramCode,
+    names: CodeNames,
+    *,
+    done_is_either: bool,
+) -> Iterator[Proof | None]:
+    """Yield what may be proven where the update is known."""
+    if not predictions.is_known:
+        return
+    reward, shifted = reward_used(predictions, names)
+    yield shifted
+    yield proof_of_axis(predictions, reward, names)
+    yield from proofs_at_ends(
+        predictions,
+        reward,
+        names,
+        done_is_either=done_is_either,
+        may_be_own=code.sets_a_constant or (predictions.update != update and code.gives_other(names.reward)),
+    )
+    yield proof_of_gamma_twice(predictions, reward, log.numbers, names)
+    yield proof_of_step_size(predictions, reward, names)
+
+
+def _finding(proof: Proof, code: ProgramCode) -> CodeFinding:
+    match proof.place:
+        case CodePlace.UPDATE:
+            line = code.update_line()
+        case CodePlace.TABLE:
+            line = code.table_line()
+        case CodePlace.CHOICE:
+            line = code.choice_line()
+        case CodePlace.CALL:
+            line = code.call_line()
+    return CodeFinding(
+        proof.fault,
+        proof.certainty,
+        int(proof.steps[0]),
+        len(proof.steps),
+        proof.against,
+        one_line(proof.text, _LONGEST_TEXT),
+        one_line(proof.correction, _LONGEST_TEXT),
+        "" if line is None else line.file,
+        None if line is None else line.line,
+    )
+
+
+# The verdict
+
+
+def verdict_of(log: ProgramLog) -> ProgramVerdict:
+    """Return the verdict on the program that told ``log``; it claims nothing that steps do not prove."""
+    if log.table is None or log.recording.initial is None:
+        return ProgramVerdict(findings=findings_without_table(log))
+    is_either = log.agent is not None and log.agent.done_is_either
+    with np.errstate(all="ignore"):  # somebody's table may hold anything
+        evidence = Evidence(log.recording)
+        update = update_of(evidence, log.numbers, log.table.dtype)
+        findings, notes = findings_of(evidence, update, log, done_is_either=is_either)
+    return ProgramVerdict(update, findings, (*notes, *note_on_other_worlds(log)))

@@ -1,0 +1,224 @@
+"""Bugs in which cell of the table moves: the wrong one, or several at once.
+
+They are proved without knowing the update rule. ``Proof`` is the form of every proved bug.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum, auto
+from typing import Final, Literal
+
+import numpy as np
+
+from rl_tui.programs.evidence.code_names import CodeNames
+from rl_tui.programs.evidence.evidence import NO_ACTION, Evidence
+from rl_tui.programs.evidence.verdict import RISKS, CodeFault, step_number
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
+
+# A proof
+
+
+FEWEST_STEPS: Final = 3
+"""So many steps must speak for a fault, and none against it."""
+MOST_STEPS: Final = 50_000
+"""Steps that one question looks at: half of them the first, half the latest."""
+_SHARE_OF_OTHERS: Final = 0.05
+
+
+class CodePlace(Enum):
+    """Which line of the code a fault belongs to."""
+
+    UPDATE = auto()
+    """The line that changes the table."""
+    TABLE = auto()
+    """Where the table is made."""
+    CHOICE = auto()
+    """Where the action is chosen."""
+    CALL = auto()
+    """The call of ``env.step``."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Proof:
+    """``steps`` are the numbers of the steps that speak for ``fault``, oldest first.
+
+    ``against`` counts those that speak against it, 0 for a fault, and ``neither`` those on which
+    something else happened.
+    """
+
+    fault: CodeFault
+    steps: IntArray
+    against: int
+    text: str
+    correction: str
+    place: CodePlace = CodePlace.UPDATE
+    certainty: Literal["proven", "declared"] = "proven"
+    neither: int = 0
+
+    @property
+    def is_enough(self) -> bool:
+        """Whether it may be told."""
+        few = self.neither <= len(self.steps) * _SHARE_OF_OTHERS
+        is_clear = self.against == 0 or self.fault in RISKS
+        return len(self.steps) >= FEWEST_STEPS and is_clear and few
+
+
+def some_of(places: IntArray, most: int = MOST_STEPS) -> IntArray:
+    """Return ``places``, or of very many the first and the last ones."""
+    if len(places) <= most:
+        return places
+    return np.concatenate((places[: most // 2], places[-(most - most // 2) :]))
+
+
+def step_text(step: int) -> str:
+    """Return ``step`` for a sentence, as people count."""
+    return f"step {step_number(step):,}"
+
+
+def written(number: float) -> str:
+    """Return ``number`` for a sentence, with four digits that count."""
+    return f"{number:.4g}".replace("-", "−")
+
+
+# Wrong and shared cells
+
+
+_ONE_CELL: Final = 0.95
+"""Of the steps that changed something, so many must have changed one cell."""
+_MOST_FIXED: Final = 32
+"""Actions that are tried as one that a slip fixes."""
+_MOVED: Final = "(s′, a)"
+_MOST_SOLVED: Final = 2_000
+"""Steps that are asked where the maximum is taken."""
+_UNKNOWNS: Final = 3
+_PATIENCE: Final = 1_000.0
+"""So many times the precision of the table a solution may be off."""
+
+
+def proof_of_cell(evidence: Evidence, names: CodeNames) -> Proof | None:
+    """Return the proof that always a wrong cell moves, if there is one."""
+    cell = evidence.only_change[0]
+    rebound = np.isin(evidence.number, np.asarray(evidence.recording.rebound, np.int64))
+    single = (cell >= 0) & ~rebound
+    if single.sum() < _ONE_CELL * (evidence.changes_of > 0).sum():
+        return None
+    at = some_of(np.flatnonzero(single))
+    for place, wrong in _wrong_cells(evidence, at).items():
+        proof = _proof(evidence, at, wrong, place, names)
+        if proof.is_enough:
+            return proof
+    return None
+
+
+def _wrong_cells(evidence: Evidence, at: IntArray) -> dict[str, IntArray]:
+    """Return the cells, [n], that a slip may move in place of (s, a); −1 where there is none."""
+    actions, state, action = evidence.actions, evidence.state[at], evidence.action[at]
+    following, next_state = evidence.next_action[at], evidence.next_state[at]
+    initial = evidence.recording.initial
+    states = 0 if initial is None else len(initial) // actions
+    has_next = following != NO_ACTION
+    fits = (state < actions) & (action < states)
+    cells = {
+        _MOVED: next_state * actions + action,
+        "(a, s)": np.where(fits, action * actions + state, -1),
+        "(s′, a′)": np.where(has_next, next_state * actions + following, -1),
+        "(s, a′)": np.where(has_next, state * actions + following, -1),
+    }
+    for fixed in range(min(actions, _MOST_FIXED)):
+        cells[f"(s, {fixed})"] = state * actions + fixed
+    return cells
+
+
+def _proof(evidence: Evidence, at: IntArray, wrong: IntArray, place: str, names: CodeNames) -> Proof:
+    """Prove ``wrong`` from the steps on which it is another cell than the step's own."""
+    moved, own = evidence.only_change[0][at], evidence.cell[at]
+    known = wrong >= 0
+    differ = known & (wrong != own)
+    speaking = at[differ & (moved == wrong)]
+    text = ""
+    if len(speaking):
+        first = speaking[0]
+        state, action = divmod(int(evidence.cell[first]), evidence.actions)
+        other = divmod(int(evidence.only_change[0][first]), evidence.actions)
+        text = (
+            f"at {step_text(evidence.number[first])} action {action} was taken in state {state}, and "
+            f"Q({other[0]}, {other[1]}) moved, that is {place}; so at all {len(speaking):,} steps where it "
+            f"is not Q(s, a)"
+        )
+    is_swapped = place == _MOVED and _takes_own_maximum(evidence, speaking)
+    if is_swapped:
+        text += ", and the maximum in its target is that of Q(s)"
+    return Proof(
+        CodeFault.UPDATES_AFTER_MOVING if place == _MOVED and not is_swapped else CodeFault.WRONG_CELL,
+        evidence.number[speaking],
+        int((differ & (moved == own)).sum()),
+        text,
+        _correction(names, place, is_swapped=is_swapped),
+        neither=int((known & (moved != wrong) & (moved != own)).sum()),
+    )
+
+
+def _correction(names: CodeNames, place: str, *, is_swapped: bool) -> str:
+    cell = names.cell()
+    if place != _MOVED:
+        return f"update the cell of the state acted in and the action taken there: {cell}"
+    if is_swapped:
+        swapped = f"{names.state} and {names.next_state} are swapped"
+        return f"{swapped}: {names.target()}; {cell} += {names.alpha} * (target - {cell})"
+    if names.next_state == names.state:  # env.step overwrites it
+        names = replace(names, next_state=f"next_{names.state}")
+    other = replace(names, state=names.next_state).cell()
+    return f"update {cell}, not {other}; {names.state} = {names.next_state} comes after that"
+
+
+def _takes_own_maximum(evidence: Evidence, at: IntArray) -> bool:
+    """Return whether the steps ``at``, which move (s′, a), take max Q(s) and not max Q(s′) for their target.
+
+    By how much a cell moves is a sum of the reward, the maximum and what stood there, each times a number
+    that is the same at all steps: only the right maximum solves all of them.
+    """
+    at = at[~(evidence.terminated | evidence.truncated)[at]][:_MOST_SOLVED]
+    if len(at) < FEWEST_STEPS:
+        return False
+    own = evidence.rows(evidence.state[at], at).max(1)
+    following = evidence.rows(evidence.next_state[at], at).max(1)
+    if (own != following).sum() < FEWEST_STEPS + _UNKNOWNS:
+        return False
+    return _is_solved_by(evidence, at, own) and not _is_solved_by(evidence, at, following)
+
+
+def _is_solved_by(evidence: Evidence, at: IntArray, maximum: FloatArray) -> bool:
+    _, before, after = (column[at] for column in evidence.only_change)
+    parts = np.column_stack((evidence.reward[at], maximum, before))
+    if not (np.isfinite(parts).all() and np.isfinite(after).all()):
+        return False
+    factors = np.linalg.lstsq(parts, after, rcond=None)[0]
+    largest = max(float(np.abs(parts).max()), float(np.abs(after).max()))
+    return bool(np.abs(parts @ factors - after).max() <= _PATIENCE * evidence.precision * largest)
+
+
+def proof_of_sharing(evidence: Evidence, shared_at: int | None, names: CodeNames) -> Proof | None:
+    """Return the proof that rows of the table are one and the same, if they were seen to be."""
+    if shared_at is None:
+        return None
+    changes = evidence.recording.changes
+    actions = evidence.actions
+    order = np.lexsort((changes.cell, changes.cell % actions, changes.step))
+    step, action = changes.step[order], changes.cell[order] % actions
+    after = changes.after[order]
+    alike = (step[1:] == step[:-1]) & (action[1:] == action[:-1]) & (after[1:] == after[:-1])
+    if not alike.any():
+        return None
+    steps = np.unique(step[1:][alike])
+    first = int(np.argmax(alike))
+    one, other = (int(changes.cell[order][place]) // actions for place in (first, first + 1))
+    return Proof(
+        CodeFault.SHARED_TABLE,
+        steps,
+        0,
+        f"rows of the table are one and the same: at {step_text(step[first])} the rows of states {one} "
+        f"and {other} moved alike; so at {len(steps):,} steps",
+        f"make a row for each state: {names.table} = {names.rows(actions)}",
+        CodePlace.TABLE,
+    )

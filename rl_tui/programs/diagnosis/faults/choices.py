@@ -1,0 +1,90 @@
+"""How actions are chosen, where that may keep a program from ever seeing a reward."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from rl_tui.agents.exact.first_update import first_wait
+from rl_tui.agents.exact.policy_evaluation import NoExactAnswer
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.common.errors import UserError
+from rl_tui.programs.diagnosis.faults.cells import CodePlace, Proof
+from rl_tui.programs.evidence.code_names import CodeNames
+from rl_tui.programs.evidence.evidence import Evidence
+from rl_tui.programs.evidence.verdict import CodeFault
+from rl_tui.programs.watched.program_log import ProgramLog
+from rl_tui.programs.watched.program_world import world_of_program
+
+_SURE: Final = 0.9999
+_FEWEST: Final = 200
+"""Choices from which their shares are told."""
+_DEVIATIONS: Final = 10.0
+"""Standard deviations that a share must be off, so that chance is no explanation."""
+
+
+def risk_of_choices(evidence: Evidence, log: ProgramLog, names: CodeNames) -> Proof | None:
+    """Return what may keep the program from learning: told only while nothing was learned.
+
+    And only where a policy that breaks ties at random would have seen a reward in as many episodes with a
+    chance above 0.9999.
+    """
+    if evidence.changes.step.size or evidence.initial.any():
+        return None  # a dict that gets rows of zeros has learned nothing
+    if not len(evidence) or evidence.reward.any():
+        return None
+    taken = np.bincount(evidence.action, minlength=evidence.actions)
+    favourite, total = int(taken.argmax()), int(taken.sum())
+    even = total / evidence.actions
+    if total < _FEWEST or taken[favourite] - even < _DEVIATIONS * math.sqrt(even):
+        return None
+    episodes = int(evidence.episode[-1] - evidence.episode[0])
+    chance = _chance_at_random(log, episodes)
+    if chance is None or chance <= _SURE:
+        return None
+    return _risk(evidence, favourite, episodes, names)
+
+
+def _chance_at_random(log: ProgramLog, episodes: int) -> float | None:
+    """Return the chance that uniformly random actions see a reward in so many episodes; None if not known."""
+    if len(log.environments) != 1:
+        return None
+    try:
+        mdp = world_of_program(log.environments[0]).world.mdp
+        if mdp is None:
+            return None
+        chance = first_wait(mdp, "q-learning", Hyperparameters(ties="random", initial_q=0.0)).chance
+    except (NoExactAnswer, UserError):
+        return None
+    return 1.0 if chance >= 1.0 else -math.expm1(episodes * math.log1p(-chance))
+
+
+def _risk(evidence: Evidence, favourite: int, episodes: int, names: CodeNames) -> Proof:
+    chosen = np.flatnonzero(evidence.action == favourite)
+    others = len(evidence) - len(chosen)
+    the_last = "the last " if evidence.recording.first else ""
+    without = (
+        f"no reward was seen in {the_last}{episodes:,} episodes, and nothing learned; by random actions one "
+        f"would have been seen with a chance above {_SURE}"
+    )
+    if not others:
+        return Proof(
+            CodeFault.NEVER_EXPLORES,
+            evidence.number[chosen],
+            0,
+            f"all {len(chosen):,} actions were action {favourite}: {without}",
+            f"with probability ε take a random action, else one of the best: "
+            f"{names.action} = random.randrange({evidence.actions})",
+            CodePlace.CHOICE,
+        )
+    return Proof(
+        CodeFault.FIRST_OF_TIES,
+        evidence.number[chosen],
+        others,
+        f"{len(chosen):,} of {len(evidence):,} choices between equal values were action "
+        f"{favourite}: {without}",
+        f"choose at random among the actions of the largest value: {names.random_tie()}",
+        CodePlace.CHOICE,
+    )

@@ -1,0 +1,93 @@
+"""What the numbers of an update say: a discount that is applied twice, a step size out of its range."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from rl_tui.programs.diagnosis.faults.cells import Proof, some_of, written
+from rl_tui.programs.diagnosis.faults.predictions import Predictions
+from rl_tui.programs.evidence.code_names import CodeNames
+from rl_tui.programs.evidence.verdict import CodeFault, MovedCell
+from rl_tui.worlds.mdp.space import FloatArray
+
+_NEAR: Final = 1e-6
+_DISCOUNT: Final = re.compile(r"gamma|discount|γ|^(g|df)$", re.IGNORECASE)
+
+
+def proof_of_gamma_twice(
+    predictions: Predictions, reward: FloatArray, numbers: Mapping[str, float], names: CodeNames
+) -> Proof | None:
+    """Return the proof that γ² moves the table where the code says γ; it rests on the name of a number."""
+    gamma = predictions.update.gamma
+    if not predictions.is_known or gamma is None or not 0.0 < gamma < 1.0:
+        return None
+    name = discount_twice(gamma, numbers)
+    if name is None:
+        return None
+    evidence = predictions.evidence
+    inner = ~(evidence.terminated | evidence.truncated) & (evidence.changes_of == 1)
+    readings = predictions.readings(some_of(np.flatnonzero(inner)))
+    values, own = predictions.values(readings.at), reward[readings.at]
+    twice = predictions.after(readings, own, values)
+    once = predictions.after(readings, own, values / numbers[name])
+    seen = predictions.witnesses(readings, twice, once)
+    root = written(numbers[name])
+    return Proof(
+        CodeFault.GAMMA_TWICE,
+        evidence.number[readings.at[seen.one]],
+        int(seen.other.sum()),
+        f"the table moves with γ {written(gamma)}; your `{name}` is {root}, and {root}² = {written(gamma)}",
+        f"discount once: {replace(names, gamma=name).target()}",
+        certainty="declared",
+        neither=int(seen.neither.sum()),
+    )
+
+
+def discount_twice(gamma: float, numbers: Mapping[str, float]) -> str | None:
+    """Return the name of the discount whose square is ``gamma``; None if the code holds ``gamma`` itself."""
+    if any(math.isclose(each, gamma, rel_tol=_NEAR) for each in numbers.values()):
+        return None
+    roots = [
+        name
+        for name, each in numbers.items()
+        if math.isclose(each * each, gamma, rel_tol=_NEAR) and _DISCOUNT.search(name.rpartition(".")[2])
+    ]
+    return min(roots, key=len, default=None)
+
+
+def proof_of_step_size(predictions: Predictions, reward: FloatArray, names: CodeNames) -> Proof | None:
+    """Return the proof of a constant step size that no average has: above 1, or not above 0."""
+    update = predictions.update
+    alpha = update.alpha
+    if not predictions.is_known or update.alpha_schedule != "constant" or alpha is None:
+        return None
+    if 0.0 < alpha <= 1.0 + _NEAR or update.place is MovedCell.ONE_LATE or update.reward == "own":
+        return None
+    evidence = predictions.evidence
+    changed = evidence.changes_of == 1
+    readings = predictions.readings(some_of(np.flatnonzero(changed)))
+    values, own = predictions.values(readings.at), reward[readings.at]
+    values = np.concatenate((values, np.zeros((len(own), 1))), axis=1)
+    moved = predictions.after(readings, own, values)
+    nearest = 1.0 if alpha > 1.0 else 0.0
+    allowed = readings.before[:, None] + nearest / alpha * (moved - readings.before[:, None])
+    seen = predictions.witnesses(readings, moved, allowed)
+    return Proof(
+        CodeFault.STEP_SIZE_OUT_OF_RANGE,
+        evidence.number[readings.at[seen.one]],
+        int(seen.other.sum()),
+        f"{names.alpha} is {written(alpha)} at all {int(seen.one.sum()):,} steps that tell it"
+        + (
+            ": the estimate goes beyond its target"
+            if alpha > 1.0
+            else ": the estimate goes away from its target"
+        ),
+        f"take 0 < {names.alpha} ≤ 1: {names.cell()} += {names.alpha} * (target - {names.cell()})",
+        neither=int(seen.neither.sum()),
+    )

@@ -1,0 +1,161 @@
+"""What an update does at the last step of an episode."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from rl_tui.programs.diagnosis.faults.cells import CodePlace, Proof, some_of, step_text, written
+from rl_tui.programs.diagnosis.faults.predictions import Predictions, Readings
+from rl_tui.programs.evidence.code_names import CodeNames
+from rl_tui.programs.evidence.verdict import CodeFault, MovedCell, UpdateTarget
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray
+
+_LEAST_DISCOUNT: Final = 1e-3
+"""A smaller one may be nothing but rounding."""
+_EITHER_END: Final = "done"
+"""What a flag is called that is true at a truncation too, where that is what it is found to do."""
+
+
+class _Ends(NamedTuple):
+    """Last steps of one kind, with what stands there if they bootstrap, and if they do not."""
+
+    readings: Readings
+    values: FloatArray
+    with_next: FloatArray
+    without: FloatArray
+
+
+def proofs_at_ends(
+    predictions: Predictions, reward: FloatArray, names: CodeNames, *, done_is_either: bool, may_be_own: bool
+) -> tuple[Proof, ...]:
+    """Return what last steps prove, where the update is known and takes ``reward``, [N].
+
+    ``done_is_either`` says that the program is handed one flag for the end of an episode and for its being
+    cut off: that it does not bootstrap then is no fault of its own. ``may_be_own`` says that its rewards may
+    be others, or that it sets estimates to a number: then one may stay where it is though it is updated.
+    """
+    update = predictions.update
+    if not predictions.is_known or update.reward == "own" or update.place is MovedCell.ONE_LATE:
+        return ()
+    evidence = predictions.evidence
+    ended = evidence.terminated & evidence.learns
+    cut_off = evidence.truncated & ~evidence.terminated & evidence.learns
+    proofs = [] if may_be_own else [_lost_at_end(predictions, ended, reward, names)]
+    if update.target is not UpdateTarget.NOTHING and (update.gamma or 0.0) >= _LEAST_DISCOUNT:
+        proofs.append(_bootstraps(predictions, ended, reward, names))
+        if not done_is_either:
+            proofs.append(_left_out(predictions, cut_off, reward, names))
+    return tuple(proofs)
+
+
+def _ends(predictions: Predictions, which: BoolArray, reward: FloatArray) -> _Ends:
+    readings = predictions.readings(some_of(np.flatnonzero(which)))
+    values, own = predictions.values(readings.at), reward[readings.at]
+    return _Ends(
+        readings,
+        values,
+        predictions.after(readings, own, values),
+        predictions.after(readings, own, np.zeros((len(own), 1))),
+    )
+
+
+def _bootstraps(predictions: Predictions, ended: BoolArray, reward: FloatArray, names: CodeNames) -> Proof:
+    ends = _ends(predictions, ended, reward)
+    seen = predictions.witnesses(ends.readings, ends.with_next, ends.without)
+    return Proof(
+        CodeFault.BOOTSTRAPS_AFTER_END,
+        predictions.evidence.number[ends.readings.at[seen.one]],
+        int(seen.other.sum()),
+        _seen(
+            predictions, ends, seen.one, "the episode was over, yet the target held the next state's value:"
+        ),
+        f"after a terminal state there is nothing more to come: {names.target()}",
+        neither=int(seen.neither.sum()),
+    )
+
+
+def _left_out(predictions: Predictions, cut_off: BoolArray, reward: FloatArray, names: CodeNames) -> Proof:
+    ends = _ends(predictions, cut_off, reward)
+    if names.terminated == _EITHER_END:
+        names = replace(names, terminated="terminated")
+    seen = predictions.witnesses(ends.readings, ends.without, ends.with_next)
+    return Proof(
+        CodeFault.NO_BOOTSTRAP_AFTER_TRUNCATION,
+        predictions.evidence.number[ends.readings.at[seen.one]],
+        int(seen.other.sum()),
+        _seen(
+            predictions,
+            ends,
+            seen.one,
+            "the time limit cut the episode off, and the next state's value was left out:",
+        ),
+        f"cut off is not ended; ask for {names.terminated} alone: {names.target()}",
+        neither=int(seen.neither.sum()),
+    )
+
+
+def _lost_at_end(predictions: Predictions, ended: BoolArray, reward: FloatArray, names: CodeNames) -> Proof:
+    """Prove that last steps change nothing, in episodes whose other steps do."""
+    ends = _ends(predictions, ended & _follows_a_change(predictions), reward)
+    readings = ends.readings
+    expected = np.concatenate((ends.with_next, ends.without), axis=1)
+    seen = predictions.witnesses(readings, readings.before[:, None], expected)
+    steps = predictions.evidence.number[readings.at[seen.one]]
+    changed = int((seen.other | seen.neither).sum())  # by whatever: such a step is not without an update
+    text = ""
+    if len(steps):
+        first = int(np.argmax(seen.one))
+        text = (
+            f"{len(steps):,} last steps of episodes left the table as it was, and none changed it; at "
+            f"{step_text(steps[0])} the reward {written(reward[readings.at[first]])} should have moved "
+            f"{written(readings.before[first])} to {written(ends.without[first, 0])}"
+        )
+    return Proof(
+        CodeFault.LOSES_UPDATE,
+        steps,
+        changed,
+        text,
+        f"update also after the last step of an episode, before the loop is left: {names.target()}",
+        CodePlace.CALL,
+    )
+
+
+def _follows_a_change(predictions: Predictions) -> BoolArray:
+    """Return whether an earlier step of the same episode changed something, [N]."""
+    evidence = predictions.evidence
+    changing = np.flatnonzero(evidence.changes_of > 0)
+    first = np.full(int(evidence.episode.max(initial=0)) + 1, len(evidence))
+    np.minimum.at(first, evidence.episode[changing], changing)
+    follows: BoolArray = first[evidence.episode] < np.arange(len(evidence))
+    return follows
+
+
+def _seen(predictions: Predictions, ends: _Ends, which: BoolArray, what: str) -> str:
+    """Return a sentence about the first of ``which``, and how many there are."""
+    if not which.any():
+        return ""
+    first = int(np.argmax(which))
+    readings, evidence = ends.readings, predictions.evidence
+    at = readings.at[first]
+    state, action = divmod(int(predictions.moved_cell[at]), evidence.actions)
+    value = _value_taken(ends, first)
+    bootstrapped = _nearest(ends.with_next[first], readings.after[first])
+    before, after = written(readings.before[first]), written(readings.after[first])
+    moved = f"stayed {after}" if before == after else f"went from {before} to {after}"
+    return (
+        f"at {step_text(evidence.number[at])} {what} Q({state}, {action}) {moved}, with γ · "
+        f"{written(value)} it would be {written(bootstrapped)}, without it "
+        f"{written(ends.without[first, 0])}; so at all {int(which.sum()):,} such steps that tell it"
+    )
+
+
+def _value_taken(ends: _Ends, first: int) -> float:
+    place = int(np.abs(ends.with_next[first] - ends.readings.after[first]).argmin())
+    return float(ends.values[first, place])
+
+
+def _nearest(values: FloatArray, wanted: float) -> float:
+    return float(values[np.abs(values - wanted).argmin()])

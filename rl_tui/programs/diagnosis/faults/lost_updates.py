@@ -1,0 +1,156 @@
+"""Updates that leave nothing behind: a table of integers, or one that never moves."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+
+from rl_tui.programs.diagnosis.faults.cells import FEWEST_STEPS, CodePlace, Proof, some_of, step_text, written
+from rl_tui.programs.evidence.code_names import CodeNames
+from rl_tui.programs.evidence.code_places import ProgramCode
+from rl_tui.programs.evidence.evidence import Evidence
+from rl_tui.programs.evidence.verdict import CodeFault
+from rl_tui.programs.watched.program_log import ProgramLog
+from rl_tui.worlds.mdp.space import BoolArray, IntArray
+
+_MOST: Final = 2_000
+"""Steps of which is asked whether a step size and a discount explain what was cut off."""
+_MOST_NUMBERS: Final = 12
+_FEWEST_REWARDS: Final = 5
+_PATIENCE: Final = 1_000
+_PATIENT_EPISODES: Final = 100
+"""Rewards and episodes that a program may see before its first update while it runs: it may fill a memory."""
+
+
+def proof_of_rounding(
+    evidence: Evidence, dtype: str, numbers: Mapping[str, float], names: CodeNames, *, writes: bool
+) -> Proof | None:
+    """Return the proof that a table of integers cuts its updates off.
+
+    Either numbers of the code explain what is kept as the whole part of an update, or nothing is kept at all
+    of rewards though the code writes.
+    """
+    never_moves = not evidence.changes.step.size
+    if not dtype.startswith(("int", "uint")) or (never_moves and not writes):
+        return None
+    cut = _cut_off(evidence, numbers)
+    if cut is None and writes:
+        cut = _nothing_kept(evidence)
+    if cut is None:
+        return None
+    at, text = cut
+    return Proof(
+        CodeFault.ROUNDING_TABLE,
+        evidence.number[at],
+        0,
+        f"the table holds {dtype}: {text}; so at {len(at):,} steps",
+        f"make it of floats: {names.table} = np.zeros((number of states, number of actions))",
+        CodePlace.TABLE,
+    )
+
+
+def _cut_off(evidence: Evidence, numbers: Mapping[str, float]) -> tuple[IntArray, str] | None:
+    """Return the steps whose update was cut off, if numbers of the code explain all of them."""
+    plain = (evidence.changes_of == 0) | (evidence.only_change[0] == evidence.cell)
+    at = some_of(np.flatnonzero(plain & ((evidence.changes_of == 1) | (evidence.reward != 0.0))), _MOST)
+    before = evidence.history.before(evidence.cell[at], evidence.number[at])
+    after = np.where(evidence.changes_of[at] == 1, evidence.only_change[2][at], before)
+    best = evidence.rows(evidence.next_state[at], at).max(1, initial=-np.inf)
+    ended = evidence.terminated[at]
+    held = sorted({each for each in numbers.values() if 0.0 < each <= 1.0})[:_MOST_NUMBERS]
+    for alpha in dict.fromkeys((*held, 1.0)):
+        for gamma in dict.fromkeys((*held, 1.0)):
+            full = before + alpha * (evidence.reward[at] + gamma * np.where(ended, 0.0, best) - before)
+            fractional = np.abs(full - np.rint(full)) > 1e-9
+            if (np.trunc(full) == after)[fractional].all() and fractional.sum() >= FEWEST_STEPS:
+                first = int(np.argmax(fractional))
+                step = step_text(evidence.number[at[first]])
+                new, kept = written(full[first]), written(after[first])
+                return at[fractional], f"at {step} the new estimate {new} was cut off to {kept}"
+    return None
+
+
+def _nothing_kept(evidence: Evidence) -> tuple[IntArray, str] | None:
+    """Return the steps whose reward should have moved a 0 and did not, if no such step moved it."""
+    at = some_of(np.flatnonzero(evidence.reward != 0.0))
+    before = evidence.history.before(evidence.cell[at], evidence.number[at])
+    best = evidence.rows(evidence.next_state[at], at).max(1, initial=-np.inf)
+    should = (before == 0.0) & ((best == 0.0) | evidence.terminated[at])
+    at = at[should]
+    if len(at) < FEWEST_STEPS or evidence.changes_of[at].any():
+        return None
+    reward, step = written(evidence.reward[at[0]]), step_text(evidence.number[at[0]])
+    return at, f"nothing is kept of the reward {reward} at {step}"
+
+
+def proof_of_no_update(
+    evidence: Evidence, names: CodeNames, code: ProgramCode, *, is_over: bool
+) -> Proof | None:
+    """Return the proof that nothing ever moves, though rewards came and the code writes to the table.
+
+    Or though they came to an agent whose update is not written yet.
+    """
+    lacks_update = code.lacks_update
+    if evidence.recording.first or evidence.changes.step.size or len(np.unique(evidence.initial)) > 1:
+        return None  # what was learned earlier, or read from a file, is only used
+    if not (lacks_update or code.always_writes):
+        return None
+    rewarded = _tells(evidence, float(evidence.initial.max(initial=0.0)))
+    at = np.flatnonzero(rewarded)
+    is_long = len(at) >= _PATIENCE and np.ptp(evidence.episode) >= _PATIENT_EPISODES
+    is_long_enough = lacks_update or (len(at) >= _FEWEST_REWARDS and (is_over or is_long))
+    if not (len(at) and is_long_enough):
+        return None
+    first = at[0]
+    return Proof(
+        CodeFault.LOSES_UPDATE,
+        evidence.number[at],
+        0,
+        f"{len(at):,} steps brought a reward, the first at {step_text(evidence.number[first])} "
+        f"({written(evidence.reward[first])}), and no number of the table ever moved",
+        _mend(evidence, at, names, code),
+        CodePlace.CALL,
+    )
+
+
+def _mend(evidence: Evidence, rewarded: IntArray, names: CodeNames, code: ProgramCode) -> str:
+    """Return what to do where no reward of the steps at the places ``rewarded`` came into the table."""
+    update = f"{names.cell()} += {names.alpha} * (target - {names.cell()})"
+    if code.lacks_update:
+        return f"the update is missing, the code only reads: {names.target()}; {update}"
+    left = code.left_before_update()
+    if left is not None and (evidence.terminated | evidence.truncated)[rewarded].all():
+        return (
+            f"line {left.line} leaves the loop before the update, so it is not reached at steps that end an "
+            f"episode, which brought every reward: update first, by {names.target()}"
+        )
+    return f"after each step put the new estimate into the table itself: {update}"
+
+
+def proof_of_missing_update(log: ProgramLog, code: ProgramCode) -> Proof | None:
+    """Return the proof that an agent without any table, in which none was found, lacks its update."""
+    steps, first = log.recording.steps, log.recording.first
+    at = np.flatnonzero(steps.reward != 0.0)
+    if not len(at) or not code.lacks_update:
+        return None
+    return Proof(
+        CodeFault.LOSES_UPDATE,
+        at + first,
+        0,
+        f"{len(at):,} steps brought a reward, the first at {step_text(int(at[0]) + first)} "
+        f"({written(steps.reward[at[0]])}), and no estimate was ever written",
+        "the update is missing, the code only reads: Q(S, A) ← Q(S, A) + α [R + γ max Q(S′, a) − Q(S, A)]",
+        CodePlace.CALL,
+    )
+
+
+def _tells(evidence: Evidence, initial: float) -> BoolArray:
+    """Return which steps move an estimate of ``initial``, whatever the discount."""
+    reward = evidence.reward
+    if initial == 0.0:
+        tells: BoolArray = reward != 0.0
+    else:
+        tells = evidence.terminated & (reward != initial)
+    return tells

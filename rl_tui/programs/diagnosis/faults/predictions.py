@@ -1,0 +1,332 @@
+"""Predictions of each step by the update found, and the bugs they prove."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from rl_tui.programs.diagnosis.faults.cells import Proof, some_of, step_text, written
+from rl_tui.programs.evidence.code_names import CodeNames
+from rl_tui.programs.evidence.evidence import NO_ACTION, Evidence
+from rl_tui.programs.evidence.verdict import CodeFault, MovedCell, Rule, UpdateFound, UpdateTarget
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
+
+# Predictions of a step
+
+
+_PRECISION: Final = {"float32": 3e-6, "float16": 4e-3}
+_EXACT: Final = 1e-9
+_CLEARLY: Final = 100.0
+"""Two predictions tell hypotheses apart where they differ by so many times the precision."""
+_MOST_SOLVED: Final = 100_000
+"""Steps of which the step size of their episode is solved."""
+_FEW: Final = 10_000
+_FEWEST: Final = 10
+_EXCEPTIONS: Final = 0.03
+"""Of the steps explained, so many may be explained otherwise."""
+_MOST_COLUMNS: Final = 2_000_000
+"""Cells that are read for the largest values of whole columns."""
+
+
+class Readings(NamedTuple):
+    """What stood in the cell that each of n steps moves, and what stands there after it, [n] each."""
+
+    at: IntArray
+    """Places of the steps in the evidence."""
+    before: FloatArray
+    after: FloatArray
+
+
+class Witnesses(NamedTuple):
+    """Of n steps that tell two hypotheses apart: which speak for the one, which for the other; [n] each."""
+
+    one: BoolArray
+    other: BoolArray
+    neither: BoolArray
+    """The cell moved as none of the two predicts."""
+
+
+class Predictions:
+    """The steps of ``evidence`` by the lights of ``update``; ``dtype`` is that of the table."""
+
+    def __init__(self, evidence: Evidence, update: UpdateFound, dtype: str) -> None:
+        self.evidence, self.update = evidence, update
+        self._precision = _PRECISION.get(dtype, _EXACT)
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the update says what a step does, at least where the next state is worth 0."""
+        update = self.update
+        has_step_size = update.alpha is not None or update.alpha_schedule is not None
+        return has_step_size and update.rule is not Rule.MONTE_CARLO
+
+    @cached_property
+    def moved_cell(self) -> IntArray:
+        """The cell that each step moves, [N]."""
+        evidence = self.evidence
+        if self.update.place is MovedCell.MOVED:
+            return evidence.next_state * evidence.actions + evidence.action
+        return evidence.cell
+
+    @cached_property
+    def is_plain(self) -> BoolArray:
+        """Whether a step moved its own cell alone, or nothing, [N], before any number runs away."""
+        evidence = self.evidence
+        own: BoolArray = (evidence.changes_of == 0) | (evidence.only_change[0] == self.moved_cell)
+        return own & (evidence.number < evidence.runs_away_at)
+
+    @cached_property
+    def alpha(self) -> FloatArray:
+        """The step size of each step, [N]; NaN where it is not known."""
+        if self.update.alpha is not None:
+            return np.full(len(self.evidence), self.update.alpha)
+        if self.update.alpha_schedule == "1/N":
+            return self._alpha_by_visits()
+        if self.update.alpha_schedule == "by-episode":
+            return self._alpha_by_episode()
+        return np.full(len(self.evidence), np.nan)
+
+    @cached_property
+    def gamma(self) -> float:
+        """The discount; NaN where it is not known."""
+        return np.nan if self.update.gamma is None else self.update.gamma
+
+    def readings(self, at: IntArray) -> Readings:
+        """Return what the plain steps at the places ``at`` did to the cell that they move."""
+        at = at[self.is_plain[at]]
+        evidence = self.evidence
+        before = evidence.history.before(self.moved_cell[at], evidence.number[at])
+        return Readings(
+            at, before, np.where(evidence.changes_of[at] > 0, evidence.only_change[2][at], before)
+        )
+
+    def values(self, at: IntArray, target: UpdateTarget | None = None) -> FloatArray:
+        """Return what each step may have taken for the value of its next state, [n, K].
+
+        There is more than one where the program chose an action that it never took.
+        """
+        evidence, update = self.evidence, self.update
+        target = target or update.target
+        if target is UpdateTarget.NOTHING:
+            return np.zeros((len(at), 1))
+        if target is UpdateTarget.COLUMN:
+            return self._column_values(at)
+        source = evidence.state if target is UpdateTarget.OWN_STATE else evidence.next_state
+        rows = evidence.rows(source[at], at)
+        if target is UpdateTarget.NEXT_ACTION:
+            return _of_next_action(rows, evidence.next_action[at])
+        if target is UpdateTarget.SAME_ACTION:
+            same: FloatArray = np.take_along_axis(rows, evidence.action[at][:, None], 1)
+            return same
+        best: FloatArray = rows.max(1)
+        if target is UpdateTarget.INDEX:
+            best = rows.argmax(1).astype(np.float64)
+        if target is UpdateTarget.EXPECTED:
+            epsilon = np.nan if update.epsilon is None else update.epsilon  # of each episode another one
+            best = (1.0 - epsilon) * best + epsilon * rows.mean(1)
+        column: FloatArray = best[:, None]
+        return column
+
+    def after(self, readings: Readings, reward: FloatArray, values: FloatArray) -> FloatArray:
+        """Return what would stand in the cells, [n, K], with ``reward`` [n] and next values [n, K]."""
+        before, alpha = readings.before[:, None], self.alpha[readings.at][:, None]
+        discounted = np.where(values == 0.0, 0.0, self.gamma * values)  # 0 whatever γ is
+        predicted: FloatArray = before + alpha * (reward[:, None] + discounted - before)
+        return predicted
+
+    def witnesses(self, readings: Readings, one: FloatArray, other: FloatArray) -> Witnesses:
+        """Return which steps came out as ``one`` [n, K] predicts and which as ``other`` [n, L] does.
+
+        Only steps are counted on which any of the one differs clearly from any of the other.
+        """
+        scale = np.maximum(np.abs(readings.before), np.abs(readings.after))
+        scale = np.maximum(scale, np.maximum(np.abs(one).max(1), np.abs(other).max(1)))
+        near = self._precision * scale + np.finfo(np.float64).tiny
+        clear = np.ones(len(scale), np.bool_)
+        for column in other.T:
+            clear &= (np.abs(one - column[:, None]) > _CLEARLY * near[:, None]).all(1)
+        after = readings.after[:, None]
+        fits_one = (np.abs(one - after) <= near[:, None]).any(1)
+        fits_other = (np.abs(other - after) <= near[:, None]).any(1)
+        moved = readings.before != readings.after
+        return Witnesses(clear & fits_one, clear & fits_other, clear & moved & ~fits_one & ~fits_other)
+
+    def _column_values(self, at: IntArray) -> FloatArray:
+        """Return the largest value of any state for the action taken, [n, 1]; NaN where it costs too much."""
+        evidence = self.evidence
+        initial = evidence.recording.initial
+        states = 0 if initial is None else len(initial) // evidence.actions
+        values = np.full((len(at), 1), np.nan)
+        read = min(len(at), _MOST_COLUMNS // max(states, 1))
+        cells = np.arange(states) * evidence.actions + evidence.action[at[:read]][:, None]
+        steps = np.broadcast_to(evidence.number[at[:read]][:, None], cells.shape)
+        values[:read, 0] = evidence.history.before(cells, steps).max(1, initial=-np.inf)
+        return values
+
+    def _alpha_by_visits(self) -> FloatArray:
+        """Return 1/N, where N may begin with more than 1; NaN if most steps are not so."""
+        at, solved = self._solved_alpha()
+        for visits in self.evidence.visits:
+            more = np.rint(1.0 / solved - visits[at])
+            usual = float(np.median(more)) if len(more) else 0.0
+            if len(more) and np.mean(more == usual) > 1.0 - _EXCEPTIONS:
+                size: FloatArray = 1.0 / np.maximum(visits + usual, 1.0)
+                return size
+        return np.full(len(self.evidence), np.nan)
+
+    def _alpha_by_episode(self) -> FloatArray:
+        """Return the median step size that the steps of an episode solve to, for each step."""
+        evidence = self.evidence
+        at, solved = self._solved_alpha()
+        if not len(solved):
+            return np.full(len(evidence), np.nan)
+        episode = evidence.episode[at]
+        order = np.lexsort((solved, episode))
+        names, first, count = np.unique(episode[order], return_index=True, return_counts=True)
+        middle = solved[order][first + (count - 1) // 2]
+        place = np.minimum(np.searchsorted(names, evidence.episode), len(names) - 1)
+        return np.where(names[place] == evidence.episode, middle[place], np.nan)
+
+    def _solved_alpha(self) -> tuple[IntArray, FloatArray]:
+        """Return steps that are no last ones, and the step size that each solves to."""
+        evidence = self.evidence
+        inner = ~(evidence.terminated | evidence.truncated) & (evidence.changes_of == 1)
+        readings = self.readings(_thinned(np.flatnonzero(inner)))
+        values = self.values(readings.at)[:, 0]
+        error = evidence.reward[readings.at] + self.gamma * values - readings.before
+        with np.errstate(divide="ignore", invalid="ignore"):
+            solved = (readings.after - readings.before) / error
+        known = np.isfinite(solved) & (solved != 0.0)
+        return readings.at[known], solved[known]
+
+
+def by_the_environment(evidence: Evidence, update: UpdateFound, dtype: str) -> Predictions:
+    """Return the predictions with the environment's reward, if an own one is needed at last steps at most."""
+    predictions = Predictions(evidence, update, dtype)
+    if update.reward != "own" or update.place is MovedCell.ONE_LATE:
+        return predictions
+    plainer = Predictions(evidence, replace(update, reward="environment"), dtype)
+    inner = ~(evidence.terminated | evidence.truncated) & (evidence.changes_of == 1)
+    readings = plainer.readings(some_of(np.flatnonzero(inner), _FEW))
+    expected = plainer.after(readings, evidence.reward[readings.at], plainer.values(readings.at))
+    seen = plainer.witnesses(readings, expected, readings.before[:, None])
+    explained, others = int(seen.one.sum()), int(seen.neither.sum())
+    return plainer if explained >= _FEWEST and others <= _EXCEPTIONS * explained else predictions
+
+
+def _thinned(at: IntArray) -> IntArray:
+    """Return ``at``, or every so-manieth where there are very many."""
+    return at[:: max(1, -(-len(at) // _MOST_SOLVED))]
+
+
+def _of_next_action(rows: FloatArray, action: IntArray) -> FloatArray:
+    """Return the values of ``action`` [n]; of a step without a next one all of its row, [n, A]."""
+    taken = np.take_along_axis(rows, np.maximum(action, 0)[:, None], 1)
+    return np.where((action == NO_ACTION)[:, None], rows, taken)
+
+
+# Maximum over states, not actions
+
+
+_FEW_STEPS: Final = 2_000
+"""Steps that are looked at: a column is as long as there are states."""
+
+
+def proof_of_axis(predictions: Predictions, reward: FloatArray, names: CodeNames) -> Proof | None:
+    """Return the proof that the largest value of a column stands in the target."""
+    update = predictions.update
+    if (
+        update.target is not UpdateTarget.COLUMN
+        or not predictions.is_known
+        or update.place is MovedCell.ONE_LATE
+    ):
+        return None
+    evidence = predictions.evidence
+    inner = ~(evidence.terminated | evidence.truncated) & (evidence.changes_of == 1)
+    readings = predictions.readings(some_of(np.flatnonzero(inner), _FEW_STEPS))
+    at = readings.at
+    column, best = predictions.values(at), predictions.values(at, UpdateTarget.BEST)
+    over_states = predictions.after(readings, reward[at], column)
+    over_actions = predictions.after(readings, reward[at], best)
+    seen = predictions.witnesses(readings, over_states, over_actions)
+    speaking = at[seen.one]
+    text = ""
+    if len(speaking):
+        first = int(np.argmax(seen.one))
+        text = (
+            f"at {step_text(evidence.number[speaking[0]])} the target held {written(column[first, 0])}, the "
+            f"largest value of any state for action {evidence.action[speaking[0]]}; the largest of the next "
+            f"state is {written(best[first, 0])}; so at all {len(speaking):,} steps that tell the two apart"
+        )
+    return Proof(
+        CodeFault.WRONG_AXIS,
+        evidence.number[speaking],
+        int(seen.other.sum()),
+        text,
+        f"take the maximum over the actions of the next state, {names.best()}: {names.target()}",
+        neither=int(seen.neither.sum()),
+    )
+
+
+# Reward of the step before
+
+
+_MOST: Final = 20_000
+"""Steps that are looked at."""
+
+
+class RewardUsed(NamedTuple):
+    """The reward in the target of each step, [N], with the proof if that is not the step's own."""
+
+    reward: FloatArray
+    proof: Proof | None
+
+
+def reward_used(predictions: Predictions, names: CodeNames) -> RewardUsed:
+    """Return which reward is used, by the steps on which the one before would move the cell otherwise."""
+    evidence = predictions.evidence
+    if not predictions.is_known or predictions.update.reward == "own":
+        return RewardUsed(evidence.reward, None)
+    if predictions.update.place is MovedCell.ONE_LATE:
+        return RewardUsed(evidence.reward, None)
+    within = np.where(evidence.episode_step == 0, 0.0, evidence.reward_before)
+    for before in (evidence.reward_before, within):
+        proof = _proof(predictions, before, names)
+        if proof.is_enough:
+            return RewardUsed(before, proof)
+    return RewardUsed(evidence.reward, None)
+
+
+def _proof(predictions: Predictions, before: FloatArray, names: CodeNames) -> Proof:
+    evidence = predictions.evidence
+    differs = (evidence.reward != before) & evidence.learns & predictions.is_plain
+    readings = predictions.readings(some_of(np.flatnonzero(differs), _MOST))
+    at = readings.at
+    values = predictions.values(at)
+    ended = evidence.terminated[at] | evidence.truncated[at]
+    without = np.where(ended[:, None], 0.0, values)  # whether it bootstraps there is another question
+    values = np.concatenate((values, without), axis=1)
+    late = predictions.after(readings, before[at], values)
+    now = predictions.after(readings, evidence.reward[at], values)
+    seen = predictions.witnesses(readings, late, now)
+    speaking = at[seen.one]
+    text = ""
+    if len(speaking):
+        first = speaking[0]
+        text = (
+            f"at {step_text(evidence.number[first])} the reward was {written(evidence.reward[first])}, and "
+            f"the update took {written(before[first])}, the one it had before; so at all "
+            f"{len(speaking):,} steps that tell the two apart"
+        )
+    return Proof(
+        CodeFault.SHIFTED_REWARD,
+        evidence.number[speaking],
+        int(seen.other.sum()),
+        text,
+        f"take the {names.reward} that {names.environment}.step({names.action}) returned for this "
+        f"{names.state} and {names.action}: {names.target()}",
+        neither=int(seen.neither.sum()),
+    )

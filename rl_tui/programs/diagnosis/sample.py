@@ -1,0 +1,177 @@
+"""The steps on which hypotheses about an update are tried: a bounded choice, the same at every look."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from rl_tui.programs.evidence.verdict import MovedCell, UpdateTarget
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from rl_tui.programs.evidence.evidence import Evidence
+
+EXACT: Final = 1e-8
+"""A table of a finer precision than this holds doubles."""
+_FIRST: Final = 4_000
+_SURPRISING: Final = 5_000
+_MOVING: Final = 8_000
+_OTHERS: Final = 2_000
+_RUN: Final = 40
+"""Steps are chosen in runs of neighbours: some hypotheses compare those of one episode, or of one cell."""
+_COLUMN_CELLS: Final = 400_000
+"""How many cells are read at most for the maxima of columns."""
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Steps [n] with one moving cell at most, the one at ``place``, and what its new value may be made of.
+
+    ``at`` are the places of the steps in the evidence; ``old`` and ``new`` what stood in the cell before and
+    after. ``reward`` is the reward of the step that the cell stands for, ``reward_before`` that of the step
+    before, ``ended`` whether it terminated; ``rows`` [n, A] is the row of its next state before the step and
+    ``next_action`` the action taken there (−1 where it ended).
+    """
+
+    evidence: Evidence
+    place: MovedCell
+    at: IntArray
+    cell: IntArray
+    old: FloatArray
+    new: FloatArray
+    reward: FloatArray
+    reward_before: FloatArray
+    ended: BoolArray
+    next_state: IntArray
+    next_action: IntArray
+    rows: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.at)
+
+    @cached_property
+    def change(self) -> FloatArray:
+        """By how much the cell moved, [n]."""
+        return self.new - self.old
+
+    @cached_property
+    def slack(self) -> FloatArray:
+        """How far a prediction of ``new`` may be off, [n]."""
+        precision = self.evidence.precision
+        part = 1e-6 if precision < EXACT else 0.05  # what stood and stands may be 0 by cancellation
+        largest = np.maximum(np.abs(self.old), np.abs(self.new))
+        largest = np.maximum(largest, part * np.maximum(np.abs(self.reward), np.abs(self.best)))
+        result: FloatArray = np.maximum(largest, 1e-280) * precision
+        return result
+
+    @cached_property
+    def best(self) -> FloatArray:
+        """The greatest value of the next state, max Q(s′), [n]."""
+        result: FloatArray = self.rows.max(1)
+        return result
+
+    def value(self, target: UpdateTarget) -> FloatArray:
+        """Return the value of the next state that ``target`` reads, [n]; NaN where it was not looked up."""
+        if target is UpdateTarget.BEST:
+            return self.best
+        if target is UpdateTarget.NEXT_ACTION:
+            return self._of_actions(np.maximum(self.next_action, 0))
+        if target is UpdateTarget.EXPECTED:
+            mean: FloatArray = self.rows.mean(1)
+            return mean
+        if target is UpdateTarget.SAME_ACTION:
+            return self._of_actions(self.cell % self.evidence.actions)
+        if target is UpdateTarget.OWN_STATE:
+            own: FloatArray = self.evidence.rows(self.cell // self.evidence.actions, self.at).max(1)
+            return own
+        if target is UpdateTarget.INDEX:
+            index: FloatArray = self.rows.argmax(1).astype(np.float64)
+            return index
+        if target is UpdateTarget.COLUMN:
+            return self._column_maxima()
+        return np.zeros(len(self))
+
+    def _of_actions(self, action: IntArray) -> FloatArray:
+        values: FloatArray = self.rows[np.arange(len(self)), action]
+        return values
+
+    def _column_maxima(self) -> FloatArray:
+        """Return max Q(·, a) for the first steps of those that moved, NaN for all others."""
+        states = len(self.evidence.initial) // self.evidence.actions
+        some = np.flatnonzero(self.change)[: max(50, _COLUMN_CELLS // max(states, 1))]
+        columns = (self.cell[some] % self.evidence.actions)[:, None]
+        cells = columns + self.evidence.actions * np.arange(states)
+        steps = np.broadcast_to(self.evidence.number[self.at[some]][:, None], cells.shape)
+        result = np.full(len(self), np.nan)
+        result[some] = self.evidence.history.before(cells, steps).max(1)
+        return result
+
+
+def sample_of(evidence: Evidence, place: MovedCell) -> Sample:
+    """Return the steps of ``evidence`` on which an update of the cell at ``place`` is tried.
+
+    Left out are steps of episodes in which nothing moved (an evaluation, or nothing to learn from yet), those
+    cut off by a time limit, those whose episode was given up (nobody knows the next action), and those that
+    moved another cell or several.
+    """
+    moved, before, after = evidence.only_change
+    cell = place_of(evidence, place)
+    late = place is MovedCell.ONE_LATE
+    fit = evidence.learns & (evidence.changes_of <= 1) & ((moved == cell) | (moved < 0)) & (cell >= 0)
+    fit &= evidence.next_state * evidence.actions < len(evidence.initial)
+    fit &= (evidence.terminated | evidence.has_next) & ~evidence.truncated
+    fit &= evidence.number < evidence.runs_away_at
+    fit[-1:] = False  # what it moved may still be on its way
+    at = _chosen(evidence, np.flatnonzero(fit), moved >= 0)
+    still = moved[at] < 0
+    stood = evidence.history.before(cell[at], evidence.number[at])
+    state = evidence.state[at] if late else evidence.next_state[at]
+    return Sample(
+        evidence,
+        place,
+        at,
+        cell[at],
+        np.where(still, stood, before[at]),
+        np.where(still, stood, after[at]),
+        evidence.reward_before[at] if late else evidence.reward[at],
+        evidence.reward[at] if late else evidence.reward_before[at],
+        np.zeros(len(at), np.bool_) if late else evidence.terminated[at],
+        state,
+        evidence.action[at] if late else evidence.next_action[at],
+        evidence.rows(state, at),
+    )
+
+
+def place_of(evidence: Evidence, place: MovedCell) -> IntArray:
+    """Return the cell that is at ``place`` of each step, [N]; −1 where there is none."""
+    if place is MovedCell.TAKEN:
+        return evidence.cell
+    if place is MovedCell.MOVED:
+        return evidence.next_state * evidence.actions + evidence.action
+    return evidence.previous_cell
+
+
+def _chosen(evidence: Evidence, fit: IntArray, moves: BoolArray) -> IntArray:
+    """Return the places of the steps to look at, of those that ``fit``: all, or some of each kind."""
+    if len(fit) <= _FIRST + _SURPRISING + _MOVING + _OTHERS:
+        return fit
+    moving = moves[fit]
+    surprising = (evidence.reward != evidence.reward_before)[fit] | evidence.terminated[fit]
+    chosen = np.zeros(len(evidence), np.bool_)
+    chosen[fit[:_FIRST]] = True
+    chosen[_spread(fit[surprising], _SURPRISING)] = True
+    chosen[_spread(fit[moving], _MOVING)] = True
+    chosen[_spread(fit[~moving], _OTHERS)] = True
+    return np.flatnonzero(chosen)
+
+
+def _spread(places: IntArray, most: int) -> IntArray:
+    """Return at most ``most`` of ``places`` in runs of neighbours, from the first to the last."""
+    if len(places) <= most:
+        return places
+    starts = np.linspace(0, len(places) - _RUN, most // _RUN).astype(np.int64)
+    result: IntArray = places[(starts[:, None] + np.arange(_RUN)).ravel()]
+    return result

@@ -1,0 +1,191 @@
+"""One step of a watched program: what moved, and the update that it was, part by part."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from rl_tui.programs.evidence.verdict import MovedCell, Rule, UpdateFound, UpdateTarget
+from rl_tui.programs.watched.recording import Recording, StepColumns
+from rl_tui.worlds.mdp.space import FloatArray
+
+NOTHING: Final = -1
+_NEAR: Final = 1e-5
+"""How far, of the number that moved, a step may be off and still be that update (single precision)."""
+
+
+class CellChange(NamedTuple):
+    """A cell of the program's table, state · A + action, with what stood and what stands in it."""
+
+    cell: int
+    before: float
+    after: float
+
+
+@dataclass(frozen=True, slots=True)
+class StepUpdate:
+    """What step ``step`` of a program, counted from 0, did to its table.
+
+    ``moved`` are all cells that it moved. ``cell`` is the one that the update is about (−1: several moved, or
+    none can be said), ``before`` and ``after`` what stood and stands in it. The others are as in LastStep:
+    after = before + step_size·(gathered + discount·bootstrap − before). They are None where the update is
+    unknown or this step departs from it. ``bootstrap_state`` is −1 where no next state was read.
+    """
+
+    step: int
+    moved: tuple[CellChange, ...]
+    cell: int = NOTHING
+    before: float = 0.0
+    after: float = 0.0
+    step_size: float | None = None
+    gamma: float | None = None
+    gathered: float | None = None
+    discount: float | None = None
+    bootstrap: float | None = None
+    bootstrap_state: int = NOTHING
+
+    @property
+    def explained(self) -> bool:
+        """Whether the update that was found is what happened in this step."""
+        return self.step_size is not None
+
+
+class _Moment(NamedTuple):
+    """A step with the table before it, [S, A]; ``state`` is the one that its target may look at."""
+
+    table: FloatArray
+    action: int
+    reward: float
+    state: int
+    next_action: int
+    own_state: int
+    ended: bool
+
+
+def update_of_step(
+    recording: Recording, update: UpdateFound, step: int, table: FloatArray | None = None
+) -> StepUpdate:
+    """Return what ``step`` did; ``table`` is the table before it, [S·A], if that is at hand.
+
+    Raises ValueError where the step is not kept, or no table was found.
+    """
+    place = step - recording.first
+    steps, changes = recording.steps, recording.changes
+    if not 0 <= place < len(steps.state):
+        raise ValueError(f"step {step} is not kept")
+    if table is None:
+        table = recording.table_at(step)
+    table = np.nan_to_num(table)
+    low, high = (int(each) for each in np.searchsorted(changes.step, (step, step + 1)))
+    moved = tuple(
+        CellChange(int(cell), 0.0 if np.isnan(before) else float(before), float(after))
+        for cell, before, after in zip(
+            changes.cell[low:high], changes.before[low:high], changes.after[low:high], strict=True
+        )
+    )
+    moved = tuple(each for each in moved if each.before != each.after)
+    cell = _cell(steps, place, recording.actions, update.place)
+    if len(moved) > 1 or (moved and cell != moved[0].cell) or not 0 <= cell < len(table):
+        only = moved[0] if len(moved) == 1 else None
+        return StepUpdate(step, moved, *(only or (NOTHING, 0.0, 0.0)))
+    before, after = (moved[0].before, moved[0].after) if moved else (float(table[cell]),) * 2
+    bare = StepUpdate(step, moved, cell, before, after)
+    if update.rule is Rule.MONTE_CARLO or (update.rule is Rule.UNKNOWN and update.alpha_schedule is None):
+        return bare
+    moment = _moment(recording, place, update, table.reshape(-1, recording.actions))
+    return _with_parts(bare, update, moment) if moment else bare
+
+
+def _cell(steps: StepColumns, place: int, actions: int, where: MovedCell) -> int:
+    """Return the cell that an update at ``where`` moves in the step at ``place``, −1 if there is none."""
+    if where is MovedCell.ONE_LATE:
+        if place == 0 or steps.episode[place - 1] != steps.episode[place]:
+            return NOTHING
+        place -= 1
+    state = steps.next_state[place] if where is MovedCell.MOVED else steps.state[place]
+    return int(state) * actions + int(steps.action[place])
+
+
+def _moment(recording: Recording, place: int, update: UpdateFound, table: FloatArray) -> _Moment | None:
+    """Return all that the target of the step at ``place`` is made of; None if part of it is not kept."""
+    steps = recording.steps
+    of = place - 1 if update.place is MovedCell.ONE_LATE else place  # whose cell moves
+    reward_of = of - 1 if update.uses_reward_before else of
+    if of < 0 or (reward_of < 0 and recording.first > 0):
+        return None
+    goes_on = of + 1 < len(steps.state) and steps.episode[of + 1] == steps.episode[of]
+    return _Moment(
+        table,
+        int(steps.action[of]),
+        float(steps.reward[reward_of]) if reward_of >= 0 else 0.0,
+        int(steps.next_state[of]),
+        int(steps.action[of + 1]) if goes_on else NOTHING,
+        int(steps.state[of]),
+        bool(steps.terminated[of]),
+    )
+
+
+def _with_parts(bare: StepUpdate, update: UpdateFound, moment: _Moment) -> StepUpdate:
+    """Return ``bare`` with the parts of ``update``, if they come to what happened."""
+    gamma = update.gamma if update.gamma is not None else 0.0
+    values = _values(update, moment)
+    if moment.ended:  # some programs bootstrap there all the same
+        values = [0.0, *values]
+    change = bare.after - bare.before
+    for value in values:
+        whole = moment.reward + gamma * value
+        alpha = update.alpha
+        if alpha is None:
+            alpha = change / (whole - bare.before) if whole != bare.before else 0.0
+            fits = _possible(alpha, update)
+        else:
+            if update.reward == "own" and alpha:
+                whole = bare.before + change / alpha
+            off = abs(bare.before + alpha * (whole - bare.before) - bare.after)
+            fits = off <= _NEAR * max(abs(change), 1e-6 * abs(bare.before), 1e-300)
+        if fits:
+            return replace(
+                bare,
+                step_size=alpha,
+                gamma=gamma,
+                gathered=whole - gamma * value if update.reward == "own" else moment.reward,
+                discount=gamma,
+                bootstrap=value,
+                bootstrap_state=NOTHING if moment.ended and value == 0.0 else moment.state,
+            )
+    return bare
+
+
+def _possible(alpha: float, update: UpdateFound) -> bool:
+    """Return whether ``alpha`` may be a step size of the schedule of ``update``."""
+    if not 0.0 < alpha <= 1.0 + _NEAR:
+        return False
+    return update.alpha_schedule != "1/N" or abs(1 / alpha - round(1 / alpha)) <= _NEAR / alpha
+
+
+def _values(update: UpdateFound, moment: _Moment) -> list[float]:
+    """Return the values that the target may have read: several where what it read is not known yet."""
+    row = moment.table[moment.state]
+    best = float(row.max())
+    match update.target:
+        case UpdateTarget.NEXT_ACTION:
+            if moment.next_action == NOTHING:
+                return [float(each) for each in row]
+            return [float(row[moment.next_action])]
+        case UpdateTarget.EXPECTED if update.epsilon is not None:
+            return [best + update.epsilon * (float(row.mean()) - best)]
+        case UpdateTarget.EXPECTED:
+            return []
+        case UpdateTarget.COLUMN:
+            return [float(moment.table[:, moment.action].max())]
+        case UpdateTarget.SAME_ACTION:
+            return [float(row[moment.action])]
+        case UpdateTarget.OWN_STATE:
+            return [float(moment.table[moment.own_state].max())]
+        case UpdateTarget.INDEX:
+            return [float(row.argmax())]
+        case UpdateTarget.NOTHING:
+            return [0.0]
+    return [best]

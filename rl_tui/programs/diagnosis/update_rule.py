@@ -1,0 +1,446 @@
+"""The update rule of a program, found from the changes of its table.
+
+Expected SARSA has three unknowns: α, γ and ε. An unknown reward of the program's own cancels between
+two visits to the same transition.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+
+from rl_tui.common.words import counted
+from rl_tui.programs.diagnosis.sample import EXACT, Sample, place_of, sample_of
+from rl_tui.programs.diagnosis.trial import (
+    FEWEST,
+    FEWEST_INFORMATIVE,
+    SHARE,
+    Trial,
+    by_episode,
+    by_visits,
+    constant_trial,
+    drawn,
+    most_frequent,
+    plainest,
+    solved_pairs,
+)
+from rl_tui.programs.evidence.evidence import Evidence
+from rl_tui.programs.evidence.verdict import MovedCell, Rule, UpdateFound, UpdateTarget
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
+
+# Expected SARSA
+
+
+_SINGULAR: Final = 1e-5
+
+
+def expected_trial(sample: Sample, numbers: Mapping[str, float]) -> Trial | None:
+    """Return Expected SARSA with the α, γ and ε that explain most steps, or None where nothing tells them."""
+    inner = np.flatnonzero((sample.change != 0.0) & ~sample.ended)
+    mean = sample.value(UpdateTarget.EXPECTED)
+    telling = inner[np.abs(sample.best - mean)[inner] > 100 * sample.slack[inner]]
+    if len(telling) < FEWEST:
+        return None
+    triples = np.column_stack((drawn(telling, 2), drawn(telling, 3), drawn(inner, 4)))
+    digits = 6 if sample.evidence.precision < EXACT else 3
+    trials = []
+    for a, gamma, epsilon in most_frequent(_solved(sample, mean, triples), digits, 3):
+        if 0.0 < epsilon <= 1.0 + 1e-6 and a != 0.0:
+            trials.append(_with(sample, mean, (a, gamma, epsilon), numbers))
+    neighbours = np.column_stack((telling[:-2], telling[1:-1], telling[2:]))
+    episode = sample.evidence.episode[sample.at]
+    neighbours = neighbours[episode[neighbours[:, 0]] == episode[neighbours[:, 2]]]
+    for a, gamma in most_frequent(_solved(sample, mean, neighbours)[:, :2], digits, 2):
+        if a != 0.0 and gamma != 0.0:
+            trials.append(_with_own_epsilons(sample, mean, a, gamma, numbers))
+    return min(trials, key=lambda trial: trial.unexplained, default=None)
+
+
+def _solved(sample: Sample, mean: FloatArray, triples: IntArray) -> FloatArray:
+    """Return α, γ and ε, [k, 3], of triples of steps, [k, 3], where they can be solved for."""
+    columns = np.stack((sample.reward - sample.old, sample.best, mean - sample.best), axis=-1)
+    matrix, change = columns[triples], sample.change[triples]
+    size = np.abs(matrix).max(1, keepdims=True)
+    matrix /= size
+    good = np.flatnonzero(np.isfinite(matrix).all((1, 2)) & np.isfinite(change).all(1))
+    good = good[np.abs(np.linalg.det(matrix[good])) > _SINGULAR]
+    answer = np.linalg.solve(matrix[good], change[good][..., None])[..., 0] / size[good, 0]
+    return np.column_stack((answer[:, 0], answer[:, 1] / answer[:, 0], answer[:, 2] / answer[:, 1]))
+
+
+def _with(
+    sample: Sample,
+    mean: FloatArray,
+    found: tuple[float, float, float],
+    numbers: Mapping[str, float],
+) -> Trial:
+    """Return the trial with the ``found`` α, γ and ε, or plainer ones that explain as much."""
+
+    def trial(alpha: float, gamma: float, epsilon: float) -> Trial:
+        value = np.where(sample.ended, 0.0, sample.best + epsilon * (mean - sample.best))
+        return Trial(sample, UpdateTarget.EXPECTED, sample.reward, value, alpha, gamma, epsilon=epsilon)
+
+    precision = sample.evidence.precision
+    as_found = trial(*found)
+    plain = trial(*(plainest(each, numbers, max(precision, 1e-8)) for each in found))
+    return plain if plain.unexplained <= as_found.unexplained else as_found
+
+
+def _with_own_epsilons(
+    sample: Sample, mean: FloatArray, alpha: float, gamma: float, numbers: Mapping[str, float]
+) -> Trial:
+    """Return the trial whose ε is another one in each episode, as the first telling step there has it."""
+    precision = max(sample.evidence.precision, 1e-8)
+    alpha, gamma = plainest(alpha, numbers, precision), plainest(gamma, numbers, precision)
+    rest = sample.change / alpha - sample.reward + sample.old - gamma * sample.best
+    epsilon = rest / (gamma * (mean - sample.best))
+    weight = np.abs(alpha * gamma * (mean - sample.best)) / sample.slack
+    weight[~((epsilon > -1e-6) & (epsilon < 1 + 1e-6)) | sample.ended] = 0.0
+    episode = sample.evidence.episode[sample.at]
+    order = np.lexsort((-weight, episode))  # of each episode the step that tells ε best comes first
+    begins = np.flatnonzero(np.diff(episode[order], prepend=-1))
+    of_episode = np.repeat(epsilon[order[begins]], np.diff(np.append(begins, len(order))))
+    own = np.empty(len(sample))
+    own[order] = of_episode
+    value = np.where(sample.ended, 0.0, sample.best + own * (mean - sample.best))
+    trial = Trial(sample, UpdateTarget.EXPECTED, sample.reward, value, alpha, gamma)
+    varied = len(np.unique(np.round(own[np.isfinite(own)], 6))) > 1
+    return trial if varied else replace(trial, epsilon=float(own[0]))
+
+
+# Monte Carlo
+
+
+_MOST_STEPS: Final = 40_000
+_LONGEST: Final = 400
+"""Longer episodes are left out."""
+AT_ENDS: Final = 0.9
+"""The share of changes that come at ends of episodes, of cells taken in them; others were seen late."""
+_USUAL: Final = (1.0, 0.9, 0.95, 0.98, 0.99, 0.999)
+
+
+def monte_carlo_update(evidence: Evidence, numbers: Mapping[str, float]) -> UpdateFound | None:
+    """Return Monte Carlo's update if the returns of the episodes prove it, else None."""
+    moved = evidence.changes_of > 0
+    ends = evidence.terminated | evidence.truncated
+    if not np.any(moved) or np.mean(ends[moved]) < AT_ENDS:
+        return None
+    used = evidence.learns & (np.arange(len(evidence)) < _MOST_STEPS)
+    visits = _Visits(evidence, np.flatnonzero(used))
+    if len(visits.old) < FEWEST or visits.inside < AT_ENDS:
+        return None
+    named = [each for each in numbers.values() if 0.0 < each <= 1.0]
+    found = [(gamma, visits.step_size(gamma)) for gamma in dict.fromkeys((*named, *_USUAL))]
+    held = [(gamma, size) for gamma, size in found if size is not None]
+    if not held:
+        return None
+    gamma, size = held[0]
+    return UpdateFound(
+        Rule.MONTE_CARLO,
+        alpha=None if size == 0.0 else plainest(size, numbers, evidence.precision),
+        alpha_schedule="1/N" if size == 0.0 else "constant",
+        gamma=gamma if len(held) == 1 else None,
+        fits=visits.inside,
+        informative=int(np.sum(visits.left > 0)),
+    )
+
+
+class _Visits:
+    """The changes [m] of cells that their episode took exactly once, with the step that did.
+
+    ``inside`` is the share of all changes whose cell was taken in their episode. ``left`` is the number of
+    steps that followed the visit in its episode.
+    """
+
+    def __init__(self, evidence: Evidence, used: IntArray) -> None:
+        self._reward = evidence.reward[used]
+        self._exact = evidence.precision < EXACT
+        episode, cells = evidence.episode[used], len(evidence.initial)
+        self._order = np.lexsort((used, episode))
+        lengths = np.unique(episode, return_counts=True)[1]
+        self._left = np.empty(len(used), np.int64)
+        ends = np.repeat(np.cumsum(lengths), lengths)
+        self._left[self._order] = ends - 1 - np.arange(len(used))
+        changes = evidence.changes
+        step = np.clip(changes.step - evidence.number[0], 0, len(evidence) - 1)
+        kept = np.isin(step, used)
+        of_change = evidence.episode[step[kept]] * cells + changes.cell[kept]
+        visited, first, count = np.unique(
+            episode * cells + evidence.cell[used], return_index=True, return_counts=True
+        )
+        at = np.searchsorted(visited, of_change).clip(0, max(len(visited) - 1, 0))
+        inside = visited[at] == of_change
+        self.inside = float(np.mean(inside)) if len(inside) else 0.0
+        once = inside & (count[at] == 1)
+        self._at = first[at[once]]
+        self.left: IntArray = self._left[self._at]
+        self._cell = changes.cell[kept][once]
+        self.old, self.new = changes.before[kept][once], changes.after[kept][once]
+        self._again = np.ones(len(self._cell), np.bool_)  # a change of a cell that had changed before
+        self._again[np.unique(self._cell, return_index=True)[1]] = False
+
+    def step_size(self, gamma: float) -> float | None:
+        """Return the constant step size towards the returns under ``gamma``, 0 for 1/N, None if neither."""
+        distance = self._returns(gamma)[self._at] - self.old
+        size = (self.new - self.old) / distance
+        telling = np.isfinite(size) & (np.abs(distance) > 1e-6) & (self.left < _LONGEST)
+        if np.sum(telling) < FEWEST or np.sum(telling & (self.left > 0)) < FEWEST_INFORMATIVE:
+            return None
+        near = 1e-6 if self._exact else 2e-3
+        usual = most_frequent(size[telling][:, None], 5 if self._exact else 2, 1)
+        if usual and np.mean(np.abs(size[telling] - usual[0][0]) <= near * abs(usual[0][0])) > SHARE:
+            return usual[0][0] if np.sum(telling & self._again) >= FEWEST_INFORMATIVE else None
+        return 0.0 if self._falls(size, telling, near) else None
+
+    def _falls(self, size: FloatArray, telling: BoolArray, near: float) -> bool:
+        """Return whether 1/size is a whole number that grows from each change of a cell to its next."""
+        count = 1.0 / size
+        whole = np.abs(count - np.rint(count)) <= near * np.maximum(1.0, np.abs(count))
+        if np.mean((whole & (count > 0.5))[telling]) <= SHARE:
+            return False
+        places = np.flatnonzero(telling & whole)
+        places = places[np.argsort(self._cell[places], kind="stable")]
+        same = self._cell[places][1:] == self._cell[places][:-1]
+        grown = np.diff(np.rint(count[places]))[same]
+        return len(grown) >= FEWEST and bool(np.mean(grown >= 1) > SHARE)
+
+    def _returns(self, gamma: float) -> FloatArray:
+        """Return Σ γᵏ·reward from each step to the end of its episode, [used]; for the last steps of it."""
+        result = self._reward.copy()
+        by_left = np.argsort(self._left, kind="stable")
+        left = self._left[by_left]
+        next_of = np.empty(len(result), np.int64)
+        next_of[self._order[:-1]] = self._order[1:]
+        bounds = np.searchsorted(left, np.arange(min(_LONGEST, int(left[-1]) + 1 if len(left) else 0) + 1))
+        for low, high in pairwise(bounds[1:]):
+            at = by_left[low:high]
+            result[at] += gamma * result[next_of[at]]
+        return result
+
+
+# A reward of the program's own
+
+
+def own_reward_trial(sample: Sample, target: UpdateTarget, numbers: Mapping[str, float]) -> Trial | None:
+    """Return the trial whose reward is a function of (s, a, s′, r), not r itself; None if there is none."""
+    value = np.where(sample.ended, 0.0, sample.value(target))
+    group = _transitions(sample)
+    order = np.argsort(group, kind="stable")
+    same = np.flatnonzero(group[order][1:] == group[order][:-1])
+    one, other = order[same], order[same + 1]
+    old = sample.old[one] - sample.old[other]
+    change = sample.change[other] - sample.change[one]
+    slack = sample.slack[one] + sample.slack[other]
+    clear = (np.abs(old) > 100 * slack) & (sample.change[one] != 0) & (sample.change[other] != 0)
+    digits = 6 if sample.evidence.precision < EXACT else 3
+    values = value[other] - value[one]
+    values[np.abs(values) <= 100 * slack] = 0.0
+    precision = max(sample.evidence.precision, 1e-8)
+    trials = []
+    for a, b in solved_pairs(old[clear], values[clear], change[clear], digits, 3):
+        gamma = 0.0 if np.isnan(b) else plainest(b / a, numbers, precision)
+        a = plainest(a, numbers, precision)
+        reward = sample.change / a + sample.old - gamma * value
+        middle, shared = _middles(group, reward)
+        trial = Trial(sample, target, middle, value, a, gamma, own_reward=True)
+        own = np.abs(middle - sample.reward) * abs(a) > 10 * sample.slack
+        if np.sum(own & shared & trial.explained) >= FEWEST_INFORMATIVE and trial.explained[shared].any():
+            trials.append(replace(trial, reward=np.where(shared, middle, np.nan)))
+    return min(trials, key=lambda trial: trial.unexplained, default=None)
+
+
+def _transitions(sample: Sample) -> IntArray:
+    """Return which transition (s, a, s′, r) each step is, [n], as a number."""
+    _, reward = np.unique(sample.reward, return_inverse=True)
+    states = len(sample.evidence.initial) // sample.evidence.actions
+    whole = (sample.cell * states + sample.next_state) * 2 + sample.ended
+    rewards = int(reward.max(initial=0)) + 1
+    result: IntArray = np.unique(whole * rewards + reward.ravel(), return_inverse=True)[1].ravel()
+    return result
+
+
+def _middles(group: IntArray, numbers: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """Return of each place the median of its group's ``numbers``, [n], and whether the group has several."""
+    order = np.lexsort((numbers, group))
+    begins = np.flatnonzero(np.diff(group[order], prepend=-1))
+    lengths = np.diff(np.append(begins, len(order)))
+    middles = numbers[order][begins + (lengths - 1) // 2]
+    return middles[group], (lengths > 2)[group]
+
+
+# The search for the rule
+
+
+RULE_OF: Final = {
+    UpdateTarget.BEST: Rule.Q_LEARNING,
+    UpdateTarget.NEXT_ACTION: Rule.SARSA,
+    UpdateTarget.EXPECTED: Rule.EXPECTED_SARSA,
+    UpdateTarget.COLUMN: Rule.Q_LEARNING,
+    UpdateTarget.SAME_ACTION: Rule.SARSA,
+    UpdateTarget.OWN_STATE: Rule.Q_LEARNING,
+    UpdateTarget.INDEX: Rule.Q_LEARNING,
+}
+"""Which rule a target is meant to be."""
+_RIGHT: Final = (UpdateTarget.BEST, UpdateTarget.NEXT_ACTION)
+_WRONG: Final = (UpdateTarget.COLUMN, UpdateTarget.OWN_STATE, UpdateTarget.INDEX, UpdateTarget.SAME_ACTION)
+
+
+@np.errstate(all="ignore")  # what cannot be divided is NaN, and counts for nothing
+def update_of(evidence: Evidence, numbers: Mapping[str, float], dtype: str = "") -> UpdateFound:
+    """Return the update that explains ``evidence``; ``numbers`` are those that the code holds, by name.
+
+    ``dtype`` is the table's, empty where that is not known.
+
+    It is found on a bounded choice of steps: of a long run ``departs_at`` and ``informative`` are of these.
+    """
+    moved = evidence.changes_of > 0
+    if not moved.any():
+        return UpdateFound(reason="No number of the table has moved yet.")
+    ends = evidence.terminated | evidence.truncated
+    several = evidence.changes_of > 1
+    inner = moved & ~ends
+    if np.mean(ends[moved]) < AT_ENDS and np.mean(several[inner]) > 1 - SHARE:
+        most = int(evidence.changes_of[inner].max())
+        return UpdateFound(reason=f"A step moves several numbers, up to {most}: no one-step update fits.")
+    if np.mean(several[moved]) > 1 - SHARE:
+        by_returns = monte_carlo_update(evidence, numbers)
+        if by_returns:
+            return by_returns
+    place = _place(evidence)
+    if np.mean(several[moved]) > 1 - SHARE and place is not MovedCell.ONE_LATE:
+        most = int(evidence.changes_of.max())
+        return UpdateFound(
+            reason=f"The end of an episode moves several numbers, up to {most}: no one-step update fits."
+        )
+    if place is None:
+        return UpdateFound(
+            reason="What moves is not Q(s, a), the number of the state and the action of the step."
+        )
+    sample = sample_of(evidence, place)
+    trial = _best(sample, numbers)
+    if trial is not None:
+        return _found(trial)
+    return monte_carlo_update(evidence, numbers) or UpdateFound(place=place, reason=_why_none(sample, dtype))
+
+
+def _place(evidence: Evidence) -> MovedCell | None:
+    """Return which cell moves with a step, None if it is none of those known."""
+    moved = evidence.only_change[0]
+    single = moved >= 0
+    if not single.any():
+        return None
+    shares = {place: float(np.mean((moved == place_of(evidence, place))[single])) for place in MovedCell}
+    place = max(MovedCell, key=lambda each: shares[each])  # the first of equals
+    return place if shares[place] > SHARE else None
+
+
+def _best(sample: Sample, numbers: Mapping[str, float]) -> Trial | None:
+    """Return the trial that explains ``sample`` best, if one explains enough of it."""
+    held: list[Trial] = []
+    for stage in (_constant, _faulty, _varying):
+        held += [trial for trial in stage(sample, numbers) if trial.holds]
+        if held:
+            fewest = min(map(_failures, held))
+            best = next(trial for trial in held if _failures(trial) < fewest + FEWEST_INFORMATIVE)
+            if best.unexplained < FEWEST_INFORMATIVE or stage is _faulty:
+                return best
+    return next(iter(sorted(held, key=_failures)), None)
+
+
+def _failures(trial: Trial) -> float:
+    """Return how many steps of its sample the trial would not explain, if it looked at all of them."""
+    looked_at = int(np.sum(~np.isnan(trial.predicted)))
+    return trial.unexplained * len(trial.sample) / max(looked_at, 1)
+
+
+def _constant(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
+    """Yield the right targets with a constant step size, then the same with the reward of the step before."""
+    for target in _RIGHT:
+        trial = constant_trial(sample, target, sample.reward, numbers)
+        if trial:
+            yield trial
+    if sample.place is not MovedCell.ONE_LATE:
+        begins = sample.evidence.episode_step[sample.at] == 0
+        within = np.where(begins, 0.0, sample.reward_before)  # where it is set to 0 for each episode
+        for before in (sample.reward_before, within):
+            for target in _RIGHT:
+                trial = constant_trial(sample, target, before, numbers, uses_reward_before=True)
+                if trial:
+                    yield trial
+
+
+def _faulty(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
+    """Yield another reward, then targets that are wrong."""
+    for target in _RIGHT:
+        trial = own_reward_trial(sample, target, numbers)
+        if trial:
+            yield trial
+    if sample.place is not MovedCell.ONE_LATE:
+        for target in _WRONG:
+            trial = constant_trial(sample, target, sample.reward, numbers)
+            if trial and trial.tells_gamma and trial.gamma:
+                yield trial
+
+
+def _varying(sample: Sample, numbers: Mapping[str, float]) -> Iterator[Trial]:
+    """Yield Expected SARSA, then step sizes that change."""
+    trial = expected_trial(sample, numbers)
+    if trial:
+        yield trial
+    for target in _RIGHT:
+        trial = by_visits(sample, target, numbers) or by_episode(sample, target, numbers)
+        if trial:
+            yield trial
+
+
+def _found(trial: Trial) -> UpdateFound:
+    """Return what is to be said of the update that ``trial`` is."""
+    reason = _undecided(trial)
+    off = np.flatnonzero(trial.counted & ~trial.explained)
+    return UpdateFound(
+        rule=Rule.UNKNOWN if reason else RULE_OF[trial.target],
+        alpha=trial.alpha if isinstance(trial.alpha, float) else None,
+        alpha_schedule=trial.schedule,
+        gamma=trial.gamma if trial.tells_gamma else None,
+        epsilon=trial.epsilon,
+        reward="own" if trial.own_reward else "environment",
+        fits=None if reason else trial.share,
+        informative=int(np.sum(trial.informative)),
+        departs_at=int(trial.sample.evidence.number[trial.sample.at[off[0]]]) if len(off) else None,
+        target=trial.target,
+        place=trial.sample.place,
+        uses_reward_before=trial.uses_reward_before,
+        reason=reason,
+    )
+
+
+def _undecided(trial: Trial) -> str:
+    """Return why ``trial`` does not tell the rule, empty if it does."""
+    if not trial.tells_gamma:
+        return "No step yet tells γ: the values of the next states were 0, or always the same."
+    if trial.gamma == 0.0:
+        return "With γ 0 no value of a next state counts: Q-learning and SARSA are the same then."
+    if trial.target not in _RIGHT:
+        return ""
+    rival = _RIGHT[1 - _RIGHT.index(trial.target)]
+    deciding = trial.differs_from(trial.sample.value(rival)) & trial.explained
+    if np.sum(deciding) < FEWEST_INFORMATIVE:
+        return "No step yet tells Q-learning from SARSA: next actions were greedy, or nearly all were."
+    return ""
+
+
+def _why_none(sample: Sample, dtype: str) -> str:
+    """Return why no update explains ``sample``, of a table of ``dtype``."""
+    if int(np.sum(sample.change != 0.0)) < FEWEST:
+        moved = counted(int(np.sum(sample.evidence.changes_of > 0)), "step")
+        rewards = counted(int(np.count_nonzero(sample.evidence.reward)), "reward")
+        return f"Too few numbers of the table have moved yet: {moved} moved one, {rewards} came."
+    if np.all(sample.change[sample.change != 0.0] == 1.0):
+        return "Each step adds 1 to one number: the table counts visits, it is not one of values."
+    if sample.evidence.whole_numbers and dtype.startswith(("int", "uint")):
+        return "The table holds whole numbers only: what is put into it is cut off."
+    return "Each step moves one number, but no update that is known explains by how much."

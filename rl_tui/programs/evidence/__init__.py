@@ -1,0 +1,1 @@
+"""What was seen of a program's updates, and what they prove."""

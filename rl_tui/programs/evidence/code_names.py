@@ -1,0 +1,188 @@
+"""The names that a program gives to what the book calls s, a, r, s′, Q, α and γ."""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Final
+
+from rl_tui.common.findings import one_line
+from rl_tui.programs.evidence.code_places import CodeLine, ProgramCode
+from rl_tui.programs.evidence.verdict import UpdateFound, UpdateTarget
+from rl_tui.programs.watched.program_log import FoundTable
+
+_USUAL: Final = {
+    "state": ("state", "obs", "observation", "s", "current_state"),
+    "action": ("action", "a", "act"),
+    "reward": ("reward", "r", "rew"),
+    "next_state": (
+        "next_state",
+        "new_state",
+        "next_obs",
+        "next_observation",
+        "s2",
+        "s_next",
+        "s_",
+        "ns",
+        "observation_",
+        "next_s",
+        "sp",
+    ),
+    "terminated": ("terminated", "term", "terminal", "done"),
+}
+"""The names that people give to them in an update, the commonest first."""
+_DISCOUNTS: Final = ("gamma", "discount", "discount_factor", "discount_rate", "df")
+"""What people call a γ, the commonest first."""
+_RETURNED: Final = ("next_state", "reward", "terminated")
+_AGENT: Final = "agent"
+"""What an agent without a loop of its own is called in ours."""
+_LONGEST: Final = 40
+"""Characters of a name."""
+_NEAR: Final = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class CodeNames:
+    """Names for a correction; by default the book's. Each is a name or a short expression."""
+
+    table: str = "Q"
+    state: str = "s"
+    action: str = "a"
+    reward: str = "r"
+    next_state: str = "s2"
+    terminated: str = "terminated"
+    alpha: str = "alpha"
+    gamma: str = "gamma"
+    environment: str = "env"
+    form: str = "array"
+    """That of the table, as :class:`FoundTable` has it."""
+    value: UpdateTarget = UpdateTarget.BEST
+    """What the update takes for the value of the next state, or should."""
+
+    def cell(self) -> str:
+        """Return the estimate of the step."""
+        is_nested = self.form in ("lists", "dict-of-arrays")
+        between = "][" if is_nested else ", "
+        return f"{self.table}[{self.state}{between}{self.action}]"
+
+    def rows(self, actions: int) -> str:
+        """Return a table with a row of its own for each state."""
+        if self.form == "dict-of-arrays":
+            return f"{{state: [0.0] * {actions} for state in range(states)}}"
+        return f"[[0.0] * {actions} for state in range(states)]"
+
+    def best(self) -> str:
+        """Return the value of the next state."""
+        if self.form == "dict-of-pairs":
+            return f"max({self.table}[{self.next_state}, b] for b in actions)"
+        return f"max({self.table}[{self.next_state}])"
+
+    def random_tie(self) -> str:
+        """Return a choice among the best actions of the state."""
+        if self.form != "array":
+            return "best = [a for a in actions if value of a == largest value]; action = random.choice(best)"
+        row = f"{self.table}[{self.state}]"
+        return f"{self.action} = np.random.choice(np.flatnonzero({row} == {row}.max()))"
+
+    def target(self) -> str:
+        """Return the target as it should stand there."""
+        value = self.best()
+        if self.value is UpdateTarget.NEXT_ACTION:
+            between = "][" if self.form in ("lists", "dict-of-arrays") else ", "
+            value = f"{self.table}[{self.next_state}{between}next_action]"
+        elif self.value is UpdateTarget.EXPECTED:
+            value = f"((1 - epsilon) * {value} + epsilon * mean({self.table}[{self.next_state}]))"
+        reward = self.reward
+        return f"target = {reward} if {self.terminated} else {reward} + {self.gamma} * {value}"
+
+
+def names_of(
+    code: ProgramCode, table: FoundTable, update: UpdateFound, numbers: Mapping[str, float]
+) -> CodeNames:
+    """Return the names used where the table is updated; the book's for those that are not known."""
+    value = (
+        update.target
+        if update.target in (UpdateTarget.NEXT_ACTION, UpdateTarget.EXPECTED)
+        else UpdateTarget.BEST
+    )
+    used, by_role = _written_in(code)
+    found = dict(by_role)
+    for role, number in (("alpha", update.alpha), ("gamma", update.gamma)):
+        held = _held(numbers, number)
+        if held is not None:
+            found[role] = held
+    short = {role: one_line(_as_written(name, used), _LONGEST) for role, name in found.items()}
+    name = one_line(_as_written(table.name, used), _LONGEST)
+    return CodeNames(name, form=table.form, value=value, **short)
+
+
+@lru_cache(maxsize=32)
+def _written_in(code: ProgramCode) -> tuple[frozenset[str], Mapping[str, str]]:
+    """Return the names used where the table is updated, and those of them whose role is known, by role."""
+    line = code.call_line() if code.lacks_update else code.update_line()
+    used = _used_at(code, line)
+    found: dict[str, str] = {}
+    for role, usual in _USUAL.items():
+        found.update((role, each) for each in reversed(usual) if each in used)
+    return used, found | _returned_near(code, line)
+
+
+def declared_discount(numbers: Mapping[str, float]) -> tuple[str, float] | None:
+    """Return the name and the γ that the ``numbers`` of a program's code hold; None without any."""
+    named = {name.lower().rsplit(".", 1)[-1]: (name, value) for name, value in numbers.items()}
+    return next((named[name] for name in _DISCOUNTS if name in named), None)
+
+
+def _as_written(name: str, used: frozenset[str]) -> str:
+    """Return ``name`` of an agent, as ``agent.q``, as code with the names ``used`` has it: ``self.q``."""
+    head, _, attribute = name.partition(".")
+    if head != _AGENT or not attribute or _AGENT in used:
+        return name
+    if "self" in used:
+        return f"self.{attribute}"
+    return attribute if attribute in used else name
+
+
+def _used_at(code: ProgramCode, line: CodeLine | None) -> frozenset[str]:
+    """Return the names that the function around ``line`` uses."""
+    scope = None if line is None else code.scope_of(line)
+    if scope is None:
+        return frozenset()
+    return frozenset(_names_in(scope))
+
+
+def _names_in(scope: ast.AST) -> Iterator[str]:
+    for node in ast.walk(scope):
+        if isinstance(node, ast.Name):
+            yield node.id
+        elif isinstance(node, ast.arg):
+            yield node.arg
+
+
+def _returned_near(code: ProgramCode, line: CodeLine | None) -> dict[str, str]:
+    """Return what the call of ``env.step`` is unpacked into, if that stands in the function of ``line``."""
+    call = code.step_call
+    if call is None or line is None or code.scope_of(call.line) is not code.scope_of(line):
+        return {}
+    found = {"environment": ast.unparse(call.environment)} if call.environment is not None else {}
+    if isinstance(call.argument, ast.Name):
+        found["action"] = call.argument.id
+    for role, target in zip(_RETURNED, call.unpacked, strict=False):
+        if isinstance(target, ast.Name) and not target.id.startswith("_"):
+            found[role] = target.id
+    return found
+
+
+def _held(numbers: Mapping[str, float], wanted: float | None) -> str | None:
+    """Return the shortest name of a number; None where only constants in the code are it."""
+    if wanted is None:
+        return None
+    names = [
+        name
+        for name, each in numbers.items()
+        if math.isclose(each, wanted, rel_tol=_NEAR) and name.replace(".", "_").isidentifier()
+    ]
+    return min(names, key=len, default=None)

@@ -1,0 +1,487 @@
+"""Places in the source of a program, found by reading it. Nothing is executed."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Final
+
+from rl_tui.programs.evidence.syntax import (
+    assigned,
+    base_of,
+    calls_of_step,
+    chooses,
+    first_name,
+    inner_statements,
+    is_added_to,
+    is_main_guard,
+    is_part_of,
+    is_set_to_constant,
+    is_simple,
+    is_write,
+    name_of,
+    of_type,
+    parsed_file,
+    targets_of,
+)
+from rl_tui.programs.own_agents.binding import Style
+
+if TYPE_CHECKING:
+    from rl_tui.programs.watched.program_log import FoundTable, ProgramAgent, ProgramLog
+
+
+# Functions that only read
+
+
+_Definition = ast.FunctionDef | ast.AsyncFunctionDef
+_DEEPEST: Final = 3
+"""Calls that are followed from one function to the next."""
+_MODULES: Final = frozenset({"np", "numpy", "math", "random"})
+_READING: Final = frozenset(
+    {
+        "abs",
+        "all",
+        "any",
+        "argmax",
+        "bool",
+        "choice",
+        "dict",
+        "enumerate",
+        "flatnonzero",
+        "float",
+        "get",
+        "getLegalActions",
+        "int",
+        "integers",
+        "items",
+        "keys",
+        "len",
+        "list",
+        "max",
+        "mean",
+        "min",
+        "rand",
+        "randint",
+        "random",
+        "randrange",
+        "range",
+        "reversed",
+        "round",
+        "sample",
+        "set",
+        "sorted",
+        "sum",
+        "tolist",
+        "tuple",
+        "uniform",
+        "values",
+        "where",
+        "zip",
+        "print",
+    }
+)
+"""Functions and methods that change no table."""
+
+
+def only_reads(function: _Definition, functions: Mapping[str, _Definition], table: str) -> bool:
+    """Return whether ``function`` puts nothing into any table, nor do the ``functions`` that it calls.
+
+    ``table`` is the table's name, empty where none was found: then it may keep nothing at all. False wherever
+    that is not certain.
+    """
+    return _reads(function, functions, table, _DEEPEST)
+
+
+def _reads(function: _Definition, functions: Mapping[str, _Definition], table: str, depth: int) -> bool:
+    return all(
+        _is_harmless(node, functions, table, depth) for part in function.body for node in ast.walk(part)
+    )
+
+
+def _is_harmless(node: ast.AST, functions: Mapping[str, _Definition], table: str, depth: int) -> bool:
+    match node:
+        case ast.Assign(targets=targets):
+            return all(_is_elsewhere(each, table) for each in targets)
+        case ast.AnnAssign(target=target):
+            return _is_elsewhere(target, table)
+        case ast.AugAssign(target=target):
+            return isinstance(target, ast.Attribute) and _is_elsewhere(target, table)
+        case ast.Call(func=called):
+            name = name_of(called)
+            if isinstance(called, ast.Attribute) and name_of(base_of(called.value)) in _MODULES:
+                return name != "put"
+            if name in functions:
+                return depth > 0 and _reads(functions[name], functions, table, depth - 1)
+            return name in _READING
+        case ast.Delete() | ast.Global() | ast.Nonlocal() | ast.Yield() | ast.YieldFrom() | ast.Await():
+            return False
+        case ast.With() | ast.Import() | ast.ImportFrom():
+            return False
+        case ast.FunctionDef() | ast.AsyncFunctionDef() | ast.ClassDef():
+            return False
+    return True
+
+
+def _is_elsewhere(target: ast.expr, table: str) -> bool:
+    """Return whether giving ``target`` a value leaves all that may be a table as it is."""
+    if isinstance(target, ast.Tuple):
+        return all(_is_elsewhere(each, table) for each in target.elts)
+    if isinstance(target, ast.Attribute):
+        return bool(table) and target.attr != table
+    return isinstance(target, ast.Name)
+
+
+# Lines and calls
+
+
+_MOST_FILES: Final = 16
+_MOST_KEPT: Final = 32
+"""Programs whose code is kept; a grade has as many at once as there are cores."""
+_MOST_CALLS: Final = 3
+"""Calls that are followed from one function to the next."""
+_CHOICE: Final = re.compile(r"action|policy|^act$|agent_start|choose|greedy", re.IGNORECASE)
+"""Names of methods that choose an action."""
+_Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+@dataclass(frozen=True, slots=True)
+class CodeLine:
+    """A line of a file, from 1."""
+
+    file: str
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
+class StepCall:
+    """A call of ``env.step``: where, on what, with what, and what its result is unpacked into."""
+
+    line: CodeLine
+    environment: ast.expr | None
+    argument: ast.expr | None
+    unpacked: tuple[ast.expr, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Statement:
+    """A statement, and the file that it stands in."""
+
+    file: str
+    node: ast.stmt
+
+    @property
+    def line(self) -> CodeLine:
+        return CodeLine(self.file, self.node.lineno)
+
+
+def program_code(log: ProgramLog) -> ProgramCode:
+    """Return the source of the program of ``log``, as far as its steps and changes named files.
+
+    It is the same object as long as the files and what the program told of them are the same: its answers
+    are worked out once, not for every verdict.
+    """
+    files = [file for file, _ in (*log.called.values(), *log.lines)]
+    trees = [(file, parsed_file(file)) for file in list(dict.fromkeys(files))[:_MOST_FILES]]
+    changed_most = max(log.lines, key=lambda each: log.lines[each], default=None)
+    return _code_of(
+        tuple((file, tree) for file, tree in trees if tree is not None),
+        tuple(log.called.items()),
+        None if changed_most is None else CodeLine(*changed_most),
+        log.table,
+        log.agent,
+    )
+
+
+@lru_cache(maxsize=_MOST_KEPT)
+def _code_of(
+    trees: tuple[tuple[str, ast.Module], ...],
+    called: tuple[tuple[str, tuple[str, int]], ...],
+    changed_most: CodeLine | None,
+    table: FoundTable | None,
+    agent: ProgramAgent | None,
+) -> ProgramCode:
+    return ProgramCode(dict(trees), dict(called), changed_most, table, agent)
+
+
+class ProgramCode:
+    """The source of a program: the ``trees`` of its files by name.
+
+    ``called`` are the lines that called ``step`` and ``reset``, ``changed_most`` is the line that changed the
+    table most often, None where no line was seen to.
+    """
+
+    def __init__(
+        self,
+        trees: Mapping[str, ast.Module],
+        called: Mapping[str, tuple[str, int]],
+        changed_most: CodeLine | None,
+        table: FoundTable | None,
+        agent: ProgramAgent | None,
+    ) -> None:
+        self._trees, self._called, self._changed_most = trees, called, changed_most
+        self._table, self._agent = table, agent
+        self._name = "" if table is None else table.name.rpartition(".")[2]
+        self._scopes: dict[CodeLine, ast.AST | None] = {}
+
+    @cached_property
+    def _statements(self) -> list[_Statement]:
+        return [
+            _Statement(file, node)
+            for file, tree in self._trees.items()
+            for node in ast.walk(tree)
+            if isinstance(node, ast.stmt)
+        ]
+
+    @cached_property
+    def _functions(self) -> dict[str, tuple[str, _Function]]:
+        """Functions and methods by name, with their file."""
+        return {
+            each.node.name: (each.file, each.node)
+            for each in self._statements
+            if isinstance(each.node, _Function)
+        }
+
+    @cached_property
+    def _aliases(self) -> frozenset[str]:
+        """Names of the table: its own, those of parameters that are given it, of copies, rows and cells."""
+        names = {self._name} - {""}
+        for _ in range(3):  # as deep as tables are handed down
+            names |= set(self._further_names(names))
+        return frozenset(names)
+
+    def _further_names(self, names: set[str]) -> Iterator[str]:
+        for each in self._statements:
+            for call in of_type(each.node, ast.Call):
+                yield from self._parameters_given(call, names)
+            target, value = assigned(each.node)
+            if isinstance(target, ast.Name) and value is not None and is_part_of(value, names):
+                yield target.id
+
+    def _parameters_given(self, call: ast.Call, names: set[str]) -> Iterator[str]:
+        function = self._functions.get(name_of(call.func))
+        if function is None:
+            return
+        parameters = [each.arg for each in function[1].args.args]
+        if parameters[:1] == ["self"]:
+            parameters = parameters[1:]
+        for parameter, argument in zip(parameters, call.args, strict=False):
+            if name_of(argument) in names:
+                yield parameter
+        for keyword in call.keywords:
+            if keyword.arg and name_of(keyword.value) in names:
+                yield keyword.arg
+
+    @cached_property
+    def _writes(self) -> list[_Statement]:
+        """The statements that put something into the table, or are meant to."""
+        return [each for each in self._statements if is_write(each.node, self._aliases)]
+
+    @cached_property
+    def always_writes(self) -> bool:
+        """Whether the code that calls ``env.step`` goes on to put something into the table.
+
+        What stands under an ``if`` without an ``else`` that does so too is not always done: it may be a
+        phase of evaluation.
+        """
+        line = self.call_line()
+        scope = None if line is None else self.scope_of(line)
+        if line is None or scope is None:
+            return False
+        writes = {id(each.node) for each in self._writes}
+        return self._is_always_in(getattr(scope, "body", []), writes, _MOST_CALLS)
+
+    def _is_always_in(self, body: Iterable[ast.stmt], writes: set[int], depth: int) -> bool:
+        """Return whether one of ``writes`` is always done in ``body``, or in a function called there."""
+        return any(id(node) in writes or self._is_always_done(node, writes, depth) for node in body)
+
+    def _is_always_done(self, node: ast.stmt, writes: set[int], depth: int) -> bool:
+        if isinstance(node, _Function | ast.ClassDef):
+            return False
+        if isinstance(node, ast.If) and not is_main_guard(node):
+            return all(self._is_always_in(part, writes, depth) for part in (node.body, node.orelse))
+        if not is_simple(node):
+            return self._is_always_in(inner_statements(node), writes, depth)
+        called = [self._functions.get(name_of(call.func)) for call in of_type(node, ast.Call)]
+        bodies = [each[1].body for each in called if each is not None and depth > 0]
+        return any(self._is_always_in(inner, writes, depth - 1) for inner in bodies)
+
+    @cached_property
+    def lacks_update(self) -> bool:
+        """Whether it is an agent whose method of the update only reads: nothing is written there yet."""
+        line = self.call_line()
+        function = None if line is None or self._agent is None else self.scope_of(line)
+        if not isinstance(function, _Function) or self._agent is None:
+            return False
+        may_return = self._agent.style != Style.FUNCTION.value
+        if not may_return and any(each.value is not None for each in of_type(function, ast.Return)):
+            return False  # it may be a new table
+        functions = {name: node for name, (_, node) in self._functions.items()}
+        return only_reads(function, functions, self._name)
+
+    def left_before_update(self) -> CodeLine | None:
+        """Return the ``if`` after the call of ``env.step`` that leaves the loop before the update."""
+        call = self.call_line()
+        if call is None or not self._writes:
+            return None
+        for each in self._statements:
+            body = [*inner_statements(each.node)] if isinstance(each.node, ast.For | ast.While) else []
+            lines = [inner.lineno for inner in body]
+            if each.file != call.file or call.line not in lines:
+                continue
+            later = body[lines.index(call.line) + 1 :]
+            writes = {id(write.node) for write in self._writes}
+            at = next((place for place, inner in enumerate(later) if id(inner) in writes), None)
+            for inner in later[:at] if at is not None else ():
+                if isinstance(inner, ast.If) and isinstance(inner.body[-1], ast.Break | ast.Continue):
+                    return CodeLine(each.file, inner.lineno)
+        return None
+
+    @cached_property
+    def sets_a_constant(self) -> bool:
+        """Whether an update may set a cell of the table to a number that stands in the code."""
+        call = self.call_line()
+        if call is None:
+            return False
+        for each in self._statements:
+            if is_set_to_constant(each.node, self._aliases):
+                if self._in_scope(each, call):
+                    if each.line.line > call.line:  # before it a table is made
+                        return True
+                elif any(self._in_scope(write, each.line) for write in self._writes):
+                    return True
+        return False
+
+    def gives_other(self, reward: str) -> bool:
+        """Whether ``reward`` is given by anything but ``env.step``; True where that cannot be read."""
+        call = self.step_call
+        if call is None or not any(name_of(each) == reward for each in call.unpacked):
+            return True
+        given = [each for each in self._statements if reward in targets_of(each.node)]
+        added = [each for each in self._statements if is_added_to(each.node, reward)]
+        return len(given) + len(added) > 1
+
+    def update_line(self) -> CodeLine | None:
+        """Return the line that changed the table most, or the first that writes to it."""
+        if self._changed_most is not None:
+            return self._changed_most
+        return self._writes[0].line if self._writes else None
+
+    def table_line(self) -> CodeLine | None:
+        """Return where the table is made."""
+        if self._table is not None and self._table.file and self._table.line:
+            return CodeLine(self._table.file, self._table.line)
+        for each in self._statements:
+            target, value = assigned(each.node)
+            if target is None or value is None or name_of(target) != self._name:
+                continue
+            if isinstance(value, ast.Call):
+                return self._made_in(name_of(value.func)) or each.line
+            if not isinstance(value, ast.Name | ast.Attribute | ast.Constant):
+                return each.line
+        return None
+
+    def _made_in(self, function_name: str) -> CodeLine | None:
+        """Return where a function makes what it returns."""
+        if function_name not in self._functions:
+            return None
+        file, function = self._functions[function_name]
+        for returned in of_type(function, ast.Return):
+            if not isinstance(returned.value, ast.Name):
+                return CodeLine(file, returned.lineno)
+            for node in of_type(function, ast.stmt):
+                target, value = assigned(node)
+                if value is not None and name_of(target) == returned.value.id:
+                    return CodeLine(file, node.lineno)
+        return None
+
+    @cached_property
+    def step_call(self) -> StepCall | None:
+        """The call of ``env.step`` that took the steps."""
+        calls = list(self._step_calls())
+        at = self._called.get("step")
+        seen = [each for each in calls if at == (each.line.file, each.line.line)]
+        return next(iter(seen or calls), None)
+
+    def _step_calls(self) -> Iterator[StepCall]:
+        for each in self._statements:
+            for call in calls_of_step(each.node):
+                target, value = assigned(each.node)
+                unpacked = target.elts if isinstance(target, ast.Tuple) and value is call else ()
+                yield StepCall(
+                    CodeLine(each.file, call.lineno),
+                    call.func.value if isinstance(call.func, ast.Attribute) else None,
+                    call.args[0] if call.args else None,
+                    tuple(unpacked),
+                )
+
+    def call_line(self) -> CodeLine | None:
+        """Return the line of that call."""
+        at = self._called.get("step")
+        if at is not None:
+            return CodeLine(*at)
+        return None if self.step_call is None else self.step_call.line
+
+    def choice_line(self) -> CodeLine | None:
+        """Return the line that chooses the action given to ``env.step``, followed through one function."""
+        call = self.step_call
+        if call is None or call.argument is None:
+            return self._chosen_by_a_method() or self.call_line()
+        given = first_name(call.argument)
+        candidates = [
+            each
+            for each in self._statements
+            if given and given in targets_of(each.node) and self._in_scope(each, call.line)
+        ]
+        for each in candidates:
+            if chooses(each.node):
+                return each.line
+        for node in [call.argument, *(each.node for each in candidates)]:
+            for inner in of_type(node, ast.Call):
+                chosen = self._chosen_in(name_of(inner.func))
+                if chosen is not None:
+                    return chosen
+        return candidates[0].line if candidates else call.line
+
+    def _chosen_by_a_method(self) -> CodeLine | None:
+        """Return the line that chooses in an agent without a loop of its own."""
+        for name in self._functions:
+            if _CHOICE.search(name):
+                chosen = self._chosen_in(name)
+                if chosen is not None:
+                    return chosen
+        return None
+
+    def _chosen_in(self, function_name: str) -> CodeLine | None:
+        """Return the line of a function that chooses: the one with a maximum, else its first return."""
+        if function_name not in self._functions:
+            return None
+        file, function = self._functions[function_name]
+        returned = None
+        for node in of_type(function, ast.stmt):
+            if is_simple(node) and chooses(node):
+                return CodeLine(file, node.lineno)
+            if isinstance(node, ast.Return) and returned is None:
+                returned = CodeLine(file, node.lineno)
+        return returned
+
+    def _in_scope(self, statement: _Statement, line: CodeLine) -> bool:
+        return self.scope_of(statement.line) is self.scope_of(line)
+
+    def scope_of(self, line: CodeLine) -> ast.AST | None:
+        """Return the innermost function that holds ``line``, or its whole file."""
+        if line not in self._scopes:
+            self._scopes[line] = self._found_scope(line)
+        return self._scopes[line]
+
+    def _found_scope(self, line: CodeLine) -> ast.AST | None:
+        tree = self._trees.get(line.file)
+        if tree is None:
+            return None
+        holding: ast.AST = tree
+        for node in ast.walk(tree):  # outer ones come first
+            if isinstance(node, _Function) and node.lineno <= line.line <= (node.end_lineno or 0):
+                holding = node
+        return holding

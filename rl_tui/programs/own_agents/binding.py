@@ -1,0 +1,323 @@
+"""The shape of a user's own agent, and the binding of its parameters by name.
+
+The methods of an agent decide its shape. It needs no base class.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Container, Iterable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import Any, Final
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line, shown
+
+# Shapes of an agent
+#
+# An agent has one of them by the methods that it has; it needs no base class.
+
+
+class Style(StrEnum):
+    """The ids of the shapes."""
+
+    GYMNASIUM = "gymnasium"
+    UDACITY = "udacity"
+    BERKELEY = "berkeley"
+    RL_GLUE = "rl-glue"
+    FUNCTION = "function"
+
+
+@dataclass(frozen=True, slots=True)
+class AgentShape:
+    """One shape.
+
+    ``methods`` are those that tell it: each is there. ``update`` is the one that learns, ``choose`` the one
+    that chooses an action. ``roles`` says what the parameters of each method may be, by the roles of
+    :data:`rl_tui.programs.own_agents.binding.NAMES`. ``signatures`` is how the shape is shown to people.
+    ``done_is_either`` says that its ``done`` is true at a truncation too, so that nothing is bootstrapped
+    there: a property of the shape, no fault of who writes in it.
+    """
+
+    style: Style
+    title: str
+    methods: tuple[str, ...]
+    choose: str
+    update: str
+    roles: Mapping[str, tuple[str, ...]]
+    signatures: str
+    done_is_either: bool = False
+
+
+_EXPERIENCE: Final = ("state", "action", "reward", "next_state", "terminated", "truncated", "done")
+
+SHAPES: Final = (
+    AgentShape(
+        Style.GYMNASIUM,
+        "the shape of Gymnasium's tutorials",
+        ("get_action", "update"),
+        "get_action",
+        "update",
+        {
+            "get_action": ("env", "state"),
+            "update": (*_EXPERIENCE, "next_action", "env"),
+            "decay_epsilon": ("episode",),
+        },
+        "get_action(obs), update(obs, action, reward, terminated, next_obs), decay_epsilon()",
+    ),
+    AgentShape(
+        Style.UDACITY,
+        "the shape of Udacity's course",
+        ("select_action", "step"),
+        "select_action",
+        "step",
+        {"select_action": ("state", "episode"), "step": _EXPERIENCE},
+        "select_action(state), step(state, action, reward, next_state, done)",
+        done_is_either=True,
+    ),
+    AgentShape(
+        Style.BERKELEY,
+        "the shape of Berkeley's course",
+        ("getAction", "update"),
+        "getAction",
+        "update",
+        {"getAction": ("state",), "update": ("state", "action", "next_state", "reward")},
+        "getAction(state), update(state, action, nextState, reward)",
+    ),
+    AgentShape(
+        Style.RL_GLUE,
+        "the shape of RL-Glue",
+        ("agent_start", "agent_step", "agent_end"),
+        "agent_step",
+        "agent_step",
+        {
+            "agent_init": ("agent_info",),
+            "agent_start": ("state",),
+            "agent_step": ("reward", "state"),
+            "agent_end": ("reward",),
+        },
+        "agent_init(agent_info), agent_start(obs), agent_step(reward, obs), agent_end(reward)",
+    ),
+    AgentShape(
+        Style.FUNCTION,
+        "a bare function",
+        (),
+        "",
+        "",
+        {"": ("q", *_EXPERIENCE, "next_action", "alpha", "gamma")},
+        "update(q, s, a, r, s_next, alpha, gamma)",
+    ),
+)
+SHAPE_OF: Final[Mapping[Style, AgentShape]] = {shape.style: shape for shape in SHAPES}
+FUNCTION: Final = SHAPE_OF[Style.FUNCTION]
+OF_FUNCTION: Final = ("q", "state", "action", "reward", "next_state")
+"""The roles that each parameter list of a bare function has; by them it is told from other functions."""
+
+
+def style_of_methods(methods: frozenset[str]) -> Style | None:
+    """Return the style of a class with these ``methods``, None for none of them."""
+    return next((each.style for each in SHAPES if each.methods and methods.issuperset(each.methods)), None)
+
+
+def shapes_in_words() -> str:
+    """Return all shapes as people see them, for messages."""
+    return "; ".join(f"{shape.style}: {shape.signatures}" for shape in SHAPES)
+
+
+# Binding by name
+
+
+NAMES: Final[Mapping[str, tuple[str, ...]]] = {
+    "state": ("s", "state", "obs", "observation", "current_state", "prev_state", "last_state", "st"),
+    "action": ("a", "action", "act", "last_action", "prev_action"),
+    "reward": ("r", "reward", "rew"),
+    "next_state": (
+        *("s_next", "next_s", "next_state", "new_state", "state_next", "s_prime", "s2", "sp", "s_", "state_"),
+        *("next_obs", "new_obs", "obs_next", "next_observation", "new_observation", "observation_", "sn"),
+        "successor",
+    ),
+    "next_action": ("a_next", "next_a", "next_action", "new_action", "a_prime", "a2", "ap", "a_", "action_"),
+    "terminated": ("terminated", "terminal", "term", "is_terminal"),
+    "truncated": ("truncated", "trunc"),
+    "done": ("done", "is_done", "d", "finished", "over"),
+    "episode": ("episode", "i_episode", "episode_number"),
+    "q": ("q", "q_table", "q_values", "qtable", "table", "action_values"),
+    "agent_info": ("agent_info", "agent_init_info", "info"),
+    "env": ("env", "environment"),
+    "action_space": ("action_space",),
+    "observation_space": ("observation_space", "obs_space"),
+    "actions": (
+        *("n_actions", "na", "num_actions", "action_size", "n_action", "action_dim", "number_of_actions"),
+        *("no_of_actions", "action_space_size", "action_n"),
+    ),
+    "states": (
+        *("n_states", "ns", "num_states", "state_size", "n_state", "state_dim", "number_of_states"),
+        *("no_of_states", "observation_size", "state_space_size", "n_observations", "state_n"),
+    ),
+    "legal_actions": ("actionfn", "action_fn"),
+    "alpha": ("alpha", "learning_rate", "lr", "step_size"),
+    "gamma": ("gamma", "discount_factor", "discount", "discount_rate"),
+    "epsilon": (
+        *("epsilon", "initial_epsilon", "exploration_rate", "eps", "epsilon_start", "start_epsilon"),
+        *("eps_start", "initial_exploration"),
+    ),
+    "epsilon_decay": ("epsilon_decay", "eps_decay", "epsilon_decay_rate", "exploration_decay", "decay_rate"),
+    "epsilon_min": (
+        *("epsilon_min", "final_epsilon", "min_epsilon", "eps_min", "epsilon_end", "eps_end", "min_eps"),
+        *("epsilon_final", "min_exploration_rate"),
+    ),
+    "initial_q": ("initial_q", "initial_value", "q_init", "init_q"),
+    "seed": ("seed", "random_seed", "random_state"),
+    "generator": ("rng", "generator", "random_generator"),
+    "episodes": ("n_episodes", "num_training", "numtraining", "num_episodes", "episodes", "max_episodes"),
+}
+"""What each role may be called, in small letters, the clearest name first; underscores may be left out."""
+
+_ROLE_OF: Final = {name: role for role, names in NAMES.items() for name in names}
+_WITHOUT_UNDERSCORES: Final = {
+    name.replace("_", ""): role for name, role in _ROLE_OF.items() if "_" in name.strip("_")
+}
+_NAMED: Final = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
+_LONGEST: Final = 40
+
+
+def role_of(name: str) -> str:
+    """Return what a parameter called ``name`` stands for, empty where that is not known.
+
+    ``nextState`` and ``next_state`` are the same; so are ``Q`` and ``q``.
+    """
+    small = name.lower()
+    return _ROLE_OF.get(small) or _WITHOUT_UNDERSCORES.get(small.replace("_", ""), "")
+
+
+def signature_of(called: Callable[..., Any], name: str) -> inspect.Signature:
+    """Return the parameters of ``called``, the agent's ``name``; raises UserError where none can tell."""
+    try:
+        return inspect.signature(called)
+    except (TypeError, ValueError) as fault:
+        raise UserError(f"{name}: its parameters cannot be told ({one_line(str(fault), 80)})") from fault
+
+
+def bound_roles(
+    called: Callable[..., Any], name: str, known: Iterable[str], left_to_defaults: Container[str] = ()
+) -> dict[str, str]:
+    """Return parameter → role for the parameters of ``called``, the agent's ``name``, that are to be given.
+
+    Those that have a default and no role in ``known``, or one in ``left_to_defaults``, are left to it. Raises
+    UserError, naming all that cannot be bound.
+    """
+    known, roles, unknown = frozenset(known), dict[str, str](), []
+    for parameter in signature_of(called, name).parameters.values():
+        role, has_default = role_of(parameter.name), parameter.default is not inspect.Parameter.empty
+        if role in known and parameter.kind in _NAMED and not (has_default and role in left_to_defaults):
+            roles[parameter.name] = role
+        elif not has_default and _is_single(parameter):
+            unknown.append(parameter.name)
+    if unknown:
+        raise UserError(_cannot_bind(name, unknown, known))
+    return roles
+
+
+def bind(called: Callable[..., Any], name: str, known: Iterable[str]) -> Callable[[Mapping[str, Any]], Any]:
+    """Return what calls ``called``, the agent's ``name``, with the values of its roles among ``known``.
+
+    Raises UserError where a parameter has no role among them and no default.
+    """
+    roles = tuple(bound_roles(called, name, known).items())
+
+    def call(values: Mapping[str, Any]) -> Any:
+        return called(**{parameter: values[role] for parameter, role in roles})
+
+    return call
+
+
+def constructor_arguments(
+    called: Callable[..., Any],
+    name: str,
+    surroundings: Mapping[str, Any],
+    given: Mapping[str, float],
+    defaults: Mapping[str, float],
+) -> dict[str, Any]:
+    """Return the arguments for the constructor of an agent called ``name``, by the names of its parameters.
+
+    ``surroundings`` are values by role that do not come from a person: environment, sizes, seed. Of numbers
+    that are ``given`` the parameter gets them, else its own default, else that of ``defaults``. A constructor
+    that takes ``**arguments`` gets no more than what is given, and the legal actions. Raises UserError,
+    naming all parameters that cannot be bound.
+    """
+    values, unknown = dict[str, Any](), []
+    parameters = signature_of(called, name).parameters
+    for parameter in parameters.values():
+        role, has_default = role_of(parameter.name), parameter.default is not inspect.Parameter.empty
+        if parameter.kind is inspect.Parameter.VAR_KEYWORD:
+            values |= _arguments_of_any_name({**defaults, **given}, surroundings, parameters)
+        elif parameter.kind not in _NAMED:
+            continue
+        elif role in surroundings and not (has_default and role == "episodes"):
+            values[parameter.name] = surroundings[role]
+        elif role in given:
+            values[parameter.name] = given[role]
+        elif role in defaults and not has_default:
+            values[parameter.name] = defaults[role]
+        elif not has_default:
+            unknown.append(parameter.name)
+    if unknown:
+        raise UserError(_cannot_bind(f"{name}.__init__", unknown, (*surroundings, *defaults)))
+    return values
+
+
+def _arguments_of_any_name(
+    numbers: Mapping[str, float], surroundings: Mapping[str, Any], named: Iterable[str]
+) -> dict[str, Any]:
+    """Return what Berkeley's ``**args`` hands on to its base class, but for what is ``named`` itself."""
+    usual = {
+        "actionFn": surroundings["legal_actions"],
+        "alpha": numbers["alpha"],
+        "epsilon": numbers["epsilon"],
+        "gamma": numbers["gamma"],
+        "numTraining": surroundings["episodes"],
+    }
+    roles = {role_of(name) for name in named}
+    return {name: value for name, value in usual.items() if role_of(name) not in roles}
+
+
+def _is_single(parameter: inspect.Parameter) -> bool:
+    return parameter.kind not in (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
+
+
+def _cannot_bind(name: str, unknown: Iterable[str], known: Iterable[str]) -> str:
+    names = ", ".join(one_line(each, _LONGEST) for each in unknown)
+    understood = ", ".join(NAMES[role][0] for role in NAMES if role in frozenset(known))
+    return (
+        f"{name}: nothing is known that its parameter {names} could be given; give it a default, or call it "
+        f"one of {understood} or alike. The shapes: {shapes_in_words()}"
+    )
+
+
+# Skeletons without the update
+
+
+_FOLDER = Path(__file__).parent / "skeletons"
+_LONGEST_REASON = 120
+
+
+def skeleton(style: Style) -> str:
+    """Return the text of an agent in ``style`` whose update is still to be written."""
+    return (_FOLDER / f"{style.value}.py.txt").read_text(encoding="utf-8")
+
+
+def write_skeleton(path: Path, style: Style) -> None:
+    """Write an agent in ``style`` to ``path``, a new file. Raises UserError where that cannot be."""
+    name = shown(str(path))
+    if path.suffix != ".py":
+        raise UserError(f"{name}: expected the name of a Python file, one that ends in .py")
+    try:
+        with path.open("x", encoding="utf-8", newline="\n") as stream:
+            stream.write(skeleton(style))
+    except FileExistsError as error:
+        raise UserError(f"{name}: is there already, and is not written over; choose another name") from error
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise UserError(f"{name}: cannot be written ({one_line(reason, _LONGEST_REASON)})") from error

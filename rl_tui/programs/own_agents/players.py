@@ -1,0 +1,313 @@
+"""Players: each asks an agent of one shape for actions and reports the steps to it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from random import Random
+from typing import Any, Final, NamedTuple, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from rl_tui.programs.own_agents.binding import (
+    FUNCTION,
+    SHAPE_OF,
+    AgentShape,
+    Style,
+    bind,
+    bound_roles,
+    constructor_arguments,
+    role_of,
+)
+from rl_tui.programs.own_agents.loading import AgentPlace
+
+# A player for each shape
+
+
+Mask = npt.NDArray[np.int8] | None
+"""1 for each action that is legal, [A]; None: all are."""
+
+
+class Happened(NamedTuple):
+    """One step: ``mask`` says what is legal in ``next_state``."""
+
+    state: int
+    action: int
+    reward: float
+    next_state: int
+    terminated: bool
+    truncated: bool
+    mask: Mask = None
+
+
+class AgentPlayer(Protocol):
+    """One agent in the loop."""
+
+    def begin(self, state: int, mask: Mask) -> Any:
+        """Begin an episode and return its first action."""
+        ...
+
+    def after(self, step: Happened) -> Any:
+        """Learn from ``step`` and return the next action, whatever it is where the episode is over."""
+        ...
+
+    def end(self, episode: int) -> None:
+        """End the episode of that number, from 0."""
+        ...
+
+
+class MethodsPlayer:
+    """An agent that is an object with one method to choose an action and one to learn."""
+
+    def __init__(self, agent: Any, shape: AgentShape, env: Any) -> None:
+        self._env, self._either = env, shape.done_is_either
+        self._choose = bind(getattr(agent, shape.choose), shape.choose, shape.roles[shape.choose])
+        update = getattr(agent, shape.update)
+        self._update = bind(update, shape.update, shape.roles[shape.update])
+        self._looks_ahead = (
+            "next_action" in bound_roles(update, shape.update, shape.roles[shape.update]).values()
+        )
+        decay = getattr(agent, "decay_epsilon", None) if "decay_epsilon" in shape.roles else None
+        self._decay = bind(decay, "decay_epsilon", shape.roles["decay_epsilon"]) if callable(decay) else None
+        self._episode = 0
+
+    def begin(self, state: int, mask: Mask) -> Any:
+        """Return the first action."""
+        return self._choose({"env": self._env, "state": state, "episode": self._episode})
+
+    def after(self, step: Happened) -> Any:
+        """Let it learn, and return the next action."""
+        over = step.terminated or step.truncated
+        given = step._asdict() | {"env": self._env, "done": over if self._either else step.terminated}
+        if self._looks_ahead:
+            given["next_action"] = self.begin(step.next_state, step.mask)
+            self._update(given)
+            return given["next_action"]
+        self._update(given)
+        return None if over else self.begin(step.next_state, step.mask)
+
+    def end(self, episode: int) -> None:
+        """Let ε decay."""
+        if self._decay is not None:
+            self._decay({"episode": episode})
+        self._episode = episode + 1
+
+
+class LegalActions:
+    """Berkeley's ``actionFn``: the actions of the state that the agent is in, () after the end."""
+
+    def __init__(self, actions: int) -> None:
+        self._all = tuple(range(actions))
+        self._known: dict[int, tuple[int, ...]] = {}
+        self._ended_in: int | None = None
+
+    def __call__(self, state: Any) -> tuple[int, ...]:
+        """Return the actions that can be taken in ``state``; all of them where it was never entered."""
+        return () if state == self._ended_in else self._known.get(state, self._all)
+
+    def enter(self, state: int, mask: Mask, *, terminated: bool = False) -> None:
+        """Note that the agent is in ``state`` now, where the episode is over if it ``terminated``."""
+        self._ended_in = state if terminated else None
+        if mask is not None and not terminated:
+            self._known[state] = tuple(np.flatnonzero(mask).tolist())
+
+
+class BerkeleyPlayer:
+    """An agent of Berkeley's course, which asks for the legal actions itself."""
+
+    def __init__(self, agent: Any, legal: LegalActions) -> None:
+        shape = SHAPE_OF[Style.BERKELEY]
+        self._legal = legal
+        self._choose = bind(agent.getAction, "getAction", shape.roles["getAction"])
+        self._update = bind(agent.update, "update", shape.roles["update"])
+
+    def begin(self, state: int, mask: Mask) -> Any:
+        """Return the first action."""
+        self._legal.enter(state, mask)
+        return self._choose({"state": state})
+
+    def after(self, step: Happened) -> Any:
+        """Let it learn, and return the next action."""
+        self._legal.enter(step.next_state, step.mask, terminated=step.terminated)
+        self._update(step._asdict())
+        over = step.terminated or step.truncated
+        return None if over else self._choose({"state": step.next_state})
+
+    def end(self, episode: int) -> None:
+        """Do nothing: this shape hears nothing of it."""
+
+
+class GluePlayer:
+    """An agent in RL-Glue's shape: ``agent_end`` comes only where the world ended the episode."""
+
+    def __init__(self, agent: Any) -> None:
+        roles = SHAPE_OF[Style.RL_GLUE].roles
+        self._start, self._step, self._end = (
+            bind(getattr(agent, name), name, roles[name])
+            for name in ("agent_start", "agent_step", "agent_end")
+        )
+
+    def begin(self, state: int, mask: Mask) -> Any:
+        """Return the first action."""
+        return self._start({"state": state})
+
+    def after(self, step: Happened) -> Any:
+        """Let it learn, and return the next action."""
+        if step.terminated:
+            return self._end({"reward": step.reward})
+        # At a truncation too, for the last step to be learned from; the action it returns is never taken
+        return self._step({"reward": step.reward, "state": step.next_state})
+
+    def end(self, episode: int) -> None:
+        """Do nothing: this shape hears nothing of it."""
+
+
+class FunctionPlayer:
+    """ε-greedy with random ties around a bare function that updates the table ``q``, [S, A].
+
+    The function may change ``q``, or return another one. ``numbers`` are its hyper-parameters by role.
+    """
+
+    def __init__(
+        self,
+        update: Callable[..., Any],
+        name: str,
+        shape: tuple[int, int],
+        numbers: Mapping[str, float],
+        given: Mapping[str, float],
+        seed: int,
+    ) -> None:
+        self.q: Any = np.full(shape, float(numbers.get("initial_q", 0.0)))
+        self._shape = shape
+        left_to_defaults = {"alpha", "gamma"}.difference(given)
+        self._roles = tuple(bound_roles(update, name, FUNCTION.roles[""], left_to_defaults).items())
+        self._looks_ahead = any(role == "next_action" for _, role in self._roles)
+        self._update, self._numbers, self._random = update, numbers, Random(f"{seed} policy")
+        self._all = range(shape[1])
+        self._epsilon = numbers["epsilon"]
+
+    def begin(self, state: int, mask: Mask) -> int:
+        """Return an action, ε-greedy."""
+        legal = self._all if mask is None or not mask.any() else np.flatnonzero(mask).tolist()
+        if self._random.random() < self._epsilon:
+            return self._random.choice(legal)
+        row = np.asarray(self.q[state], float).tolist()
+        best = max(row[action] for action in legal)
+        ties = [action for action in legal if row[action] == best] or legal  # none where one is no number
+        return self._random.choice(ties)
+
+    def after(self, step: Happened) -> Any:
+        """Let it learn, and return the next action."""
+        ahead = self.begin(step.next_state, step.mask) if self._looks_ahead else None
+        given = {"q": self.q, "done": step.terminated, "next_action": ahead}
+        values = {**step._asdict(), **self._numbers, **given}
+        returned = self._update(**{parameter: values[role] for parameter, role in self._roles})
+        if np.shape(returned) == self._shape:
+            self.q = returned
+        return self.begin(step.next_state, step.mask) if ahead is None else ahead
+
+    def end(self, episode: int) -> None:
+        """Let ε decay."""
+        least, decay = self._numbers.get("epsilon_min", 0.0), self._numbers.get("epsilon_decay", 0.0)
+        if decay > 0.0:
+            start = self._numbers["epsilon"]
+            self._epsilon = least + (start - least) * math.exp(-decay * (episode + 1))
+
+
+# Making the agent
+
+
+_IN_INFO: Final = frozenset({"alpha", "gamma", "epsilon"})
+"""The numbers that RL-Glue's ``agent_info`` holds."""
+
+
+@dataclass(frozen=True, slots=True)
+class GivenSettings:
+    """With what an agent learns.
+
+    ``given`` are numbers by role that a person gave, ``defaults`` those of the scenario, which hold alpha,
+    gamma and epsilon at least. ``episodes`` is None where the number of steps ends it.
+    """
+
+    given: Mapping[str, float]
+    defaults: Mapping[str, float]
+    episodes: int | None
+    seed: int
+
+    @property
+    def small_seed(self) -> int:
+        """The seed in 32 bits: NumPy's legacy generators, which many agents use, take no more."""
+        return self.seed % 2**32
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """What holds by role for who has no default of its own."""
+        return {**self.defaults, **self.given}
+
+
+class ReadyAgent(NamedTuple):
+    """The agent, what plays it, and which of the given numbers, by role, it does not take.
+
+    Of a bare function the first two are the same.
+    """
+
+    agent: Any
+    player: AgentPlayer
+    unused: frozenset[str]
+
+
+def ready_agent(built: Any, place: AgentPlace, env: Any, settings: GivenSettings) -> ReadyAgent:
+    """Make the agent of ``built``, the class or function at ``place``, for ``env``.
+
+    Raises UserError, naming all that cannot be bound, and whatever its constructor raises.
+    """
+    sizes = int(env.observation_space.n), int(env.action_space.n)
+    if place.style == Style.FUNCTION:
+        return _of_function(built, place.name, sizes, settings)
+    shape, legal = SHAPE_OF[place.style], LegalActions(sizes[1])
+    surroundings = {
+        "env": env,
+        "action_space": env.action_space,
+        "observation_space": env.observation_space,
+        "states": sizes[0],
+        "actions": sizes[1],
+        "legal_actions": legal,
+        "seed": settings.small_seed,
+        "generator": np.random.default_rng(settings.seed),
+        "episodes": settings.episodes or 0,
+        "agent_info": _agent_info(sizes, settings),
+    }
+    arguments = constructor_arguments(built, place.name, surroundings, settings.given, settings.defaults)
+    unused = frozenset(settings.given) - {role_of(name) for name in arguments}
+    agent = built(**arguments)
+    if place.style == Style.BERKELEY:
+        if not hasattr(agent, "getLegalActions"):
+            agent.getLegalActions = legal
+        return ReadyAgent(agent, BerkeleyPlayer(agent, legal), unused)
+    if place.style == Style.RL_GLUE:
+        if hasattr(agent, "agent_init"):
+            bind(agent.agent_init, "agent_init", shape.roles["agent_init"])(surroundings)
+            unused -= _IN_INFO
+        return ReadyAgent(agent, GluePlayer(agent), unused)
+    return ReadyAgent(agent, MethodsPlayer(agent, shape, env), unused)
+
+
+def _of_function(update: Any, name: str, sizes: tuple[int, int], settings: GivenSettings) -> ReadyAgent:
+    function = FunctionPlayer(update, name, sizes, settings.numbers, settings.given, settings.seed)
+    taken = bound_roles(update, name, FUNCTION.roles[""]).values()
+    return ReadyAgent(function, function, frozenset(settings.given) & {"alpha", "gamma"} - set(taken))
+
+
+def _agent_info(sizes: tuple[int, int], settings: GivenSettings) -> dict[str, float | int]:
+    """Return what RL-Glue's ``agent_init`` is given."""
+    numbers = settings.numbers
+    return {
+        "num_states": sizes[0],
+        "num_actions": sizes[1],
+        "epsilon": numbers["epsilon"],
+        "step_size": numbers["alpha"],
+        "discount": numbers["gamma"],
+        "seed": settings.small_seed,
+    }

@@ -1,0 +1,322 @@
+"""Lines of the user's code: where it raised an error, and where it changed the table."""
+
+from __future__ import annotations
+
+import ast
+import linecache
+import sys
+import sysconfig
+import traceback
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from types import CodeType, FrameType, TracebackType
+from typing import Any, Final
+
+from rl_tui.common.errors import UserError
+from rl_tui.programs.watched.child.advice import advice_on
+from rl_tui.programs.watched.child.script import parsed
+
+# Errors and their lines
+
+
+_OURS: Final = str(Path(__file__).parents[3])
+_LIBRARIES: Final = tuple(
+    {sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")}
+    | {"<frozen", sys.prefix + "/lib"}
+)
+_LONGEST_TEXT: Final = 1_000
+_LONGEST_TRACEBACK: Final = 12_000
+_MOST_FRAMES: Final = 40
+
+
+def is_users_file(file: str) -> bool:
+    """Return whether code of ``file`` is the user's own: none of ours, no library and no part of Python."""
+    return not (file.startswith((_OURS, *_LIBRARIES)) or "site-packages" in file or "dist-packages" in file)
+
+
+def users_place(frame: FrameType | None) -> tuple[str, int] | None:
+    """Return file and line of the user's code that runs in ``frame`` or led to it, None without any."""
+    while frame is not None:
+        if is_users_file(frame.f_code.co_filename):
+            return frame.f_code.co_filename, line_of(frame)
+        frame = frame.f_back
+    return None
+
+
+def line_of(frame: FrameType) -> int:
+    """Return the line that ``frame`` is at.
+
+    Some instructions have none, such as the jump back to the head of a loop: then it is the line before them.
+    """
+    if frame.f_lineno is not None:
+        return frame.f_lineno
+    before = [line for start, _, line in frame.f_code.co_lines() if line and start <= frame.f_lasti]
+    return before[-1] if before else frame.f_code.co_firstlineno
+
+
+def described(error: BaseException) -> dict[str, Any]:
+    """Return what is told of ``error``: type, text, file, line and traceback, without frames of ours.
+
+    The place is the innermost one in the user's code; of a syntax error it is the line that has it.
+    """
+    if isinstance(error, UserError) and isinstance(error.__cause__, SyntaxError):
+        error = error.__cause__
+    frames = [each for each in _walk(error.__traceback__) if not _is_ours(each[0])]
+    own = [each for each in frames if is_users_file(each[0].f_code.co_filename)] or frames
+    file, line = (own[-1][0].f_code.co_filename, own[-1][1]) if own else ("", None)
+    if isinstance(error, SyntaxError) and error.filename:
+        file, line = error.filename, error.lineno
+    text = _text_of(error)
+    advice = advice_on(error, text, [frame for frame, _ in own[::-1]], line)
+    return {
+        "type": type(error).__name__,
+        "text": _bounded(f"{text}: {advice}" if text and advice else text or advice, _LONGEST_TEXT),
+        "file": file,
+        "line": line,
+        "traceback": _bounded(_formatted(error), _LONGEST_TRACEBACK),
+    }
+
+
+def _walk(trace: TracebackType | None) -> Iterator[tuple[FrameType, int]]:
+    while trace is not None:
+        yield trace.tb_frame, trace.tb_lineno
+        trace = trace.tb_next
+
+
+def _is_ours(frame: FrameType) -> bool:
+    return frame.f_code.co_filename.startswith(_OURS)
+
+
+def _text_of(error: BaseException) -> str:
+    if isinstance(error, SyntaxError):
+        return error.msg or ""
+    try:
+        return str(error)
+    except Exception:  # a class of the user's may say what it likes
+        return ""
+
+
+def _formatted(error: BaseException) -> str:
+    report = traceback.TracebackException.from_exception(error, compact=True)
+    chain: traceback.TracebackException | None = report
+    while chain is not None:
+        kept = [each for each in chain.stack if not each.filename.startswith(_OURS)]
+        dropped = kept[_MOST_FRAMES // 2 : -_MOST_FRAMES // 2] if len(kept) > _MOST_FRAMES else []
+        chain.stack = traceback.StackSummary.from_list([each for each in kept if each not in dropped])
+        chain = chain.__cause__ or chain.__context__
+    return "".join(report.format())
+
+
+def _bounded(text: str, longest: int) -> str:
+    """Return a text of at most ``longest`` characters: its beginning and its end, where it is longer."""
+    half = longest // 2
+    return text if len(text) <= longest else f"{text[:half]}\n…\n{text[len(text) - half :]}"
+
+
+# Lines that change the table
+
+
+Place = tuple[str, int]
+"""A file and a line."""
+TRACED_AT_FIRST: Final = 40
+"""Changes whose lines are looked for from the first one on."""
+MOST_LINES: Final = 20_000
+"""Lines that are run meanwhile at the most: where changes are rare, looking for them would take long."""
+
+
+class LineTrace:
+    """Finds the lines that change the table.
+
+    ``look`` returns what can be compared to find out whether the table changed; it is called at each line.
+    ``tell`` gets the lines and how often each changed the table, when as many changes as were asked for have
+    been seen, or :meth:`stop` is called. Nothing is left of it afterwards, and code runs as fast as before.
+    """
+
+    def __init__(
+        self,
+        look: Callable[[], object],
+        tell: Callable[[Mapping[Place, int]], None],
+    ) -> None:
+        self._look, self._tell = look, tell
+        self._statements = _Statements()
+        self._is_users: dict[str, bool] = {}
+        self._changes: Counter[Place] = Counter()
+        self._wanted = self._lines_left = 0
+        self._seen: object = None
+        self._place: Place | None = None
+        self._hooks = _Monitoring(self) if sys.version_info >= (3, 12) else _Tracing(self)
+
+    @property
+    def is_on(self) -> bool:
+        """Whether lines are looked at."""
+        return self._wanted > 0
+
+    def begin(self, changes: int) -> None:
+        """Look for the lines of so many changes from now on, in the code that led here."""
+        if changes > 0 and (self.is_on or self._hooks.begin(sys._getframe(1))):
+            self._wanted, self._lines_left = changes, MOST_LINES
+            self._seen, self._place = self._look(), self._place_of(sys._getframe(1))
+
+    def stop(self) -> None:
+        """Look no longer, and tell what was found."""
+        if self.is_on:
+            self._wanted = 0
+            self._hooks.stop(sys._getframe(1))
+            found = Counter[Place]()
+            for (file, line), count in self._changes.items():
+                found[file, self._statements.first_line(file, line)] += count
+            self._changes.clear()
+            self._tell(found)
+
+    def is_users(self, code: CodeType) -> bool:
+        """Return whether code is the user's own."""
+        file = code.co_filename
+        known = self._is_users.get(file)
+        if known is None:
+            known = self._is_users[file] = is_users_file(file)
+        return known
+
+    def at_line(self, file: str, line: int) -> None:
+        """Take note that a line is about to run: what has changed was changed by the one before it."""
+        self._find_change()
+        self._place = (file, line)
+        self._lines_left -= 1
+        if self._lines_left <= 0 or self._changes.total() >= self._wanted:
+            self.stop()
+
+    def at_return(self, caller: FrameType | None) -> None:
+        """Take note that a function returns to ``caller``, whose line goes on."""
+        self._find_change()
+        self._place = self._place_of(caller)
+
+    def _find_change(self) -> None:
+        seen = self._look()
+        if seen != self._seen:
+            self._seen = seen
+            if self._place is not None:
+                self._changes[self._place] += 1
+
+    def _place_of(self, frame: FrameType | None) -> Place | None:
+        while frame is not None and not self.is_users(frame.f_code):
+            frame = frame.f_back
+        return None if frame is None else (frame.f_code.co_filename, line_of(frame))
+
+
+class _Tracing:
+    """Hears of lines by ``sys.settrace``."""
+
+    def __init__(self, trace: LineTrace) -> None:
+        self._trace = trace
+
+    def begin(self, frame: FrameType | None) -> bool:
+        """Hear of the lines of the user's functions that led to ``frame``, and of those called from now on.
+
+        Returns False where a debugger does so already.
+        """
+        if sys.gettrace() is not None:
+            return False
+        while frame is not None:
+            if self._trace.is_users(frame.f_code):
+                frame.f_trace = self._in_function
+            frame = frame.f_back
+        sys.settrace(self._at_call)
+        return True
+
+    def stop(self, frame: FrameType | None) -> None:
+        """Hear of no more lines."""
+        sys.settrace(None)
+        while frame is not None:
+            if frame.f_trace == self._in_function:
+                frame.f_trace = None
+            frame = frame.f_back
+
+    def _at_call(self, frame: FrameType, event: str, _: Any) -> Any:
+        return self._in_function if event == "call" and self._trace.is_users(frame.f_code) else None
+
+    def _in_function(self, frame: FrameType, event: str, _: Any) -> Any:
+        if self._trace.is_on and event == "line":
+            self._trace.at_line(frame.f_code.co_filename, frame.f_lineno)
+        elif self._trace.is_on and event == "return":
+            self._trace.at_return(frame.f_back)
+        return self._in_function if self._trace.is_on else None
+
+
+class _Monitoring:
+    """Hears of lines by ``sys.monitoring``, which Python has from 3.12 on."""
+
+    def __init__(self, trace: LineTrace) -> None:
+        self._trace = trace
+        self._tool = -1
+
+    def begin(self, _: FrameType | None) -> bool:
+        """Hear of lines from now on. Returns False where all places for tools are taken."""
+        if sys.version_info >= (3, 12):
+            monitoring = sys.monitoring
+            free = [tool for tool in range(5, -1, -1) if monitoring.get_tool(tool) is None]
+            if not free:
+                return False
+            self._tool, events = free[0], monitoring.events
+            monitoring.use_tool_id(self._tool, "rl-tui")
+            monitoring.register_callback(self._tool, events.LINE, self._at_line)
+            monitoring.register_callback(self._tool, events.PY_RETURN, self._at_return)
+            monitoring.register_callback(self._tool, events.PY_YIELD, self._at_return)
+            monitoring.set_events(self._tool, events.LINE | events.PY_RETURN | events.PY_YIELD)
+            monitoring.restart_events()
+        return True
+
+    def stop(self, _: FrameType | None) -> None:
+        """Hear of no more lines."""
+        if sys.version_info >= (3, 12):
+            events = sys.monitoring.events
+            sys.monitoring.set_events(self._tool, 0)
+            for event in (events.LINE, events.PY_RETURN, events.PY_YIELD):
+                sys.monitoring.register_callback(self._tool, event, None)
+            sys.monitoring.free_tool_id(self._tool)
+
+    def _at_line(self, code: CodeType, line: int) -> Any:
+        if not self._trace.is_users(code):
+            return _never_again()
+        if self._trace.is_on:
+            self._trace.at_line(code.co_filename, line)
+        return None
+
+    def _at_return(self, code: CodeType, *_: Any) -> Any:
+        if not self._trace.is_users(code):
+            return _never_again()
+        if self._trace.is_on:
+            self._trace.at_return(sys._getframe(1).f_back)
+        return None
+
+
+def _never_again() -> Any:
+    """Return what keeps Python from telling of the same place of code once more."""
+    if sys.version_info >= (3, 12):
+        return sys.monitoring.DISABLE
+    return None
+
+
+class _Statements:
+    """The first lines of statements, by file."""
+
+    def __init__(self) -> None:
+        self._first_lines: dict[str, dict[int, int]] = {}
+
+    def first_line(self, file: str, line: int) -> int:
+        """Return the first line of the innermost statement that stands on ``line``, or ``line`` itself."""
+        if file not in self._first_lines:
+            self._first_lines[file] = self._read(file)
+        return self._first_lines[file].get(line, line)
+
+    def _read(self, file: str) -> dict[int, int]:
+        try:
+            tree, _, _ = parsed("".join(linecache.getlines(file)), file)
+        except (SyntaxError, ValueError, RecursionError, MemoryError):
+            return {}
+        found: dict[int, int] = {}
+        for node in ast.walk(tree):  # from the outside in
+            if isinstance(node, ast.stmt):
+                body = getattr(node, "body", None)
+                end = body[0].lineno - 1 if body else node.end_lineno or node.lineno
+                found.update(dict.fromkeys(range(node.lineno, end + 1), node.lineno))
+        return found

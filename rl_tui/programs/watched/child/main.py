@@ -1,0 +1,244 @@
+"""The entry point of a watched program's process."""
+
+from __future__ import annotations
+
+import builtins
+import fcntl
+import os
+import pickle
+import random
+import select
+import signal
+import sys
+import threading
+import warnings
+from collections.abc import Callable
+from contextlib import suppress
+from importlib import import_module
+from io import TextIOWrapper
+from itertools import count
+from pathlib import Path
+from time import sleep  # the script may put another one in its place
+from types import ModuleType
+from typing import Any, Final, NoReturn
+
+import numpy as np
+
+from rl_tui.common.after_import import after_import
+from rl_tui.programs.watched.child.channel import Channel, Gate
+from rl_tui.programs.watched.child.line_trace import described, users_place
+from rl_tui.programs.watched.child.making import Making
+from rl_tui.programs.watched.child.recorder import Recorder
+from rl_tui.programs.watched.child.script import read_script, run_script
+from rl_tui.programs.watched.messages import MessageKind
+
+# Seeds of all random generators
+
+
+def seed_all(seed: int) -> None:
+    """Seed ``random``, NumPy's legacy generator, and each ``default_rng()`` that is given nothing."""
+    random.seed(seed)
+    np.random.seed(seed % 2**32)
+    original, made = np.random.default_rng, count(1)
+
+    def default_rng(seed_given: Any = None) -> np.random.Generator:
+        """Return a generator; one without a seed of its own has that of the run and its own number."""
+        return original([seed, next(made)] if seed_given is None else seed_given)
+
+    np.random.default_rng = default_rng  # type: ignore[assignment]
+
+
+# Input, windows and limits
+
+
+_NO_WINDOW: Final = ".*is non-interactive, and thus cannot be shown"
+_INPUT: Final = (
+    "input() cannot be answered while rl-tui watches: write the value into the script, or pass it after the "
+    "script's name"
+)
+_NOT_REPEATABLE: Final = "the script starts {}: the same seed need not give the same run"
+_OLD_GYM: Final = (
+    "the script imports gym, of which rl-tui sees nothing: it watches environments of its successor; "
+    "write `import gymnasium as gym`"
+)
+
+
+def end_with(life: int) -> None:
+    """Let the system end this process and its group as soon as the other end of the pipe ``life`` is closed.
+
+    That needs neither a thread nor Python's attention: it works while C code computes. On Linux the signal is
+    one that a program cannot ignore. Nothing may ever be written to that pipe.
+    """
+    signal.signal(signal.SIGIO, signal.SIG_DFL)  # which ends a process; whoever started us may ignore it
+    fcntl.fcntl(life, fcntl.F_SETOWN, -os.getpgrp())
+    if hasattr(fcntl, "F_SETSIG"):
+        fcntl.fcntl(life, fcntl.F_SETSIG, signal.SIGKILL)
+    fcntl.fcntl(life, fcntl.F_SETFL, fcntl.fcntl(life, fcntl.F_GETFL) | os.O_ASYNC)
+    if select.select([life], [], [], 0.0)[0]:  # it is closed already
+        os.killpg(0, signal.SIGKILL)
+
+
+def bound_memory(most: int) -> None:
+    """Let the system refuse this process, and each that it starts, more than ``most`` bytes of memory."""
+    import resource
+
+    with suppress(OSError, ValueError):
+        hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+        most = most if hard == resource.RLIM_INFINITY else min(most, hard)
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))
+
+
+def surround(note: Callable[[str], None]) -> None:
+    """Prepare this process for a script; ``note`` tells what had to be done otherwise for it to run."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(encoding="utf-8", errors="backslashreplace", line_buffering=True)
+    builtins.input = _refuse_input
+    sys.modules.setdefault("pickle5", pickle)  # it was the pickle of Python 3.8, for older ones
+    warnings.filterwarnings("ignore", message=_NO_WINDOW)
+    _tell_of_workers(note)
+    for name, change in {
+        "matplotlib": _draw_into_memory,
+        "matplotlib.pyplot": _show_nothing,
+        "tqdm.notebook": _draw_bars_as_text,
+        "gym": lambda _: note(_OLD_GYM),
+    }.items():
+        after_import(name, change)
+
+
+def _tell_of_workers(note: Callable[[str], None]) -> None:
+    """Tell, once each, when the script starts a thread or forks: no seed makes repeatable when they run."""
+    left = {"threads", "processes"}
+
+    def tell(what: str) -> None:
+        if what in left and os.getpid() == process:
+            left.remove(what)
+            note(_NOT_REPEATABLE.format(what))
+
+    def start(thread: threading.Thread) -> None:
+        if not thread.daemon:  # those of libraries, which watch over something
+            tell("threads")
+        start_thread(thread)
+
+    process, start_thread = os.getpid(), threading.Thread.start
+    threading.Thread.start = start  # type: ignore[method-assign, assignment]
+    os.register_at_fork(before=lambda: tell("processes"))
+
+
+def _refuse_input(*_: object) -> NoReturn:
+    raise RuntimeError(_INPUT)
+
+
+def _nothing(*_: Any, **__: Any) -> None:
+    """Do nothing, in place of what would open a window or wait for one."""
+
+
+def _draw_into_memory(matplotlib: ModuleType) -> None:
+    """Keep scripts from choosing where to draw: without windows that raises."""
+    matplotlib.use = _nothing  # type: ignore[attr-defined]
+
+
+def _show_nothing(pyplot: ModuleType) -> None:
+    switch = pyplot.switch_backend
+    pyplot.show = pyplot.pause = _nothing  # type: ignore[attr-defined]
+    pyplot.switch_backend = lambda *_: switch("agg")  # type: ignore[attr-defined]  # pyplot calls it itself
+
+
+def _draw_bars_as_text(notebook: ModuleType) -> None:
+    """Let bars meant for a notebook, which raise where there is none, be those of a terminal."""
+    plain = import_module("tqdm.std")
+    for name in ("tqdm", "tqdm_notebook"):
+        setattr(notebook, name, plain.tqdm)
+    for name in ("trange", "tnrange"):
+        setattr(notebook, name, plain.trange)
+
+
+# Silence and sudden ends
+
+
+_LOOK: Final = 0.1  # seconds
+_SILENT: Final = 10  # looks without a step, after which it is told where the program stands
+_FORK: Final = ".*use of fork.. may lead to deadlocks"
+
+
+class Watchman:
+    """A thread beside the program. It writes the steps that the program leaves unwritten.
+
+    Once no step was taken for a second it tells the line where the program stands, each time that is another
+    one. It reads nothing of the table: that is the program's own thread's to do.
+    """
+
+    def __init__(self, channel: Channel, gate: Gate, recorder: Recorder) -> None:
+        self._channel, self._gate, self._recorder = channel, gate, recorder
+        self._program = threading.get_ident()
+
+    def begin(self) -> None:
+        """Begin to watch the program of the thread that calls this."""
+        warnings.filterwarnings("ignore", message=_FORK, category=DeprecationWarning)  # the thread is ours
+        threading.Thread(target=self._watch, name="rl-tui", daemon=True).start()
+
+    def _watch(self) -> None:
+        count, silent, last_place = -1, 0, None
+        while True:
+            sleep(_LOOK)
+            is_idle = self._recorder.count == count and not self._gate.is_waiting
+            count, silent = self._recorder.count, silent + 1 if is_idle else 0
+            if self._channel.is_late:
+                self._channel.flush(but_last=silent < _SILENT)
+            if not silent:
+                last_place = None
+            if silent and silent % _SILENT == 0:
+                place = users_place(sys._current_frames().get(self._program))
+                if place is not None and place != last_place:
+                    last_place = place
+                    self._channel.message(MessageKind.STANDS, file=place[0], line=place[1])
+
+
+def flush_at_exit(recorder: Recorder) -> None:
+    """Let ``os._exit`` tell the last steps before it ends the process."""
+    leave, process = os._exit, os.getpid()
+
+    def tell_and_leave(status: int) -> Any:
+        try:
+            if os.getpid() == process:
+                recorder.tell_rest()
+        finally:
+            leave(status)
+
+    os._exit = tell_and_leave
+
+
+# Entry point
+
+
+def main(said: dict[str, Any]) -> None:
+    """Run what was ``said`` (program_process.py), and tell of it until it is over."""
+    channel = Channel(said["reports"])
+    gate = Gate(channel, said["asked"], said["shared"])
+    recorder = Recorder(channel, gate, most=said["steps"], wanted=said["table"])
+
+    def note(text: str) -> None:
+        channel.message(MessageKind.NOTE, text=text)
+
+    end_with(said["life"])
+    if said["memory"] is not None:
+        bound_memory(said["memory"])
+    surround(note)
+    making = Making(recorder, said["seed"])
+    making.install()
+    seed_all(said["seed"])
+    flush_at_exit(recorder)
+    Watchman(channel, gate, recorder).begin()
+    channel.message(MessageKind.STARTED)
+    try:
+        if said["agent"] is None:
+            path = Path(said["path"])
+            run_script(read_script(path), path, said["arguments"], note)
+        else:
+            from rl_tui.programs.watched.child.agent import run_agent
+
+            run_agent(said, channel.message)
+        making.tell_what_was_missed()
+    except BaseException as error:
+        channel.message(MessageKind.ERROR, **described(error))
+    recorder.end()

@@ -1,0 +1,431 @@
+"""The recorder: it reports each step of a program, with the changes of its table."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from threading import get_ident
+from types import CodeType, FrameType, FunctionType
+from typing import Any, Final, NamedTuple, NoReturn
+
+import numpy as np
+
+from rl_tui.programs.watched.child.channel import Channel, Gate
+from rl_tui.programs.watched.child.line_trace import (
+    TRACED_AT_FIRST,
+    LineTrace,
+    Place,
+    is_users_file,
+    users_place,
+)
+from rl_tui.programs.watched.child.numbering import Numbering
+from rl_tui.programs.watched.child.search import TableCandidate, attributes, candidates, turned_table
+from rl_tui.programs.watched.child.tracker import TableTracker
+from rl_tui.programs.watched.messages import MessageKind
+
+# Numbers in the code
+
+
+_OF_THE_STEP: Final = ("r", "reward", "info")  # what the environment said, not the code
+_MOST: Final = 500
+_MOST_OF_A_DICT: Final = 100
+_DEEPEST_CODE: Final = 8
+
+
+def numbers_in(frame: FrameType | None, scope: Mapping[str, Any]) -> dict[str, float]:
+    """Return floats by name: variables of user code above ``frame``, and of ``scope``.
+
+    Attributes and entries are called ``agent.gamma`` and ``config.gamma``, defaults of functions
+    ``train.gamma``; constants in the code by what stands there, ``0.99``.
+    """
+    found: dict[str, float] = {}
+    for names, code in _scopes(frame, scope):
+        if code is not None:
+            found.update({repr(each): each for each in _constants(code)})
+        for name, value in list(names.items()):
+            if not (name.startswith("_") or name in _OF_THE_STEP):
+                for inner, each in _inside(name, value):
+                    if (number := _number(each)) is not None:
+                        found[inner] = number
+        if len(found) >= _MOST:
+            break
+    return dict(list(found.items())[:_MOST])
+
+
+def _scopes(
+    frame: FrameType | None, scope: Mapping[str, Any]
+) -> Iterator[tuple[Mapping[str, Any], CodeType | None]]:
+    yield scope, None
+    seen: set[int] = {id(scope)}
+    while frame is not None:
+        if is_users_file(frame.f_code.co_filename):
+            yield frame.f_locals, frame.f_code
+            if id(frame.f_globals) not in seen and frame.f_locals is not frame.f_globals:
+                yield frame.f_globals, None
+            seen.add(id(frame.f_globals))
+        frame = frame.f_back
+
+
+def _inside(name: str, value: Any) -> Iterator[tuple[str, Any]]:
+    yield name, value
+    if type(value) is FunctionType:
+        if is_users_file(value.__code__.co_filename):
+            code, defaults = value.__code__, value.__defaults__ or ()
+            last = code.co_varnames[code.co_argcount - len(defaults) : code.co_argcount]
+            given = [*zip(last, defaults, strict=True), *(value.__kwdefaults__ or {}).items()]
+            yield from ((f"{name}.{each}", default) for each, default in given)
+            yield from ((repr(each), each) for each in _constants(code))
+    elif type(value) is dict:
+        if len(value) <= _MOST_OF_A_DICT:
+            yield from ((f"{name}.{key}", each) for key, each in value.items() if type(key) is str)
+    else:
+        yield from ((f"{name}.{key}", each) for key, each in list(attributes(value).items()))
+
+
+def _constants(code: CodeType, depth: int = 0) -> Iterator[float]:
+    for each in code.co_consts:
+        if type(each) is float:
+            yield each
+        elif isinstance(each, CodeType) and depth < _DEEPEST_CODE:
+            yield from _constants(each, depth + 1)
+        elif type(each) is tuple:
+            yield from (part for part in each if type(part) is float)
+
+
+def _number(value: Any) -> float | None:
+    if type(value) is float or issubclass(type(value), np.floating):
+        return float(value) if math.isfinite(value) else None
+    return None
+
+
+# Conditions to stop at
+
+
+Row = Callable[[int], Sequence[float]]
+"""The numbers of a state's row as they are now, NaN where it has none."""
+_CHANGE: Final = 3  # numbers: cell, before, after
+
+
+class StepSeen(NamedTuple):
+    """The last step, with the changes that happened since: cell, before and after of each."""
+
+    state: int
+    action: int
+    reward: float
+    next_state: int
+    episode: int
+    changes: Sequence[float]
+
+
+class StopConditions:
+    """What ``said`` asks for, as messages.py has it."""
+
+    def __init__(self, said: Mapping[str, Any], actions: int) -> None:
+        self._actions = actions
+        self._states = frozenset(said.get("states", ()))
+        self._cells = frozenset(said.get("cells", ()))
+        self._reward = bool(said.get("reward"))
+        self._ends_left = said.get("episode_ends")
+        self._episode = said.get("episode")
+        self._value = said.get("value")
+        self._policy = bool(said.get("policy"))
+
+    def met_by(self, step: StepSeen, row: Row, *, is_end: bool) -> str | None:
+        """Return the name of what ``step`` met, if anything; ``is_end``: its episode is over with it."""
+        if step.next_state in self._states:
+            return "states"
+        if step.state * self._actions + step.action in self._cells:
+            return "cells"
+        if self._reward and step.reward != 0.0:
+            return "reward"
+        if self._ends_left is not None and is_end:
+            self._ends_left -= 1
+            if self._ends_left <= 0:
+                return "episode_ends"
+        if self._episode is not None and is_end and step.episode + 1 >= self._episode:
+            return "episode"
+        if self._value is not None and self._is_crossed(step.changes):
+            return "value"
+        return "policy" if self._policy and self._is_another_policy(step.changes, row) else None
+
+    def _is_crossed(self, changes: Sequence[float]) -> bool:
+        cell, threshold = self._value or (-1, 0.0)
+        mine = [place for place in range(0, len(changes), _CHANGE) if changes[place] == cell]
+        if not mine:
+            return False
+        before, after = _or_0(changes[mine[0] + 1]), _or_0(changes[mine[-1] + 2])
+        return before != after and min(before, after) <= threshold <= max(before, after)
+
+    def _is_another_policy(self, changes: Sequence[float], row: Row) -> bool:
+        first_before: dict[int, float] = {}
+        for place in range(0, len(changes), _CHANGE):
+            first_before.setdefault(int(changes[place]), changes[place + 1])
+        for state in {cell // self._actions for cell in first_before}:
+            now = [_or_0(each) for each in row(state)]
+            base = state * self._actions
+            then = [_or_0(first_before.get(base + action, each)) for action, each in enumerate(now)]
+            if _best(now) != _best(then):
+                return True
+        return False
+
+
+def _or_0(number: float) -> float:
+    return 0.0 if math.isnan(number) else number
+
+
+def _best(numbers: Sequence[float]) -> list[int]:
+    best = max(numbers)
+    return [place for place, each in enumerate(numbers) if each == best]
+
+
+# The recorder
+
+
+_LOOKED_CLOSELY: Final = 200  # steps, before each of which the table is looked for
+_THEN_EVERY: Final = 1.05  # times as many steps as before
+Step = tuple[int, int, int, float, int, int, int, int]
+"""A step as it goes through the pipe."""
+_NUMBERS: Final = 3  # of each difference
+_MOST_TRACES: Final = 2  # times that lines are looked at, while too few of them were found
+_MOST_REBOUND: Final = 1_000  # messages that say so
+_MANY_THREADS: Final = "more than one thread takes steps, and whose step a change belongs to cannot be known"
+_FORKED: Final = "a process that the program forked takes steps, and its table is not this process's"
+
+
+class Recorder:
+    """Sees every step of the program. ``most`` ends it after so many, ``wanted`` names its table."""
+
+    def __init__(self, channel: Channel, gate: Gate, *, most: int | None, wanted: str | None) -> None:
+        self.channel, self.gate = channel, gate
+        self.count = 0
+        """How many steps were taken in all."""
+        self._most, self._wanted = most, wanted
+        self._tracker: TableTracker | None = None
+        self._next_look = self._next_numbers = 0
+        self._episodes = self._rebound = 0
+        self._recent: tuple[int, ...] = (0,)
+        self._last: tuple[int, int, float, int, int] | None = (
+            None  # until the next call: what a stop looks at
+        )
+        self._last_numbering: Numbering | None = None
+        self._numbering: Numbering | None = None
+        self._stop: StopConditions | None = None
+        self._met: str | None = None
+        self._thread: int | None = None
+        self._called: set[str] = set()
+        self._is_shared = self._turned_is_noted = False
+        self._traces_left = _MOST_TRACES
+        self._trace = LineTrace(self._content, self._tell_lines)
+        gate.on_asked["stop"] = self._set_stop
+        gate.on_asked["trace"] = self._trace.begin
+        self._process = os.getpid()
+        os.register_at_fork(after_in_child=self._after_fork)
+
+    def begin_episode(self) -> int:
+        """Return the number of an episode that takes its first step."""
+        self._episodes += 1
+        return self._episodes - 1
+
+    def before(self, frame: FrameType | None, numbering: Numbering, method: str) -> None:
+        """Take in what happened since the last call, and wait if it goes no further.
+
+        ``frame`` is what called ``method``.
+        """
+        if get_ident() != self._thread:
+            self._check_thread()
+        if method not in self._called:
+            self._tell_caller(frame, method)
+        at_reset = method == "reset"
+        self._numbering = numbering
+        changes = self._take_changes(frame, numbering, at_reset=at_reset)
+        if self.channel.is_due:
+            self.gate.listen()
+            self.channel.flush()
+        if self._stop is not None and self._last is not None:
+            self._look_at_stop(StepSeen(*self._last, changes), is_end=at_reset)
+        self._last = None
+        if self._most is not None and self.count >= self._most:
+            self.end_at_once()
+        if self._met is not None or self.count >= self.gate.allowed[0]:
+            met, self._met = self._met, None
+            self.gate.wait(self.count, met)
+
+    def after(self, step: Step, numbering: Numbering) -> None:
+        """Take in a step as it goes through the pipe."""
+        self.channel.steps += step
+        self.count += 1
+        state, next_state = step[1], step[4]
+        self._recent = (state, next_state, self._recent[0])
+        self._last_numbering = numbering
+        if self._stop is not None:
+            self._last = (state, step[2], step[3], next_state, step[6])
+
+    def end(self) -> None:
+        """Tell what changed since the last step, and that the program is over."""
+        self._trace.stop()
+        self.tell_rest()
+        if self._tracker is None and self._wanted is not None and self.count:
+            text = f"no table is called {self._wanted} where env.step was called"
+            self.channel.message(MessageKind.NOTE, text=text)
+        self.channel.message(MessageKind.END, step=self.count)
+
+    def tell_rest(self) -> None:
+        """Tell the last steps, and what changed since."""
+        if self.count and self._last_numbering is not None:
+            self._take_changes(None, self._last_numbering, at_reset=True)
+        main = sys.modules.get("__main__")
+        self.channel.message(MessageKind.NUMBERS, numbers=numbers_in(None, vars(main) if main else {}))
+
+    def end_at_once(self) -> NoReturn:
+        """End the program where it stands, which it cannot prevent."""
+        self.end()
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
+        self.channel.leave(0)
+
+    def refuse(self, why: str) -> NoReturn:
+        """End the program, which cannot be watched."""
+        if os.getpid() == self._process:
+            self.channel.message(MessageKind.REFUSED, text=why)
+        else:
+            import signal
+
+            self.channel.from_a_fork(MessageKind.REFUSED, text=why)
+            os.kill(self._process, signal.SIGKILL)
+        self.channel.leave(0)
+
+    def _after_fork(self) -> None:
+        self._thread = None
+
+    def _check_thread(self) -> None:
+        if os.getpid() != self._process:
+            self.refuse(_FORKED)
+        if self._thread is not None:
+            self.refuse(_MANY_THREADS)
+        self._thread = get_ident()
+
+    def _take_changes(self, frame: FrameType | None, numbering: Numbering, *, at_reset: bool) -> list[float]:
+        tracker = self._tracker
+        if tracker is None:
+            # before the first step its content is not yet what it starts from
+            if self.count >= self._next_look and not (at_reset and self.count == 0):
+                self._look_for_table(frame, numbering)
+            return []
+        states = self._recent if self._last_numbering is tracker.numbering else ()
+        try:
+            found = tracker.differences(frame, states, at_reset=at_reset)
+        except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
+            return self._lose_table(tracker)
+        if len(found) == _NUMBERS and self._traces_left <= 0:  # one cell, as most steps change
+            self.channel.changes += (self.count - 1 if self.count else 0, *found)
+        elif found:
+            self._tell_changes(found, tracker)
+        if self.count >= self._next_numbers:
+            self._tell_numbers(frame)
+        return found
+
+    def _lose_table(self, tracker: TableTracker) -> list[float]:
+        """Give up a table with something in it that is no number; another one may be found."""
+        self._tracker, self._next_look = None, self.count + 1
+        text = f"{tracker.way.name()} holds something that is no number any more"
+        self.channel.message(MessageKind.NOTE, text=text)
+        return []
+
+    def _look_for_table(self, frame: FrameType | None, numbering: Numbering) -> None:
+        self._next_look = self.count + 1 if self.count < _LOOKED_CLOSELY else int(self.count * _THEN_EVERY)
+        found = candidates(frame, numbering, self._wanted)
+        if found:
+            others = candidates(frame, numbering, None) if self._wanted is not None else found
+            self._tracker = TableTracker(found[0], self._wanted)
+            self._tell_table([each for each in others if each.value is not found[0].value])
+            self._tell_numbers(frame)
+        elif not self._turned_is_noted:
+            self._tell_turned(frame, numbering)
+
+    def _tell_turned(self, frame: FrameType | None, numbering: Numbering) -> None:
+        """Tell of an array that would be the table if its axes were changed over."""
+        turned = turned_table(frame, numbering)
+        if turned is not None:
+            self._turned_is_noted = True
+            name, (rows, columns) = turned
+            text = f"{name} is {rows}×{columns}: did you mean {columns}×{rows} (states × actions)?"
+            self.channel.message(MessageKind.NOTE, text=text)
+
+    def _tell_table(self, others: list[TableCandidate]) -> None:
+        tracker = self._tracker
+        assert tracker is not None
+        numbering, table = tracker.numbering, tracker.table
+        self._is_shared = tracker.rows_are_shared()
+        self.channel.message(
+            MessageKind.TABLE,
+            step=self.count,
+            name=tracker.way.name(),
+            form=tracker.form.name,
+            shape=_shape_of(table, numbering.actions),
+            dtype=str(table.dtype) if type(table) is np.ndarray else "",
+            actions=numbering.actions,
+            others=[each.way.name() for each in others],
+            other_forms=[each.form.name for each in others],
+            shared=self._is_shared,
+        )
+        self.channel.table(tracker.form.values())
+
+    def _tell_changes(self, found: list[float], tracker: TableTracker) -> None:
+        if self._traces_left > 0 and not self._trace.is_on:
+            self._traces_left -= 1
+            self._trace.begin(TRACED_AT_FIRST)
+        step = max(self.count - 1, 0)
+        if len(found) == _NUMBERS:  # one cell, as most steps change, also where each binds the table anew
+            self.channel.changes += (step, *found)
+        else:
+            for place in range(0, len(found), _NUMBERS):
+                self.channel.changes += (step, *found[place : place + _NUMBERS])
+            if tracker.is_another and self._rebound < _MOST_REBOUND:
+                self._rebound += 1
+                self.channel.message(MessageKind.REBOUND, step=step)
+            if not self._is_shared and tracker.rows_are_shared():
+                self._is_shared = True
+                self.channel.message(MessageKind.SHARED, step=step)
+
+    def _tell_numbers(self, frame: FrameType | None) -> None:
+        self._next_numbers = 20 + self.count * 10
+        numbers = numbers_in(frame, {})
+        if numbers:
+            self.channel.message(MessageKind.NUMBERS, numbers=numbers)
+
+    def _tell_caller(self, frame: FrameType | None, method: str) -> None:
+        self._called.add(method)
+        place = users_place(frame)
+        if place is not None:
+            self.channel.message(MessageKind.CALLED, method=method, file=place[0], line=place[1])
+
+    def _content(self) -> object:
+        return None if self._tracker is None else self._tracker.changes_seen(self._recent)
+
+    def _tell_lines(self, lines: Mapping[Place, int]) -> None:
+        listed = [[file, line, count] for (file, line), count in lines.items()]
+        if sum(lines.values()) >= TRACED_AT_FIRST:
+            self._traces_left = 0
+        self.channel.message(MessageKind.LINES, lines=listed)
+
+    def _set_stop(self, said: Any) -> None:
+        actions = 1 if self._numbering is None else self._numbering.actions
+        self._stop = None if said is None else StopConditions(said, actions)
+
+    def _look_at_stop(self, step: StepSeen, *, is_end: bool) -> None:
+        if self._stop is not None:
+            self._met = self._stop.met_by(step, self._row, is_end=is_end)
+            if self._met is not None:
+                self._stop = None
+
+    def _row(self, state: int) -> Sequence[float]:
+        return () if self._tracker is None else self._tracker.form.row(state)
+
+
+def _shape_of(table: Any, actions: int) -> list[int]:
+    """Return the sizes of an array or of lists; of a dict how many entries it has."""
+    if type(table) is np.ndarray:
+        return list(table.shape)
+    return [dict.__len__(table)] if issubclass(type(table), dict) else [len(table), actions]

@@ -1,0 +1,187 @@
+"""A user's script, run as Python would run it."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import io
+import sys
+import threading
+import tokenize
+import warnings
+from collections.abc import Callable, Sequence
+from importlib.machinery import SourceFileLoader
+from pathlib import Path
+from types import CodeType, ModuleType
+from typing import Final, NamedTuple
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line, printable, shown
+from rl_tui.common.text_file import UnreadableError, read_bytes
+from rl_tui.common.words import counted
+
+# Reading the source
+
+
+_LONGEST_REASON: Final = 120
+_MOST_NOTEBOOK_LINES: Final = 500
+_NOT_PYTHON: Final = (SyntaxError, ValueError, RecursionError, MemoryError, OverflowError)
+
+
+class Script(NamedTuple):
+    """A script that can be run: its ``code``, its ``text``, and how many lines of a notebook were left out.
+
+    ``tree`` is what it was compiled from; the numbers of its lines are those of the file.
+    """
+
+    code: CodeType
+    text: str
+    tree: ast.Module
+    notebook_lines: int
+
+
+def read_script(path: Path) -> Script:
+    """Return the script in the file ``path``.
+
+    Lines that begin with ``!`` or ``%``, which only a notebook understands, are replaced by ``pass``.
+    Raises UserError, in one line, where there is no such file, or it is no Python.
+    """
+    text = _text(path)
+    try:
+        tree, text, count = parsed(text, str(path.absolute()))
+        return Script(compile(tree, str(path.absolute()), "exec", dont_inherit=True), text, tree, count)
+    except _NOT_PYTHON as error:
+        raise UserError(_fault(path, error)) from error
+
+
+def check_script(path: Path) -> None:
+    """Raise UserError where ``path`` is no script that can be run; nothing is printed."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # they are the script's, and shown when it runs
+        read_script(path)
+
+
+def _text(path: Path) -> str:
+    name = printable(str(path))
+    if path.suffix == ".ipynb":
+        raise UserError(
+            f"{name}: is a notebook; expected a Python file: jupyter nbconvert --to script writes one"
+        )
+    try:
+        content, _ = read_bytes(path, "a Python file")
+    except UnreadableError as reason:
+        raise UserError(f"{name}: {reason}") from reason
+    try:
+        return io.IncrementalNewlineDecoder(None, translate=True).decode(_decoded(content))
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise UserError(
+            f"{name}, line {line}: byte {content[error.start]:#04x} is no {error.encoding}; a first line "
+            "such as # -*- coding: latin-1 -*- says how a file is written"
+        ) from error
+    except (SyntaxError, LookupError) as error:
+        raise UserError(f"{name}: {one_line(str(error), _LONGEST_REASON)}") from error
+
+
+def _decoded(content: bytes) -> str:
+    """Return ``content`` in the encoding that its first lines name, UTF-8 without (PEP 263)."""
+    try:
+        encoding, _ = tokenize.detect_encoding(io.BytesIO(content).readline)
+    except SyntaxError:
+        content.decode("utf-8-sig")  # which says where it is none, if that is what is wrong
+        raise
+    return content.decode(encoding)
+
+
+def parsed(text: str, file: str) -> tuple[ast.Module, str, int]:
+    """Return ``text`` parsed, as it was parsed, and how many lines of a notebook were left out.
+
+    A line is looked at only where Python takes offence at it: one that begins with ``%`` may as well go on a
+    calculation, or stand in a string. Raises SyntaxError where the text is no Python, and what parsers raise.
+    """
+    lines: list[str] = []
+    count = 0
+    while True:
+        try:
+            return ast.parse(text, file), text, count
+        except SyntaxError as error:
+            lines = lines or text.split("\n")
+            place = (error.lineno or 0) - 1
+            if not (0 <= place < len(lines) and count < _MOST_NOTEBOOK_LINES):
+                raise
+            if not lines[place].lstrip().startswith(("!", "%")):
+                raise
+            count += _leave_out(lines, place)
+            text = "\n".join(lines)
+
+
+def _leave_out(lines: list[str], place: int) -> int:
+    """Put ``pass`` in the place of a line and of those that go it on; return how many they are."""
+    first, line = place, lines[place]
+    indent = line[: len(line) - len(line.lstrip())]
+    while True:
+        goes_on = lines[place].rstrip().endswith("\\") and place + 1 < len(lines)
+        lines[place] = f"{indent}pass"
+        place += 1
+        if not goes_on:
+            return place - first
+
+
+def _fault(path: Path, error: Exception) -> str:
+    name = printable(str(path))
+    if isinstance(error, SyntaxError) and error.lineno:
+        what = one_line(error.msg or "invalid syntax", _LONGEST_REASON)
+        line = f": {shown(error.text.strip())}" if error.text else ""
+        return f"{name}, line {error.lineno}: {what}{line}"
+    if isinstance(error, RecursionError | MemoryError):
+        return f"{name}: is nested too deeply for Python"
+    return f"{name}: {one_line(str(error), _LONGEST_REASON)}"
+
+
+# Running it
+
+
+_LONGEST_STATUS = 200
+
+
+def run_script(script: Script, path: Path, arguments: Sequence[str], note: Callable[[str], None]) -> None:
+    """Run ``script``, read from ``path``, as the module ``__main__``; ``note`` tells what was done otherwise.
+
+    Also waits for the threads that it leaves behind. Raises what the script raises, but for SystemExit, which
+    is an end like any other.
+    """
+    file = path.absolute()
+    if script.notebook_lines:
+        what = counted(script.notebook_lines, "line")
+        note(f"{what} of a notebook, with ! or %, {'is' if script.notebook_lines == 1 else 'are'} skipped")
+    sys.argv = [str(path), *arguments]
+    sys.path.insert(0, str(file.parent))
+    module = _main_module(file)
+    sys.modules["__main__"] = module
+    try:
+        exec(script.code, module.__dict__)
+    except SystemExit as end:
+        _tell_status(end.code, note)
+    for thread in threading.enumerate():
+        if thread is not threading.current_thread() and not thread.daemon:
+            thread.join()
+
+
+def _main_module(file: Path) -> ModuleType:
+    module = ModuleType("__main__")
+    module.__dict__.update(
+        __file__=str(file),
+        __builtins__=builtins,
+        __loader__=SourceFileLoader("__main__", str(file)),
+        __cached__=None,
+        __annotations__={},
+    )
+    return module
+
+
+def _tell_status(status: object, note: Callable[[str], None]) -> None:
+    """Tell how the script ended itself, where that was not simply the end."""
+    if isinstance(status, str):
+        print(status, file=sys.stderr)  # as Python does
+    if status is not None and status != 0:
+        note(f"the script ended itself with sys.exit({one_line(ascii(status), _LONGEST_STATUS)})")

@@ -1,0 +1,169 @@
+"""Following a table: read by its way each time, for it may be bound anew."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from types import FrameType
+from typing import Any, Final
+
+from rl_tui.programs.watched.child.forms import form_of
+from rl_tui.programs.watched.child.numbering import Numbering
+from rl_tui.programs.watched.child.search import MISSING, TableCandidate, Way, candidates
+
+_CLOSELY: Final = 500  # comparisons at the beginning, each of the whole table
+_PATIENCE: Final = 20  # comparisons of the whole, and of those at ends of episodes, that found nothing
+_GROWTH: Final = 1.05  # of the steps between two comparisons of the whole table that found nothing
+_MOST_STEPS: Final = 256
+_NUMBERS: Final = 3  # of each difference
+_LOOK_AGAIN: Final = 1.1  # a table that was lost is looked for after so many times as many steps
+
+
+class TableTracker:
+    """Tells what changes in the table ``found``; ``wanted`` is its name or way as a person gave it."""
+
+    def __init__(self, found: TableCandidate, wanted: str | None) -> None:
+        self.way, self.table, self.form = found.way, found.value, found.form
+        self._wanted = wanted
+        self._code = None if self.way.frame is None else self.way.frame.f_code
+        self.is_another = False
+        """Whether another object was the table at the last call of :meth:`differences`."""
+        self._calls, self._look_at = 0, 0
+        self._since_whole, self._spacing, self._ends_left, self._quiet = 0, 1.0, _PATIENCE, 0
+        self._peeked: dict[int, object] = {}
+        self._changes_seen = 0
+        self._visited: set[int] = set()  # since the last reset
+        self.form.take(self.table)
+
+    @property
+    def numbering(self) -> Numbering:
+        """The states and actions that it is for."""
+        return self.form.numbering
+
+    def differences(
+        self, frame: FrameType | None, states: Iterable[int], *, at_reset: bool = False
+    ) -> list[float]:
+        """Return what changed since the last call, three numbers for each cell: cell, before, after.
+
+        ``frame`` is what called ``step`` or ``reset``, None at the end of the program; ``states`` are those
+        of the last steps. Their rows are always compared, and at a reset those of the whole episode.
+        """
+        self._calls += 1
+        way = self.way
+        table = way.read() if way.frame is None else None  # most programs hold it in a module, and go on so
+        if table is not self.table:
+            table = self._read(frame)
+        self.is_another = table is not self.table
+        if self.is_another:
+            return self._bind(table)
+        form = self.form
+        if form.is_compared_whole:
+            return form.differences(table, states)
+        self._visited.update(states)
+        if at_reset:  # what learns at the end of an episode changes rows of all its states
+            states, self._visited = self._visited, set()
+        found = form.differences(table, states)
+        self._since_whole += 1
+        if self._since_whole >= self._spacing or frame is None or (at_reset and self._ends_left > 0):
+            outside = form.all_differences(table)
+            self._plan_next(bool(outside), at_reset)
+            found += outside
+        return found
+
+    def changes_seen(self, states: Iterable[int]) -> int:
+        """Return how often this function has seen one of the rows of ``states`` change from call to call."""
+        table = self.way.read()
+        if type(table) is not type(self.table):
+            table = self.table
+        peek, before = self.form.peek, self._peeked
+        now = self._peeked = {state: peek(table, state) for state in states}
+        for state, row in now.items():  # what was not looked at last time may have changed anywhere since
+            if before.get(state, row) != row and before[state] is not None:
+                self._changes_seen += 1
+        return self._changes_seen
+
+    def rows_are_shared(self) -> bool:
+        """Return whether rows of the table are one and the same object."""
+        return self.form.rows_are_shared(self.table)
+
+    def _plan_next(self, was_outside: bool, at_reset: bool) -> None:
+        """Compare the whole table more often where it changes elsewhere, and more rarely where not."""
+        self._since_whole = 0
+        if was_outside and not at_reset:
+            self._spacing, self._quiet = 1.0, 0
+        elif self._calls > _CLOSELY:
+            self._quiet += 1
+        if self._quiet > _PATIENCE:
+            self._spacing = min(self._spacing * _GROWTH, _MOST_STEPS)
+        if at_reset:
+            self._ends_left = _PATIENCE if was_outside else self._ends_left - 1
+
+    def _bind(self, table: Any) -> list[float]:
+        form = form_of(table, self.numbering)
+        if form is None:
+            return []
+        self.table = table
+        if type(form) is type(self.form) and form.name == self.form.name and form.name != "array":
+            return self.form.all_differences(table)
+        return self._bind_form(form, table)
+
+    def _bind_form(self, form: Any, table: Any) -> list[float]:
+        import numpy as np
+
+        before = self.form.values()
+        form.take(table)
+        self.form = form
+        after = form.values()
+        cells = np.flatnonzero((before != after) & ~(np.isnan(before) & np.isnan(after)))
+        found: list[float] = np.column_stack((cells, before[cells], after[cells])).ravel().tolist()
+        return found
+
+    def _read(self, frame: FrameType | None) -> Any:
+        if self.way.frame is not None and not self._is_running(frame):
+            self._follow(frame)
+        now = self.way.read()
+        if now is self.table:
+            return now
+        if now is MISSING or form_of(now, self.numbering) is None:
+            self._search(frame)
+            return self.table if self.way.read() is MISSING else self._fit(self.way.read())
+        return now
+
+    def _fit(self, value: Any) -> Any:
+        return value if form_of(value, self.numbering) is not None else self.table
+
+    def _is_running(self, frame: FrameType | None) -> bool:
+        mine = self.way.frame
+        while frame is not None:
+            if frame is mine:
+                return True
+            frame = frame.f_back
+        return False
+
+    def _follow(self, frame: FrameType | None) -> None:
+        """Go on after the function that held the table has ended: in its next call, or wherever it is now."""
+        above = frame
+        while above is not None:
+            if above.f_code is self._code:
+                way = Way(above, above.f_locals, self.way.names)
+                if self._fits(way):
+                    self.way = way
+                    return
+            above = above.f_back
+        self._search(frame)
+
+    def _fits(self, way: Way) -> bool:
+        return form_of(way.read(), self.numbering) is not None
+
+    def _search(self, frame: FrameType | None) -> None:
+        """Look for the table anew, and more rarely the longer nothing is found: what was held stays held."""
+        if frame is None or self._calls < self._look_at:
+            return
+        found = candidates(frame, self.numbering, self._wanted)
+        same = [each for each in found if each.value is self.table]
+        if same or found:
+            best = (same or found)[0]
+            self.way = best.way
+            self._code = None if best.way.frame is None else best.way.frame.f_code
+            self._look_at = 0
+        else:
+            self._look_at = int(self._calls * _LOOK_AGAIN) + 1

@@ -1,0 +1,273 @@
+"""The world that a watched program learns in: what is drawn of it, and whether its exact answer is known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line
+from rl_tui.common.limits import LONGEST_TIME_LIMIT, MOST_PAIRS
+from rl_tui.common.own_ids import OWN_IDS
+from rl_tui.common.streams import streams
+from rl_tui.programs.watched.program_log import ProgramEnvironment
+from rl_tui.runs.library import find
+from rl_tui.worlds.files.scenario import Scenario
+from rl_tui.worlds.gym.blackjack import DREW, LOST, WON
+from rl_tui.worlds.gym.section import GymnasiumSection
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray, all_pairs
+from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
+from rl_tui.worlds.sections.schema import WorldRefusedError, WorldSection
+from rl_tui.worlds.world import World
+
+_VERSION: Final = "-v0"
+_BLACKJACK: Final = "Blackjack-v1"
+_NOT_OF_THE_WORLD: Final = ("render_mode", "max_episode_steps")
+_UNKNOWN: Final = -1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ProgramWorld:
+    """The world of an environment of a program, and how the program's numbers stand for ours.
+
+    The program counts observations from 0 and has a cell, observation · A + action, for each of its table.
+    Our world may have several states for one observation: Blackjack deals a 21 that pays otherwise than one
+    that was drawn. P are the pairs of our world.
+    """
+
+    scenario: Scenario
+    """What ours learns in where it stands beside the program."""
+    world: World
+    """The world, with a table of transitions where that is known."""
+    cell_of_pair: IntArray
+    """[P], the cell of the program's table for each pair; several pairs may share one."""
+    pair_of_cell: IntArray
+    """[observations · A], the pair of each cell; −1 where nothing can be done."""
+    state_of: IntArray
+    """[observations], the state in which an observation is made in the middle of an episode; −1: none."""
+    first_state_of: IntArray
+    """[observations], as ``state_of``, of the first observation of an episode."""
+    ends: Mapping[str, int] = field(default_factory=dict)
+    """The states in which a game of Blackjack ends, which are no observations; else empty."""
+
+    def is_same(self, other: ProgramWorld) -> bool:
+        """Return whether ``other`` was made of the same environment in the same way."""
+        mine, theirs = self.scenario, other.scenario
+        is_made_alike = (mine.id, mine.section) == (theirs.id, theirs.section)
+        spaces = self.world.space, other.world.space
+        sizes = [(each.states, each.pairs, each.time_limit) for each in spaces]
+        return is_made_alike and sizes[0] == sizes[1] and not isinstance(mine.section, _Unknown)
+
+    def q_of(self, table: FloatArray) -> FloatArray:
+        """Return the estimates of our pairs, [P], by the program's ``table``, [cells]; absent ones are 0."""
+        return np.nan_to_num(table)[self.cell_of_pair]
+
+    def state(self, observation: int, episode_step: int) -> int:
+        """Return our state where ``observation`` is made after so many steps of an episode."""
+        known = self.state_of if episode_step else self.first_state_of
+        return max(int(known[observation]), 0)
+
+    def landing(self, observation: int, reward: float, *, terminated: bool) -> int:
+        """Return our state into which a step led that observed this, with that reward."""
+        if terminated and self.ends:
+            return self.ends[WON if reward > 0.0 else DREW if reward == 0.0 else LOST]
+        return max(int(self.state_of[observation]), 0)
+
+    def pair(self, observation: int, action: int, episode_step: int) -> int:
+        """Return our pair for an action after so many steps of an episode; −1 where we have none."""
+        found = self.world.space.pair_of(self.state(observation, episode_step), action)
+        return _UNKNOWN if found is None else found
+
+
+def world_of_program(environment: ProgramEnvironment) -> ProgramWorld:
+    """Return the world of ``environment``.
+
+    It is known by the id and what it was made with; else by a table that only the program has; else it has
+    the states and actions alone, and no exact answer. Raises UserError only where it is too large to be
+    shown.
+    """
+    cells = environment.states * environment.actions
+    if cells > MOST_PAIRS:
+        raise UserError(
+            f"{_name(environment)} has {cells:,} pairs of a state and an action; at most {MOST_PAIRS:,} can "
+            f"be watched"
+        )
+    for build in (_of_ours, _of_registered, _of_transitions):
+        with_table = _attempt(build, environment)
+        if with_table is not None:
+            return with_table
+    return _program_world(_scenario(environment, _Unknown()), _bare_world(environment), environment)
+
+
+class _Unknown(WorldSection):
+    """Stands for the file of a world that only the program knows."""
+
+    def build(self, generator: np.random.Generator) -> World:
+        """Refuse: nobody but the program can make this world."""
+        raise WorldRefusedError(("id",), "a world that only the program knows", "one that can be made here")
+
+
+def _attempt(
+    build: Callable[[ProgramEnvironment], ProgramWorld | None], environment: ProgramEnvironment
+) -> ProgramWorld | None:
+    """Return what ``build`` makes, None where it fails: what a program sends may be anything."""
+    try:
+        return build(environment)
+    except Exception:  # an environment that is made here may raise anything
+        return None
+
+
+def _of_ours(environment: ProgramEnvironment) -> ProgramWorld | None:
+    """Return the world of one of our scenarios, by its id as an environment, or the file it is made of."""
+    if not environment.id.startswith(OWN_IDS):
+        return None
+    kwargs = environment.kwargs or {}
+    name = environment.id.removeprefix(OWN_IDS).removesuffix(_VERSION)
+    scenario, seed = find(str(kwargs.get("scenario", name))), kwargs.get("scenario_seed", 0)
+    return _fitting(scenario, scenario.build(streams(int(seed)).world), environment)
+
+
+def _of_registered(environment: ProgramEnvironment) -> ProgramWorld | None:
+    """Return the world of an environment that Gymnasium knows here too: by its table, else stepped."""
+    if environment.kwargs is None:
+        return None
+    kwargs = {name: value for name, value in environment.kwargs.items() if name not in _NOT_OF_THE_WORLD}
+    for table in (True, None):
+        section = GymnasiumSection(id=environment.id, kwargs=kwargs, table=table)
+        try:
+            world = section.build(streams(0).world)
+        except WorldRefusedError:
+            continue
+        return _fitting(_scenario(environment, section), world, environment)
+    return None
+
+
+def _of_transitions(environment: ProgramEnvironment) -> ProgramWorld | None:
+    """Return the world by the table and the start that the program has."""
+    from rl_tui.worlds.gym.table_layout import layout_of
+
+    if environment.transitions is None or environment.start is None:
+        return None
+    start = {state: float(chance) for state, chance in enumerate(environment.start) if chance > 0.0}
+    layout = layout_of(object(), environment.states, environment.actions, start)
+    mdp = tabular_mdp(
+        _state_names(environment),
+        _action_names(environment),
+        _transitions(environment.transitions),
+        start,
+        max(environment.time_limit, 0),
+    )
+    return _program_world(_scenario(environment, _Unknown()), World(mdp, layout.grid), environment)
+
+
+def _transitions(table: Any) -> Iterator[Transition]:
+    for state, actions in enumerate(table):
+        for action, outcomes in enumerate(actions):
+            listed = [Outcome(float(p), int(after), float(r), bool(ended)) for p, after, r, ended in outcomes]
+            yield Transition(state, action, listed)
+
+
+def _fitting(scenario: Scenario, world: World, environment: ProgramEnvironment) -> ProgramWorld | None:
+    """Return ``world`` with the program's own time limit, None where its sizes are others."""
+    limit = min(max(environment.time_limit, 0), LONGEST_TIME_LIMIT)
+    if world.space.time_limit != limit:
+        world = replace(world, space=replace(world.space, time_limit=limit))
+    if len(world.space.action_names) != environment.actions:
+        return None
+    if world.space.states == environment.states:
+        return _program_world(scenario, world, environment)
+    return _blackjack(scenario, world, environment) if environment.id == _BLACKJACK else None
+
+
+def _program_world(scenario: Scenario, world: World, environment: ProgramEnvironment) -> ProgramWorld:
+    """Return a world whose states are the observations."""
+    space, numbers = world.space, np.arange(environment.states)
+    cell_of_pair: IntArray = space.pair_state * environment.actions + space.pair_action
+    return ProgramWorld(
+        scenario, world, cell_of_pair, _inverse(cell_of_pair, environment), numbers, numbers.copy()
+    )
+
+
+def _blackjack(scenario: Scenario, world: World, environment: ProgramEnvironment) -> ProgramWorld | None:
+    """Return the world of Blackjack by its computed table, in which a natural is a state of its own."""
+    space = world.space
+    if not isinstance(space, TabularMDP) or len(environment.parts) != 3:
+        return None
+    state_of = np.full(environment.states, _UNKNOWN)
+    first_state_of, observation_of = state_of.copy(), np.full(space.states, _UNKNOWN)
+    for state, name in enumerate(space.state_names):
+        if name in (WON, DREW, LOST):
+            continue
+        total, showing, kind = name.split(", ")
+        made = (int(total), int(showing), int(kind != "no"))
+        observation = int(np.ravel_multi_index(made, environment.parts))
+        observation_of[state], first_state_of[observation] = observation, state
+        if kind != "natural":
+            state_of[observation] = state
+    cell_of_pair: IntArray = observation_of[space.pair_state] * environment.actions + space.pair_action
+    ends = {name: list(space.state_names).index(name) for name in (WON, DREW, LOST)}
+    return ProgramWorld(
+        scenario,
+        world,
+        cell_of_pair,
+        _inverse(cell_of_pair, environment),
+        state_of,
+        first_state_of,
+        ends,
+    )
+
+
+def _inverse(cell_of_pair: IntArray, environment: ProgramEnvironment) -> IntArray:
+    """Return the pair of each cell, [cells]; of several the first."""
+    pair_of_cell = np.full(environment.states * environment.actions, _UNKNOWN)
+    pair_of_cell[cell_of_pair[::-1]] = np.arange(len(cell_of_pair))[::-1]
+    return pair_of_cell
+
+
+def _bare_world(environment: ProgramEnvironment) -> World:
+    """Return the states and actions alone."""
+    from rl_tui.worlds.gym.stepped_layout import product_grid
+
+    space: FiniteSpace = all_pairs(
+        _state_names(environment), _action_names(environment), max(environment.time_limit, 0)
+    )
+    return World(space, product_grid(environment.parts, environment.actions))
+
+
+def _state_names(environment: ProgramEnvironment) -> tuple[str, ...]:
+    from rl_tui.worlds.gym.states import ProductNames
+
+    first = environment.first_state or (0,) * len(environment.parts)
+    numbers = [
+        [str(start + place) for place in range(size)]
+        for start, size in zip(first, environment.parts, strict=True)
+    ]
+    return tuple(ProductNames(numbers))
+
+
+def _action_names(environment: ProgramEnvironment) -> tuple[str, ...]:
+    return tuple(str(environment.first_action + action) for action in range(environment.actions))
+
+
+def _scenario(environment: ProgramEnvironment, section: WorldSection) -> Scenario:
+    """Return a scenario in memory, of no file."""
+    name = _name(environment)
+    return Scenario(
+        id=name,
+        title=name,
+        summary="",
+        notes="",
+        order=0,
+        kind="gymnasium",
+        defaults={},
+        source=Path(name),
+        section=section,
+    )
+
+
+def _name(environment: ProgramEnvironment) -> str:
+    return one_line(environment.id, 80) or "environment"

@@ -1,0 +1,83 @@
+"""What is said of the wait for the first update that tells anything, on screen and off it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+from rl_tui.agents.exact.first_update import Cause, FirstUpdate, Wait
+from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
+from rl_tui.common.words import counted
+
+NOTHING_IN_THE_WAY: Final = "nothing stands in the way: the first episode already moves an estimate"
+_WHOLE_FROM: Final = 1_000
+_SHORT_FROM: Final = 10**12
+Writer = Callable[[float], str]
+
+
+def episodes_in_words(number: float) -> str:
+    """Return a number of episodes, be it a mean or a median: ``71.7``, ``184,616``, ``6.23e15``."""
+    if number >= _SHORT_FROM:
+        return f"{number:.3g}".replace("e+", "e")
+    return f"{number:,.0f}" if number >= _WHOLE_FROM or number == int(number) else f"{number:.1f}"
+
+
+def number_in_words(number: float) -> str:
+    """Return a setting, or the chance of one episode: ``1``, ``0.0139398``, ``5.41665e-6``."""
+    mantissa, e, exponent = f"{number:.6g}".partition("e")
+    return f"{mantissa}e{int(exponent)}" if e else mantissa
+
+
+def wait_in_words(wait: Wait, in_words: Writer = number_in_words) -> str:
+    """Return what one episode's chance, which ``in_words`` writes, means for how many it takes."""
+    if wait.chance == 1.0:
+        return NOTHING_IN_THE_WAY
+    if wait.chance == 0.0:
+        return "no episode ever moves an estimate"
+    chance = f"an episode moves an estimate with chance {in_words(wait.chance)}"
+    if wait.mean_episodes is None:
+        return f"{chance}; one that does not may go on for ever, so that there is no mean wait"
+    assert wait.median_episodes is not None
+    mean, median = map(episodes_in_words, (wait.mean_episodes, wait.median_episodes))
+    plural = "" if wait.median_episodes == 1 else "s"
+    return f"{chance}: on average the first after {mean}, as likely as not within {median} episode{plural}"
+
+
+def cause_in_words(
+    answer: FirstUpdate, settings: Hyperparameters, time_limit: int, in_words: Writer = number_in_words
+) -> str:
+    """Return what is to blame, or that no single setting is; empty where nothing stands in the way.
+
+    Settings are as ``in_words`` writes them.
+    """
+    if answer.wait.chance == 1.0:
+        return ""
+    match answer.cause:
+        case Cause.ALPHA:
+            return "the step size α is so small that no update moves an estimate"
+        case Cause.NO_REWARD:
+            return "nothing that can be reached tells anything: it all is what the estimates already say"
+        case Cause.TIME_LIMIT:
+            return f"{_nearest(answer)}, and an episode ends after {counted(time_limit, 'step')}"
+        case Cause.TIES:
+            often = "seldom" if settings.epsilon else "never"
+            others = f"ε {in_words(settings.epsilon)} {often} takes another"
+            return f"of equal estimates the first action is taken (ties first), and {others}"
+        case Cause.EPSILON:
+            return (
+                f"ε is {in_words(settings.epsilon)}: another one alone would make the wait a tenth, or less"
+            )
+        case None:
+            walk = ", and random ties take any action on the way" if settings.ties == "random" else ""
+            return f"no single setting is to blame: {_nearest(answer)}{walk}"
+
+
+def setting_in_words(setting: str, value: float | str, in_words: Writer = number_in_words) -> str:
+    """Return a setting and its value, as ``in_words`` writes it: ``ε 1``, ``ties random``, ``Q₀ 1``."""
+    number = value if isinstance(value, str) else in_words(value)
+    return f"{PARAMETERS[setting].symbol} {number}"
+
+
+def _nearest(answer: FirstUpdate) -> str:
+    assert answer.distance is not None
+    return f"the nearest outcome that tells anything is {counted(answer.distance, 'step')} away"

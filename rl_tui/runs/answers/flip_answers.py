@@ -1,0 +1,93 @@
+"""The flips of the worlds of a playground: each worked out once, when it is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Final
+
+from rl_tui.common.kiosk import in_kiosk
+from rl_tui.runs.answers.flip_answer import (
+    HELD_UP,
+    NOT_ASKED,
+    PENDING,
+    FlipAnswer,
+    FlipState,
+    refused,
+    worked_out,
+)
+from rl_tui.runs.background.background import ENDED_BY_ITSELF, AnsweringProcess, Background
+from rl_tui.runs.exact_answers import NO_TABLE
+
+if TYPE_CHECKING:
+    from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+WORK: Final = "rl_tui.runs.answers.flip_answer:work"
+"""What runs in its process: fractions of thousands of digits would hold the interpreter for seconds."""
+TOO_LONG: Final = "working them out took too long, or its process was ended"
+KEPT: Final = 4
+"""Worlds of which the flips are kept: as many as there are lanes."""
+
+
+class FlipAnswers:
+    """Has flips worked out in a process of their own; not at the lowest priority, since it ends soon.
+
+    ``on_news`` is called, from any thread, when an answer has come. With ``automatic`` off :meth:`begin`
+    works them out itself, so that what is known does not depend on the time.
+    """
+
+    def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
+        self._automatic = automatic
+        self._background = Background["TabularMDP", FlipAnswer](WORK, on_news)
+        self._answers: list[tuple[TabularMDP, FlipAnswer]] = []
+
+    def begin(self, mdp: TabularMDP | None) -> None:
+        """Have the flips of ``mdp`` worked out, in place of those of any other world; once."""
+        if mdp is None or self.of(mdp).state is not FlipState.NOT_ASKED:
+            return
+        known = at_once(mdp)
+        if known is not None or not self._automatic:
+            self._keep(mdp, known or worked_out(mdp))
+            return
+        before = self._background.process
+        if before is not None and (found := _answer_of(before)).state is not FlipState.PENDING:
+            self._keep(before.request, found)
+        try:
+            self._background.begin(mdp, PENDING)
+        except OSError as error:
+            self._keep(mdp, refused(f"no process can be started: {error}"))
+
+    def of(self, mdp: TabularMDP | None) -> FlipAnswer:
+        """Return what is known of the flips of ``mdp`` by now."""
+        if mdp is None:
+            return refused(NO_TABLE)
+        process = self._background.process
+        if process is not None and process.request is mdp:
+            return _answer_of(process)
+        return next((answer for world, answer in self._answers if world is mdp), NOT_ASKED)
+
+    def close(self) -> None:
+        """End what is being worked out, from any thread, and begin nothing any more."""
+        self._background.close()
+
+    def _keep(self, mdp: TabularMDP, answer: FlipAnswer) -> None:
+        # of worlds without flips, which may be large, the last one alone is kept
+        known = [each for each in self._answers if each[1].state is FlipState.KNOWN]
+        self._answers = [*known, (mdp, answer)][-KEPT:]
+
+
+def at_once(mdp: TabularMDP) -> FlipAnswer | None:
+    """Return the answer where there is nothing to work out, else None."""
+    from rl_tui.agents.exact.flips import why_refused
+
+    if mdp.terminated.all():
+        return FlipAnswer(FlipState.KNOWN)
+    reason = "flips are not worked out in a kiosk" if in_kiosk() else why_refused(mdp)
+    return refused(reason) if reason else None
+
+
+def _answer_of(process: AnsweringProcess[TabularMDP, FlipAnswer]) -> FlipAnswer:
+    if process.known is not PENDING:
+        return process.known
+    if process.failed:
+        return refused(TOO_LONG if process.failed == ENDED_BY_ITSELF else process.failed)
+    return HELD_UP if process.is_held_up else PENDING

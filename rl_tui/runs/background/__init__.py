@@ -1,0 +1,1 @@
+"""Questions that a process of its own answers in the background."""

@@ -1,0 +1,154 @@
+"""The one command line that reproduces a run."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.common.errors import UserError
+from rl_tui.common.text_file import UnreadableError, read_text
+from rl_tui.runs.changes import written_change, written_value
+from rl_tui.runs.library import recipe_for, without_effect
+from rl_tui.runs.recipe import JournalEntry, OrderSweep, Recipe, SetParameter, SwitchAlgorithm, TakeAction
+from rl_tui.worlds.files import catalogue
+from rl_tui.worlds.files.scenario import PREFIX, Scenario
+from rl_tui.worlds.gym.modules import OPTION, module_of
+
+_REPLAY: Final = "rl-tui replay SESSION.json"
+MOST_CHANGES: Final = 200
+LONGEST_LINE: Final = 100_000
+"""Bytes; some systems let no word of a command be longer than 131,072."""
+
+
+def recipe_line(
+    recipe: Recipe, journal: Sequence[JournalEntry], step: int, action_names: Sequence[str]
+) -> str:
+    """Return the ``rl-tui train`` command that does again what was done up to ``step``, quoted for a shell.
+
+    It names every setting that counts and is not the scenario's own. ``action_names``, [A], are those of the
+    world. Of step 0 it is the command that trains as long as the scenario says. Raises UserError where a
+    saved session is the better way: the journal has more than 200 entries by then, or very long ones, or no
+    file holds the scenario.
+    """
+    entries = _without_passing(entries_until(journal, step))
+    if len(entries) > MOST_CHANGES:
+        raise UserError(
+            f"{len(entries):,} changes are too many for one line: save the session with w, and then "
+            f"{_REPLAY} does it again"
+        )
+    words = [
+        "rl-tui",
+        "train",
+        scenario_name(recipe.scenario),
+        *allowance(recipe.scenario),
+        *_settings(recipe, entries),
+        "--seed",
+        str(recipe.seed),
+    ]
+    if step > 0:
+        words += ["--steps", str(step)]
+    for entry in entries:
+        words += ["--change", written_change(entry, action_names)]
+    line = shlex.join(words)
+    if len(line.encode()) > LONGEST_LINE:
+        raise UserError(
+            f"what was drawn is too long for one line: save the session with w, and then {_REPLAY} does it "
+            f"again"
+        )
+    return line
+
+
+def entries_until(journal: Sequence[JournalEntry], step: int) -> list[JournalEntry]:
+    """Return what of ``journal`` belongs to the run at ``step``: changes of that step count, a step not."""
+    return [
+        entry
+        for entry in journal
+        if entry.step < step or (entry.step == step and not isinstance(entry.change, TakeAction))
+    ]
+
+
+def _without_passing(entries: Sequence[JournalEntry]) -> list[JournalEntry]:
+    """Return ``entries`` without settings that the next one takes back: a slider passes many values.
+
+    A policy that came and went stays: one that learns begins anew.
+    """
+    kept: list[JournalEntry] = []
+    for entry in entries:
+        if kept and _is_taken_back(kept[-1], entry):
+            kept.pop()
+        kept.append(entry)
+    return kept
+
+
+def _is_taken_back(entry: JournalEntry, after: JournalEntry) -> bool:
+    one, other = entry.change, after.change
+    if entry.step != after.step:
+        return False
+    if isinstance(one, OrderSweep) and isinstance(other, OrderSweep):
+        return True  # the last order counts
+    if not (isinstance(one, SetParameter) and isinstance(other, SetParameter)):
+        return False
+    return one.name == other.name != "policy"
+
+
+def scenario_name(scenario: Scenario) -> str:
+    """Return what to call ``scenario`` on the command line: its id where that finds it, else its file.
+
+    What counts is what stands in there: of a session that was gone on with, the file may be elsewhere.
+    """
+    if scenario.id.startswith(PREFIX):
+        return scenario.id
+    try:
+        found = catalogue.find(scenario.id)
+    except UserError:
+        found = None
+    if found is not None and found.text == scenario.text:
+        return scenario.id
+    if _holds(scenario.source, scenario.text):
+        return str(scenario.source)
+    raise UserError(
+        f"no file {scenario.source} holds this scenario any more: save the session with w, and then "
+        f"{_REPLAY} does the run again"
+    )
+
+
+def allowance(scenario: Scenario) -> list[str]:
+    """Return the option without which the environment of ``scenario`` would be refused, if there is one."""
+    from rl_tui.worlds.gym.section import GymnasiumSection
+
+    section = scenario.section
+    module = module_of(section.id) if isinstance(section, GymnasiumSection) else ""
+    return [OPTION, module] if module else []
+
+
+def _holds(file: Path, text: str) -> bool:
+    try:
+        return read_text(file) == text
+    except UnreadableError:
+        return False
+
+
+def _settings(recipe: Recipe, entries: Sequence[JournalEntry]) -> list[str]:
+    """Return the options that make ``recipe`` of its scenario.
+
+    Those without effect are left out, unless what is changed on the way may give them one.
+    """
+    usual = recipe_for(recipe.scenario)
+    idle = [] if any(map(_brings_others, entries)) else without_effect(recipe, PARAMETERS)
+    options = [] if recipe.algorithm == usual.algorithm else ["--algorithm", recipe.algorithm]
+    for name in PARAMETERS:
+        value = recipe.hyperparameters.value(name)
+        if value != usual.hyperparameters.value(name) and name not in idle:
+            options += [f"--{name.replace('_', '-')}", written_value(value)]
+    return options
+
+
+def _brings_others(entry: JournalEntry) -> bool:
+    """Return whether other hyper-parameters may count after ``entry``."""
+    change = entry.change
+    return isinstance(change, SwitchAlgorithm) or (
+        isinstance(change, SetParameter) and change.name == "policy"
+    )

@@ -1,0 +1,155 @@
+"""Drawn worlds as scenario files: where they are written, and what is never written over."""
+
+from __future__ import annotations
+
+import codecs
+import os
+import stat
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.files import write_atomically
+from rl_tui.common.streams import streams
+from rl_tui.common.text_file import UnreadableError, open_plain, read_text
+from rl_tui.runs.exact_answers import LIVE_STATES
+from rl_tui.runs.export.files import new_path, write_text
+from rl_tui.worlds.editing.arms_draft import Draft
+from rl_tui.worlds.editing.saving import saved_text, value_text
+from rl_tui.worlds.editing.templates import named
+from rl_tui.worlds.files.catalogue import user_folder
+from rl_tui.worlds.files.scenario import Scenario
+from rl_tui.worlds.files.shipped import SUFFIX, shipped_folder, shipped_names
+from rl_tui.worlds.mdp.digest import table_digest
+from rl_tui.worlds.sections.schema import is_plain
+
+if TYPE_CHECKING:
+    from rl_tui.runs.recipe import Recipe
+    from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+_MOST_TRIED = 1_000
+
+
+@dataclass(frozen=True, slots=True)
+class ScenarioFile:
+    """The file of a drawn world: what it said when it was read or written last.
+
+    ``path`` is None where there is no file to write to: none at all, or a shipped one.
+    """
+
+    text: str
+    path: Path | None = None
+
+    def text_with(self, draft: Draft) -> str:
+        """Return what it says with the world of ``draft``: see :func:`saved_text`."""
+        return saved_text(self.text, draft)
+
+    @property
+    def has_changed(self) -> bool:
+        """Whether somebody else has written to it since."""
+        if self.path is None or not self.path.exists():
+            return False
+        try:
+            return read_text(self.path) != self.text
+        except UnreadableError:
+            return True
+
+    def written(self, path: Path, text: str) -> ScenarioFile:
+        """Write ``text`` to ``path``, and return that file: over this one, else over none.
+
+        Where this one has no path, the new one has its name for a title too: two scenarios of one title
+        could not be told apart. Whether this one :attr:`has_changed` is for others to ask. Raises UserError,
+        in a line, where it cannot be written.
+        """
+        if self.path is None:
+            text = named(text, path.stem)
+        try:
+            if path == self.path and path.exists():
+                _write_over(path, text)
+            else:
+                if path.parent == user_folder():
+                    path.parent.mkdir(parents=True, exist_ok=True)
+                write_text(path, text)
+        except (OSError, UnreadableError) as error:
+            reason = getattr(error, "strerror", None) or error
+            raise UserError(f"{path} cannot be written ({reason}): save it under another name") from error
+        return replace(self, path=path, text=text)
+
+
+def file_of(scenario: Scenario) -> ScenarioFile:
+    """Return the file of ``scenario``; where it has none, the beginning of one."""
+    text = scenario.text or f"title = {value_text(scenario.title)}\n"
+    path = scenario.source.absolute()
+    is_its_own = (
+        bool(scenario.text) and path.is_file() and path.resolve().parent != shipped_folder().resolve()
+    )
+    return ScenarioFile(text, path if is_its_own else None)
+
+
+def is_on_screen(scenario: Scenario, recipe: Recipe, mdp: TabularMDP | None) -> bool:
+    """Return whether ``scenario`` is the one of ``recipe`` in the world of ``mdp``, and nothing else differs.
+
+    So it is once what was drawn has been saved. Of a large world it is not looked for.
+    """
+    if mdp is None or mdp.states > LIVE_STATES or _head(scenario) != _head(recipe.scenario):
+        return False
+    try:
+        drawn = scenario.build(streams(recipe.seed).world).mdp
+    except UserError:
+        return False
+    return drawn is not None and table_digest(drawn) == table_digest(mdp)
+
+
+def _head(scenario: Scenario) -> tuple[object, ...]:
+    """Return all that a file says besides its world."""
+    defaults, answer = dict(scenario.defaults), scenario.hides_answer
+    return scenario.title, scenario.summary, scenario.notes, scenario.order, defaults, answer
+
+
+def offered_name(scenario: Scenario) -> str:
+    """Return a name that is free among the user's scenarios."""
+    stem = "".join(each if each.isalnum() or each in "-_" else "-" for each in scenario.id)
+    names = (f"{stem}-{number}" for number in range(2, _MOST_TRIED))
+    taken = shipped_names()
+    free = (each for each in (stem, *names) if each not in taken and not _own_path(each).exists())
+    return next(free, stem)
+
+
+def path_named(text: str, file: ScenarioFile) -> Path:
+    """Return where a scenario of that name or path is written: a name is one of the user's scenarios.
+
+    It may be that of ``file``. Raises UserError, in a line, where nothing can be written there.
+    """
+    name = text.strip()
+    is_path = "/" in name or "\\" in name
+    stem = name.removesuffix(SUFFIX)
+    if not is_plain(name) or not os.path.basename(stem).strip("."):
+        raise UserError("type a name such as my-maze, or a path such as ./my-maze.toml")
+    if not is_path and stem in shipped_names():
+        raise UserError(f"{stem} is a shipped scenario: type another name")
+    path = Path(f"{stem}{SUFFIX}") if is_path else _own_path(stem)
+    try:
+        path = path.expanduser().absolute()
+    except RuntimeError as error:
+        raise UserError(f"{name}: {error}") from error
+    if path == file.path or (not is_path and not path.parent.is_dir()):
+        return path  # that folder is made where it is not there
+    return new_path(str(path))
+
+
+def _own_path(stem: str) -> Path:
+    return user_folder() / f"{stem}{SUFFIX}"
+
+
+def _write_over(path: Path, text: str) -> None:
+    """Write ``text`` in place of what is in ``path``; the rights of the file stay, and a link to it."""
+    path = path.resolve()
+    if not path.is_file() or path.parent == shipped_folder().resolve():
+        raise UserError(f"{path} is no file of yours any more: save it under another name")
+    content = text.encode()
+    with open_plain(path, "a scenario file") as stream:
+        mark = codecs.BOM_UTF8 if stream.read(len(codecs.BOM_UTF8)) == codecs.BOM_UTF8 else b""
+    with path.open("r+b"):
+        pass  # a file that may not be written stays as it is, whatever its folder allows
+    write_atomically(path, mark + content, stat.S_IMODE(path.stat().st_mode))

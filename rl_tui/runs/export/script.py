@@ -1,0 +1,345 @@
+"""A run as a plain Python script that uses only Gymnasium and NumPy, as a student might write it.
+
+The script is another program. Its random numbers differ, and so do its steps. The world and the
+algorithm are the same, so it learns the same.
+"""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from typing import TYPE_CHECKING, Final
+
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy, parameters_of
+from rl_tui.agents.compatibility import check_compatible, is_bandit
+from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
+from rl_tui.common.errors import UserError
+from rl_tui.runs.export.literals import WIDEST
+from rl_tui.runs.export.template import WorldText, fill, sections
+from rl_tui.runs.recipe import Recipe, begin
+from rl_tui.worlds.mdp.space import FiniteSpace
+
+if TYPE_CHECKING:
+    from rl_tui.worlds.world import World
+
+
+# Constants and schedules
+
+
+_NAMES: Final = {"n": "STEPS"}
+_SCHEDULES: Final = {
+    "epsilon": ("epsilon_schedule", "epsilon_min", "epsilon_decay"),
+    "alpha": ("step_size_schedule", "alpha_min", "alpha_decay"),
+}
+
+
+class ParameterText:
+    """The hyper-parameters of one algorithm, in the words of a script."""
+
+    def __init__(self, algorithm: str, hyperparameters: Hyperparameters) -> None:
+        self.algorithm = BY_ID[algorithm]
+        self.policy = POLICY_BY_ID[hyperparameters.policy]
+        self.hyperparameters = hyperparameters
+        self.used = parameters_of(algorithm, hyperparameters.policy)
+        self.sample_average = hyperparameters.sample_average and not self.algorithm.planner
+
+    @property
+    def flags(self) -> set[str]:
+        """What lines of a text may be for: the words chosen, such as ``ties first``, and the step size."""
+        words = {
+            f"{name} {self.hyperparameters.value(name)}"
+            for name, parameter in PARAMETERS.items()
+            if not (parameter.range or parameter.schedule)
+        }
+        return {*words, "sample average"} if self.sample_average else words
+
+    def constants(self, episodes: int, seed: int, episodes_of_run: int = 0) -> str:
+        """Return the lines of the constants, each with what it is beside it.
+
+        ``episodes_of_run`` are those of the run on screen, which had another number mostly; 0: not known.
+        """
+        constants = [*self._parameters()]
+        if not self.algorithm.planner:
+            other = f" (the run had {episodes_of_run:,})" if episodes_of_run not in (0, episodes) else ""
+            constants.append(("EPISODES", f"{episodes:_}", f"how many episodes to train{other}"))
+        constants.append(("SEED", str(seed), "where all randomness comes from"))
+        width = max(len(f"{name} = {value}") for name, value, _ in constants)
+        return "\n".join(f"{f'{name} = {value}':<{width}}  # {text}" for name, value, text in constants)
+
+    def _parameters(self) -> list[tuple[str, str, str]]:
+        # What is a word and no number is in the text itself
+        skipped = {"initial_q", *(name for name in self.used if PARAMETERS[name].range is None)}
+        for name, parts in _SCHEDULES.items():
+            if not self.is_scheduled(name):
+                skipped.update(parts)
+        if self.sample_average:
+            skipped.update(("alpha", *_SCHEDULES["alpha"]))
+        names = [name for name in self.used if name not in skipped]
+        if "gamma" not in names:
+            names.insert(0, "gamma")
+        return [self._constant(name) for name in [*names, "initial_q"]]
+
+    def _constant(self, name: str) -> tuple[str, str, str]:
+        parameter = PARAMETERS[name]
+        symbol = "" if parameter.symbol in (name, "planning", "accuracy") else f"{parameter.symbol}, "
+        return self.name_of(name), repr(self.hyperparameters.value(name)), f"{symbol}{parameter.help}"
+
+    def name_of(self, name: str) -> str:
+        """Return what the constant of a hyper-parameter is called."""
+        return _NAMES.get(name, name.upper())
+
+    def is_scheduled(self, name: str) -> bool:
+        """Return True if ``name``, epsilon or alpha, changes from episode to episode."""
+        schedule, _, decay = _SCHEDULES[name]
+        if name not in self.used or (name == "alpha" and self.sample_average):
+            return False
+        return self.hyperparameters.value(schedule) != "constant" and self.hyperparameters.value(decay) != 0.0
+
+    def schedules(self) -> str:
+        """Return the lines at the start of an episode that say what a schedule makes of ε and α."""
+        return "\n".join(self._schedule(name) for name in _SCHEDULES if self.is_scheduled(name))
+
+    def in_episode(self, text: str) -> str:
+        """Return ``text`` with ``epsilon`` for ``EPSILON``, and so for α, where a schedule changes it."""
+        for name in filter(self.is_scheduled, _SCHEDULES):
+            text = re.sub(rf"\b{name.upper()}\b", name, text)
+        return text
+
+    def _schedule(self, name: str) -> str:
+        schedule, least, decay = _SCHEDULES[name]
+        start, end, fall = (self.name_of(each) for each in (name, least, decay))
+        if self.hyperparameters.value(schedule) == "exponential":
+            return f"{name} = {end} + ({start} - {end}) * np.exp(-{fall} * episode)"
+        if float(self.hyperparameters.value(name)) >= float(self.hyperparameters.value(least)):
+            return f"{name} = max({end}, {start} - {fall} * episode)"
+        return f"{name} = min({end}, {start} + {fall} * episode)"
+
+    @property
+    def counts_visits(self) -> bool:
+        """Whether the script counts how often each pair is taken."""
+        averages = self.sample_average and not self.algorithm.counts_updates
+        return averages or (self.policy.counts_visits and not self.algorithm.planner)
+
+
+# The agent
+
+
+_TEXTS: Final = f"{__package__}.agent"
+_BEGIN_WORLD: Final = "env.reset(seed=SEED)  # the randomness of the world"
+_NEW_Q: Final = "Q = new_table(INITIAL_Q)"
+_LEAST_VARIANCE: Final = 1e-12
+
+
+def learner_text(params: ParameterText, text: WorldText, space: FiniteSpace) -> list[str]:
+    """Return the parts that make the world, choose actions, learn, and print what was learned.
+
+    Raises UserError where the algorithm or the policy has no text for scripts.
+    """
+    flags = {*params.flags, *(["time limit"] if text.truncates else [])}
+    reward_flags, noise = _known_rewards(params, space)
+    algorithm = _texts_of(params.algorithm, params, flags)
+    policy = _texts_of(params.policy, params, {*flags, *reward_flags})
+    own = sections(_TEXTS, flags)
+    visit = "N[state][action] += 1" if params.counts_visits else ""
+    pieces = {
+        "schedules": params.schedules(),
+        "note": "\n".join(each for each in (visit, policy.get("note", "")) if each),
+    }
+    loop = fill(algorithm["learn"], pieces)
+    functions = [fill(policy["choose"], {"noise": noise})]
+    if "expected_value" in loop:
+        functions.append(policy["expected value"])
+    return [
+        text.setup,
+        _BEGIN_WORLD,
+        text.new_table,
+        _tables(params, algorithm, policy),
+        *_argmax(own, [loop, *functions]),
+        *functions,
+        loop,
+        fill(own["learned"], {"report": _report(text, params)}),
+    ]
+
+
+def planner_text(params: ParameterText, text: WorldText) -> list[str]:
+    """Return the parts that make the world, plan with its model, and play what was planned.
+
+    Raises UserError where the world of the script has no model, or the algorithm no text for scripts.
+    """
+    if not text.starts:
+        raise UserError(
+            "no script: this environment itself shows no transition table to plan with; take an algorithm "
+            "that learns, such as q-learning"
+        )
+    planner, own = _texts_of(params.algorithm, params, params.flags), sections(_TEXTS, params.flags)
+    pieces = {
+        "fields": text.fields.replace("noise", "_"),
+        "starts": text.starts,
+        "act": planner["act"],
+        "report": _report(text, params),
+    }
+    played = fill(own["played"], pieces)
+    return [
+        text.setup,
+        _BEGIN_WORLD,
+        *([text.model] if text.model else []),
+        text.new_table,
+        _NEW_Q,
+        *_argmax(own, [planner["plan"], played]),
+        fill(own["look ahead"], pieces),
+        planner["plan"],
+        played,
+    ]
+
+
+def _texts_of(row: Algorithm | Policy, params: ParameterText, flags: set[str]) -> dict[str, str]:
+    """Return the texts beside the kernel of an algorithm or a policy; raises UserError if there are none."""
+    try:
+        texts = sections(row.module, flags)
+    except (FileNotFoundError, ModuleNotFoundError, ValueError) as error:  # no text, no package, none named
+        raise UserError(f"there is no script for {row.id} yet") from error
+    return {name: params.in_episode(text) for name, text in texts.items()}
+
+
+def _tables(params: ParameterText, algorithm: dict[str, str], policy: dict[str, str]) -> str:
+    """Return the tables: Q, and what the algorithm and the policy need besides."""
+    lines = [_NEW_Q]
+    if params.counts_visits:
+        averages = params.sample_average and not params.algorithm.counts_updates
+        step_size = "; the step size is 1/N" if averages else ""
+        lines.append(f"N = new_table(0.0)  # how often each action was taken{step_size}")
+    lines += [texts["tables"] for texts in (algorithm, policy) if texts.get("tables")]
+    return "\n".join(lines)
+
+
+def _known_rewards(params: ParameterText, space: FiniteSpace) -> tuple[list[str], str]:
+    """Return what posterior sampling is told of the arms of a bandit: a flag, or a line with their noise."""
+    from rl_tui.agents.policies.thompson import new_rule
+
+    if not is_bandit(space):
+        return [], ""
+    rule = new_rule(space, params.hyperparameters)
+    if rule.bernoulli:
+        return ["bernoulli"], ""
+    # A reward without noise settles the mean at once; the least variance spares a division by 0
+    variances = [max(float(each), _LEAST_VARIANCE) for each in rule.variance]
+    variance = repr(variances[0]) if len(set(variances)) == 1 else f"np.array({variances})"
+    return [], f"VARIANCE = {variance}  # σ², the noise of the rewards, is told to this rule"
+
+
+def _argmax(own: dict[str, str], parts: list[str]) -> list[str]:
+    """Return the function that finds the best action, if any of ``parts`` calls it."""
+    return [own["argmax"]] if any(" argmax(" in each or "[argmax(" in each for each in parts) else []
+
+
+def _report(text: WorldText, params: ParameterText) -> str:
+    """Return what prints the policy; values that a planner has worked out are equal but for rounding."""
+    worked_out = "np.isclose(values, values.max(), rtol=0, atol=1e-6)"
+    equals = worked_out if params.algorithm.planner else "values == values.max()"
+    return fill(text.report, {**text.report_pieces, "equals": equals})
+
+
+# The whole script
+
+
+_NEEDS: Final = (
+    "Needs Gymnasium and NumPy only. Numbers of equations, sections and pages are those of Sutton & Barto, "
+    "Reinforcement Learning, 2nd edition"
+)
+_CHANGED: Final = (
+    "The run that this was written from had other settings or another world at first, or steps taken by "
+    "hand; here what held at its end holds from the beginning, and the agent takes every step."
+)
+
+
+def script(
+    recipe: Recipe,
+    episodes: int,
+    world: World | None = None,
+    *,
+    changed: bool = False,
+    episodes_of_run: int = 0,
+    lane: str = "",
+) -> str:
+    """Return the script that trains the algorithm of ``recipe`` for ``episodes`` episodes.
+
+    ``world`` is that of the recipe, if it is at hand. ``changed`` says that a run came to these settings on
+    the way only, which the script then says. It also says how many ``episodes_of_run`` there were, if that is
+    another number, and of which ``lane`` it is (``1 of 2``), if there were several. Raises UserError, in a
+    line, where there can be none: the world is too large to be read, its observations are no short script's
+    business, or the algorithm cannot work in it.
+    """
+    world = world or begin(recipe).world
+    check_compatible(world.space, recipe.algorithm, recipe.hyperparameters)
+    text = _world_text(recipe, world)
+    params = ParameterText(recipe.algorithm, recipe.hyperparameters)
+    planner = params.algorithm.planner
+    parts = planner_text(params, text) if planner else learner_text(params, text, world.space)
+    imports = "\n".join([*text.imports, "", "import gymnasium as gym", "import numpy as np"]).lstrip("\n")
+    blocks = [
+        _head(recipe, text, params, _remarks_on_run(changed, lane)),
+        imports,
+        params.constants(episodes, recipe.seed, episodes_of_run),
+        "rng = np.random.default_rng(SEED)  # the randomness of the agent",
+        *_separate(parts),
+    ]
+    return "\n\n".join(blocks) + "\n"
+
+
+def _separate(parts: list[str]) -> list[str]:
+    """Return the parts, with the two empty lines that belong around functions and classes."""
+    blocks: list[str] = []
+    for index, part in enumerate(parts):
+        before = parts[index - 1] if index else ""
+        around = part.startswith(("def ", "class ")) or _ends_in_body(before)
+        blocks.append(f"\n{part}" if around else part)
+    return blocks
+
+
+def _ends_in_body(part: str) -> bool:
+    """Return whether ``part`` ends inside a function or a class."""
+    for line in reversed(part.split("\n")):
+        if line and not line.startswith((" ", ")", "]", "}")):
+            return line.startswith(("def ", "class "))
+    return False
+
+
+def _world_text(recipe: Recipe, world: World) -> WorldText:
+    from rl_tui.common.streams import streams
+    from rl_tui.runs.export.bandit_text import bandit_text
+    from rl_tui.runs.export.grid_text import grid_text
+    from rl_tui.runs.export.gymnasium_text import gymnasium_text
+    from rl_tui.runs.export.table_text import table_text
+    from rl_tui.worlds.grid.section import GridSection
+    from rl_tui.worlds.gym.section import GymnasiumSection
+    from rl_tui.worlds.sections.bandit_section import BanditSection
+
+    section = recipe.scenario.section
+    if isinstance(section, GymnasiumSection):
+        return gymnasium_text(section, world)
+    if isinstance(section, GridSection):
+        return grid_text(section, streams(recipe.seed).world)
+    if world.prospects:
+        raise UserError(
+            f"no script for {recipe.scenario.id}: some of its states look alike, scripts have all"
+        )
+    if world.mdp is None:
+        raise UserError(f"no script for {recipe.scenario.id}: nobody knows what its actions lead to")
+    if isinstance(section, BanditSection):
+        return bandit_text(section, world.mdp)
+    return table_text(world.mdp)
+
+
+def _remarks_on_run(changed: bool, lane: str) -> list[str]:
+    """Return in which ways the run was more than the script."""
+    return [*([f"It contains lane {lane} only."] if lane else []), *([_CHANGED] if changed else [])]
+
+
+def _head(recipe: Recipe, text: WorldText, params: ParameterText, remarks_on_run: list[str]) -> str:
+    title = recipe.scenario.title.replace("\\", "/").replace('"', "'")
+    algorithm = params.algorithm
+    policy = "" if algorithm.planner else f", policy {params.policy.name}"
+    remarks = [*text.remarks, *remarks_on_run]
+    sentences = " ".join([f"{_NEEDS} (this algorithm: {algorithm.source}).", *remarks])
+    first = textwrap.wrap(f"{algorithm.name} on “{title}”{policy}.", WIDEST)
+    return '"""' + "\n".join([*first, "", *textwrap.wrap(sentences, WIDEST)]) + '\n"""'

@@ -1,0 +1,95 @@
+"""The estimates and the episodes of a run as tables for other programs."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from rl_tui.common.errors import UserError
+from rl_tui.runs.export.files import new_file
+from rl_tui.runs.recipe import JournalEntry, Recipe, begin
+from rl_tui.runs.run import Run
+from rl_tui.runs.training.episode_rows import HEADER, EpisodeRows
+from rl_tui.runs.training.seeded_runs import Goal, OnProgress, no_progress, train
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.world import World
+
+
+def q_array(space: FiniteSpace, q: FloatArray) -> FloatArray:
+    """Return ``q``, [P], as an array [S, A]: NaN where an action is not legal."""
+    table: FloatArray = np.full((space.states, len(space.action_names)), np.nan)
+    table[space.pair_state, space.pair_action] = q
+    return table
+
+
+def write_q_array(path: Path, space: FiniteSpace, q: FloatArray) -> None:
+    """Write :func:`q_array` as a new .npy file. Raises UserError where that cannot be."""
+    with new_file(path, binary=True) as stream:
+        np.save(stream, q_array(space, q), allow_pickle=False)
+
+
+def write_q_csv(path: Path, space: FiniteSpace, q: FloatArray, visits: IntArray) -> None:
+    """Write ``q`` and ``visits``, [P] each, as a new CSV file. Raises UserError where that cannot be.
+
+    A row for each state in which something can be done; a column for each action, empty where it is not
+    legal, and then one for the visits of each. Estimates keep all their digits.
+    """
+    actions = list(space.action_names)
+    with new_file(path) as stream:
+        rows = csv.writer(stream, lineterminator="\n")
+        rows.writerow(["state", *actions, *(f"visits of {action}" for action in actions)])
+        for state in np.flatnonzero(np.diff(space.first_pair)).tolist():
+            values, counts = [""] * len(actions), [""] * len(actions)
+            for pair in space.pairs_of(state):
+                place = int(space.pair_action[pair])
+                values[place], counts[place] = repr(float(q[pair])), str(int(visits[pair]))
+            rows.writerow([space.state_names[state], *values, *counts])
+
+
+def write_returns(
+    path: Path,
+    recipe: Recipe,
+    journal: Sequence[JournalEntry],
+    step: int,
+    world: World | None = None,
+    on_progress: OnProgress = no_progress,
+) -> None:
+    """Write every episode finished by ``step`` as a new CSV file: run, episode, return, length.
+
+    The run is done again for it, headless, in its ``world`` at the start, if that is at hand. An exception of
+    ``on_progress`` breaks it off and leaves no file. Raises UserError where the file cannot be written or the
+    run breaks down.
+    """
+    with new_file(path) as stream:
+        stream.write(HEADER)
+        run = Run(recipe, begin(recipe, world), evaluate=False, on_episodes=EpisodeRows(stream, 1))
+        _do_again(run, journal, step, on_progress)
+
+
+def estimates_again(
+    recipe: Recipe,
+    journal: Sequence[JournalEntry],
+    step: int,
+    world: World | None = None,
+    on_progress: OnProgress = no_progress,
+) -> tuple[FloatArray, IntArray]:
+    """Return Q and visits, [P] each, of the run at ``step``, which is done again, headless.
+
+    ``world`` is its own at the start, if that is at hand. Of a large world a snapshot holds what is in view
+    only.
+    """
+    run = Run(recipe, begin(recipe, world), evaluate=False)
+    _do_again(run, journal, step, on_progress)
+    return run.learner.q, run.learner.visits
+
+
+def _do_again(run: Run, journal: Sequence[JournalEntry], step: int, on_progress: OnProgress) -> None:
+    try:
+        train(run, Goal(steps=step), on_progress, journal)
+    except UserError:
+        # The last step of a run that breaks down belongs to it
+        if run.step < step:
+            raise

@@ -1,0 +1,208 @@
+"""What came of a run, as ``train --json`` prints it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+import numpy.typing as npt
+
+from rl_tui.agents.exact.policy_evaluation import NoExactAnswer, Solution
+from rl_tui.agents.exact.policy_figures import figures, greedy_policy
+from rl_tui.agents.exact.solve import returns, solve
+from rl_tui.agents.hyperparameters import Ties
+from rl_tui.runs.exact_answers import NO_TABLE
+from rl_tui.runs.recipe import Recipe
+from rl_tui.worlds.mdp.digest import table_digest
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from rl_tui.runs.bandit import BanditFigures
+    from rl_tui.runs.run import Run
+
+MOST_STATES: Final = 50_000
+BANDIT_FIGURES: Final = ("winnings", "regret", "best_arm_rate")
+
+
+@dataclass(frozen=True, slots=True)
+class GreedyFigures:
+    """Exact figures of a run's greedy policy and estimates, None where there is no exact answer."""
+
+    value_at_start: float | None
+    optimal_value_at_start: float | None
+    expected_return: float | None
+    max_error: float | None
+    greedy_ends: float | None
+
+
+def exact_world(run: Run) -> TabularMDP | None:
+    """Return the table that figures of ``run`` are worked out from, as it is now.
+
+    None where there is no table, or where its more than 50,000 states would keep one waiting for minutes.
+    """
+    mdp = run.learner.mdp
+    return None if mdp is None or mdp.states > MOST_STATES else mdp
+
+
+def why_inexact(run: Run) -> str:
+    """Return why ``run`` has no exact figures; empty where it has."""
+    if run.learner.mdp is None:
+        return NO_TABLE
+    left_out = f"left out above {MOST_STATES:,} states; rl-tui solve works the optimum out"
+    return "" if exact_world(run) else left_out
+
+
+def optimum_of(mdp: TabularMDP | None, gamma: float) -> Solution | None:
+    """Return the exact answer, None where there is none."""
+    if mdp is None:
+        return None
+    try:
+        return solve(mdp, gamma)
+    except NoExactAnswer:
+        return None
+
+
+def greedy_figures(run: Run, optimum: Solution | None) -> GreedyFigures:
+    """Return the figures of what ``run`` has learned, held against ``optimum`` for its γ."""
+    hyperparameters = run.learner.hyperparameters
+    return figures_of_estimates(
+        exact_world(run), run.learner.q, hyperparameters.ties, hyperparameters.gamma, optimum
+    )
+
+
+def figures_of_estimates(
+    mdp: TabularMDP | None, q: FloatArray, ties: Ties, gamma: float, optimum: Solution | None
+) -> GreedyFigures:
+    """Return the figures of the estimates ``q``, [P], in ``mdp``, held against ``optimum`` for ``gamma``."""
+    if mdp is None:
+        return GreedyFigures(None, None, None, None, None)
+    of_policy = figures(mdp, greedy_policy(mdp, q, ties), gamma)
+    return GreedyFigures(
+        value_at_start=of_policy.value_at_start,
+        optimal_value_at_start=optimum.value_at_start if optimum else None,
+        expected_return=of_policy.expected_return,
+        max_error=float(np.abs(q - optimum.q).max()) if optimum else None,
+        greedy_ends=of_policy.ends,
+    )
+
+
+def head(recipe: Recipe) -> dict[str, Any]:
+    """Return what a run was made of, as JSON."""
+    return {
+        "scenario": recipe.scenario.id,
+        "algorithm": recipe.algorithm,
+        "seed": recipe.seed,
+        "hyperparameters": recipe.hyperparameters.as_dict(),
+    }
+
+
+def training_figures(run: Run, seconds: float) -> dict[str, Any]:
+    """Return what ``run`` came to in ``seconds`` of learning: the document of ``train --json``."""
+    space, learner = run.world.space, run.learner
+    mean_return, mean_length = run.history.last_100
+    exact = greedy_figures(run, optimum_of(exact_world(run), learner.hyperparameters.gamma))
+    document: dict[str, Any] = finite(
+        {
+            **head(run.recipe),
+            "episodes": learner.episodes,
+            "steps": run.step,
+            "seconds": seconds,
+            "steps_per_second": run.step / seconds if seconds > 0.0 else None,
+            "states": list(space.state_names),
+            "actions": list(space.action_names),
+            "world": world_digest(run.world),
+            "q": table(space, learner.q),
+            "visits": table(space, learner.visits),
+            "policy": policy_names(space, greedy_policy(space, learner.q, "random")),
+            "value_at_start": exact.value_at_start,
+            "optimal_value_at_start": exact.optimal_value_at_start,
+            "expected_return": exact.expected_return,
+            "max_error": exact.max_error,
+            "return_mean": run.mean_return,
+            "return_last_100": mean_return,
+            "length_last_100": mean_length,
+            "greedy_ends": exact.greedy_ends,
+            "first_reward_episode": learner.first_reward_episode or None,
+            **pulls(run.bandit),
+        }
+    )
+    return document
+
+
+def world_digest(world: World) -> str | None:
+    """Return the fingerprint of the table of ``world``; None where there is no table."""
+    return None if world.mdp is None else table_digest(world.mdp)
+
+
+def solution_figures(recipe: Recipe, mdp: TabularMDP, solution: Solution) -> dict[str, Any]:
+    """Return the exact answer in the world of ``recipe``: the document of ``solve --json``."""
+    earned = returns(mdp, solution)
+    return {
+        "scenario": recipe.scenario.id,
+        "gamma": solution.gamma,
+        "states": list(mdp.state_names),
+        "actions": list(mdp.action_names),
+        "v": solution.v.tolist(),
+        "q": table(mdp, solution.q),
+        "policy": policy_names(mdp, solution.greedy.astype(float)),
+        "left_out": policy_names(mdp, (solution.best & ~solution.greedy).astype(float)),
+        "value_at_start": solution.value_at_start,
+        "expected_return": earned.expected_return,
+        "best_expected_return": earned.best_expected_return,
+        "iterations": solution.iterations,
+    }
+
+
+def pulls(spent: BanditFigures | None) -> dict[str, float | None]:
+    """Return how the pulls of a bandit were ``spent``, as JSON; nothing where the world is none."""
+    return {} if spent is None else {name: getattr(spent, name) for name in BANDIT_FIGURES}
+
+
+def table(space: FiniteSpace, values: npt.NDArray[Any]) -> list[list[Any]]:
+    """Return ``values``, [P], as S × A, None where an action is not legal."""
+    rows: list[list[Any]] = [[None] * len(space.action_names) for _ in range(space.states)]
+    places = zip(space.pair_state.tolist(), space.pair_action.tolist(), values.tolist(), strict=True)
+    for state, action, value in places:
+        rows[state][action] = value
+    return rows
+
+
+def policy_names(space: FiniteSpace, policy: FloatArray) -> list[list[str]]:
+    """Return the names of the actions ``policy``, [P], may take in each state; none in a terminal one."""
+    names: list[list[str]] = [[] for _ in range(space.states)]
+    chosen = np.flatnonzero(policy)
+    states, actions = space.pair_state[chosen].tolist(), space.pair_action[chosen].tolist()
+    for state, action in zip(states, actions, strict=True):
+        names[state].append(space.action_names[action])
+    return names
+
+
+def summary(values: Sequence[float | None]) -> dict[str, float | int | None]:
+    """Return mean, standard error (of n − 1), least, greatest and number of the values that are there."""
+    there = [value for value in values if value is not None and math.isfinite(value)]
+    count = len(there)
+    mean, stderr = math.fsum(there) / count if there else None, None
+    if mean is not None and count > 1:
+        squares = (np.array(there, np.float64) - mean) ** 2
+        stderr = math.sqrt(math.fsum(squares.tolist()) / (count - 1) / count)
+    return {
+        "mean": mean,
+        "stderr": stderr,
+        "min": min(there, default=None),
+        "max": max(there, default=None),
+        "count": count,
+    }
+
+
+def finite(value: Any) -> Any:
+    """Return a JSON value with None in place of every number that is not finite."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, dict):
+        return {key: finite(each) for key, each in value.items()}
+    return [finite(each) for each in value] if isinstance(value, list) else value

@@ -1,0 +1,236 @@
+"""Runs of one recipe that differ in their seed, many of them by one call of machine code."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+
+from rl_tui.agents.batches.batch import UNLIMITED, DrawnWorld, RunBatch
+from rl_tui.agents.exact.policy_figures import batch_figures
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS
+from rl_tui.agents.kernels.stop import DONE, EPISODES_FULL
+from rl_tui.runs.bandit import BanditFigures, bandit_figures
+from rl_tui.runs.figures import BANDIT_FIGURES, MOST_STATES, pulls
+from rl_tui.runs.recipe import Beginning, begin
+from rl_tui.runs.training.seeded_runs import (
+    MOST_BINS,
+    CurvePoints,
+    Goal,
+    SeededRuns,
+    no_compiling,
+    no_progress,
+    width_of_bins,
+)
+from rl_tui.worlds.mdp.space import FloatArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+MOST_RUNS: Final = 256
+"""Runs of one batch: what Python does for it is then little for each."""
+MOST_BYTES: Final = 64_000_000
+"""Of the estimates of a batch, and all else that its runs remember."""
+FIRST_STEPS: Final = 20_000
+"""Steps of the first call, after each of which it is asked whether to go on."""
+MOST_STEPS_AT_ONCE: Final = 2_000_000
+SHORT_CALL: Final = 0.05
+"""Seconds of a call below which the next one takes more steps."""
+LONG_CALL: Final = 0.1
+"""Seconds of a call above which the next one takes fewer."""
+
+STATES_AT_ONCE: Final = 10_000
+"""States of all the policies that are evaluated before it is asked again whether to go on: some 0.5 s."""
+
+
+def runs_at_once(seeded: SeededRuns, marks: int = 0) -> int:
+    """Return how many runs of ``seeded`` one batch may have; 0 where they cannot be batched.
+
+    There has to be machine code for it. With ``marks`` estimates are kept so often.
+    """
+    learner = seeded.first.learner
+    if seeded.batched_loop not in COMPILED_LOOPS:
+        return 0
+    return min(MOST_RUNS, MOST_BYTES // (learner.nbytes + 8 * marks * learner.space.pairs))
+
+
+def steps_of_next_call(steps: int, seconds: float) -> int:
+    """Return how many steps to take after so many took ``seconds``: some take a thousand times others."""
+    if seconds < SHORT_CALL:
+        return min(2 * steps, MOST_STEPS_AT_ONCE)
+    return max(1, steps // 2) if seconds > LONG_CALL else steps
+
+
+class BatchedRuns:
+    """The runs of ``seeded`` with these ``seeds``, trained to ``goal`` by :meth:`advance`.
+
+    Their curves are of the first ``curve_episodes``, in at most ``most_bins`` bins. After each of
+    ``mark_episodes``, which ascend, their estimates are kept. Raises UserError where a world cannot be built.
+    """
+
+    def __init__(
+        self,
+        seeded: SeededRuns,
+        seeds: Sequence[int],
+        goal: Goal,
+        *,
+        curve_episodes: int = 0,
+        most_bins: int = MOST_BINS,
+        mark_episodes: Sequence[int] = (),
+    ) -> None:
+        self._seeded, self._seeds, self._goal = seeded, seeds, goal
+        self._beginnings: list[Beginning] = []
+        world: TabularMDP | list[DrawnWorld]
+        if seeded.shared is None:
+            self._beginnings = [begin(replace(seeded.recipe, seed=seed)) for seed in seeds]
+            world = [DrawnWorld(_table(each), each.streams) for each in self._beginnings]
+        else:
+            assert seeded.shared.world.mdp is not None  # only what has a table is batched
+            world = seeded.shared.world.mdp
+        self._curve_episodes, self._most_bins = curve_episodes, most_bins
+        self.batch = RunBatch(
+            seeded.recipe.algorithm,
+            seeded.recipe.hyperparameters,
+            seeds,
+            world,
+            steps=UNLIMITED if goal.steps is None else goal.steps,
+            episodes=UNLIMITED if goal.steps is not None else goal.episodes or 0,
+            curve_episodes=curve_episodes,
+            width=max(1, width_of_bins(curve_episodes, most_bins)),
+            mark_episodes=mark_episodes,
+        )
+
+    def train(self, on_progress: Callable[[int, int], None] = no_progress) -> None:
+        """Train all of them to the goal; ``on_progress`` hears how much is done, and may raise to end it.
+
+        Raises UserError, as one run does, of the first of them that broke down.
+        """
+        wanted = (self._goal.steps or self._goal.episodes or 0) * len(self._seeds)
+        self.advance(lambda: on_progress(self._done, wanted))
+        for index in self.broken:
+            self._seeded.train(self._seeded.new_run(self._seeds[index]), self._goal, no_progress)
+        on_progress(self._done, wanted)
+
+    @property
+    def hyperparameters(self) -> Hyperparameters:
+        """The settings of all of them."""
+        return self._seeded.recipe.hyperparameters
+
+    def advance(self, check: Callable[[], None]) -> None:
+        """Train all of them to the goal, but for those that break down; ``check`` may raise to end it."""
+        steps, start = FIRST_STEPS, time.perf_counter()
+        while self.batch.advance(steps):
+            steps = steps_of_next_call(steps, time.perf_counter() - start)
+            check()
+            start = time.perf_counter()
+
+    @property
+    def _done(self) -> int:
+        steps, episodes = self.batch.done()
+        return episodes if self._goal.steps is None else steps
+
+    @property
+    def broken(self) -> list[int]:
+        """Which of them, by place, broke down; why, a run of its own can tell."""
+        return np.flatnonzero(~np.isin(self.batch.stop, (DONE, EPISODES_FULL))).tolist()
+
+    def rows(self, check: Callable[[], None] = no_compiling) -> list[dict[str, Any]]:
+        """Return seeds and figures, as :meth:`SeededRuns.row` does for a single run, with the same bits.
+
+        ``check`` is called between what may take long, and may raise to end it.
+        """
+        batch, seeded = self.batch, self._seeded
+        values, returns, errors = self._exact(check)
+        last_returns, last_lengths = batch.recent_means()
+        with np.errstate(invalid="ignore"):  # those without an episode
+            means = batch.digest.total_return[:, 0] / batch.episodes
+        columns: dict[str, Sequence[Any]] = {
+            "seed": self._seeds,
+            "steps": batch.steps.tolist(),
+            "episodes": batch.episodes.tolist(),
+            "value_at_start": _if_there(values),
+            "expected_return": _if_there(returns),
+            "max_error": _if_there(errors),
+            "return_mean": _if_there(means),
+            "return_last_100": _if_there(last_returns),
+            "length_last_100": _if_there(last_lengths),
+            "first_reward_episode": [first or None for first in batch.first_reward_episode.tolist()],
+            "world": self._digests(),
+        }
+        if seeded.is_bandit:
+            spent = [pulls(self._bandit(index)) for index in range(len(self._seeds))]
+            columns |= {name: [each[name] for each in spent] for name in BANDIT_FIGURES}
+        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+    def _digests(self) -> list[str | None]:
+        if self._seeded.shared is not None:
+            return [self._seeded.digest(self._seeded.first.world)] * len(self._seeds)
+        return [self._seeded.digest(each.world) for each in self._beginnings]
+
+    @property
+    def curves(self) -> CurvePoints:
+        """Their curves, a row each."""
+        curve, episodes = self.batch.digest.curve, self._curve_episodes
+        bins = curve.returns.shape[1]
+        last_episode = np.minimum(np.arange(1, bins + 1) * width_of_bins(episodes, self._most_bins), episodes)
+        count = np.diff(last_episode, prepend=0)
+        return CurvePoints(last_episode, *(sums / count for sums in curve))
+
+    def _exact(self, check: Callable[[], None]) -> FloatArray:
+        """Return value at the start, expected return and greatest error of each, [3, B]; NaN for none."""
+        q, shared = self.batch.q, self._seeded.shared
+        at_once = 1
+        if shared is not None and not self._drifts:
+            at_once = max(1, STATES_AT_ONCE // shared.world.space.states)
+        found = []
+        for index in range(0, len(q), at_once):
+            check()
+            found.append(self._exact_in(self._table_now(index), q[index : index + at_once]))
+        return np.concatenate(found, axis=1)
+
+    def _exact_in(self, mdp: TabularMDP | None, q: FloatArray) -> FloatArray:
+        """Return the exact figures, [3, B], of the estimates ``q``, [B, P], in the world of ``mdp``."""
+        if mdp is None or mdp.states > MOST_STATES:
+            return np.full((3, len(q)), np.nan)
+        values = self._seeded.recipe.hyperparameters
+        optimum = self._seeded.optimum(mdp, values.gamma)
+        figures = batch_figures(mdp, q, values.ties, values.gamma, optimum)
+        return np.stack((figures.value_at_start, figures.expected_return, figures.max_error))
+
+    @property
+    def _drifts(self) -> bool:
+        return bool(self.batch.drift.offset.shape[1])
+
+    def _table_now(self, index: int) -> TabularMDP | None:
+        """Return the table of the world of a run, with its rewards as they are now."""
+        shared = self._seeded.shared
+        mdp = _table(self._beginnings[index]) if shared is None else shared.world.mdp
+        if mdp is None or not self._drifts:
+            return mdp
+        return replace(mdp, reward=mdp.reward + self.batch.drift.offset[index][mdp.outcome_pair])
+
+    def total_return(self, index: int) -> float:
+        """Return the sum of the returns of all finished episodes of a run."""
+        return float(self.batch.digest.total_return[index, 0])
+
+    def _bandit(self, index: int) -> BanditFigures | None:
+        """Return how the pulls of a run were spent, in a world of arms."""
+        world = self._beginnings[index].world if self._beginnings else self._seeded.first.world
+        total, drifted = self.total_return(index), self.batch.drifted(index)
+        return bandit_figures(world, self.batch.visits[index], total, drifted)
+
+
+def _table(beginning: Beginning) -> TabularMDP:
+    mdp = beginning.world.mdp
+    assert mdp is not None  # only what has a table is batched
+    return mdp
+
+
+def _if_there(column: FloatArray) -> list[float | None]:
+    """Return the numbers of ``column``, None in place of those that are not finite."""
+    numbers: list[float | None] = column.tolist()
+    for place in np.flatnonzero(~np.isfinite(column)).tolist():
+        numbers[place] = None
+    return numbers

@@ -1,0 +1,382 @@
+"""Training without a screen: one run, or many runs that differ only in their seed."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, replace
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from rl_tui.agents.batches.batch import batching_of
+from rl_tui.agents.compiling.background import BACKGROUND
+from rl_tui.agents.exact.policy_evaluation import Solution
+from rl_tui.agents.kernels.episode_bins import CurveSums, collect
+from rl_tui.agents.kernels.machine_code import Loop, fastest
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line
+from rl_tui.runs.changes import written_change
+from rl_tui.runs.edited_world import EditedWorld
+from rl_tui.runs.figures import BANDIT_FIGURES, exact_world, greedy_figures, optimum_of, pulls, world_digest
+from rl_tui.runs.recipe import UNLIMITED, JournalEntry, Recipe, WorldChange, begin
+from rl_tui.runs.run import OnEpisodes, Run, each_of
+from rl_tui.runs.training.compile_or_interpret import Patience, batching_pays, pays, seconds_interpreted
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+from rl_tui.worlds.world import World
+
+# Training one run
+
+
+# So long an environment that is stepped for real goes on without a word about how far it has come
+TIME_BUDGET: Final = 0.2
+_LONGEST_ENTRY: Final = 200
+
+OnProgress = Callable[[int, int], None]
+
+
+def no_progress(done: int, wanted: int) -> None:
+    """Ignore how far training has come."""
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """When training ends: after so many episodes or so many steps in all."""
+
+    steps: int | None = None
+    episodes: int | None = None
+
+    def reached_by(self, run: Run) -> tuple[int, int]:
+        """Return how much of it ``run`` has done, and the whole."""
+        if self.steps is not None:
+            return run.step, self.steps
+        return run.learner.episodes, self.episodes or 0
+
+
+def train(
+    run: Run, goal: Goal, on_progress: OnProgress = no_progress, journal: Sequence[JournalEntry] = ()
+) -> float:
+    """Advance ``run`` to ``goal`` and return the seconds it took, compiling left out.
+
+    Each entry of ``journal``, whose steps ascend, is applied at its step; those beyond the goal are left out.
+    A run that is over before, its budget spent or its values converged, goes no further.
+    Raises UserError where the run broke down, or a change does not fit.
+    """
+    start = time.perf_counter()
+    patience = Patience()
+    run.learner.set_time_budget(TIME_BUDGET)
+    until = run.step  # at first no further than to what is set at the very start
+    while True:
+        with _naming_the_entry(run, journal):
+            run.follow(journal, until, UNLIMITED if goal.steps is not None else goal.episodes or 0)
+        if run.stop_reason:
+            raise UserError(f"{run.recipe.scenario.id}: {run.stop_reason}")
+        done, wanted = goal.reached_by(run)
+        on_progress(done, wanted)
+        start += patience.look(run.learner, done, wanted)
+        ahead = journal[len(run.journal) :]
+        if done < wanted and run.over and ahead and ahead[0].step <= run.step:
+            with _naming_the_entry(run, journal):
+                run.apply(ahead[0].change)  # an action after the end, which is refused
+        if done >= wanted or run.over:
+            return time.perf_counter() - start
+        chunk = patience.chunk(run.learner)
+        end = run.step + chunk if goal.steps is None else min(run.step + chunk, goal.steps)
+        until = min(end, next((entry.step for entry in ahead if entry.step > run.step), end))
+
+
+@contextmanager
+def _naming_the_entry(run: Run, journal: Sequence[JournalEntry]) -> Iterator[None]:
+    """Let what is wrong with an entry of ``journal`` name its step and what it changes."""
+    try:
+        yield
+    except UserError as fault:
+        entry = journal[len(run.journal)]
+        what = one_line(written_change(entry, run.first_actions), _LONGEST_ENTRY)
+        raise UserError(f"{what}: {fault}") from fault
+
+
+# The mean learning curve
+
+
+MOST_BINS: Final = 200
+
+
+class CurvePoints(NamedTuple):
+    """The curves of R runs in the same B bins, that end with episode ``last_episode``, [B].
+
+    The mean return, the mean length and the share of optimal actions in each bin, [R, B].
+    """
+
+    last_episode: IntArray
+    returns: FloatArray
+    lengths: FloatArray
+    optimal: FloatArray
+
+
+def width_of_bins(episodes: int, most_bins: int = MOST_BINS) -> int:
+    """Return of how many episodes each of at most ``most_bins`` bins of a curve is, which cover so many."""
+    return math.ceil(episodes / most_bins)
+
+
+class RunCurve:
+    """The learning curve of one run over its first ``episodes`` episodes, at least one.
+
+    It has at most ``most_bins`` bins. Call it with episodes as they are finished.
+    """
+
+    def __init__(self, episodes: int, most_bins: int = MOST_BINS) -> None:
+        self.episodes = episodes
+        self.width = width_of_bins(episodes, most_bins)
+        bins = math.ceil(episodes / self.width)
+        self.last_episode = np.minimum(np.arange(1, bins + 1) * self.width, episodes)
+        self.sums = CurveSums(np.zeros(bins), np.zeros(bins, np.int64), np.zeros(bins, np.int64))
+        self._done = 0
+
+    def __call__(self, returns: FloatArray, lengths: IntArray, optimal: BoolArray) -> None:
+        """Add the next episodes, [n] each; those beyond the end of the curve are left out."""
+        part = slice(0, self.episodes - self._done)
+        fastest(collect)(self.sums, self.width, self._done, returns[part], lengths[part], optimal[part])
+        self._done = min(self.episodes, self._done + len(returns))
+
+    @property
+    def points(self) -> CurvePoints:
+        """The curve, as that of one run."""
+        count = np.diff(self.last_episode, prepend=0)
+        returns, lengths, optimal = (sums[np.newaxis] / count for sums in self.sums)
+        return CurvePoints(self.last_episode, returns, lengths, optimal)
+
+
+def curve_of_run(
+    run: Run, curve: RunCurve | None, on_progress: OnProgress = no_progress
+) -> dict[str, list[Any]]:
+    """Return the mean curve of ``run``, which is over, alone: that of ``curve``, if it was there to listen.
+
+    Where it was not, since a number of steps says nothing of the width of the bins, the episodes are simply
+    trained once more: the same recipe gives the same ones. The sweeps of a planner have no returns, and so
+    no curve. Raises UserError as training does.
+    """
+    bandit, episodes = isinstance(run.world.drawing, Arms), run.learner.episodes
+    if run.learner.plans or episodes == 0:
+        return no_curve(bandit)
+    if curve is None:
+        curve = RunCurve(episodes)
+        again = Run(run.recipe, begin(run.recipe), evaluate=False, on_episodes=curve)
+        train(again, Goal(episodes=episodes), on_progress, run.journal)
+    return mean_curve([curve.points], bandit)
+
+
+def mean_curve(curves: Sequence[CurvePoints], bandit: bool) -> dict[str, list[Any]]:
+    """Return the mean over the runs of ``curves``, of the same bins, as ``train --runs --json`` prints it.
+
+    The standard errors are those of the runs' means in each bin, None where there is one run.
+    """
+    last_episodes, *parts = zip(*curves, strict=True)
+    returns, lengths, optimal = map(np.concatenate, parts)
+    curve: dict[str, list[Any]] = {
+        "episode": last_episodes[0].tolist(),
+        "return_mean": returns.mean(axis=0).tolist(),
+        "return_stderr": _standard_errors(returns),
+        "length_mean": lengths.mean(axis=0).tolist(),
+        "length_stderr": _standard_errors(lengths),
+    }
+    if bandit:
+        curve["optimal_action_rate"] = optimal.mean(axis=0).tolist()
+        curve["optimal_action_stderr"] = _standard_errors(optimal)
+    return curve
+
+
+def _standard_errors(values: FloatArray) -> list[float] | list[None]:
+    """Return the standard error of the mean over runs in each bin of ``values``, [runs, bins]."""
+    runs, bins = values.shape
+    if runs == 1:
+        return [None] * bins
+    errors: list[float] = (values.std(axis=0, ddof=1) / math.sqrt(runs)).tolist()
+    return errors
+
+
+def first_of(curves: Sequence[CurvePoints], runs: int) -> Sequence[CurvePoints]:
+    """Return the curves of the first so many ``runs`` of ``curves``."""
+    found = list[CurvePoints]()
+    for points in curves:
+        if runs > 0:
+            parts = (part[:runs] for part in points[1:])
+            found.append(CurvePoints(points.last_episode, *parts))
+            runs -= len(points.returns)
+    return found
+
+
+def no_curve(bandit: bool) -> dict[str, list[Any]]:
+    """Return the curve of runs of which one finished no episode."""
+    return {name: [] for name in mean_curve([RunCurve(1).points], bandit)}
+
+
+# Runs under many seeds
+
+
+FIGURES: Final = (
+    "steps",
+    "episodes",
+    "value_at_start",
+    "expected_return",
+    "max_error",
+    "return_mean",
+    "return_last_100",
+    "length_last_100",
+    "first_reward_episode",
+)
+"""The names of a run's figures, each a key of its row."""
+
+
+def no_compiling() -> None:
+    """Ignore that runs wait for machine code."""
+
+
+class SeededRuns:
+    """Trains ``recipe`` under one seed after the other, from several threads if need be.
+
+    They share a world that no seed shapes, ``known`` if it is at hand, and its exact answer, which ``solve``
+    works out. The settings of ``journal`` are made in each of them on the way. Raises UserError where the
+    world cannot be built.
+    """
+
+    def __init__(
+        self,
+        recipe: Recipe,
+        journal: Sequence[JournalEntry] = (),
+        known: World | None = None,
+        solve: Callable[[TabularMDP | None, float], Solution | None] = optimum_of,
+    ) -> None:
+        self._solve = solve
+        self.recipe = recipe
+        """The recipe of the first of them."""
+        self.first = Run(recipe, begin(recipe, known), evaluate=False)
+        """The first of them, not trained."""
+        self.is_bandit = isinstance(self.first.world.drawing, Arms)
+        """Whether their world is a bandit."""
+        self.journal = journal
+        """What is set in each of them on the way."""
+        self.shared = None if recipe.scenario.section.drawn_from_seed else self.first.edited
+        """The world of them all; None where each has one of its own."""
+        self._edited = [] if self.shared is None else self._worlds_after(self.shared)
+        # By γ, which may be set on the way, and by how often the world changed, in all of them alike
+        self._optima = dict[tuple[float, int], Solution | None]()
+        self._digests = dict[int, str | None]()
+        self._solving = threading.Lock()
+
+    def _worlds_after(self, first: EditedWorld) -> list[EditedWorld]:
+        """Return what the journal makes of the world ``first``; held here, each is built once for all."""
+        worlds = [first]
+        with suppress(UserError):  # the run that comes to what cannot be done says where that is
+            for entry in self.journal:
+                if isinstance(entry.change, WorldChange):
+                    worlds.append(worlds[-1].after(entry.change, self.recipe))
+        return worlds
+
+    @property
+    def batched_loop(self) -> Loop | None:
+        """The loop that trains many at once: of agents that learn in a table, with nothing set on the way.
+
+        None for others.
+        """
+        learner, mdp = self.first.learner, self.first.world.mdp
+        if mdp is None or learner.plans or self.journal:
+            return None
+        return learner.loop._replace(batching=batching_of(mdp, is_shared=self.shared is not None))
+
+    @property
+    def first_seed(self) -> int:
+        """The seed of the first of them."""
+        return self.recipe.seed
+
+    @property
+    def plans(self) -> bool:
+        """Whether they have no episodes, but the sweeps of a planner."""
+        return self.first.learner.plans
+
+    @property
+    def figures(self) -> tuple[str, ...]:
+        """The names of a run's figures."""
+        return (*FIGURES, *BANDIT_FIGURES) if self.is_bandit else FIGURES
+
+    def get_machine_code(self, runs: int, goal: Goal, on_compiling: Callable[[], None]) -> None:
+        """Have machine code for so many runs where that pays; ``on_compiling`` is called before it is had."""
+        # Interpreted, all runs together have one core. An environment that is stepped is not tried: it may do
+        # anything, and takes most of the time itself
+        learner = self.first.learner
+        if learner.rewindable:
+            wanted, by_episodes = goal.steps or goal.episodes or 0, goal.steps is None
+            seconds = runs * seconds_interpreted(learner, wanted, episodes=by_episodes)
+            if pays(learner.loop, seconds):
+                on_compiling()
+                BACKGROUND.get(learner.loop)
+            if self.batched_loop is not None and batching_pays(self.batched_loop, seconds):
+                BACKGROUND.get(self.batched_loop)
+
+    def new_run(self, seed: int, *on_episodes: OnEpisodes | None) -> Run:
+        """Return the run of ``seed``, not trained; each of ``on_episodes`` hears of its episodes."""
+        recipe = replace(self.recipe, seed=seed)
+        beginning = begin(recipe, None if self.shared is None else self.shared.world)
+        on_each = each_of(*on_episodes)
+        return Run(recipe, beginning, edited=self.shared, evaluate=False, on_episodes=on_each)
+
+    def train(self, run: Run, goal: Goal, on_progress: OnProgress) -> None:
+        """Advance ``run`` to ``goal``. Raises UserError, naming the seed, where it broke down."""
+        try:
+            train(run, goal, on_progress, self.journal)
+        except UserError as error:
+            raise UserError(f"seed {run.recipe.seed}: {error}") from error
+
+    def row(self, run: Run, check: Callable[[], None] = no_compiling) -> dict[str, Any]:
+        """Return the seed and the figures of ``run``, as ``train --runs --json`` prints them.
+
+        ``check`` is called between what may take long, and may raise to end it.
+        """
+        check()
+        learner, changes = run.learner, len(run.world_changes)
+        optimum = self.optimum(exact_world(run), learner.hyperparameters.gamma, changes)
+        check()
+        exact = greedy_figures(run, optimum)
+        mean_return, mean_length = run.history.last_100
+        return {
+            "seed": run.recipe.seed,
+            "steps": run.step,
+            "episodes": learner.episodes,
+            "value_at_start": exact.value_at_start,
+            "expected_return": exact.expected_return,
+            "max_error": exact.max_error,
+            "return_mean": run.mean_return,
+            "return_last_100": mean_return,
+            "length_last_100": mean_length,
+            "first_reward_episode": learner.first_reward_episode or None,
+            "world": self.digest(run.world, changes),
+            **pulls(run.bandit),
+        }
+
+    def optimum(self, mdp: TabularMDP | None, gamma: float, changes: int = 0) -> Solution | None:
+        """Return the exact answer of ``mdp``, in which a run is after so many ``changes`` of its world.
+
+        None where there is none. What is the same for all of them is worked out once.
+        """
+        # Where the world drifts, each run comes to other means, and so to another exact answer
+        if self.shared is None or (mdp is not None and mdp.drift_std > 0.0):
+            return optimum_of(mdp, gamma)
+        with self._solving:
+            key = gamma, changes
+            if key not in self._optima:
+                self._optima[key] = self._solve(mdp, gamma)
+            return self._optima[key]
+
+    def digest(self, world: World, changes: int = 0) -> str | None:
+        """Return the digest of ``world``, that of a run after so many ``changes``; None without a table."""
+        if self.shared is None:
+            return world_digest(world)
+        with self._solving:
+            if changes not in self._digests:
+                self._digests[changes] = world_digest(world)
+            return self._digests[changes]

@@ -1,0 +1,410 @@
+"""The app: it opens screens and goes from one to the next.
+
+Screens compose panels, and actions send commands. Neither belongs here.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar, Final
+
+from textual.app import ScreenStackError
+from textual.binding import BindingType
+from textual.command import CommandPalette, Provider
+from textual.css.query import NoMatches
+from textual.dom import NoScreen
+from textual.driver import Driver
+from textual.events import Event, InputEvent, Key, MouseDown, Paste
+from textual.notifications import Notify
+from textual.theme import Theme, ThemeProvider
+from textual.widget import MountError
+from textual.worker import WorkerFailed
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line
+from rl_tui.runs.library import recipe_for
+from rl_tui.screen.app.bugs import bug_of
+from rl_tui.screen.app.display import Display
+from rl_tui.screen.app.opening import MakePlayer, Opener, Start, beginning_of, live_player
+from rl_tui.screen.app.palette_entries import ActionProvider
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.frame.moment import MomentaryMessages, hide_messages_behind
+from rl_tui.screen.keys.bindings import bindings_everywhere, stopping_keys
+from rl_tui.screen.kit.row import PanelRow
+from rl_tui.screen.panels.catalogue import PANELS
+from rl_tui.screen.terminal.driver_choice import driver_class
+from rl_tui.screen.terminal.ending import HUNG_UP, end_on_signal
+from rl_tui.screen.terminal.key_queue import KeyQueue, TypeFirst
+from rl_tui.screen.terminal.linked_app import LinkedApp
+from rl_tui.screen.terminal.textual_workarounds import forget_left_screens
+from rl_tui.screen.theme.encoding import encoding_of
+from rl_tui.screen.theme.glyphs import ASCII
+from rl_tui.screen.theme.look import Depth, Look, choose_look, depth_of, environment_for, is_native
+from rl_tui.screen.theme.scroll_bars import use_scroll_bars
+from rl_tui.screen.theme.themes import PICTURE_DARK, PICTURE_LIGHT, themes_for
+from rl_tui.worlds.files.catalogue import scenarios
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from rl_tui.lessons.file.view import LessonRecord
+    from rl_tui.live.record import Record
+    from rl_tui.live.sessions.autosave import KeptSession
+    from rl_tui.screen.catalogue.catalogue import CatalogueScreen
+    from rl_tui.screen.catalogue.lessons import LessonsScreen
+    from rl_tui.screen.playground.actions.next_lesson import LessonWanted
+    from rl_tui.screen.playground.playground import Playground
+
+
+# Time without input
+
+
+PATIENCE: Final = 600.0
+"""Seconds without a key or a movement of the mouse until the run of a kiosk is paused."""
+LOOKS: Final = 10.0
+"""Seconds between two looks at the clock."""
+
+
+class Idleness:
+    """Tells for how long there was no key and no movement of the mouse. ``clock`` gives seconds."""
+
+    def __init__(self, patience: float = PATIENCE, clock: Callable[[], float] = time.monotonic) -> None:
+        self._patience = patience
+        self._clock = clock
+        self._last = clock()
+        self._has_begun = False
+
+    def stir(self) -> None:
+        """Note that a key or the mouse was used."""
+        self._last = self._clock()
+        self._has_begun = False
+
+    def begins(self) -> bool:
+        """Return True once each time that nothing was used for ``patience`` seconds."""
+        begins = not self._has_begun and self._clock() - self._last >= self._patience
+        self._has_begun = self._has_begun or begins
+        return begins
+
+
+# The app
+
+
+_LONGEST_ADDRESS = 300
+# What is raised where a widget or a screen is looked for, or mounted on, that is not there any more
+_GONE = (NoMatches, MountError, NoScreen, ScreenStackError)
+
+
+class RlTuiApp(LinkedApp[UserError]):
+    """Catalogue and playground; started with a recipe, a session or a program, it goes straight to that.
+
+    ``make_player`` makes the thread behind a playground. A ``picture`` asks no terminal what it can do.
+    ``sessions`` is the folder in which sessions are kept, None to keep none. A ``kiosk`` offers nothing that
+    has to do with files, and pauses when no key is pressed for a while. ``panels`` are those of a
+    playground. The app's result is the fault that ended it, None if none did. Raises UserError where the
+    theme is not known.
+    """
+
+    TITLE = "rl-tui"
+    CSS_PATH = "app.tcss"
+    NOTIFICATION_TIMEOUT: ClassVar[float] = 3
+    BINDINGS: ClassVar[list[BindingType]] = bindings_everywhere()
+    COMMANDS: ClassVar[set[type[Provider] | Callable[[], type[Provider]]]] = {ActionProvider}
+
+    def __init__(
+        self,
+        display: Display | None = None,
+        start: Start = None,
+        make_player: MakePlayer = live_player,
+        *,
+        picture: bool = False,
+        sessions: Path | None = None,
+        kiosk: bool = False,
+        panels: Sequence[PanelRow] = PANELS,
+    ) -> None:
+        options = display or Display()
+        depth = "truecolor" if picture and options.colors == "auto" else depth_of(options.colors, os.environ)
+        with environment_for(depth):
+            super().__init__(driver_class(), ansi_color=is_native(depth) and not picture)
+        if picture:
+            self.ansi_theme_dark, self.ansi_theme_light = PICTURE_DARK, PICTURE_LIGHT
+        for theme in themes_for(depth, picture=picture):
+            self.register_theme(theme)
+        if options.theme not in self.available_themes:
+            known = ", ".join(sorted(self.available_themes))
+            raise UserError(f"theme {options.theme!r} is not known; choose one of {known}")
+        self.theme = options.theme
+        self.options = options
+        self._depth: Depth = depth
+        ours = getattr(sys.stdout, "encoding", None)  # there is no stdout where it is closed
+        named = encoding_of(os.environ, ours, utf8_mode=bool(sys.flags.utf8_mode))
+        self._encoding = "utf-8" if picture else named
+        self._start = start
+        self._opener = Opener(make_player, options.fps, sessions, kiosk=kiosk, panels=panels)
+        self._kiosk = kiosk
+        self._idleness = Idleness()
+        self.bug: Exception | None = None
+        """The unexpected fault that ended the program, with what became of the session; None if none did."""
+        self._moment = MomentaryMessages(self)
+        self.stops = stopping_keys()
+        self._key_queue = KeyQueue(self, self._type, tell_of_loss=self._tell_of_lost_keys, stops=self.stops)
+        has_ascii_only = self.look.glyphs is ASCII
+        self.set_class(has_ascii_only, "-ascii")
+        use_scroll_bars(ascii_only=has_ascii_only)
+
+    @property
+    def look(self) -> Look:
+        """The characters and colours in force."""
+        return choose_look(
+            self._depth, self.options.ascii, self.current_theme.dark, os.environ, self._encoding
+        )
+
+    @property
+    def kept(self) -> KeptSession | None:
+        """The last session that is on the disk, None where nothing was done."""
+        return self._opener.kept
+
+    def _build_driver(
+        self, headless: bool, inline: bool, mouse: bool, size: tuple[int, int] | None
+    ) -> Driver:
+        driver = super()._build_driver(headless, inline, mouse, size)
+        if not driver.is_headless:
+            # before the terminal is taken: it has to be given back in any case
+            end_on_signal(self._end, self.give_back_terminal)
+        return driver
+
+    async def on_event(self, event: Event) -> None:
+        """Take keys one at a time, and everything else as it comes."""
+        if isinstance(event, InputEvent):
+            if getattr(self, "_exit", False):
+                return  # the end shall not wait for what was typed before it
+            self._idleness.stir()
+            await asyncio.sleep(0)  # or a flood of it would let nothing else happen, not even an end
+        if isinstance(event, (Key, Paste)) and not event.is_forwarded:
+            await self._key_queue.take(event)
+        else:
+            if isinstance(event, MouseDown) and not event.is_forwarded:
+                self._moment.end()
+            await super().on_event(event)
+
+    async def _type(self, event: Event) -> None:
+        self._moment.end()
+        await super().on_event(event)
+
+    def on_type_first(self, message: TypeFirst) -> None:
+        """Take keys that were held back as typed before all that waits."""
+        self._key_queue.take_first(message.keys)
+
+    def on_notify(self, event: Notify) -> None:
+        """Spell what is told in the characters of the terminal; remember what is of the moment."""
+        event.notification.message = to_ascii(event.notification.message, self.look.glyphs)
+        self._moment.note(event.notification)
+
+    def _tell_of_lost_keys(self) -> None:
+        self.notify("too many keys at once: those that are over do not count", severity="warning")
+
+    async def typed(self) -> None:
+        """Wait until all that was typed is done, and what it opens is there."""
+        await self._key_queue.rest()
+
+    def on_mount(self) -> None:
+        """Open the first screen."""
+        self.theme_changed_signal.subscribe(self, self._follow_theme)
+        self.screen_change_signal.subscribe(self, forget_left_screens)
+        self.screen_change_signal.subscribe(self, lambda _: hide_messages_behind(self))
+        if not self.is_headless:
+            # again: the driver for browsers has put its own way to end in place
+            end_on_signal(self._end, self.give_back_terminal)
+        if self._kiosk:
+            self.set_interval(LOOKS, self._pause_when_idle)
+        self.push_screen(self._opener.first_screen(self.look, self._start))
+
+    def on_catalogue_screen_opened(self, event: CatalogueScreen.Opened) -> None:
+        """Go to the playground."""
+        self._start = None  # from here on a fault leads back to the catalogue
+        self.switch_screen(self._opener.playground(self.look, event.recipe, watches=event.watches))
+
+    def on_saved_sessions_resumed(self, event: CatalogueScreen.Resumed) -> None:
+        """Go on with a session."""
+        self._start = None
+        self.switch_screen(self._opener.resumed(self.look, event.session, event.record))
+
+    def on_catalogue_screen_lessons_wanted(self) -> None:
+        """Go to the list of lessons."""
+        self._start = None
+        self.switch_screen(self._opener.lessons(self.look))
+
+    def on_lessons_screen_list_closed(self) -> None:
+        """Go back to the catalogue."""
+        self._start = None
+        self.switch_screen(self._opener.catalogue(self.look))
+
+    def on_lessons_screen_lesson_chosen(self, event: LessonsScreen.LessonChosen) -> None:
+        """Go to the playground of a lesson."""
+        try:
+            playground = self._opener.first_screen(self.look, event.start)
+        except UserError as fault:
+            self.notify(str(fault), severity="error", timeout=15, markup=False)
+            return
+        self._start = None
+        self.switch_screen(playground)
+
+    async def on_playground_setup_wanted(self, event: Playground.SetupWanted) -> None:
+        """Go to the setup of another page of the lesson; where that cannot be, it stays where it is."""
+        try:
+            record = await asyncio.to_thread(_built, event.record)
+        except UserError as fault:
+            self.notify(str(fault), severity="error", timeout=15, markup=False)
+            return
+        self._start = None
+        self.switch_screen(self._opener.other_setup(self.look, record))
+
+    async def on_lesson_wanted(self, event: LessonWanted) -> None:
+        """Go to another lesson, where it was left; the one until now keeps its session."""
+        from rl_tui.live.sessions.progress import StoredProgress, start_of
+
+        self._opener.close()  # the session has to be on the disk before the next one is looked for
+        try:
+            progress = await asyncio.to_thread(lambda: StoredProgress(self._opener.sessions).of(event.lesson))
+            start = await asyncio.to_thread(start_of, event.lesson, progress)  # may import Gymnasium
+            playground = self._opener.first_screen(self.look, start)
+        except UserError as fault:
+            self.switch_screen(self._opener.lessons(self.look, event.lesson.id, fault))
+            return
+        self._start = None
+        self.switch_screen(playground)
+
+    def on_playground_left(self, event: Playground.Left) -> None:
+        """Go back to the catalogue; end where a fault meets the only run that was asked for."""
+        if event.fault is not None and self._start is not None:
+            self.exit(event.fault, return_code=1)
+            return
+        self._start = None
+        self._opener.close()  # the session has to be on the disk before it is listed
+        if self._opener.lesson_id:
+            self.switch_screen(self._opener.lessons(self.look, self._opener.lesson_id, event.fault))
+        else:
+            self.switch_screen(self._opener.catalogue(self.look, event.recipe.scenario.id, event.fault))
+
+    def on_playground_neighbour_wanted(self, event: Playground.NeighbourWanted) -> None:
+        """Go to the scenario before or after; from a file that is not listed, to the first or last."""
+        known = scenarios()
+        ids = [scenario.id for scenario in known]
+        unlisted = min(0, -event.offset)
+        here = ids.index(event.recipe.scenario.id) if event.recipe.scenario.id in ids else unlisted
+        try:
+            recipe = recipe_for(known[(here + event.offset) % len(known)], {}, event.recipe.seed)
+        except UserError as fault:
+            self.notify(str(fault), severity="error", markup=False)
+            return
+        self._start = None
+        self.switch_screen(self._opener.next_playground(self.look, recipe))
+
+    def on_playground_reopened(self, event: Playground.Reopened) -> None:
+        """Go to a new run; the one until now keeps its session."""
+        from rl_tui.live.commands import SetSpeed
+
+        self._opener.close()
+        playground = self._opener.next_playground(self.look, event.recipe)
+        playground.send(SetSpeed(event.speed))
+        self.switch_screen(playground)
+
+    def _pause_when_idle(self) -> None:
+        from rl_tui.screen.playground.playground import Playground
+
+        if self._idleness.begins():
+            for screen in self.screen_stack:
+                if isinstance(screen, Playground):
+                    screen.run.rest()
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Refuse a kiosk to stop its process for a shell that may not be there."""
+        if self._kiosk and action == "suspend_process":
+            return False
+        return super().check_action(action, parameters)
+
+    def open_url(self, url: str, *, new_tab: bool = True) -> None:
+        """Show the address ``url``: a browser would open where the program runs, not where it is read."""
+        self.notify(one_line(url, _LONGEST_ADDRESS), title="address", timeout=15, markup=False)
+
+    def action_ask_to_quit(self) -> None:
+        """Ask whether to quit, and do so the second time; where a text is selected, copy that."""
+        from rl_tui.screen.dialogs.dialog import QuitQuestion
+
+        selected = self.screen.get_selected_text()
+        if selected:
+            self.copy_to_clipboard(selected)
+        elif isinstance(self.screen, QuitQuestion):
+            self.exit()
+        else:
+            self.push_screen(QuitQuestion(self.look.glyphs), lambda quits: self.exit() if quits else None)
+
+    def action_command_palette(self) -> None:
+        """Open the palette."""
+        if not isinstance(self.screen, CommandPalette):
+            self._open_palette("find an action")
+
+    async def action_suspend_process(self) -> None:  # type: ignore[override]
+        """Go back to the shell, if there is one that can bring the program back."""
+        if not await self.go_to_shell():
+            self.notify("there is no shell here to go back to; q quits", markup=False)
+
+    def on_terminal_driver_lost(self) -> None:
+        """End as on the signal that the terminal is closed, which is what has happened."""
+        self._end(HUNG_UP)
+
+    def exit(
+        self, result: UserError | None = None, return_code: int = 0, message: RenderableType | None = None
+    ) -> None:
+        """End the app, and all that is under way with it: what mounts a widget from now on would fail."""
+        self.workers.cancel_all()
+        super().exit(result, return_code, message)
+
+    def search_themes(self) -> None:
+        """Open the palette with the themes alone."""
+        self._open_palette("find a theme", ThemeProvider)
+
+    def _open_palette(self, placeholder: str, *providers: type[Provider]) -> None:
+        classes = "-slow" if self.has_slow_link else None
+        self.push_screen(CommandPalette(providers or None, placeholder=placeholder, classes=classes))
+
+    def _end(self, status: int) -> None:
+        self._opener.close()  # what was done is kept first: there may be little time
+        self.exit(return_code=status)
+
+    def _handle_exception(self, error: Exception) -> None:
+        fault = error.error if isinstance(error, WorkerFailed) else error
+        if getattr(self, "_exit", False) and isinstance(fault, _GONE):
+            return  # of a screen that opens while the program ends, the widgets may be gone already
+        super()._handle_exception(error)
+
+    def _fatal_error(self) -> None:
+        # Textual would print pages here; the command line says in one line what has happened
+        if self.bug is None:
+            self._opener.close()
+            self.bug = bug_of(getattr(self, "_exception", None), self._opener.autosave)
+        super().exit(return_code=1)
+
+    def _follow_theme(self, _: Theme) -> None:
+        look = self.look
+        for screen in self.screen_stack:
+            for widget in screen.walk_children(with_self=True):
+                if hasattr(widget, "look"):
+                    widget.look = look
+                    widget.refresh()
+
+
+def _built(lesson: LessonRecord) -> Record:
+    """Return the beginning of the setup of the open page of ``lesson``, whose world can be built.
+
+    Raises UserError where it cannot be. It may import Gymnasium.
+    """
+    from rl_tui.runs.recipe import begin
+
+    record = beginning_of(lesson)
+    begin(record.lanes[0].recipe)
+    return record

@@ -1,0 +1,281 @@
+"""The screens of the app and what stands behind them: a player, and the session that it is kept in.
+
+Each screen is imported when it is first wanted: the first paint waits for one of them only, that of the
+catalogue not for numpy and a dozen widgets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, Protocol, TypeAlias
+
+from rl_tui.common.errors import UserError
+from rl_tui.runs.recipe import Recipe
+from rl_tui.screen.keys.action import Place
+from rl_tui.screen.keys.playground_keys import DRAW_KEY
+from rl_tui.screen.kit.row import PanelRow
+from rl_tui.screen.theme.look import Look
+
+if TYPE_CHECKING:
+    from rl_tui.lessons.file.view import LessonRecord
+    from rl_tui.live.player import Player
+    from rl_tui.live.programs.watched_program import WatchedProgram
+    from rl_tui.live.record import Record, RecordSink
+    from rl_tui.live.sessions.autosave import Autosave, KeptSession
+    from rl_tui.live.sessions.progress import LessonStart
+    from rl_tui.live.sessions.session import StoredSession
+    from rl_tui.live.snapshot import MakePlayable
+    from rl_tui.screen.board.wanted import Wanted
+    from rl_tui.screen.catalogue.catalogue import CatalogueScreen
+    from rl_tui.screen.catalogue.lessons import LessonsScreen
+    from rl_tui.screen.frame.action_screen import ActionScreen
+    from rl_tui.screen.frame.legend_switch import LegendSwitch
+    from rl_tui.screen.playground.playground import Playground
+
+
+@dataclass(frozen=True, slots=True)
+class DrawingStart:
+    """A run whose world is drawn from the start."""
+
+    recipe: Recipe
+
+
+Start: TypeAlias = (
+    "Recipe | DrawingStart | StoredSession | LessonStart | WatchedProgram | Literal[Place.LESSONS] | None"
+)
+"""What the app begins with; LESSONS: the list of lessons, None: the catalogue."""
+
+
+class MakePlayer(Protocol):
+    """Makes the thread behind a playground; ``record`` is what to go on with."""
+
+    def __call__(
+        self,
+        recipe: Recipe,
+        *,
+        record_sink: RecordSink | None,
+        record: Record | None,
+        playable: MakePlayable | None = None,
+    ) -> Player:
+        """Return the player of ``recipe``, or of what ``playable`` makes."""
+
+
+def live_player(
+    recipe: Recipe,
+    *,
+    record_sink: RecordSink | None,
+    record: Record | None,
+    playable: MakePlayable | None = None,
+) -> Player:
+    """Return a player that takes steps as time passes."""
+    from rl_tui.live.player import Player
+
+    return Player(recipe, record_sink=record_sink, record=record, playable=playable)
+
+
+@dataclass
+class Opener:
+    """Makes catalogues and playgrounds, which draw at most ``fps`` frames a second.
+
+    ``sessions`` is the folder in which sessions are kept, None to keep none. The screens of a ``kiosk`` offer
+    nothing that has to do with files. Playgrounds have these ``panels``.
+    """
+
+    make_player: MakePlayer
+    fps: float
+    sessions: Path | None
+    kiosk: bool
+    panels: Sequence[PanelRow]
+    player: Player | None = None
+    """That of the newest playground."""
+    legends: LegendSwitch | None = None
+    """Whether panels explain themselves, in all playgrounds alike."""
+    autosave: Autosave | None = None
+    """What keeps the newest playground's session, if anything does."""
+    lesson_id: str = ""
+    """The id of the lesson in the newest playground, empty where there is none."""
+    _wanted: Wanted | None = None
+    """What is asked for in the newest playground."""
+    _earlier: Autosave | None = None
+    """What kept the last session before that, if there was any."""
+
+    def catalogue(self, look: Look, start_at: str = "", fault: UserError | None = None) -> CatalogueScreen:
+        """Return the catalogue with its cursor on the scenario ``start_at``; it tells the ``fault``."""
+        from rl_tui.screen.catalogue.catalogue import CatalogueScreen
+
+        catalogue = CatalogueScreen(look, start_at, fault, self.sessions)
+        if self.kiosk:
+            catalogue.place |= Place.KIOSK
+        return catalogue
+
+    def lessons(self, look: Look, start_at: str = "", fault: UserError | None = None) -> LessonsScreen:
+        """Return the list of lessons with its cursor on the id ``start_at``; it tells the ``fault``."""
+        from rl_tui.screen.catalogue.lessons import LessonsScreen
+
+        lessons = LessonsScreen(look, start_at, fault, self.sessions)
+        if self.kiosk:
+            lessons.place |= Place.KIOSK
+        return lessons
+
+    def playground(self, look: Look, recipe: Recipe, *, watches: bool = False) -> Playground:
+        """Return the playground of a run that is about to begin; where it ``watches``, by itself."""
+        from rl_tui.live.pace.pacing import START_SPEED
+        from rl_tui.live.sessions.autosave import Autosave, untouched
+
+        autosave = None if self.sessions is None else Autosave(untouched(recipe), self.sessions)
+        return self._playground(look, recipe, autosave, None, START_SPEED, watches=watches)
+
+    def next_playground(self, look: Look, recipe: Recipe) -> Playground:
+        """Return the playground of a run that takes the place of the newest one.
+
+        An answer that a person has hidden there stays hidden.
+        """
+        from rl_tui.live.commands import HideAnswer
+
+        stays_hidden = self._wanted is not None and self._wanted.was_hidden_by_person
+        playground = self.playground(look, recipe)
+        if stays_hidden:
+            playground.send(HideAnswer(is_hidden=True))
+        return playground
+
+    def first_screen(self, look: Look, start: Start) -> ActionScreen:
+        """Return the screen that shows ``start``. Raises UserError where a lesson's run cannot be made."""
+        if start is None:
+            return self.catalogue(look)
+        if isinstance(start, Place):
+            return self.lessons(look)
+        if isinstance(start, Recipe):
+            return self.playground(look, start)
+        if isinstance(start, DrawingStart):
+            playground = self.playground(look, start.recipe)
+            playground.early_keys.add(DRAW_KEY)
+            return playground
+        from rl_tui.live.sessions.progress import LessonStart
+        from rl_tui.live.sessions.session import StoredSession
+
+        if isinstance(start, StoredSession):
+            return self.resumed(look, start, start.record())
+        return self.lesson(look, start) if isinstance(start, LessonStart) else self.watching(look, start)
+
+    def resumed(self, look: Look, session: StoredSession, record: Record) -> Playground:
+        """Return the playground in which ``session``, which holds ``record``, goes on."""
+        from rl_tui.live.sessions.autosave import Autosave
+
+        autosave = None if self.sessions is None else Autosave(record, self.sessions, session)
+        recipe = record.lanes[record.shown].recipe
+        playground = self._playground(look, recipe, autosave, record, record.speed, session)
+        playground.wanted.was_hidden_by_person = record.answer_is_hidden is True
+        return playground
+
+    def lesson(self, look: Look, start: LessonStart) -> Playground:
+        """Return the playground of a lesson whose open page begins its run.
+
+        Raises UserError where that run cannot be made.
+        """
+        from rl_tui.live.sessions.autosave import Autosave
+
+        record = beginning_of(start.record)
+        autosave = None if self.sessions is None else Autosave(record, self.sessions, start.session)
+        return self._playground(look, record.lanes[0].recipe, autosave, record, record.speed)
+
+    def other_setup(self, look: Look, record: Record) -> Playground:
+        """Return the playground of another setup of the lesson in the newest one: ``record`` begins it.
+
+        The same session goes on.
+        """
+        if self.autosave is not None:
+            self.autosave.hand_over(record)
+        return self._playground(look, record.lanes[0].recipe, self.autosave, record, record.speed)
+
+    def watching(self, look: Look, program: WatchedProgram) -> Playground:
+        """Return the playground in which ``program`` takes the steps; it is kept in no session."""
+        from rl_tui.live.pace.pacing import START_SPEED
+        from rl_tui.live.programs.program_playback import ProgramPlayback
+        from rl_tui.live.programs.program_snapshot import usual_recipe
+
+        recipe = usual_recipe(program.world, program.request.seed)
+        playable = partial(ProgramPlayback, program)
+        return self._playground(look, recipe, None, None, START_SPEED, playable=playable)
+
+    @property
+    def kept(self) -> KeptSession | None:
+        """The last session that is on the disk, None where nothing was done."""
+        for autosave in (self.autosave, self._earlier):
+            if autosave is not None and (kept := autosave.kept) is not None:
+                return kept
+        return None
+
+    def close(self) -> None:
+        """End the newest player; what was done is on the disk then."""
+        if self.player is not None:
+            self.player.close()
+
+    def _playground(
+        self,
+        look: Look,
+        recipe: Recipe,
+        autosave: Autosave | None,
+        record: Record | None,
+        speed: float | None,
+        resumed: StoredSession | None = None,
+        *,
+        watches: bool = False,
+        playable: MakePlayable | None = None,
+    ) -> Playground:
+        from rl_tui.screen.frame.arrangement import expected_shape
+        from rl_tui.screen.frame.legend_switch import LegendSwitch
+        from rl_tui.screen.playground.playground import Playground
+
+        if self.autosave is not None and self.autosave is not autosave and self.autosave.has_something:
+            self._earlier = self.autosave
+        self.autosave = autosave
+        lesson = None if record is None else record.lesson
+        self.lesson_id = "" if lesson is None else lesson.lesson.id
+        if self.legends is None:
+            self.legends = LegendSwitch(self.sessions)
+        sink = None if autosave is None else autosave.sink
+        self.player = self.make_player(recipe, record_sink=sink, record=record, playable=playable)
+        shape = expected_shape(
+            recipe.scenario.section,
+            has_legends=self.legends.is_on,
+            lanes=record is not None and len(record.lanes) > 1,
+            is_program=playable is not None,
+            has_lesson=lesson is not None,
+        )
+        screen = Playground.with_keys_of(self.panels)
+        playground = screen(
+            look,
+            recipe,
+            self.player,
+            self.fps,
+            speed,
+            self.panels,
+            autosave,
+            resumed,
+            lesson,
+            self.legends,
+            shape,
+            watches=watches,
+        )
+        self._wanted = playground.wanted
+        if self.kiosk:
+            playground.place |= Place.KIOSK
+        return playground
+
+
+def beginning_of(lesson: LessonRecord) -> Record:
+    """Return the record of the setup in which the open page of ``lesson`` stands, before its first step.
+
+    Raises UserError where its scenario cannot be found or played, or a setting does not fit.
+    """
+    from rl_tui.lessons.file.setups import recipe_of
+    from rl_tui.live.pace.pacing import START_SPEED
+    from rl_tui.live.record import Record
+    from rl_tui.runs.timeline.branches import RunRecord
+
+    setup = lesson.lesson.setup_of(lesson.page)
+    speed = lesson.lesson.setups[setup].speed or START_SPEED
+    return Record((RunRecord(recipe_of(lesson.lesson, setup)),), speed=speed, lesson=lesson)

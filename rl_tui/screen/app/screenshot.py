@@ -1,0 +1,117 @@
+"""A screen as SVG after given keys, without a terminal: the same call gives the same bytes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Final
+
+from textual.keys import Keys
+from textual.pilot import Pilot
+from textual.widgets import Input
+
+from rl_tui.common.errors import UserError
+from rl_tui.live.commands import Train
+from rl_tui.live.player import Player
+from rl_tui.screen.app.app import RlTuiApp
+from rl_tui.screen.app.display import Display
+from rl_tui.screen.app.opening import Start
+from rl_tui.screen.catalogue.catalogue import CatalogueScreen
+from rl_tui.screen.catalogue.lessons import LessonsScreen
+from rl_tui.screen.keys.registry import ACTIONS
+from rl_tui.screen.playground.playground import Playground
+
+_WAIT: Final = "wait:"
+_SWIFT: Final = 1000.0
+_MOST_LAYOUTS: Final = 10
+_KNOWN: Final = {key.value for key in Keys} | {key for action in ACTIONS for key in action.keys}
+_NAMES: Final = {
+    " ": "space",
+    "+": "plus",
+    "-": "minus",
+    "?": "question_mark",
+    "[": "left_square_bracket",
+    "]": "right_square_bracket",
+    "esc": "escape",
+}
+
+
+async def screenshot(
+    start: Start,
+    size: tuple[int, int],
+    keys: Sequence[str] = (),
+    display: Display | None = None,
+) -> str:
+    """Return the SVG of the screen that the app begins with, after ``keys``.
+
+    ``size`` is columns and rows. A key is one character or Textual's name of it; ``wait:N`` lets N steps of
+    training pass. Nothing depends on the time: steps pass only as keys and waits say, and steps a second are
+    left blank. Raises UserError where a key is not known or the scenario cannot be played.
+    """
+    presses = [_press(key) for key in keys]
+    options = replace(display or Display(), fps=_SWIFT)
+    app = RlTuiApp(options, start, make_player=partial(Player, automatic=False), picture=True)
+    async with app.run_test(size=size, notifications=True) as pilot:
+        await settle(pilot)
+        for press in presses:
+            await _do(press, pilot)
+            await settle(pilot)
+        if app.return_value is not None:
+            raise app.return_value
+        _stop_blinking(app)
+        await pilot.pause()
+        return app.export_screenshot(title="rl-tui", simplify=True)
+
+
+async def settle(pilot: Pilot[UserError]) -> None:
+    """Wait until everything that was asked for is done and drawn."""
+    for _ in range(_MOST_LAYOUTS):
+        await pilot.pause()
+        sent = [each.link.sent for each in _playgrounds(pilot)]
+        for screen in pilot.app.screen_stack:
+            if isinstance(screen, Playground | CatalogueScreen | LessonsScreen):
+                await screen.settled()
+        await pilot.pause()
+        # a layout that comes late brings cells into view that were not asked for before, and some pictures
+        # ask for what they lack
+        playgrounds = _playgrounds(pilot)
+        is_complete = all(each.board.is_complete for each in playgrounds)
+        if is_complete and [each.link.sent for each in playgrounds] == sent:
+            return
+
+
+def _playgrounds(pilot: Pilot[UserError]) -> list[Playground]:
+    return [screen for screen in pilot.app.screen_stack if isinstance(screen, Playground)]
+
+
+def _stop_blinking(app: RlTuiApp) -> None:
+    for entry in app.screen.query(Input):
+        entry.cursor_blink = False
+
+
+def _press(key: str) -> str | int:
+    """Return the Textual name of ``key``, or the steps to wait."""
+    key = key.strip() or key
+    if not key.startswith(_WAIT):
+        return _key_name(key)
+    steps = key.removeprefix(_WAIT)
+    if not (steps.isascii() and steps.isdigit()):
+        raise UserError(f"key {key!r} is not a wait; expected wait:N, N steps of training")
+    return int(steps)
+
+
+def _key_name(key: str) -> str:
+    key = _NAMES.get(key, key)
+    if len(key) == 1 or key in _KNOWN or key.startswith(("ctrl+", "shift+", "alt+")):
+        return key
+    raise UserError(f"key {key!r} is not known; expected one character, a name such as space, or wait:N")
+
+
+async def _do(press: str | int, pilot: Pilot[UserError]) -> None:
+    if isinstance(press, str):
+        await pilot.press(press)
+        return
+    for screen in pilot.app.screen_stack:
+        if isinstance(screen, Playground):
+            screen.send(Train(press))

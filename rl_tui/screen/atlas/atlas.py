@@ -1,0 +1,494 @@
+"""The settings map on screen.
+
+Each cell shows a metric of many seeds, trained with one combination of two settings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, ClassVar, Final
+
+from rich.cells import cell_len
+from rich.style import Style
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.events import Click
+from textual.message import Message
+from textual.strip import Strip
+from textual.widget import Widget
+from textual.widgets import Static
+
+from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.common.errors import UserError
+from rl_tui.common.words import counted
+from rl_tui.runs.background.background import Background
+from rl_tui.runs.recipe import Recipe
+from rl_tui.screen.board.subject import Subject
+from rl_tui.screen.dialogs.dialog import Dialog
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.draw.canvas import Canvas, centred
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.theme.look import Look
+from rl_tui.studies.atlas.cells import CellGrid
+from rl_tui.studies.atlas.figures import Atlas, AtlasStandings, AtlasState
+from rl_tui.studies.atlas.request import WORK, AtlasRequest, surroundings
+from rl_tui.studies.sweeps.cells.variation import Variation
+from rl_tui.studies.sweeps.measures import JUDGED_BY, MEASURES, SweepMeasure
+
+# The picture
+
+
+MOST_FIELD: Final = 11
+LEAST_FIELD: Final = 5
+_MARKS: Final = 1
+_TALL: Final = 3
+_BRACKETS: Final = ("[", "]")
+BEST, ALIKE, NOT_DONE, IMPOSSIBLE, FAILED = "*", "'", "·", "×", "fails"
+
+
+@dataclass(frozen=True, slots=True)
+class AtlasScene:
+    """What is drawn: the ``atlas`` of ``cells`` by ``measure``, with the cursor at cell ``cursor``.
+
+    ``in_force`` is the cell whose settings the run on screen has.
+    """
+
+    look: Look
+    cells: CellGrid
+    atlas: Atlas
+    measure: SweepMeasure
+    cursor: int
+    in_force: int
+
+    @property
+    def columns(self) -> Variation:
+        """The setting that varies from left to right."""
+        return self.cells.variations[-1]
+
+    @property
+    def rows(self) -> Variation | None:
+        """The setting that varies upwards; None where one setting is all there is."""
+        return self.cells.variations[0] if len(self.cells.variations) > 1 else None
+
+    @property
+    def standings(self) -> AtlasStandings | None:
+        """How the cells compare by the measure, None while that is not known."""
+        return self.atlas.standings.get(self.measure.id)
+
+    def value(self, index: int) -> float | None:
+        """Return the mean of the measure in a cell; None where there is none yet."""
+        cell = self.atlas.cells.get(index)
+        return None if cell is None else cell.value(self.measure)
+
+    @property
+    def ends(self) -> tuple[float, float] | None:
+        """The worst and the best mean, or the least and the greatest of what is neither; None without any."""
+        found = [each for each in map(self.value, range(self.cells.count)) if each is not None]
+        if not found:
+            return None
+        low, high = min(found), max(found)
+        return (high, low) if self.measure.larger_is_better is False else (low, high)
+
+    def style(self, index: int) -> Style:
+        """Return the style of a cell: from worst to best by its mean."""
+        palette, value, ends = self.look.palette, self.value(index), self.ends
+        if value is None or ends is None:
+            return palette.unvisited if index not in self.atlas.impossible else palette.dim
+        worst, best = ends
+        return palette.value(1.0 if worst == best else (value - worst) / (best - worst))
+
+    def text(self, index: int, width: int) -> str:
+        """Return what stands in a cell, in at most ``width`` cells of the screen."""
+        value, cell = self.value(index), self.atlas.cells.get(index)
+        if value is not None:
+            return numbers.value(value, width, self.look.glyphs)
+        if index in self.atlas.impossible:
+            return to_ascii(IMPOSSIBLE, self.look.glyphs)
+        has_failed = cell is not None and cell.failed == cell.runs > 0
+        return FAILED[:width] if has_failed else to_ascii(NOT_DONE, self.look.glyphs)
+
+    def mark(self, index: int) -> str:
+        """Return the mark behind a number: the best, or what cannot be told from it."""
+        if self.standings is None or index not in self.standings.alike:
+            return " "
+        return BEST if index == self.standings.best else ALIKE
+
+
+@dataclass(frozen=True, slots=True)
+class MapPlan:
+    """Where the cells of a map stand: ``label`` cells of names at the left, ``field`` by ``tall`` each."""
+
+    scene: AtlasScene
+    width: int
+    height: int
+    label: int
+    field: int
+    tall: int
+
+    @property
+    def column_count(self) -> int:
+        """How many cells stand in a row."""
+        return self.scene.columns.count
+
+    @property
+    def row_count(self) -> int:
+        """How many rows there are."""
+        return 1 if self.scene.rows is None else self.scene.rows.count
+
+    def row_of(self, index: int) -> int:
+        """Return the row of a cell from the top: high values of its setting stand above."""
+        return self.row_count - 1 - index // self.column_count
+
+    def cell_at(self, x: int, y: int) -> int | None:
+        """Return the cell that is drawn at ``x``, ``y``."""
+        column, row = (x - self.label) // self.field, (y - 1) // self.tall
+        if x < self.label or y < 1 or column >= self.column_count or row >= self.row_count:
+            return None
+        return (self.row_count - 1 - row) * self.column_count + column
+
+
+def plan_of(scene: AtlasScene, width: int, height: int) -> MapPlan:
+    """Return where the cells of ``scene`` stand in so much room; a line above and one below are for names."""
+    names = [] if scene.rows is None else [value_name(scene.rows, row) for row in range(scene.rows.count)]
+    label = max(map(cell_len, names), default=0) + 1
+    rows = 1 if scene.rows is None else scene.rows.count
+    field = max(LEAST_FIELD, min(MOST_FIELD, (width - label) // scene.columns.count))
+    tall = max(1, min(_TALL, (height - 2) // rows))
+    return MapPlan(scene, width, height, label, field, tall)
+
+
+def draw_map(plan: MapPlan) -> Canvas:
+    """Return the map: the settings' names and values around it, a cell for each combination."""
+    scene, look = plan.scene, plan.scene.look
+    palette = look.palette
+    canvas = Canvas(plan.width, plan.height, palette.text)
+    upwards = "" if scene.rows is None else f"{setting_name(scene.rows)} ↑  "
+    names = to_ascii(f"{upwards}{setting_name(scene.columns)} →", look.glyphs)
+    canvas.put(0, 0, names, palette.dim)
+    bottom = 1 + plan.row_count * plan.tall
+    in_force = scene.cells.places(scene.in_force)
+    for index in range(scene.cells.count):
+        _draw_cell(canvas, plan, index)
+    for row in range(plan.row_count):
+        if scene.rows is not None:
+            y = 1 + (plan.row_count - 1 - row) * plan.tall + (plan.tall - 1) // 2
+            style = palette.strong if row == in_force[0] else palette.dim
+            canvas.put(0, y, f"{value_name(scene.rows, row):>{plan.label - 1}}", style)
+    for column in range(plan.column_count):
+        style = palette.strong if column == in_force[-1] else palette.dim
+        text = centred(value_name(scene.columns, column), plan.field)
+        canvas.put(plan.label + column * plan.field, bottom, text, style)
+    return canvas
+
+
+def _draw_cell(canvas: Canvas, plan: MapPlan, index: int) -> None:
+    scene = plan.scene
+    left = plan.label + (index % plan.column_count) * plan.field
+    top = 1 + plan.row_of(index) * plan.tall
+    style = scene.style(index)
+    for line in range(plan.tall):
+        canvas.put(left, top + line, " " * plan.field, style)
+    brackets = _BRACKETS if index == scene.in_force else ("", "")
+    room = plan.field - _MARKS - (sum(map(len, brackets)) or _MARKS)
+    text = f"{brackets[0]}{scene.text(index, room)}{scene.mark(index)}{brackets[1]}"
+    middle = top + (plan.tall - 1) // 2
+    canvas.put(left, middle, centred(text, plan.field), style)
+    if index == scene.cursor:
+        for line in range(plan.tall):
+            canvas.restyle(left, top + line, plan.field, scene.look.palette.agent)
+
+
+def setting_name(variation: Variation) -> str:
+    """Return the symbol of a setting, or its name where it has none."""
+    parameter = PARAMETERS.get(variation.name)
+    return variation.name if parameter is None else parameter.symbol
+
+
+def value_name(variation: Variation, place: int) -> str:
+    """Return a value of a setting as people write it: ``0.1``."""
+    value = variation.value(place)
+    return value if isinstance(value, str) else f"{value:.4g}"
+
+
+# The widget with a cursor
+
+
+class AtlasMap(Widget, can_focus=True):
+    """Draws ``scene``; arrows and clicks move its cursor."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("left", "move(0, -1)", "left", show=False),
+        Binding("right", "move(0, 1)", "right", show=False),
+        Binding("up", "move(1, 0)", "up", show=False),
+        Binding("down", "move(-1, 0)", "down", show=False),
+    ]
+
+    @dataclass
+    class CellPointed(Message):
+        """The cursor is to stand at another cell."""
+
+        cell: int
+
+    def __init__(self, scene: AtlasScene) -> None:
+        super().__init__(id="map")
+        self.scene = scene
+        self._strips: list[Strip] = []
+
+    def show(self, scene: AtlasScene) -> None:
+        """Draw ``scene`` from now on."""
+        self.scene = scene
+        self._strips = []
+        self.refresh()
+
+    def on_resize(self) -> None:
+        """Draw anew for another size."""
+        self._strips = []
+
+    def render_line(self, y: int) -> Strip:
+        """Return line ``y`` of the map."""
+        width, height = self.size
+        if not self._strips:
+            self._strips = draw_map(plan_of(self.scene, width, height)).strips()
+        strip = self._strips[y] if y < len(self._strips) else Strip.blank(width)
+        return strip.apply_style(self.rich_style)
+
+    def action_move(self, rows: int, columns: int) -> None:
+        """Move the cursor so many rows up and columns to the right; at the edges it stays."""
+        axes = len(self.scene.cells.variations)
+        steps = {axes - 1: columns} | ({0: rows} if axes > 1 else {})
+        self.post_message(self.CellPointed(self.scene.cells.moved(self.scene.cursor, steps)))
+
+    def on_click(self, event: Click) -> None:
+        """Put the cursor where the click was."""
+        cell = plan_of(self.scene, *self.size).cell_at(event.x, event.y)
+        if cell is not None:
+            self.post_message(self.CellPointed(cell))
+
+
+# Text above and below
+
+
+_ROOM: Final = 6
+_STARTING: Final = "the first cell is being trained"
+
+
+def head(scene: AtlasScene, runs: int, how_long: str = "") -> str:
+    """Return what is mapped, how far it has come, and ``how_long`` the rest takes where that is known."""
+    atlas = scene.atlas
+    each = "" if atlas.episodes is None else f" of {counted(atlas.episodes, 'episode')}"
+    return f"a cell is the mean of {counted(runs, 'seed')}{each}: {progress(atlas, how_long)}"
+
+
+def progress(atlas: Atlas, how_long: str) -> str:
+    """Return how many runs are done, and ``how_long`` the rest takes; at the end, what came of it."""
+    done = f"{atlas.done:,} of {counted(atlas.planned, 'run')}"
+    if atlas.state is AtlasState.FAILED:
+        return f"it failed, {atlas.message}"
+    if atlas.state is AtlasState.STARTING:
+        return ", ".join(filter(None, (_STARTING, how_long)))
+    if atlas.state is AtlasState.OUT_OF_TIME:
+        return f"{done}: {atlas.message}"
+    if atlas.state is AtlasState.DONE:
+        return f"all {counted(atlas.planned, 'run')} done"
+    return ", ".join(filter(None, (done, how_long)))
+
+
+def legend(scene: AtlasScene) -> str:
+    """Return what colours and marks mean."""
+    glyphs, ends = scene.look.glyphs, scene.ends
+    if ends is None:
+        return ""
+    first, last = (numbers.value(end, _ROOM, glyphs) for end in ends)
+    names = ("least", "greatest") if scene.measure.larger_is_better is None else ("worst", "best")
+    marks = f"{BEST} best  {ALIKE} not different from it  " if scene.standings is not None else ""
+    return f"{marks}[ ] in force  {names[0]} {first}, {names[1]} {last}"
+
+
+def cell_line(scene: AtlasScene, seed: int) -> str:
+    """Return what the runs of the cell under the cursor say, and which of them enter opens."""
+    places = scene.cells.places(scene.cursor)
+    settings = "  ".join(
+        f"{setting_name(each)} {value_name(each, place)}"
+        for each, place in zip(scene.cells.variations, places, strict=True)
+    )
+    return f"{settings}: {_figures(scene)}; enter opens seed {seed}"
+
+
+def _figures(scene: AtlasScene) -> str:
+    index, glyphs = scene.cursor, scene.look.glyphs
+    if index in scene.atlas.impossible:
+        return f"cannot be: {scene.atlas.impossible[index]}"
+    cell = scene.atlas.cells.get(index)
+    if cell is None:
+        return "not done yet"
+    found = cell.figures.get(scene.measure.id, {})
+    parts = []
+    value = cell.value(scene.measure)
+    if value is not None:
+        parts.append(f"mean {numbers.value(value, _ROOM, glyphs)}{_interval(scene, found)}")
+    if found.get("median") is not None:
+        parts.append(f"median {numbers.value(found['median'], _ROOM, glyphs)}")
+    if scene.measure.may_never_arrive and "arrived" in found:
+        parts.append(f"{found['arrived']} of {cell.runs - cell.failed} arrived")
+    parts.append(counted(cell.runs, "run"))
+    if cell.failed:
+        parts.append(f"{cell.failed} broke down ({cell.failure})")
+    return ", ".join(parts)
+
+
+def _interval(scene: AtlasScene, found: Mapping[str, Any]) -> str:
+    low, high = found.get("low"), found.get("high")
+    if low is None or high is None:
+        return ""
+    ends = (numbers.value(end, _ROOM, scene.look.glyphs) for end in (low, high))
+    return " (95 %: {} to {})".format(*ends)
+
+
+# The dialog
+
+
+_KEYS: Final = "m: measure   n: next seed   enter: open the run   esc: close"
+_NEWS_EVERY: Final = 0.1  # seconds
+
+
+class AtlasDialog(Dialog[Recipe]):
+    """The surroundings of the settings in force, as ``request`` asks for them. Answers the run to be opened.
+
+    Where the request is awaited, it shows nothing before all is done.
+    """
+
+    CSS_PATH: ClassVar[list[str | Path]] = [  # type: ignore[assignment]
+        Path(__file__).parents[1] / "dialogs" / "dialog.tcss",
+        Path(__file__).with_name("atlas.tcss"),
+    ]
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("S,q", "cancel", "back", id="close_atlas", tooltip="Close the atlas."),
+        Binding("m", "measure", "measure", id="atlas.measure", tooltip="Show the next measure."),
+        Binding("n", "seed", "next seed", id="atlas.seed", tooltip="Open another of the cell's runs."),
+        Binding("enter", "open", "open", id="atlas.open", tooltip="Open this very run."),
+    ]
+
+    def __init__(self, look: Look, request: AtlasRequest) -> None:
+        super().__init__()
+        self._look = look
+        self._request = request
+        self._seed = 0
+        self._how_long = ""
+        self._background = Background[AtlasRequest, Atlas](WORK, lambda: None)
+        measure = MEASURES[JUDGED_BY[0]]
+        self._scene = AtlasScene(
+            look, request.cells, request.nothing_yet, measure, request.in_force, request.in_force
+        )
+
+    def compose(self) -> ComposeResult:
+        """Yield what is mapped, the map, and what the cell under the cursor says."""
+        names = " × ".join(map(setting_name, self._request.variations))
+        with self.box(to_ascii(f"Atlas of {names}", self._look.glyphs), _KEYS):
+            yield Static(id="measure", markup=False)
+            yield Static(id="head", classes="hint", markup=False)
+            yield AtlasMap(self._scene)
+            yield Static(id="legend", classes="hint", markup=False)
+            yield Static(id="cell", markup=False)
+
+    def on_mount(self) -> None:
+        """Have it worked out, by a process of its own."""
+        super().on_mount()
+        self.query_one(AtlasMap).focus()
+        try:
+            process = self._background.begin(self._request, self._scene.atlas)
+        except OSError as error:
+            self.app.notify(f"no process can be started: {error.strerror or error}", severity="error")
+            self.dismiss(None)
+            return
+        if process is not None and self._request.is_awaited:
+            process.wait()
+        else:
+            self.set_interval(_NEWS_EVERY, self._take_news)
+        self._take_news()
+        self._show()
+
+    def on_unmount(self) -> None:
+        """End the process, whatever it is doing."""
+        self._background.close()
+
+    def _take_news(self) -> None:
+        process = self._background.process
+        if process is None:
+            return
+        atlas, how_long = process.known, process.how_long
+        if process.failed and not atlas.is_over:
+            atlas = replace(atlas, state=AtlasState.FAILED, message=process.failed)
+        if atlas != self._scene.atlas or how_long != self._how_long:
+            self._how_long = how_long
+            self._change(atlas=atlas)
+
+    def _change(self, **changes: object) -> None:
+        self._scene = replace(self._scene, **changes)  # type: ignore[arg-type]
+        self._show()
+
+    def _show(self) -> None:
+        scene, glyphs = self._scene, self._look.glyphs
+        self.query_one(AtlasMap).show(scene)
+        texts = {
+            "#measure": scene.measure.title,
+            "#head": head(scene, self._request.runs, self._how_long),
+            "#legend": legend(scene),
+            "#cell": cell_line(scene, self._request.seeds[self._seed]),
+        }
+        for name, text in texts.items():
+            self.query_one(name, Static).update(to_ascii(text, glyphs))
+
+    def on_atlas_map_cell_pointed(self, event: AtlasMap.CellPointed) -> None:
+        """Let the cursor stand there."""
+        self._change(cursor=event.cell)
+
+    def action_measure(self) -> None:
+        """Show the next measure that any cell has."""
+        there = [
+            each
+            for each in MEASURES.values()
+            if each is self._scene.measure
+            or any(cell.value(each) is not None for cell in self._scene.atlas.cells.values())
+        ]
+        self._change(measure=there[(there.index(self._scene.measure) + 1) % len(there)])
+
+    def action_seed(self) -> None:
+        """Let enter open the run of the next seed."""
+        self._seed = (self._seed + 1) % self._request.runs
+        self._show()
+
+    def action_open(self) -> None:
+        """Answer the run of the cell under the cursor."""
+        if self._scene.cursor in self._scene.atlas.impossible:
+            self.app.bell()
+            return
+        self.dismiss(self._request.recipe_of(self._scene.cursor, self._request.seeds[self._seed]))
+
+
+# Opening the map
+
+
+_IN_A_LESSON = "a lesson asks questions of its own: settings are mapped outside of it"
+
+
+def open_atlas(subject: Subject, take: Callable[[Recipe], None]) -> None:
+    """Show how the run of ``subject`` would do with other settings; ``take`` opens the one that is chosen."""
+    snapshot, wanted = subject.snapshot, subject.link.wanted
+    if snapshot is None:
+        return
+    if wanted.lesson is not None:
+        subject.screen.tell(_IN_A_LESSON, "warning")
+        return
+    try:
+        request = surroundings(
+            wanted.recipe,
+            snapshot.world,
+            is_edited=bool(snapshot.world_changes),
+            is_awaited=not subject.link.player.is_automatic,
+        )
+    except UserError as reason:
+        subject.screen.tell(str(reason), "warning")
+        return
+    subject.ask(AtlasDialog(subject.screen.look, request), take)

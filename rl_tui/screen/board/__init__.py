@@ -1,0 +1,1 @@
+"""The board of the playground: its layout, its player, what is on it."""

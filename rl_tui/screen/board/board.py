@@ -1,0 +1,486 @@
+"""The board: the panels of the playground and their arrangement."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Any, Final, TypeVar
+
+from textual import events
+from textual.app import ComposeResult
+from textual.containers import Container
+from textual.geometry import Size
+from textual.layout import Layout
+from textual.message import Message
+from textual.widget import Widget
+
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.live.viewport import Viewport
+from rl_tui.screen.board.board_layout import BoardLayout
+from rl_tui.screen.board.lane_pair import LanePair
+from rl_tui.screen.board.wanted import Wanted
+from rl_tui.screen.frame.arrangement import Shape, docks_lesson
+from rl_tui.screen.frame.legend_switch import LegendSwitch
+from rl_tui.screen.kit.counterparts import pairs_in
+from rl_tui.screen.kit.panel import BoardPanel
+from rl_tui.screen.kit.pointing import Moved, Pointed
+from rl_tui.screen.kit.row import (
+    CONTROLS,
+    CURVE,
+    DISCOUNT,
+    DRAW,
+    LESSON,
+    MICROSCOPE,
+    POLICIES,
+    TABLE,
+    TIMELINE,
+    WORLD,
+    PanelRow,
+    beside,
+)
+from rl_tui.screen.kit.snapshot_facts import as_learned
+from rl_tui.screen.panels.controls.controls import Controls
+from rl_tui.screen.panels.controls.slider import Slider
+from rl_tui.screen.panels.curve.curve import ReturnCurve
+from rl_tui.screen.panels.discount import DiscountPanel
+from rl_tui.screen.panels.draw_panel import DrawPanel
+from rl_tui.screen.panels.lesson.lesson import LessonPanel
+from rl_tui.screen.panels.lesson.page_lines import Spotlight
+from rl_tui.screen.panels.lesson.stage import open_page
+from rl_tui.screen.panels.microscope.microscope import Microscope, lit_sources
+from rl_tui.screen.panels.q_table.q_table import QTable
+from rl_tui.screen.panels.timeline import HINTS, TimelineBar
+from rl_tui.screen.panels.world.view import WorldView
+from rl_tui.screen.panels.world_views import WorldPlaceholder, make_world_view
+from rl_tui.screen.theme.look import Look
+
+# The place of the lesson
+
+
+IN_A_ROW: Final = "-row"
+SPOTLIT: Final = "-spotlit"
+
+
+class LessonPlace:
+    """The ``panel`` of the lesson on the ``board``: beside the world, or in turn with it.
+
+    ``arrangement`` is that of the board.
+    """
+
+    def __init__(self, board: Board, panel: LessonPanel, arrangement: BoardLayout) -> None:
+        self.panel = panel
+        self._board = board
+        self._arrangement = arrangement
+        self._focused_before: Widget | None = None
+        self._spotlit: str | None = None
+
+    @property
+    def is_docked(self) -> bool:
+        """Whether there is room for the page beside the world."""
+        return docks_lesson(self._board.size)
+
+    @property
+    def reads(self) -> bool:
+        """Whether the page has the place of the world, or would have it where there is no room for both."""
+        return self._arrangement.shape.reads
+
+    @reads.setter
+    def reads(self, reads: bool) -> None:
+        if reads == self.reads:
+            return
+        self._board.reshape(reads=reads)
+        self._board.post_message(self._board.Toggled())
+        if reads and not self.is_docked:
+            self.focus()
+        elif not reads and not self.is_docked:
+            self.leave()
+
+    def focus(self) -> None:
+        """Give the page the focus."""
+        focused = self._board.screen.focused
+        if focused is not self.panel:
+            self._focused_before = focused
+            self.panel.focus()
+
+    def leave(self) -> None:
+        """Give the focus back to where it was before the page had it."""
+        if self._board.screen.focused is self.panel:
+            before, self._focused_before = self._focused_before, None
+            self._board.screen.set_focus(before if before is not None and before.is_attached else None)
+
+    def place(self, snapshot: Snapshot, size: Size) -> None:
+        """Let the panels know, before they draw ``snapshot``, how page and world share the board."""
+        if snapshot.lesson is None:
+            return
+        self.panel.set_class(self._arrangement.has_lesson_in_a_row(size), IN_A_ROW)
+        self.panel.takes_turns = self.reads and not self.is_docked
+        if self.panel.takes_turns:
+            self.focus()
+        self._point_at(open_page(snapshot.lesson.record).spotlight, size)
+
+    def _point_at(self, wanted: str | None, size: Size) -> None:
+        row = None if wanted is None else self._board.rows.get(wanted)
+        spotlit = None if row is None else row.id
+        for panel, is_spotlit in ((self._spotlit, False), (spotlit, True)):
+            if panel is not None:
+                widget = self._board.panel(panel)
+                widget.is_spotlit = is_spotlit
+                widget.set_class(is_spotlit, SPOTLIT)
+        self._spotlit = spotlit
+        self.panel.spotlight = (
+            None
+            if row is None
+            else Spotlight(
+                row.title,
+                self._arrangement.has_place(row.id, size),
+                "" if row.opened_by is None else row.opened_by.key,
+            )
+        )
+
+
+# The board
+
+
+NO_PROGRAM: Final = "this is an agent of ours; rl-tui watch SCRIPT.py watches one of yours"
+Kind = TypeVar("Kind", bound=BoardPanel)
+
+
+class Board(Container):
+    """One widget for each row of ``panels``, its id that of the row.
+
+    One panel may be zoomed to cover all others, and one of those that have a key of their own may be open.
+    ``show`` draws a snapshot on all of them, and what is ``wanted`` though no snapshot has it yet. The view
+    of the world is made for the first one; until then panels are arranged by the ``shape`` expected.
+
+    Where two lanes stand side by side, a row that is twofold has a second widget, for the lane at the right.
+    The left one has the lower number, whichever is led: ``world`` and ``table`` are those of the lane led.
+    With ``keeps_focus`` a panel that is opened beside the world does not take the focus from that.
+    """
+
+    class Toggled(Message):
+        """A panel was opened or closed."""
+
+    def __init__(
+        self, look: Look, wanted: Wanted, legends: LegendSwitch, shape: Shape, panels: Sequence[PanelRow]
+    ) -> None:
+        super().__init__(id="board")
+        self.look = look
+        self.legends, self.rows = legends, {row.id: row for row in panels}
+        self._panels = {row.id: row.make(look) for row in panels}
+        self._pair = LanePair(self._panels, look)
+        self._is_one_lane = self.keeps_focus = False
+        self._made(WORLD, WorldPlaceholder).expect(shape.drawing)
+        self.curve = self._made(CURVE, ReturnCurve)
+        self.curve.begin_with(wanted.recipe)
+        self.timeline = self._made(TIMELINE, TimelineBar)
+        self.controls = self._made(CONTROLS, Controls)
+        self.controls.begin_with(wanted.recipe)
+        self.microscope = self._made(MICROSCOPE, Microscope)
+        self.discount = self._made(DISCOUNT, DiscountPanel)
+        self.tools = self._made(DRAW, DrawPanel)
+        self._wanted = wanted
+        self._focused_before: Widget | None = None
+        self._focused_beside_sliders: Widget | None = None
+        self._arrangement = BoardLayout(shape, panels)
+        self.lesson = LessonPlace(self, self._made(LESSON, LessonPanel), self._arrangement)
+        self._snapshot: Snapshot | None = None
+        self._mounting = asyncio.Lock()
+        self.apply_switches()
+
+    def _made(self, panel: str, kind: type[Kind]) -> Kind:
+        made = self.panel(panel)
+        assert isinstance(made, kind)
+        return made
+
+    @property
+    def table(self) -> QTable:
+        """The table of the lane that is led."""
+        return self._made(self._pair.led(TABLE), QTable)
+
+    @property
+    def world(self) -> WorldView | None:
+        """The world of the lane that is led, None before the first snapshot."""
+        made = self.panel(self._pair.led(WORLD))
+        return made if isinstance(made, WorldView) else None
+
+    def compose(self) -> ComposeResult:
+        """Yield the panels in the order of the tab key."""
+        yield from self._panels.values()
+
+    def panel(self, panel: str) -> BoardPanel:
+        """Return the widget with the id ``panel``."""
+        return self._widgets()[panel]
+
+    def _widgets(self) -> dict[str, BoardPanel]:
+        return self._panels | {beside(row): twin for row, twin in self._pair.twins.items()}
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``; what a person can set is drawn as it is wanted."""
+        self._snapshot = snapshot
+        if self.world is None:
+            self._panels[WORLD] = view = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
+            view.caption = self.rows[WORLD].caption
+            self.apply_switches()
+            self.run_worker(self._replace_placeholder(view))
+        if snapshot.beside is not None and not self._pair.twins:
+            self._pair.make(snapshot, self.rows.values())
+            self.apply_switches()
+            self.run_worker(self._mount_twins())
+        # of a session the lanes are known before they are there
+        awaits_lanes = self._arrangement.shape.lanes and snapshot.playback.phase is Phase.PREPARING
+        self.reshape(
+            lanes=(snapshot.beside is not None or awaits_lanes) and not self._is_one_lane,
+            is_program=snapshot.program is not None,
+            has_lesson=snapshot.lesson is not None,
+            legend_rows=int(self.legends.is_on),
+        )
+        self._take_lead(snapshot)
+        self.set_classes(self._arrangement.styles(self.size))
+        self.lesson.place(snapshot, self.size)
+        self.table.sources = lit_sources(snapshot) if self.opened == MICROSCOPE else frozenset()
+        self.controls.wanted = self._wanted.recipe.hyperparameters
+        self.controls.marks_all_flips = self.opened == DISCOUNT
+        self.timeline.sought = self._wanted.step
+        for panel in self._shown():
+            if isinstance(panel, WorldView):
+                panel.names_policies_key = self.opened != POLICIES
+            if not self._pair.has(panel):
+                panel.show(as_learned(snapshot) if isinstance(panel, WorldView | QTable) else snapshot)
+        if self._pair.is_shown:
+            self._pair.show(as_learned(snapshot))
+        self.reshape(drawing=snapshot.world.drawing, table_rows=self.table.rows)
+
+    def reshape(self, **changes: Any) -> None:
+        """Arrange the panels again where what that depends on has changed."""
+        shape = replace(self._arrangement.shape, **changes)
+        if shape != self._arrangement.shape:
+            self._arrangement.shape = shape
+            self._arrange_again()
+
+    def _take_lead(self, snapshot: Snapshot) -> None:
+        """Let the panels of the lane led be those that keys are about."""
+        world = self.world
+        is_pair = snapshot.beside is not None and self._arrangement.is_pair(self.size)
+        if not self._pair.take_lead(snapshot, is_shown=is_pair):
+            return
+        if world is not None and self.world is not None and world is not self.world:
+            self.world.is_manual, world.is_manual = world.is_manual, False
+            self.world.show_mode(world.title, world.prompt, has_keys=world.has_class("-manual"))
+            world.show_mode((), (), has_keys=False)
+        zoomed = None if self.zoomed is None else self._pair.row_of(self.zoomed)
+        if zoomed is not None:
+            self.zoom(self._pair.led(zoomed))
+        self._keep_focus_in_view()
+
+    async def _mount_twins(self) -> None:
+        async with self._mounting:
+            if self.is_attached:
+                for row, twin in self._pair.twins.items():
+                    await self.mount(twin, after=f"#{row}")
+                self._arrange_again()
+
+    @property
+    def is_one_lane(self) -> bool:
+        """Whether one lane alone is to be seen, though there are several."""
+        return self._is_one_lane
+
+    @is_one_lane.setter
+    def is_one_lane(self, is_one_lane: bool) -> None:
+        self._is_one_lane = is_one_lane
+        if self._snapshot is not None:
+            self.show(self._snapshot)
+
+    @property
+    def is_paired(self) -> bool:
+        """Whether two lanes stand side by side."""
+        return self._pair.is_shown
+
+    def on_resize(self) -> None:
+        """Show one lane or two, and a lesson beside the run or in turn with it, as there is room."""
+        self.set_classes(self._arrangement.styles(self.size))
+        snapshot = self._snapshot
+        if snapshot is not None and (snapshot.beside is not None or snapshot.lesson is not None):
+            self.show(snapshot)
+
+    def next_layer(self) -> None:
+        """Go to the next layer of the tables; where none is in view, show the one of the lane led alone."""
+        table = self._pair.led(TABLE)
+        if self.zoomed is None and self.is_paired and not self.shows(table):
+            self.zoom(table)
+            self.table.focus()
+            return
+        self.table.next_layer()
+        self._pair.align(self.table)
+
+    def apply_switches(self) -> None:
+        """Have every panel show what the switches say, the twins of a second lane too."""
+        legends = self.legends
+        for panel in self._widgets().values():
+            panel.is_explained = legends.is_on
+            if isinstance(panel, WorldView):
+                panel.is_numbered, panel.shows_actions = legends.numbers_states, legends.shows_actions
+
+    def _shown(self) -> Iterator[BoardPanel]:
+        """Yield the panels that are not closed, of which a program that is watched has its own."""
+        shape = self._arrangement.shape
+        for row in self.rows.values():
+            if row.of_program if not shape.is_program else row.id == CONTROLS:
+                continue
+            if (row.of_lesson and not shape.has_lesson) or (row.of_drawing and not shape.is_drawn):
+                continue
+            if row.opened_by is None or row.id == self.opened:
+                yield self._panels[row.id]
+                if self.is_paired and row.id in self._pair.twins:
+                    yield self._pair.twins[row.id]
+
+    def on_descendant_focus(self, event: events.DescendantFocus) -> None:
+        """Write the keys of the timeline, which has no border, on the border of the curve above it."""
+        self.curve.hints = HINTS if event.widget is self.timeline else ()
+        if not isinstance(event.widget, Slider):
+            self._focused_beside_sliders = event.widget
+        self._pair.follow_focus()
+
+    def leave_slider(self) -> None:
+        """Give the focus back to the panel that had it before the sliders; to none if none had."""
+        before = self._focused_beside_sliders
+        self.screen.set_focus(before if before in self.screen.focus_chain else None)
+
+    def on_descendant_blur(self) -> None:
+        """Remove these keys."""
+        self.curve.hints = ()
+
+    def on_pointed(self, event: Pointed) -> None:
+        """Show where the cursor of a world or a table stands in all others."""
+        self._pair.align(event.panel)
+        for panel in self._widgets().values():
+            if isinstance(panel, QTable | WorldView) and panel is not event.panel:
+                panel.point_at(self._pairs_in(event, panel))
+        cursor = event.panel.cursor_pair if isinstance(event.panel, QTable) else None
+        cursor = event.panel.cursor if isinstance(event.panel, WorldView) else cursor
+        if event.pairs or cursor is None:  # one that is not in focus still points
+            self.discount.point_at(event.pairs)
+
+    @staticmethod
+    def _pairs_in(event: Pointed, panel: QTable | WorldView) -> range:
+        """Return the pairs of ``event`` as the world that ``panel`` shows has them."""
+        source = event.panel.snapshot if isinstance(event.panel, QTable | WorldView) else None
+        if source is None or panel.snapshot is None:
+            return event.pairs
+        return pairs_in(event.pairs, source.world, panel.snapshot.world)
+
+    def on_moved(self, event: Moved) -> None:
+        """Bring the same part into view in the other lane."""
+        event.stop()
+        self._pair.align(event.panel)
+
+    @property
+    def viewport(self) -> Viewport:
+        """The parts of a large world that are in view."""
+        return Viewport(self.world.cells if self.world else None, self.table.row_range)
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the newest snapshot has all that is in view."""
+        return all(panel.is_complete for panel in self._shown())
+
+    @property
+    def zoomed(self) -> str | None:
+        """The id of the panel that covers all others."""
+        return self._arrangement.zoomed
+
+    def zoom(self, panel: str | None) -> None:
+        """Let ``panel`` cover all others; None shows all."""
+        self._arrangement.zoomed = panel
+        self._arrange_again()
+        self._keep_focus_in_view()
+
+    def _keep_focus_in_view(self) -> None:
+        """Let the lane led have the focus of a panel of two that is not in view any more."""
+        focused, regions = self.screen.focused, self._arrangement.regions(self.size, self.zoomed)
+        panel = self.panel_of(focused)
+        row = None if focused is None else self._pair.row_of(panel)
+        if row is None or panel in regions:
+            return
+        for each in (self._pair.led(row), self._pair.led(WORLD)):
+            if each in regions:
+                self.panel(each).focus()
+                return
+
+    @property
+    def opened(self) -> str | None:
+        """The id of the panel that was opened by its key."""
+        return self._arrangement.opened
+
+    def toggle(self, panel: str) -> None:
+        """Open ``panel``, which takes the focus, in place of the one that is open; or close it."""
+        was_open, row = self.opened, self.rows[panel]
+        if was_open != panel and not row.needs(self._arrangement.shape.drawing):
+            self.notify(f"{row.title}: there is nothing to show of this world", markup=False)
+            return
+        if was_open != panel and row.of_program and not self._arrangement.shape.is_program:
+            self.notify(f"{row.title}: {NO_PROGRAM}", markup=False)
+            return
+        self.close()
+        if was_open == panel:
+            return
+        self.lesson.reads = False
+        self._focused_before = self.screen.focused
+        self._open(panel)
+        is_seen = self.panel_of(self._focused_before) in self._arrangement.regions(self.size, None)
+        if not (self.keeps_focus and is_seen and isinstance(self._focused_before, WorldView | None)):
+            self._panels[panel].focus()
+
+    def close(self) -> None:
+        """Close the panel that is open; if it had the focus, that goes back to where it was."""
+        if self.opened is not None:
+            had_focus = self._panels[self.opened].has_focus_within
+            self._open(None)
+            if had_focus:
+                self.screen.set_focus(self._focused_before)
+            self._focused_before = None
+
+    def _open(self, panel: str | None) -> None:
+        for each, is_open in ((self.opened, False), (panel, True)):
+            if each is not None:
+                self._panels[each].display = is_open
+        self._arrangement.opened = panel
+        self.zoom(None)
+        self.post_message(self.Toggled())
+
+    def bring_into_view(self, panel: str) -> None:
+        """Show ``panel``, of the lane led: end the zoom, and close the panel that stands in its place."""
+        panel = self._pair.led(panel)
+        self.lesson.reads = False
+        if self.zoomed not in (None, panel):
+            self.zoom(None)
+        if panel not in self._arrangement.regions(self.size, None):
+            self.close()
+
+    def shows(self, panel: str) -> bool:
+        """Return whether ``panel`` has a place on the screen."""
+        return panel in self._arrangement.placed
+
+    def panel_of(self, widget: Widget | None) -> str:
+        """Return the id of the panel that ``widget`` stands in; of the world of the lane led if in none."""
+        for node in widget.ancestors_with_self if widget else ():
+            if node.parent is self and node.id:
+                return node.id
+        return self._pair.led(WORLD)
+
+    @property
+    def layout(self) -> Layout:
+        """The arrangement, in place of one from CSS."""
+        return self._arrangement
+
+    def _arrange_again(self) -> None:
+        # a child's, since a container forgets its arrangement only for a child
+        self.table.refresh(layout=True)
+
+    async def _replace_placeholder(self, view: WorldView) -> None:
+        async with self._mounting:
+            if not self.is_attached:
+                return
+            with self.app.batch_update():
+                await self.query_one(f"#{WORLD}").remove()
+                await self.mount(view, before=0)

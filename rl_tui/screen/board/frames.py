@@ -1,0 +1,139 @@
+"""Frames of the playground, drawn only as often as the terminal keeps up."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import suppress
+from time import monotonic
+from typing import Final
+
+from textual.screen import Screen
+
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.terminal.linked_app import LinkedApp
+
+# Pacing
+
+
+_LOAD = 2.0  # a frame is followed by at least as much idle time as it took
+_MEMORY = 0.7  # weight of the past in the running mean of what a frame costs
+_HURRIED_FRAMES = 2  # the first may have been on its way before the key was pressed
+
+
+async def _at_once() -> None:
+    """Return at once: where it is not known when a frame has arrived."""
+
+
+class Pacer:
+    """Waits between frames.
+
+    ``fps`` is the most frames a second. ``arrived`` returns once the terminal shows what it was sent, and
+    ``clock`` tells seconds. A frame that took long to draw stretches the wait; one that a person asked for by
+    pressing a key is not kept waiting: it is drawn even while another is on its way, so that what it changes
+    is the next to be sent.
+    """
+
+    def __init__(
+        self,
+        fps: float,
+        arrived: Callable[[], Awaitable[None]] = _at_once,
+        clock: Callable[[], float] = monotonic,
+    ) -> None:
+        self._interval = 1.0 / fps
+        self._arrived = arrived
+        self._clock = clock
+        self._began = clock() - self._interval
+        self._cost = 0.0
+        self._hurry = asyncio.Event()
+        self._hurried = 0
+
+    def hurry(self) -> None:
+        """Let the next two frames come at once."""
+        self._hurried = _HURRIED_FRAMES
+        self._hurry.set()
+
+    def begin(self) -> None:
+        """Note that a frame is being drawn."""
+        self._hurried = max(0, self._hurried - 1)
+        if not self._hurried:
+            self._hurry.clear()
+        self._began = self._clock()
+
+    def end(self) -> None:
+        """Note that the frame is drawn."""
+        self._cost = _MEMORY * self._cost + (1.0 - _MEMORY) * (self._clock() - self._began)
+
+    @property
+    def pause(self) -> float:
+        """Seconds to wait before the next frame, wherever the last one is."""
+        return max(0.0, self._began + max(self._interval, _LOAD * self._cost) - self._clock())
+
+    async def wait(self) -> None:
+        """Wait until the next frame is due, or :meth:`hurry` is called."""
+        waits = [asyncio.ensure_future(each) for each in (self._due(), self._hurry.wait())]
+        try:
+            await asyncio.wait(waits, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for each in waits:
+                each.cancel()
+
+    async def _due(self) -> None:
+        await asyncio.sleep(self.pause)
+        await self._arrived()
+
+
+# Drawing
+
+
+_ASKS_AGAIN: Final = 0.25  # seconds
+
+
+class Frames:
+    """The frames of ``screen``, at most ``fps`` a second; none is drawn before the last has arrived."""
+
+    def __init__(self, screen: Screen[None], fps: float) -> None:
+        self._screen = screen
+        self._pacer = Pacer(fps, self._arrived)
+
+    def hurry(self) -> None:
+        """Draw the next frames at once: a person has asked for something."""
+        self._pacer.hurry()
+
+    @property
+    def is_here(self) -> bool:
+        """Whether it is one of the screens still: of one that is left, or of an end, the panels go first."""
+        screen = self._screen
+        return screen.is_attached and screen.app.is_running and screen in screen.app.screen_stack
+
+    async def follow(
+        self,
+        snapshots: AsyncIterator[Snapshot],
+        draw: Callable[[Snapshot], None],
+        note_frame: Callable[[], None],
+    ) -> None:
+        """Draw each of ``snapshots`` until the screen is left; ``note_frame`` hears that one is painted.
+
+        Raises what ended the snapshots.
+        """
+        async for snapshot in snapshots:
+            if not self.is_here:
+                return
+            self._pacer.begin()
+            draw(snapshot)
+            await self.painted()
+            self._pacer.end()
+            note_frame()
+            await self._pacer.wait()
+
+    async def _arrived(self) -> None:
+        if isinstance(self._screen.app, LinkedApp):
+            await self._screen.app.arrived()
+
+    async def painted(self) -> None:
+        """Wait until what was drawn is on screen, or the screen is left."""
+        painted = asyncio.Event()
+        # the screen on top is asked to tell, and a dialog that closes forgets what it was asked
+        while not painted.is_set() and self._screen.call_after_refresh(painted.set):
+            with suppress(TimeoutError):
+                await asyncio.wait_for(painted.wait(), _ASKS_AGAIN)

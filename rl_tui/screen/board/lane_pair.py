@@ -1,0 +1,115 @@
+"""The panels of two lanes side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.kit.panel import BoardPanel
+from rl_tui.screen.kit.row import WORLD, PanelRow, beside
+from rl_tui.screen.panels.side_by_side import (
+    differing_states,
+    greedy_differences,
+    name_panels,
+    sides,
+    stand_alone,
+)
+from rl_tui.screen.panels.world.view import WorldView
+from rl_tui.screen.panels.world_views import make_world_view
+from rl_tui.screen.theme.look import Look
+
+
+class LanePair:
+    """The widgets of the rows that are twofold: those of the board at the left, and at the right twins.
+
+    ``panels`` are the widgets of the board by the ids of their rows. The left lane has the lower number,
+    whichever is led: ``leads_right`` tells. There are no twins before there is a second lane; ``is_shown``
+    says whether both lanes are in view.
+    """
+
+    def __init__(self, panels: Mapping[str, BoardPanel], look: Look) -> None:
+        self.twins: dict[str, BoardPanel] = {}
+        """The widgets at the right, by the ids of their rows."""
+        self.is_shown = self.leads_right = False
+        self._panels = panels
+        self._look = look
+        self._note: tuple[str, ...] = ()
+
+    def make(self, snapshot: Snapshot, rows: Iterable[PanelRow]) -> None:
+        """Make the twins of those of ``rows`` that are twofold."""
+        for row in rows:
+            if row.is_twofold:
+                name = beside(row.id)
+                twin = (
+                    make_world_view(snapshot.world, self._look, id=name, classes="panel")
+                    if row.id == WORLD
+                    else row.make(self._look, name)
+                )
+                twin.caption = row.caption
+                self.twins[row.id] = twin
+
+    def led(self, panel: str) -> str:
+        """Return the id of that widget of the row ``panel`` which shows the lane that is led."""
+        return beside(panel) if self.leads_right and panel in self.twins else panel
+
+    def row_of(self, panel: str) -> str | None:
+        """Return the id of the twofold row that has the widget ``panel``, None for any other."""
+        return next((row for row in self.twins if panel in (row, beside(row))), None)
+
+    def has(self, panel: BoardPanel) -> bool:
+        """Return whether ``panel`` shows one of two lanes in view."""
+        return self.is_shown and any(panel in (self._panels[row], twin) for row, twin in self.twins.items())
+
+    def take_lead(self, snapshot: Snapshot, *, is_shown: bool) -> bool:
+        """Take over which lane of ``snapshot`` is led and if both are in view; return whether that is new."""
+        group, before = snapshot.run_group, (self.is_shown, self.leads_right)
+        self.is_shown = is_shown
+        self.leads_right = is_shown and group.beside is not None and group.beside < group.shown
+        if not is_shown:
+            for row in self.twins:
+                stand_alone(self._panels[row])
+        return before != (self.is_shown, self.leads_right)
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw both lanes; that which is led says which part of them is in view."""
+        left, right = sides(snapshot)
+        differences = greedy_differences(left, right)
+        at_left = [self._panels[row] for row in self.twins]
+        differing, beside = differing_states(left, right, differences)
+        name_panels(at_left, left, differing, is_led=not self.leads_right, look=self._look)
+        name_panels(self.twins.values(), right, beside, is_led=self.leads_right, look=self._look)
+        self._note = differences.words(left)
+        self._place_note()
+        led, other = (right, left) if self.leads_right else (left, right)
+        for row, twin in self.twins.items():
+            first, second = (twin, self._panels[row]) if self.leads_right else (self._panels[row], twin)
+            first.show(led)
+            second.align_with(first)
+            second.show(other)
+            _align(first, second)
+
+    def follow_focus(self) -> None:
+        """Leave the border of the world in focus to its keys."""
+        self._place_note()
+        for panel in (self._panels[WORLD], *self.twins.values()):
+            if self.is_shown and isinstance(panel, WorldView):
+                panel.redraw()
+
+    def _place_note(self) -> None:
+        """Write below one of the worlds where they differ: not below the one in focus, which has its keys."""
+        left, right = self._panels[WORLD], self.twins.get(WORLD)
+        if isinstance(left, WorldView) and isinstance(right, WorldView):
+            left.note, right.note = (self._note, ()) if right.has_focus else ((), self._note)
+
+    def align(self, panel: object) -> None:
+        """Give what stands beside ``panel`` the same stance, where both are in view."""
+        for row, twin in self.twins.items():
+            left = self._panels[row]
+            if self.is_shown and panel in (left, twin):
+                _align(*((twin, left) if panel is left else (left, twin)))
+
+
+def _align(panel: BoardPanel, twin: BoardPanel) -> None:
+    if panel.stance != twin.stance:
+        panel.align_with(twin)
+        panel.redraw()

@@ -1,0 +1,48 @@
+"""What the objects behind the keys have in common: the screen they speak on, its panels, and the player."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
+
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.board.board import Board
+from rl_tui.screen.board.player_link import PlayerLink
+from rl_tui.screen.dialogs.dialog import Dialog
+from rl_tui.screen.frame.action_screen import ActionScreen
+from rl_tui.screen.theme.glyphs import Glyphs
+
+Answer = TypeVar("Answer")
+
+
+@dataclass(eq=False)
+class Subject:
+    """One subject of which a person can ask something; a row of the registry names object and method.
+
+    It asks the player by ``link``, shows and hides on the ``board``, and opens dialogs and tells on the
+    ``screen``. It shares nothing else with the others.
+    """
+
+    screen: ActionScreen
+    board: Board
+    link: PlayerLink
+
+    @property
+    def snapshot(self) -> Snapshot | None:
+        """The newest snapshot, None before the first."""
+        return self.link.snapshot
+
+    @property
+    def glyphs(self) -> Glyphs:
+        """The characters that the terminal can show."""
+        return self.screen.look.glyphs
+
+    def ask(self, dialog: Dialog[Answer], answered: Callable[[Answer], None]) -> None:
+        """Open ``dialog``; ``answered`` gets the answer, if there is one."""
+
+        def close(answer: Answer | None) -> None:
+            if answer is not None:
+                answered(answer)
+
+        self.screen.app.push_screen(dialog, close)

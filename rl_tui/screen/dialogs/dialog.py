@@ -1,0 +1,285 @@
+"""Dialogs: boxes over the playground or the start screen, closed by escape.
+
+`Dialog` is the base of all dialogs. The simple ones, which need no list of options, are also here.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import ClassVar, Final, TypeVar
+
+from rich.cells import cell_len
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Vertical
+from textual.content import Content
+from textual.events import Click
+from textual.screen import ModalScreen
+from textual.widgets import Input, Static
+
+from rl_tui.live.commands import GoTo
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.kit.panel import key_at
+from rl_tui.screen.kit.snapshot_facts import episodes_begun
+from rl_tui.screen.panels.model.model import ModelPanel
+from rl_tui.screen.terminal.linked_app import LinkedApp
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.drawing import Arms
+
+# The base of all dialogs
+
+
+Result = TypeVar("Result")
+_BORDER_END: Final = 3  # a blank, a piece of line and the corner
+
+
+class Dialog(ModalScreen[Result | None]):
+    """A modal screen whose content stands in a bordered box with the id ``box``; escape answers nothing."""
+
+    # absolute: Textual looks for it beside the subclass, which may stand in another folder
+    CSS_PATH = Path(__file__).with_name("dialog.tcss")
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape", "cancel", "back", id="cancel", tooltip="Close without a change."),
+    ]
+
+    def on_mount(self) -> None:
+        """Leave what lies behind as it is where to darken it, and undo that, would take long."""
+        self.set_class(isinstance(self.app, LinkedApp) and self.app.has_slow_link, "-slow")
+
+    @staticmethod
+    def box(title: str, keys: str, classes: str | None = None) -> Vertical:
+        """Return the box, with ``title`` above it and the ``keys`` below."""
+        box = Vertical(id="box", classes=classes)
+        box.border_title, box.border_subtitle = Content(title), keys
+        return box
+
+    def on_click(self, event: Click) -> None:
+        """Press the key that is written where the lower border was clicked."""
+        for box in self.query("#box"):
+            keys, region = str(box.border_subtitle), box.region
+            column = event.screen_x - (region.right - _BORDER_END - cell_len(keys))
+            key = key_at(keys, column) if event.screen_y == region.bottom - 1 else None
+            if key is not None:
+                event.stop()
+                # by the app: what a screen sends does not rise beyond it, to where bindings are looked up
+                self.app.call_later(self.app.simulate_key, key)
+
+    def action_cancel(self) -> None:
+        """Close without an answer."""
+        self.dismiss(None)
+
+
+# Yes or no
+
+
+class Confirm(Dialog[bool]):
+    """A question. Answers True for enter; escape answers None. ``verb`` is the word for what enter does."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("enter", "confirm", "yes", id="confirm", tooltip="Do it."),
+    ]
+
+    def __init__(self, title: str, question: str, verb: str, glyphs: Glyphs) -> None:
+        super().__init__()
+        self._title = title
+        self._question = question
+        self._verb = verb
+        self._glyphs = glyphs
+
+    def compose(self) -> ComposeResult:
+        """Yield the question."""
+        with self.box(to_ascii(self._title, self._glyphs), f"enter: {self._verb}   esc: close"):
+            yield Static(to_ascii(self._question, self._glyphs), markup=False)
+
+    def action_confirm(self) -> None:
+        """Answer yes."""
+        self.dismiss(True)
+
+
+class QuitQuestion(Confirm):
+    """What ctrl+c asks; the app ends at a second one."""
+
+    def __init__(self, glyphs: Glyphs) -> None:
+        super().__init__("Quit?", "enter quits, and so does ctrl+c once more; esc goes on", "quit", glyphs)
+
+
+# A line to type
+
+
+Reader = Callable[[str], float | str]
+"""Turns the typed text into the value; raises ValueError whose text says what was expected."""
+
+
+_LONGEST = 1_000  # characters: a pasted book is cut off
+
+
+class Prompt(Dialog[float | str]):
+    """One line to type a value into. Answers the value that ``read`` makes of it; escape answers None.
+
+    ``does`` is what enter does with it, in a word.
+    """
+
+    def __init__(self, title: str, hint: str, value: str, read: Reader, does: str = "set") -> None:
+        super().__init__()
+        self._title = title
+        self.typed = value
+        """What stands in the line."""
+        self.hint = hint
+        self.value = value
+        self.read = read
+        self._does = does
+
+    def compose(self) -> ComposeResult:
+        """Yield the line, the sentence about it, and room for a fault."""
+        with self.box(self._title, f"enter: {self._does}   esc: close"):
+            yield Input(self.value, select_on_focus=True, compact=True, max_length=_LONGEST)
+            yield Static(self.hint, classes="hint", markup=False)
+            yield Static("", classes="error", markup=False)
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """Show what is wrong while it is typed."""
+        self.query_one(".error", Static).update(self._fault(event.value))
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Answer the value if it is one."""
+        self.typed = event.value
+        if not self._fault(event.value):
+            self.dismiss(self.read(event.value))
+
+    def _fault(self, text: str) -> str:
+        try:
+            self.read(text)
+        except ValueError as fault:
+            return str(fault)
+        return ""
+
+
+# Go to a moment
+
+
+_GO_ON: Final = "esc, then space goes on from there"
+_STEPS: Final = ("", "step", "steps", "pull", "pulls")  # a pull is a step
+_EPISODES: Final = ("e", "ep", "episode", "episodes", "sweep", "sweeps")
+_NUMBER: Final = r"\d{1,18}|\d{1,3}(?:,\d{3}){1,5}"
+_SHARE: Final = re.compile(r"(\d{1,18}(?:\.\d+)?)\s*%", re.ASCII)
+_MOMENT: Final = re.compile(rf"([a-z]*)\s*({_NUMBER})", re.ASCII)
+
+
+def goto_prompt(snapshot: Snapshot) -> Prompt:
+    """Return the prompt; it answers the text typed, out of which :func:`parse_goto` makes the command."""
+
+    def read(text: str) -> str:
+        parse_goto(text, snapshot)
+        return text
+
+    return Prompt("Go to", _expected(snapshot), str(snapshot.timeline.current.here), read, "go")
+
+
+def parse_goto(text: str, snapshot: Snapshot) -> GoTo:
+    """Return where ``text`` points to; raises ValueError saying what was expected."""
+    end = snapshot.timeline.current.end
+    text = text.strip().lower()
+    if text in ("start", "end"):
+        return GoTo(0 if text == "start" else end)
+    share = _SHARE.fullmatch(text)
+    if share:
+        if float(share[1]) > 100.0:
+            raise ValueError("a share goes from 0% to 100%")
+        return GoTo(round(end * float(share[1]) / 100.0))
+    moment = _MOMENT.fullmatch(text)
+    if not moment or moment[1] not in _STEPS + _EPISODES:
+        raise ValueError("that is none of these")
+    number = int(moment[2].replace(",", ""))
+    if moment[1] in _EPISODES:
+        return _episode(number, snapshot)
+    if number > end:
+        raise ValueError(f"the run has come to step {end:,} so far; {_GO_ON}")
+    return GoTo(number)
+
+
+def _episode(number: int, snapshot: Snapshot) -> GoTo:
+    """Return where an episode begins. How many there are is only known in the present, not in the past."""
+    unit = unit_of(snapshot)
+    begun = episodes_begun(snapshot)
+    if number < 1:
+        raise ValueError(f"{unit}s count from 1")
+    if number > begun and not snapshot.timeline.in_past:
+        raise ValueError(f"the run has come to {unit} {begun:,} so far; {_GO_ON}")
+    return GoTo(episode=number)
+
+
+def unit_of(snapshot: Snapshot) -> str:
+    """Return what the steps of this run come in: episodes, or the sweeps of a planner."""
+    return "sweep" if snapshot.agent.row.planner else "episode"
+
+
+def _expected(snapshot: Snapshot) -> str:
+    """Return what may be typed, naming the range."""
+    end = snapshot.timeline.current.end
+    if snapshot.agent.row.planner:
+        first = f"a step from 0 to {end:,}, sweep 12"
+    elif isinstance(snapshot.world.drawing, Arms):
+        first = f"a pull from 0 to {end:,}"
+    else:
+        first = f"a step from 0 to {end:,}, e12 for episode 12"
+    return f"{first}, 50%, start or end"
+
+
+# The model of the scenario
+
+
+class ModelScreen(Dialog[None]):
+    """⟨S, A, P, R, γ⟩, with the outcomes of the pair under the table's cursor, live while it is open."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("m,q", "cancel", "back", id="close_model", tooltip="Close the model."),
+        Binding("h", "hide", "answer", id="model.hide", tooltip="Hide or show the exact answer."),
+    ]
+
+    def __init__(
+        self,
+        look: Look,
+        snapshot: Snapshot,
+        pair: int | None,
+        *,
+        on_scrolled: Callable[[], None],
+        hide_answer: Callable[[], None],
+    ) -> None:
+        super().__init__()
+        self._hide_answer = hide_answer
+        self._on_scrolled = on_scrolled
+        self._panel = ModelPanel(look, id="box", classes="tall")
+        self._snapshot = snapshot
+        self._pair = pair
+
+    def compose(self) -> ComposeResult:
+        """Yield the panel."""
+        yield self._panel
+
+    def on_mount(self) -> None:
+        """Show what is known already."""
+        self.show(self._snapshot)
+        if self._pair is not None:
+            self._panel.show_pair(self._pair)
+        self._panel.focus()
+
+    @property
+    def pair(self) -> int | None:
+        """The pair whose outcomes are shown."""
+        return self._panel.pair
+
+    def on_scrolled(self) -> None:
+        """Tell the playground that another pair of a large world is shown."""
+        self._on_scrolled()
+
+    def action_hide(self) -> None:
+        """Hide or show the exact answer, as on the playground."""
+        self._hide_answer()
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw the newest snapshot."""
+        self._panel.show(snapshot)

@@ -1,0 +1,166 @@
+"""What is asked and shown while a run is exported."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import ClassVar, Final
+
+from rich.text import Text
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import VerticalScroll
+from textual.widgets import Static
+
+from rl_tui.common.errors import UserError
+from rl_tui.runs.export.files import new_path
+from rl_tui.runs.training.seeded_runs import OnProgress
+from rl_tui.screen.dialogs.choice import Candidate, Choice
+from rl_tui.screen.dialogs.dialog import Dialog, Prompt
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.theme.glyphs import Glyphs
+
+COMMAND, SCRIPT, Q_CSV, Q_ARRAY, RETURNS, PICTURE = "command", "script", "q-csv", "q-npy", "returns", "svg"
+POLICY: Final = "policy"
+_SECRET: Final = "Careful: the true means of the arms are written in it."
+_KINDS: Final = {
+    COMMAND: ("Command", "The rl-tui train line that does this run again, to read and copy."),
+    SCRIPT: ("Python script", "A plain program with Gymnasium and NumPy only, to read and change."),
+    Q_CSV: ("Q-table as CSV", "A row for each state, a column for each action, and their visits."),
+    Q_ARRAY: ("Q-table as .npy", "The same for NumPy: states × actions, NaN where one is not possible."),
+    RETURNS: ("Returns as CSV", "Return, undiscounted, and length of every episode; the run is done again."),
+    POLICY: ("Drawn policy as JSON", "The policy you drew, for rl-tui evaluate; the command is shown then."),
+    PICTURE: ("Screen as SVG", "A picture of the screen, without this window."),
+}
+_LOOKS_AT_PROGRESS: Final = 0.1
+
+
+def export_choice(
+    glyphs: Glyphs, *, bandit: bool, no_returns: str, has_drawing: bool, lane: str = ""
+) -> Choice:
+    """Return the choice of what to write; with ``has_drawing`` the drawn policy is among it.
+
+    For a ``bandit`` the script shows what is hidden from the agent; the dialog warns of that. ``no_returns``
+    says why there are no returns, empty if there are. ``lane`` is the one that is written (``1 of 2``), empty
+    if there is one run.
+    """
+    secret = {SCRIPT: (_SECRET,)} if bandit else {}
+    refused = {RETURNS: f"{no_returns}."} if no_returns else {}
+    candidates = (
+        Candidate(what, name, (sentence, *secret.get(what, ())), refused.get(what, ""))
+        for what, (name, sentence) in _KINDS.items()
+        if what != POLICY or has_drawing
+    )
+    return Choice(f"Export · lane {lane}" if lane else "Export", candidates, "", glyphs)
+
+
+def ask_new_file(title: str, name: str, glyphs: Glyphs) -> Prompt:
+    """Return the prompt for the name of a new file; ``name`` is offered."""
+
+    def read(text: str) -> str:
+        try:
+            return str(new_path(text))
+        except UserError as fault:
+            raise ValueError(str(fault)) from fault
+
+    hint = "where to write it: a new file, here if no folder is named"
+    return Prompt(to_ascii(title, glyphs), hint, name, read, "write")
+
+
+class CommandLine(Dialog[str]):
+    """The command to read and copy. Answers it where it shall be written to a file.
+
+    ``hint`` says what it does.
+    """
+
+    CSS = """
+    #command { height: auto; max-height: 60vh; }
+    #command Static { height: auto; }
+    """
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding(
+            "c", "copy", "copy", id="copy_command", tooltip="Copy the command, where the terminal lets it."
+        ),
+        Binding("w,enter", "write", "write", id="write_command", tooltip="Write the command to a file."),
+    ]
+
+    def __init__(self, line: str, hint: str) -> None:
+        super().__init__()
+        self._line = line
+        self._hint = hint
+
+    def compose(self) -> ComposeResult:
+        """Yield the command and what may be done with it."""
+        with self.box("Command", "c: copy   w: write to a file   esc: close"):
+            with VerticalScroll(id="command"):
+                yield Static(Text(self._line, overflow="fold"), markup=False)
+            yield Static(self._hint, classes="hint", markup=False)
+
+    def on_mount(self) -> None:
+        """Let the arrow keys scroll a long one."""
+        self.query_one("#command").focus()
+
+    def action_copy(self) -> None:
+        """Copy it through the terminal (OSC 52), which may not allow it."""
+        self.app.copy_to_clipboard(self._line)
+        self.notify("copied; if it does not paste, this terminal does not allow it: w writes it to a file")
+
+    def action_write(self) -> None:
+        """Answer the command, to be written to a file."""
+        self.dismiss(self._line)
+
+
+class BrokenOffError(Exception):
+    """The dialog was closed: the result is not wanted any more."""
+
+
+Work = Callable[[OnProgress], None]
+
+
+class Working(Dialog[str]):
+    """Something that takes its time, with how far it has come; escape breaks it off.
+
+    Answers what went wrong, in a line, empty if nothing did, None where it was broken off. ``work`` runs in a
+    thread of its own and calls what it is given often; that raises where it shall end.
+    """
+
+    def __init__(self, title: str, work: Work) -> None:
+        super().__init__()
+        self._title = title
+        self._job = work
+        self._progress = (0, 0)
+        self._unwanted = False
+
+    def compose(self) -> ComposeResult:
+        """Yield how far it has come."""
+        with self.box(self._title, "esc: break off"):
+            yield Static("0 %", id="progress", markup=False)
+
+    def on_mount(self) -> None:
+        """Begin to work, and to show how far it has come."""
+        self.set_interval(_LOOKS_AT_PROGRESS, self._show)
+        self.run_worker(self._work(), name="export")
+
+    def on_unmount(self) -> None:
+        """Let the thread end."""
+        self._unwanted = True
+
+    async def _work(self) -> None:
+        fault = ""
+        try:
+            await asyncio.to_thread(self._job, self._note)
+        except BrokenOffError:
+            return
+        except UserError as error:
+            fault = str(error)
+        if self.is_attached and not self._unwanted:
+            self.dismiss(fault)
+
+    def _note(self, done: int, wanted: int) -> None:
+        self._progress = (done, wanted)
+        if self._unwanted:
+            raise BrokenOffError
+
+    def _show(self) -> None:
+        done, wanted = self._progress
+        self.query_one("#progress", Static).update(f"{done / max(wanted, 1):.0%} of {wanted:,} steps")

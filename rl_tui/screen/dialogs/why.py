@@ -1,0 +1,181 @@
+"""How long nothing is learned, why, and what would help."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import partial
+from typing import ClassVar, Final
+
+from rich.cells import cell_len
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.widgets import OptionList, Static
+from textual.widgets.option_list import Option
+
+from rl_tui.agents.exact.first_update import Remedy
+from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.common.words import counted
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.answers.first_update_words import (
+    cause_in_words,
+    episodes_in_words,
+    setting_in_words,
+    wait_in_words,
+)
+from rl_tui.screen.dialogs.dialog import Dialog
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.draw.precision import magnitude
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.kit.snapshot_facts import ANSWER_KEPT, hides_means, keeps_back
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.screen.theme.look import Look
+
+_EXPONENT_BELOW: Final = 1e-3
+_COLUMNS: Final = (13, 11, 16, 9)  # what to change, chance, mean and median
+_SECRET: Final = "The wait would give away what the arms pay: h, which shows that, lets it be told."
+_KEPT: Final = f"The wait would give away what the arms pay: {ANSWER_KEPT}."
+_IS_OVER: Final = "An estimate has moved already: the wait is over."
+_STARTS_AGAIN: Final = "the run starts again with it"
+_CHANGES: Final = "enter: change   "
+_CLOSES: Final = "esc: close"
+_HEAD: Final = ("instead", "chance", "episodes: mean", "median")
+
+
+class Why(Dialog[Remedy]):
+    """What ``snapshot`` says of the first update, and the remedies in a list. Answers the one chosen.
+
+    Of a bandit nothing is told that its means decide while these are hidden.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("Y,q", "cancel", "back", id="close_why", tooltip="Close without a change."),
+    ]
+
+    def __init__(self, look: Look, snapshot: Snapshot) -> None:
+        super().__init__()
+        self._look = look
+        self._snapshot = snapshot
+        self._remedies: dict[str, Remedy] = {}
+        self._is_composed = False
+
+    def compose(self) -> ComposeResult:
+        """Yield what is said, the remedies, and the sentence about the one under the cursor."""
+        with self.box("Why is nothing learned?", _CLOSES):
+            yield Static(id="said", markup=False)
+            yield Static(self._row(_HEAD), classes="hint", id="head", markup=False)
+            yield OptionList()
+            yield Static(classes="hint", id="about", markup=False)
+
+    def on_mount(self) -> None:
+        """Show what is known already."""
+        self._is_composed = True
+        self.show(self._snapshot)
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Show what ``snapshot`` says; the cursor stays where the remedies do."""
+        self._snapshot = snapshot
+        if not self._is_composed:
+            return
+        is_hidden = hides_means(snapshot)
+        sentences = _said_in_secret(snapshot) if is_hidden else said(snapshot, self._look.glyphs)
+        words = "\n".join(sentences)
+        self.query_one("#said", Static).update(to_ascii(words, self._look.glyphs))
+        remedies = {} if is_hidden else {remedy.setting: remedy for remedy in remedies_of(snapshot)}
+        for part in ("#head", "OptionList", "#about"):
+            self.query_one(part).display = bool(remedies)
+        self.query_one("#box").border_subtitle = f"{_CHANGES if remedies else ''}{_CLOSES}"
+        if remedies != self._remedies:
+            self._remedies = remedies
+            choices = self.query_one(OptionList)
+            choices.set_options(
+                Option(self._row(_cells(each, self._look.glyphs)), id=setting)
+                for setting, each in remedies.items()
+            )
+            choices.highlighted = 0 if remedies else None
+            choices.focus()  # a list that is not shown has lost it
+
+    def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
+        """Say what the setting under the cursor is."""
+        parameter = PARAMETERS[str(event.option_id)]
+        # one line each, so that the box stays as it is
+        is_initial = parameter.name == "initial_q"
+        about = _STARTS_AGAIN if is_initial else parameter.help.partition(";")[0]
+        self.query_one("#about", Static).update(to_ascii(about, self._look.glyphs))
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        """Answer the remedy under the cursor."""
+        self.dismiss(self._remedies[str(event.option_id)])
+
+    def _row(self, cells: Iterable[str]) -> str:
+        first, *figures = (to_ascii(cell, self._look.glyphs) for cell in cells)
+        name, *widths = _COLUMNS
+        aligned = [f"{text:>{width}}" for text, width in zip(figures, widths, strict=True)]
+        return "".join((first, " " * (name - cell_len(first)), *aligned))
+
+
+def remedies_of(snapshot: Snapshot) -> tuple[Remedy, ...]:
+    """Return what would help the run of ``snapshot``; nothing needs to where an estimate has moved."""
+    view = snapshot.answers.first_update
+    return () if view is None or view.answer is None or view.has_moved else view.answer.remedies
+
+
+def said(snapshot: Snapshot, glyphs: Glyphs) -> list[str]:
+    """Return what is known of the first update of the run of ``snapshot``, a sentence or two a line."""
+    view = snapshot.answers.first_update
+    if view is None:
+        return ["It is being worked out."]
+    lines = [_IS_OVER if view.has_moved else _so_far(snapshot.counters.episodes), ""]
+    if view.answer is None:
+        return [*lines, f"How long the wait is cannot be told. {_sentence(view.refused)}"]
+    in_words = partial(written, glyphs=glyphs)
+    wait = wait_in_words(view.answer.wait, in_words)
+    if view.has_moved:
+        return [*lines, f"From the start, with the settings in force now, {wait}."]
+    settings, time_limit = snapshot.agent.hyperparameters, snapshot.world.space.time_limit
+    cause = cause_in_words(view.answer, settings, time_limit, in_words)
+    lines.append(_sentence(wait))
+    if cause:
+        lines += ["", f"Why: {cause}."]
+    return [*lines, ""] if view.answer.remedies else lines
+
+
+def _said_in_secret(snapshot: Snapshot) -> list[str]:
+    """Return what may be known of a bandit whose means are hidden: the estimates, which are in the table."""
+    view = snapshot.answers.first_update
+    if view is not None and view.has_moved:
+        return [_IS_OVER]
+    return [_KEPT if keeps_back(snapshot, "answer") else _SECRET]
+
+
+def _so_far(episodes: int) -> str:
+    return (
+        f"In {counted(episodes, 'episode')} no estimate has moved." if episodes else "No estimate has moved."
+    )
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}."
+
+
+def written(number: float, glyphs: Glyphs) -> str:
+    """Return a setting or a chance with three digits, as panels write it: ``.1``, ``.0139``, ``5.42e-6``.
+
+    A chance that is not quite 1 is not passed off as that.
+    """
+    if 0.9995 <= number < 1.0:
+        return ">.999"
+    is_small = 0.0 < abs(number) < _EXPONENT_BELOW
+    decimals = numbers.DECIMALS if is_small else max(0, 2 - magnitude(number))
+    return numbers.brief(number, glyphs, decimals=decimals)
+
+
+def _cells(remedy: Remedy, glyphs: Glyphs) -> tuple[str, str, str, str]:
+    wait = remedy.wait
+    assert wait.mean_episodes is not None
+    assert wait.median_episodes is not None
+    return (
+        setting_in_words(remedy.setting, remedy.value, partial(written, glyphs=glyphs)),
+        written(wait.chance, glyphs),
+        episodes_in_words(wait.mean_episodes),
+        episodes_in_words(wait.median_episodes),
+    )

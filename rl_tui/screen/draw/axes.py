@@ -1,0 +1,71 @@
+"""The axes of a chart: values at the left, what is counted below."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Final
+
+from rl_tui.screen.draw.canvas import Canvas
+from rl_tui.screen.draw.chart_plot import Plot
+from rl_tui.screen.draw.scale import Scale, tick_label, tick_step
+from rl_tui.screen.theme.look import Look
+
+_LEAST_LABEL: Final = 3
+_LEAST_APART: Final = 2  # rows between two labels at the left; from the next on one more or less is even
+_GAP: Final = 2  # columns between two labels below
+
+
+def value_axis_columns(scale: Scale, look: Look) -> int:
+    """Return how many columns the vertical axis takes with its labels."""
+    return 1 + max(_LEAST_LABEL, *(len(tick_label(each, scale.step, look.glyphs)) for each in scale.ticks))
+
+
+def draw_value_axis(canvas: Canvas, plot: Plot, look: Look) -> None:
+    """Draw the vertical axis with its labels.
+
+    The ticks between its ends have labels where all of them are evenly spaced, so that no axis looks bent;
+    else 0 alone has one, where it is two rows from either end.
+    """
+    glyphs, style = look.glyphs, look.palette.dim
+    axis = plot.left - 1
+    for row in range(plot.rows):
+        canvas.put(axis, row, glyphs.axis_vertical, style)
+    for value in _labelled(plot):
+        text = tick_label(value, plot.scale.step, glyphs) + glyphs.axis_tick
+        canvas.put(plot.left - len(text), plot.row(value), text, style)
+
+
+def _labelled(plot: Plot) -> list[float]:
+    ticks = plot.scale.ticks
+    rows = [plot.row(value) for value in ticks]
+    apart = [lower - upper for lower, upper in pairwise(rows)]
+    if min(apart) >= _LEAST_APART and (max(apart) == min(apart) or min(apart) > _LEAST_APART):
+        return ticks
+    low, high = ticks[0], ticks[-1]
+    ends = [low, high] if rows[0] != rows[-1] else [low]
+    has_zero = low < 0.0 < high and min(rows[0] - plot.row(0.0), plot.row(0.0) - rows[-1]) >= _LEAST_APART
+    return [*ends, 0.0] if has_zero else ends
+
+
+def draw_count_axis(
+    canvas: Canvas, plot: Plot, last: float, most: int, unit: str, look: Look, step: float | None = None
+) -> None:
+    """Draw the horizontal axis with ``unit`` behind it, and at most ``most`` labels from 0 to ``last``.
+
+    They are a whole number apart, or ``step``, where that is not None. Where the canvas has no room behind
+    the axis, the unit stands on its end.
+    """
+    glyphs, style = look.glyphs, look.palette.dim
+    canvas.put(plot.left - 1, plot.rows, glyphs.axis_corner + glyphs.axis_horizontal * plot.columns, style)
+    place = min(plot.left + plot.columns, canvas.width - len(unit))
+    canvas.put(place, plot.rows, unit, style)
+    free, end = 0, min(plot.columns, place - plot.left)  # the unit begins with a blank
+    step = step or tick_step(last, most)
+    for number in range(int(last / step + 1e-9) + 1):
+        short = tick_label(number * step, step, glyphs)
+        text, column = f"{int(short):,}" if short.isdigit() else short, plot.column(number * step)
+        # the last one may stand at the very end, where only its left half has room
+        start = min(max(0, column - len(text) // 2), end - len(text) if column <= end else column)
+        if start >= free and start + len(text) <= end:
+            canvas.put(plot.left + start, plot.rows, text, style)
+            free = start + len(text) + _GAP

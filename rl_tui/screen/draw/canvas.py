@@ -1,0 +1,206 @@
+"""Text drawing in character cells: a sheet to draw on, and styled lines fitted to a width.
+
+All positions and widths are in terminal cells. A wide character takes two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Final
+
+from rich.cells import cell_len
+from rich.segment import Segment
+from rich.style import Style
+from textual.strip import Strip
+
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.theme.look import Look
+
+# A sheet of cells
+
+
+class Canvas:
+    """Width × height cells, blank at first. Whatever would stand outside is left out."""
+
+    def __init__(self, width: int, height: int, style: Style) -> None:
+        self.width = width
+        self.height = height
+        self._characters = [[" "] * width for _ in range(height)]
+        self._styles = [[style] * width for _ in range(height)]
+
+    def put(self, x: int, y: int, text: str, style: Style) -> None:
+        """Write ``text`` with its first cell at column ``x`` of row ``y``."""
+        if not 0 <= y < self.height:
+            return
+        cells = list(text) if cell_len(text) == len(text) else _cells(text)
+        before, cells = max(0, -x), cells[: max(0, self.width - x)]
+        cells = cells[before:]
+        x += before
+        if cells and cells[0] == "":
+            cells[0] = " "
+        if cells and cell_len(cells[-1]) > 1:
+            cells[-1] = " "
+        self._characters[y][x : x + len(cells)] = cells
+        self._styles[y][x : x + len(cells)] = [style] * len(cells)
+
+    def put_cells(self, x: int, y: int, characters: str, styles: Sequence[Style]) -> None:
+        """Write ``characters`` of one cell each, every one in its own of ``styles``."""
+        if inside := self._inside(x, y, len(characters)):
+            there, part = slice(inside.start, inside.stop), slice(inside.start - x, inside.stop - x)
+            self._characters[y][there], self._styles[y][there] = characters[part], styles[part]
+
+    def is_blank(self, x: int, y: int, length: int) -> bool:
+        """Return whether nothing was written yet in ``length`` cells of row ``y`` from column ``x`` on."""
+        return (
+            len(self._inside(x, y, length)) == length
+            and self._characters[y][x : x + length] == [" "] * length
+        )
+
+    def at(self, x: int, y: int) -> str:
+        """Return what stands at column ``x`` of row ``y``, both inside."""
+        return self._characters[y][x]
+
+    def put_over(self, x: int, y: int, text: str, style: Style) -> None:
+        """Write ``text``, one cell a character, in the styles that are there, each with ``style`` over it."""
+        for place in self._inside(x, y, len(text)):
+            self.put(place, y, text[place - x], self._styles[y][place] + style)
+
+    def restyle(self, x: int, y: int, length: int, style: Style) -> None:
+        """Lay ``style`` over ``length`` cells of row ``y`` from column ``x`` on."""
+        for place in self._inside(x, y, length):
+            self._styles[y][place] += style
+
+    def _inside(self, x: int, y: int, length: int) -> range:
+        """Return which of ``length`` columns of row ``y`` from column ``x`` on there are."""
+        return range(max(0, x), min(x + length, self.width) if 0 <= y < self.height else max(0, x))
+
+    def strips(self) -> list[Strip]:
+        """Return the rows, neighbours of one style joined."""
+        return [
+            self._strip(characters, styles)
+            for characters, styles in zip(self._characters, self._styles, strict=True)
+        ]
+
+    def _strip(self, characters: list[str], styles: list[Style]) -> Strip:
+        segments, x = [], 0
+        for style, run in groupby(styles):
+            end = x + len(list(run))
+            segments.append(Segment("".join(characters[x:end]), style))
+            x = end
+        return Strip(segments, self.width)
+
+
+def _cells(text: str) -> list[str]:
+    """Return one string a cell; a character that takes two cells is followed by an empty one."""
+    cells: list[str] = []
+    for character in text:
+        width = cell_len(character)
+        if width == 0 and cells:
+            cells[-1] += character
+        elif width:
+            cells += [character, ""][:width]
+    return cells
+
+
+def shortened(text: str, width: int, ellipsis: str) -> str:
+    """Return ``text``, ended by ``ellipsis`` where it would take more than ``width`` cells."""
+    if cell_len(text) <= width:
+        return text
+    room = width - cell_len(ellipsis)
+    while text and cell_len(text) > room:
+        text = text[:-1]
+    return text.rstrip() + ellipsis if room >= 0 else ""
+
+
+def centred(text: str, width: int) -> str:
+    """Return ``text`` in the middle of ``width`` cells, rather left than right of it."""
+    before = max(0, width - len(text)) // 2
+    return (" " * before + text).ljust(width)
+
+
+# Lines of styled pieces
+
+
+KEPT_BLANK: Final = "\x1f"  # in texts to be wrapped: a blank at which no line ends
+
+
+def kept(text: str) -> str:
+    """Return ``text`` so that :func:`wrapped` ends no line within it."""
+    return text.replace(" ", KEPT_BLANK)
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A text that is shown whole or not at all; blanks at its start set it off from the one before."""
+
+    text: str
+    style: Style
+
+
+Line = Sequence[Piece]
+
+
+def spelled(line: Line, look: Look) -> list[Piece]:
+    """Return ``line`` in the characters that the terminal has."""
+    return [Piece(to_ascii(piece.text, look.glyphs), piece.style) for piece in line]
+
+
+def length(line: Line) -> int:
+    """Return how many cells ``line`` takes."""
+    return sum(cell_len(piece.text) for piece in line)
+
+
+def fitted(line: Line, width: int, look: Look) -> list[Piece]:
+    """Return the first pieces of ``line`` that fit into ``width`` cells; the first shortened if need be."""
+    kept: list[Piece] = []
+    room = width
+    for piece in spelled(line, look):
+        if cell_len(piece.text) > room:
+            if not kept:
+                kept.append(Piece(shortened(piece.text, width, look.glyphs.ellipsis), piece.style))
+            break
+        kept.append(piece)
+        room -= cell_len(piece.text)
+    return kept
+
+
+def first_that_fits(forms: Iterable[Line], width: int, look: Look) -> Line:
+    """Return the first of ``forms``, longest first, that fits into ``width`` cells, else the last."""
+    form: Line = ()
+    for form in forms:
+        if length(spelled(form, look)) <= width:
+            break
+    return form
+
+
+def strips_of(lines: Sequence[Line], width: int, height: int, look: Look) -> list[Strip]:
+    """Return the first ``height`` of ``lines`` as strips, blank ones below them."""
+    canvas = Canvas(width, height, look.palette.text)
+    for y, line in enumerate(lines[:height]):
+        x = 0
+        for piece in fitted(line, width, look):
+            canvas.put(x, y, piece.text, piece.style)
+            x += cell_len(piece.text)
+    return canvas.strips()
+
+
+def wrapped(
+    text: str, width: int, style: Style, look: Look, first: str = "", rest: str = ""
+) -> list[list[Piece]]:
+    """Return ``text`` as lines of at most ``width`` cells, broken at blanks, but not at KEPT_BLANK.
+
+    ``first`` stands before the first line, ``rest`` before the others; a word that is too long has its own.
+    """
+    lines: list[str] = []
+    current = first
+    is_begun = False
+    for word in to_ascii(text, look.glyphs).split(" "):
+        shown = word.replace(KEPT_BLANK, " ")
+        candidate = f"{current} {shown}" if is_begun else current + shown
+        if is_begun and cell_len(candidate) > width:
+            lines.append(current)
+            candidate = rest + shown
+        current, is_begun = candidate, True
+    return [[Piece(line, style)] for line in (*lines, current)]

@@ -1,0 +1,107 @@
+"""Where values and episodes of a chart stand among its cells and dots."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from rl_tui.screen.draw import braille
+from rl_tui.screen.draw.braille import Steps
+from rl_tui.screen.draw.scale import Scale
+from rl_tui.worlds.mdp.space import BoolArray, IntArray
+
+
+class Plot(NamedTuple):
+    """Where the curves are: from column ``left``, ``columns`` × ``rows`` cells, episodes 0 .. ``right``."""
+
+    left: int
+    columns: int
+    rows: int
+    right: float
+    scale: Scale
+
+    @property
+    def top(self) -> float:
+        """The value of the uppermost dot.
+
+        The highest label has the lowest dots of its row: a line somewhat below it then has a row of its own.
+        Where there is one row only, that holds the lowest value too.
+        """
+        above = braille.DOTS_DOWN - 1 if self.rows > 1 else 0
+        per_dot = (self.scale.high - self.scale.low) / (self.rows * braille.DOTS_DOWN - 1 - above)
+        return self.scale.high + above * per_dot
+
+    def column(self, episode: float) -> int:
+        """Return the column, from 0, of an episode."""
+        return int(episode / self.right * self.columns)
+
+    def row(self, value: float) -> int:
+        """Return the row of ``value``, placed as dots are, so that labels stand beside their lines.
+
+        What is below the axis, −∞ too, has the last row.
+        """
+        last = self.rows * braille.DOTS_DOWN - 1
+        dot = round((self.top - max(value, self.scale.low)) / (self.top - self.scale.low) * last)
+        return min(max(dot, 0), last) // braille.DOTS_DOWN
+
+    def braille_line(self, line: Steps) -> IntArray:
+        """Return the characters of ``line``, [rows, columns], braille.BLANK where it does not go."""
+        columns, rows = self.columns * braille.DOTS_ACROSS, self.rows * braille.DOTS_DOWN
+        return braille.braille_codes(self.line_dots(line, columns, rows))
+
+    def braille_edges(self, band: Steps) -> IntArray:
+        """Return the characters of two dotted lines, the lowest and the highest of ``band``.
+
+        [rows, columns], braille.BLANK where they do not go.
+        """
+        rows = self.rows * braille.DOTS_DOWN
+        dots = np.zeros((rows, self.columns * braille.DOTS_ACROSS), dtype=np.bool_)
+        dots[:, :: braille.DOTS_ACROSS] = braille.edges_of(self._span(band, self.columns, rows), rows)
+        return braille.braille_codes(dots)
+
+    def edges(self, band: Steps) -> BoolArray:
+        """Return the cells, [rows, columns], with the lowest or the highest of ``band``."""
+        return braille.edges_of(self._span(band, self.columns, self.rows), self.rows)
+
+    def filled_halves(self, band: Steps) -> IntArray:
+        """Return which half of each cell ``band`` takes from lowest to highest, as :meth:`halves` does."""
+        return _of_cells(self.filled_dots(band, self.columns, 2 * self.rows))
+
+    def halves(self, line: Steps) -> IntArray:
+        """Return which half of a cell ``line`` takes, [rows, columns]: 1 the upper, 2 the lower, 3 both."""
+        return _of_cells(self.line_dots(line, self.columns, 2 * self.rows))
+
+    def below(self, line: Steps) -> BoolArray:
+        """Return the columns, [columns], in which ``line`` goes below the axis."""
+        if not (line.low < self.scale.low).any():
+            return np.zeros(self.columns, dtype=np.bool_)
+        rows = self.rows * braille.DOTS_DOWN
+        return np.asarray(self._span(line, self.columns, rows).bottom >= rows)
+
+    def has_gap(self, line: Steps) -> bool:
+        """Return whether ``line`` is missing in a column between its start and its end."""
+        if not len(line.end):
+            return False
+        low, high = braille.decimated(line, self.right, self.columns)
+        behind = min(self.columns, math.ceil(float(line.end[-1]) / self.right * self.columns))
+        return bool((low > high)[self.column(float(line.start[0])) : behind].any())
+
+    def line_dots(self, line: Steps, columns: int, rows: int) -> BoolArray:
+        """Return the dots of ``line`` where there are columns × rows of them, [rows, columns]."""
+        return braille.dots_of(braille.joined(self._span(line, columns, rows)), rows)
+
+    def filled_dots(self, band: Steps, columns: int, rows: int) -> BoolArray:
+        """Return the dots from the lowest to the highest of ``band``, as :meth:`line_dots` does."""
+        return braille.dots_of(self._span(band, columns, rows), rows)
+
+    def _span(self, line: Steps, columns: int, rows: int) -> braille.Span:
+        low, high = braille.decimated(line, self.right, columns)
+        return braille.span(low, high, self.scale.low, self.top, rows)
+
+
+def _of_cells(halves: BoolArray) -> IntArray:
+    """Return for each cell, [rows, columns], which of its ``halves``, [2 rows, columns], are there."""
+    upper, lower = halves[::2].astype(np.int64), halves[1::2].astype(np.int64)
+    return upper + 2 * lower

@@ -1,0 +1,120 @@
+"""How states, actions, pairs, chances and breakpoints are called in running text."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+from typing import Final
+
+from rl_tui.live.pace.until import Breakpoints
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.draw.action_order import shown_place
+from rl_tui.screen.draw.canvas import shortened
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.worlds.drawing import Arms, CellKind, Grid
+from rl_tui.worlds.world import World
+
+LONGEST_NAME: Final = 14
+DEPENDS: Final = "?"
+"""In place of a probability, and behind rewards, that depend on how one came to a state."""
+DEPENDS_IN_FULL: Final = "depends on how you came here"
+_LARGEST_DENOMINATOR: Final = 12
+_MOST_LISTED = 6
+COUNTED: Final = ", counted from 0"
+_SIGN: Final = re.compile(r"(?<![\w.])-(?=[\d.])")
+
+
+def state_name(world: World, state: int, glyphs: Glyphs) -> str:
+    """Return the name of ``state``, shortened if it is long."""
+    return shortened(with_minus(world.space.state_names[state], glyphs), LONGEST_NAME, glyphs.ellipsis)
+
+
+def with_minus(name: str, glyphs: Glyphs) -> str:
+    """Return ``name`` with the minus of other numbers on screen before its own: ``−0.5, 0.01``."""
+    return _SIGN.sub(glyphs.minus, name)
+
+
+def action_name(world: World, action: int, glyphs: Glyphs) -> str:
+    """Return the arrow of ``action`` where it is a direction on a grid, its name (shortened) elsewhere."""
+    if isinstance(world.drawing, Grid):
+        direction = world.drawing.directions[action]
+        if direction is not None:
+            return glyphs.direction(direction)
+    return shortened(world.space.action_names[action], LONGEST_NAME, glyphs.ellipsis)
+
+
+def is_direction(world: World, action: int) -> bool:
+    """Return whether ``action`` is a direction on a grid, so that its name is an arrow."""
+    return isinstance(world.drawing, Grid) and world.drawing.directions[action] is not None
+
+
+def pair_name(world: World, pair: int, glyphs: Glyphs) -> str:
+    """Return ``6,←`` for the arguments of Q; an arm of a bandit has no state."""
+    action = action_name(world, int(world.space.pair_action[pair]), glyphs)
+    if isinstance(world.drawing, Arms):
+        return action
+    return f"{state_name(world, world.space.state_of(pair), glyphs)},{action}"
+
+
+def place(world: World, state: int) -> str:
+    """Return where ``state`` is on a grid, ``row 1, column 2, counted from 0``; empty elsewhere.
+
+    Empty too where the name of the state is no plain number: such a name tells the place in the world itself,
+    and a row of the drawing, which has many maps or tables side by side, would contradict it.
+    """
+    if not isinstance(world.drawing, Grid) or not world.space.state_names[state].isdecimal():
+        return ""
+    row, column = divmod(world.drawing.cell_of_state[state], world.drawing.columns)
+    return f"row {row}, column {column}{COUNTED}"
+
+
+def is_word(name: str) -> bool:
+    """Return whether the ``name`` of a state is a word: ``lost``."""
+    return len(name) > 1 and name.isalpha()
+
+
+def landmark(world: World, state: int) -> str:
+    """Return ``hole``, ``cliff`` or ``goal`` where ``state`` is one on a grid; empty elsewhere.
+
+    A state whose name is a word, as in a game of cards, is what that says.
+    """
+    if isinstance(world.drawing, Grid) and not is_word(world.space.state_names[state]):
+        kind = world.drawing.kinds[world.drawing.cell_of_state[state]]
+        if kind in (CellKind.HOLE, CellKind.CLIFF, CellKind.GOAL):
+            return str(kind)
+    return ""
+
+
+def chance(probability: float, glyphs: Glyphs) -> str:
+    """Return a probability as people write it: ``.8``, ``1/3``, ``1``."""
+    short = numbers.brief(probability, glyphs, decimals=3)
+    if abs(round(probability, 3) - probability) < numbers.NEGLIGIBLE:
+        return short
+    fraction = Fraction(probability).limit_denominator(_LARGEST_DENOMINATOR)
+    if abs(float(fraction) - probability) < numbers.NEGLIGIBLE:
+        return f"{fraction.numerator}/{fraction.denominator}"
+    return short
+
+
+def estimate_name(world: World, pair: int, glyphs: Glyphs) -> str:
+    """Return ``Q(6,←)``, of a bandit ``Q(3)``."""
+    return f"Q({pair_name(world, pair, glyphs)})"
+
+
+def pair_in_words(world: World, pair: int, glyphs: Glyphs) -> str:
+    """Return the pair as a place to stop at: ``6,←``; of a bandit ``arm 3``."""
+    name = pair_name(world, pair, glyphs)
+    return f"arm {name}" if isinstance(world.drawing, Arms) else name
+
+
+def breakpoints_text(world: World, breakpoints: Breakpoints, glyphs: Glyphs) -> str:
+    """Return all breakpoints in a line, states first: ``state 6; 4,←``; of many the first and a count."""
+    listed = [f"state {state_name(world, state, glyphs)}" for state in sorted(breakpoints.states)]
+    space = world.space
+    pairs = sorted(
+        breakpoints.pairs,
+        key=lambda pair: (space.state_of(pair), shown_place(world, int(space.pair_action[pair]))),
+    )
+    listed += [pair_in_words(world, pair, glyphs) for pair in pairs]
+    more = len(listed) - _MOST_LISTED
+    return "; ".join(listed[:_MOST_LISTED]) + (f" and {more:,} more" if more > 0 else "")

@@ -1,0 +1,178 @@
+"""One form for all numbers of a panel: as many decimals as most of them have room for, the same for each.
+
+The few that are too large for it are written with fewer: ``−1`` and ``1.0`` beside ``.94``. What a form
+would round to zero and is none keeps a sign of it: ``<.01``, ``>−.01``, and where that has no room ``0⁺``,
+``0⁻``. Exponents are written only where all numbers are that small.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.draw.precision import leading_zeros
+from rl_tui.screen.theme.glyphs import ASCII, UNICODE, Glyphs
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
+
+_BULK: Final = 0.8  # the share of numbers for which decimals must have room; others are written shorter
+_AT_EASE: Final = 1.1  # so many times larger numbers must fit too before a form gets finer again
+_BULK_AT_EASE: Final = 0.9  # and so large a share of them
+Values = Sequence[float] | FloatArray
+
+
+class NumberForm(NamedTuple):
+    """How the numbers of a panel are written, in at most ``width`` cells each.
+
+    ``decimals`` are those of every number, of its mantissa where it ``has_exponent``; with ``leading_zero``
+    fractions are 0.54, else .54. ``cells`` are what the longest number takes, ``marks_by_bound`` says that
+    there is room for ``<.01``.
+    """
+
+    width: int
+    decimals: int
+    has_exponent: bool = False
+    leading_zero: bool = True
+    marks_by_bound: bool = True
+    cells: int = 0
+
+    @property
+    def fineness(self) -> tuple[bool, int]:
+        """How small a number this form shows, to compare with others."""
+        return self.has_exponent, self.decimals
+
+    def text(self, x: float, glyphs: Glyphs = UNICODE) -> str:
+        """Return ``x`` in this form; what is too large for it in the longest form that fits."""
+        if not math.isfinite(x):
+            return numbers.value(x, self.width, glyphs)
+        if abs(x) < numbers.NEGLIGIBLE:
+            x = 0.0
+        text = self.written(x, glyphs)
+        is_short = len(text) > self.width or not self.decimals
+        if is_short and 0.0 < abs(x) < 1.0 and not self.has_exponent:
+            text = self._fraction(x, glyphs)
+        if x and not numbers.has_digits(text):
+            text = self._tiny(x, glyphs)
+        return text if len(text) <= self.width else numbers.value(x, self.width, glyphs, self.decimals)
+
+    def written(self, x: float, glyphs: Glyphs) -> str:
+        """Return a finite ``x`` rounded to these decimals, of any length."""
+        if not self.has_exponent:
+            return numbers.fixed(x, self.decimals, glyphs, self.leading_zero)
+        if not x:
+            return "0"
+        mantissa, exponent = f"{abs(x):.{self.decimals}e}".split("e")
+        return f"{glyphs.minus if x < 0.0 else ''}{mantissa}e{int(exponent)}"
+
+    def _fraction(self, x: float, glyphs: Glyphs) -> str:
+        """Return what is between −1 and 1 with a decimal at least; shortened it never becomes ±1.
+
+        ``−.5`` where two decimals do not fit, ``.99`` for .996 where ``1.00`` does not.
+        """
+        text = ""
+        for decimals in range(self.shown_decimals, 0, -1):
+            nearest = math.copysign(min(abs(x), 1.0 - 10.0**-decimals), x)
+            text = numbers.fixed(nearest, decimals, glyphs, leading_zero=False)
+            if len(text) <= self.width:
+                break
+        return text
+
+    @property
+    def shown_decimals(self) -> int:
+        """The decimals of fractions: one among whole numbers too."""
+        return max(1, self.decimals)
+
+    def _tiny(self, x: float, glyphs: Glyphs) -> str:
+        """Return a number that the decimals cannot tell from 0."""
+        if self.marks_by_bound:
+            least = _least(self.shown_decimals, glyphs)
+            return f">{glyphs.minus}{least}" if x < 0.0 else f"<{least}"
+        signs = ("0-", "0+") if glyphs is ASCII else ("0⁻", "0⁺")
+        return signs[x > 0.0]
+
+
+class SteadyForms:
+    """The forms in force in a panel, so that its columns do not jump while numbers grow and shrink.
+
+    A form gets coarser or wider as soon as it has to. It gets finer again only where larger numbers would
+    fit too. What belongs together has one ``key``.
+    """
+
+    def __init__(self) -> None:
+        self._forms: dict[Hashable, NumberForm] = {}
+
+    def clear(self) -> None:
+        """Forget all forms: another run begins."""
+        self._forms.clear()
+
+    def form(self, key: Hashable, values: Values, width: int, most: int = numbers.DECIMALS) -> NumberForm:
+        """Return what :func:`number_form` does, or the form that was in force under ``key``."""
+        form, before = number_form(values, width, most), self._forms.get(key)
+        if before is not None and before.width == width:
+            if form.fineness > before.fineness:
+                at_ease = _form(_AT_EASE * np.asarray(values), width, most, _BULK_AT_EASE)
+                form = at_ease if at_ease.fineness > before.fineness else before
+            form = form._replace(cells=max(form.cells, before.cells))  # what took more cells may come again
+            if form.fineness == before.fineness:
+                form = form._replace(
+                    leading_zero=form.leading_zero and before.leading_zero,
+                    marks_by_bound=form.marks_by_bound and before.marks_by_bound,
+                )
+        self._forms[key] = form
+        return form
+
+
+def number_form(values: Values, width: int, most: int = numbers.DECIMALS) -> NumberForm:
+    """Return the form for ``values`` in ``width`` cells; what is not finite does not count.
+
+    It has ``most`` decimals where four of five numbers that are not 0 have room for them, more where even
+    the largest number is below .01, and an exponent where the largest would not be seen otherwise.
+    """
+    return _form(np.asarray(values, dtype=np.float64), width, most, _BULK)
+
+
+def _form(values: FloatArray, width: int, most: int, bulk: float) -> NumberForm:
+    values = values[np.isfinite(values) & (np.abs(values) >= numbers.NEGLIGIBLE)]
+    ends = [float(values.min()), float(values.max())] if len(values) else [0.0, 0.0]
+    largest = max(map(abs, ends))
+    wanted = most + max(0, leading_zeros(largest) - 1) if largest else most
+    form = _plain(values, ends, width, wanted, bulk)
+    if 0.0 < largest < 10.0**-form.decimals:
+        exponents = (NumberForm(width, decimals, has_exponent=True) for decimals in (1, 0))
+        form = next((each for each in exponents if _fit(each, ends)), form)
+    room = len(_least(form.shown_decimals, UNICODE)) + (2 if ends[0] < 0.0 else 1)
+    cells = max(len(form.text(end)) for end in (*ends, 0.0)) if _fit(form, ends) else width
+    return form._replace(cells=cells, marks_by_bound=room <= width)
+
+
+def _plain(values: FloatArray, ends: list[float], width: int, wanted: int, bulk: float) -> NumberForm:
+    """Return the finest form without exponent in which the share ``bulk`` of ``values`` fit."""
+    leads = (True, False) if width >= numbers.ROOM_FOR_ZERO else (False,)
+    for decimals in range(wanted, -1, -1):
+        for leading_zero in leads:
+            form = NumberForm(width, decimals, leading_zero=leading_zero)
+            fitting = np.count_nonzero(_lengths(form, values) <= width) if len(values) else 0
+            if _fit(form, ends) or 0 < bulk * len(values) <= fitting:
+                return form
+    return NumberForm(width, 0, leading_zero=False)
+
+
+def _fit(form: NumberForm, ends: list[float]) -> bool:
+    return all(len(form.written(end, UNICODE)) <= form.width for end in ends)
+
+
+def _lengths(form: NumberForm, values: FloatArray) -> IntArray:
+    """Return how many cells each of ``values`` takes in a ``form`` without exponent."""
+    rounded = np.round(np.abs(values), form.decimals)
+    whole = np.floor(np.log10(np.maximum(rounded, 1.0))).astype(np.int64) + 1
+    if form.decimals and not form.leading_zero:
+        whole -= rounded < 1.0
+    return whole + (values < 0.0) + (1 + form.decimals if form.decimals else 0)
+
+
+def _least(decimals: int, glyphs: Glyphs) -> str:
+    """Return the least number above 0 that so many decimals show."""
+    return numbers.fixed(10.0**-decimals, decimals, glyphs, leading_zero=False)

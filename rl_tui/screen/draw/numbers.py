@@ -1,0 +1,168 @@
+"""Numbers for people: never wider than their room, and never a small number passed off as zero."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Final
+
+from rl_tui.screen.theme.glyphs import UNICODE, Glyphs
+
+DECIMALS: Final = 3
+NEGLIGIBLE: Final = 1e-9  # exact answers are good to this, so differences below it say nothing
+ROOM_FOR_ZERO: Final = 5  # from this width on fractions are written 0.54, below it .54
+_COMMA_FROM: Final = 10_000
+_FIGURE_DECIMALS: Final = ((3, 1.0), (2, 100.0), (1, 1_000.0))  # those of figures below that
+_LEAST_FIGURE: Final = 6  # cells of an exact figure in short
+_THOUSANDS_TO: Final = 1e6  # above that exponents are read more easily
+_SCALES: Final = ((1.0, ""), (1e3, "k"), (1e6, "M"), (1e9, "G"), (1e12, "T"))
+
+
+def value(x: float, width: int, glyphs: Glyphs = UNICODE, decimals: int = DECIMALS) -> str:
+    """Return ``x`` in at most ``width`` cells, with as many decimals as fit, ``decimals`` at the most.
+
+    ``0.540``, ``.54``, ``−1.20``, ``12.3``, ``1.2e6``. A number that would round to zero is
+    written ``4e-4`` where that fits, except below 1e-9. Where an exponent does not fit either, it is
+    written ``−12k``, ``−.1M``; where nothing fits, ``width`` times ``#``.
+    """
+    if not math.isfinite(x):
+        text = "nan" if math.isnan(x) else "inf" if x > 0 else f"{glyphs.minus}inf"
+        return text if len(text) <= width else "#" * width
+    if abs(x) < NEGLIGIBLE:
+        x = 0.0
+    leading_zero = width >= ROOM_FOR_ZERO
+    plain = _widest_that_fits(
+        (fixed(x, each, glyphs, leading_zero) for each in range(decimals, -1, -1)), width
+    )
+    if plain and (x == 0.0 or has_digits(plain)):
+        return plain
+    forms = _with_exponent(x, glyphs) if abs(x) < 1.0 else _in_short(x, glyphs)
+    return _widest_that_fits(forms, width) or plain or "#" * width
+
+
+def missing(glyphs: Glyphs) -> str:
+    """Return what is written in place of a number where there is none."""
+    return "-" if glyphs.name == "ascii" else "–"
+
+
+def figure(x: float, width: int, glyphs: Glyphs = UNICODE) -> str:
+    """Return an exact figure in at most ``width`` cells (6 at least): ``.119``, ``13.00``, ``−65,375``.
+
+    Fractions have three decimals, what is larger has fewer. What does not fit is written ``−1.3e5``.
+    """
+    size = abs(x)
+    decimals = next((each for each, end in _FIGURE_DECIMALS if round(size, each) < end), 0)
+    text = fixed(x, decimals, glyphs, leading_zero=False) if decimals else whole(x, glyphs)
+    if not has_digits(text):
+        return "0" if size < NEGLIGIBLE else value(x, _LEAST_FIGURE, glyphs)
+    return text if len(text) <= width else value(x, _LEAST_FIGURE, glyphs)
+
+
+def whole(x: float, glyphs: Glyphs = UNICODE) -> str:
+    """Return ``x`` without decimals, from 10,000 on with commas: ``−6146``, ``−65,375``."""
+    text = fixed(x, 0, glyphs)
+    return f"{x:,.0f}".replace("-", glyphs.minus) if abs(float(f"{x:.0f}")) >= _COMMA_FROM else text
+
+
+def fixed(x: float, decimals: int, glyphs: Glyphs = UNICODE, leading_zero: bool = True) -> str:
+    """Return ``x`` with so many decimals; without ``leading_zero`` fractions are ``.54``. Never ``−0``."""
+    text = f"{x:.{decimals}f}"
+    if not has_digits(text):
+        text = text.removeprefix("-")
+    text = text.replace("-", glyphs.minus)
+    return text if leading_zero else _without_leading_zero(text)
+
+
+def brief(x: float, glyphs: Glyphs = UNICODE, leading_zero: bool = False, decimals: int = 6) -> str:
+    """Return ``x`` with no more decimals than it has, up to ``decimals``: ``−2``, ``.1``, ``.333333``."""
+    if abs(x) >= 1e7 or 0.0 < abs(x) < 10.0**-decimals:
+        return scientific(x, 2, glyphs)
+    text = fixed(x, decimals, glyphs)
+    if "." in text:
+        text = text.rstrip("0").rstrip(".")
+    return text if leading_zero else _without_leading_zero(text)
+
+
+def scientific(x: float, decimals: int, glyphs: Glyphs = UNICODE) -> str:
+    """Return ``x`` with an exponent, its mantissa with at most so many decimals: ``2.73e-5``, ``−3e11``."""
+    mantissa, exponent = f"{x:.{decimals}e}".split("e")
+    if "." in mantissa:
+        mantissa = mantissa.rstrip("0").rstrip(".")
+    return f"{mantissa}e{int(exponent)}".replace("-", glyphs.minus, 1 if x < 0 else 0)
+
+
+def count(n: int, width: int | None = None) -> str:
+    """Return ``n`` (0 or more) with commas; short (``12.3k``) where that is wider than ``width``."""
+    text = f"{n:,}"
+    if width is None or len(text) <= width:
+        return text
+    forms = [_scaled(n, decimals, "") for decimals in (1, 0)]
+    return next((form for form in forms if len(form) <= width), forms[-1])
+
+
+def rate(steps_per_second: float) -> str:
+    """Return a speed in short: ``38 M/s``, ``950/s``."""
+    return f"{_speed(steps_per_second, short=True)}/s"
+
+
+def long_rate(steps_per_second: float) -> str:
+    """Return a speed in words: ``37.4 M steps/s``, ``950 steps/s``."""
+    return f"{_speed(steps_per_second, short=False)} steps/s"
+
+
+def percent(share: float) -> str:
+    """Return a share (0 to 1) in whole per cent; 0 % and 100 % only where it is exactly that."""
+    whole = round(100.0 * share)
+    if whole == 100 and share < 1.0:
+        return ">99 %"
+    if whole == 0 and share > 0.0:
+        return "<1 %"
+    return f"{whole} %"
+
+
+def _speed(x: float, short: bool) -> str:
+    exact = _scaled(x, 1, " ")
+    number, _, unit = exact.partition(" ")
+    return exact if float(number) < 10 or (unit and not short) else _scaled(x, 0, " ")
+
+
+def _scaled(x: float, decimals: int, gap: str) -> str:
+    """Return ``x`` in the first unit in which it stays below 1,000, the largest if none."""
+    texts = [(f"{x / scale:.{decimals}f}", unit) for scale, unit in _SCALES]
+    text, unit = next((each for each in texts if float(each[0]) < 1_000), texts[-1])
+    return f"{text}{gap}{unit}" if unit else text
+
+
+def _in_short(x: float, glyphs: Glyphs) -> list[str]:
+    """Return forms of a large ``x``, the longest first; those in units cover what exponents do not.
+
+    A mantissa without a decimal says no more than thousands: ``−50k`` stands beside ``−47k``.
+    """
+    exponents = _with_exponent(x, glyphs)
+    longer = [form for form in exponents if "." in form or abs(x) >= _THOUSANDS_TO]
+    shortest = exponents[-1]
+    units = [(x / scale, unit) for scale, unit in _SCALES[1:]]
+    whole = [fixed(part, 0, glyphs) + unit for part, unit in units if 1.0 <= abs(part) < 999.5]
+    tenths = [
+        fixed(part, 1, glyphs, leading_zero=False) + unit for part, unit in units if 0.095 <= abs(part) < 0.95
+    ]
+    bound = [f"<{glyphs.minus}1T" if x < 0.0 else ">1T"] if abs(x) > 1e12 else []
+    return [*longer, *whole, shortest, *tenths, *bound]
+
+
+def _with_exponent(x: float, glyphs: Glyphs) -> list[str]:
+    return [scientific(x, decimals, glyphs) for decimals in (2, 1, 0)]
+
+
+def _without_leading_zero(text: str) -> str:
+    return text.replace("0.", ".", 1) if text.lstrip("−-").startswith("0.") else text
+
+
+def _widest_that_fits(forms: Iterable[str], width: int) -> str:
+    """Return the first of ``forms`` that fits, empty if none does."""
+    return next((form for form in forms if len(form) <= width), "")
+
+
+def has_digits(text: str) -> bool:
+    """Return whether ``text`` shows more than zeros."""
+    return any(digit in text for digit in "123456789")

@@ -1,0 +1,82 @@
+"""Numbers of one equation: rounded alike, so that working it out from what is printed gives the same."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.theme.glyphs import Glyphs
+
+_LONGEST: Final = 6  # decimals that are always written out
+_SMALL: Final = 1e-3  # from here on further ones are as well, below it only where that is no longer
+_LARGEST: Final = 1e6  # from here on numbers are written with an exponent
+_SLACK: Final = 1e-6  # of a digit: what binary fractions add
+
+
+def figure(x: float, decimals: int, glyphs: Glyphs, nothing: float = numbers.NEGLIGIBLE) -> str:
+    """Return ``x`` rounded to ``decimals`` (−3: to thousands): ``.000130``, ``1.3e-8``, ``−3e11``.
+
+    What is not above ``nothing`` is 0. Whole numbers and tenths stand as they are. A number that so many
+    decimals would not show keeps three digits of its own.
+    """
+    if abs(x) <= nothing:
+        return "0"
+    rounded, short = round(x, decimals), round(x, 1)
+    if abs(x) < _LARGEST and (decimals > 0 or not rounded) and short and abs(short - x) <= nothing:
+        return numbers.brief(short, glyphs)
+    if not rounded:
+        return numbers.scientific(x, 2, glyphs)
+    exponent = numbers.scientific(rounded, max(0, magnitude(rounded) + decimals), glyphs)
+    if decimals < 0 or (decimals == 0 and abs(rounded) >= _LARGEST):
+        return exponent
+    plain = numbers.fixed(x, max(0, decimals), glyphs, leading_zero=False)
+    is_short = decimals <= _LONGEST or abs(rounded) >= _SMALL or len(plain) <= len(exponent)
+    return plain if is_short else exponent
+
+
+def column_figure(x: float, decimals: int, glyphs: Glyphs) -> str:
+    """Return ``x`` with just so many decimals, to stand above others: ``.542``, ``0``, ``−1.250``."""
+    if abs(x) < numbers.NEGLIGIBLE:
+        return "0"
+    if abs(x) >= _LARGEST:
+        return numbers.value(x, 8, glyphs)
+    text = numbers.fixed(x, decimals, glyphs, leading_zero=False)
+    return text if numbers.has_digits(text) else numbers.value(x, 6, glyphs)
+
+
+def parsed(text: str, glyphs: Glyphs) -> float:
+    """Return the number that ``text`` tells its reader."""
+    return float(text.replace(glyphs.minus, "-"))
+
+
+def agrees(worked_out: float, shown: str, glyphs: Glyphs, decimals: int, digits: float = 1.0) -> bool:
+    """Return whether ``shown``, of so many decimals, is ``worked_out`` up to ``digits`` of its last digit."""
+    known = parsed(shown, glyphs)
+    unit = float(10.0**-decimals)
+    if 0.0 < abs(known) <= 0.5 * unit:
+        unit = last_digit(shown)
+    allowed: float = (digits + _SLACK) * unit
+    return abs(worked_out - known) <= allowed
+
+
+def comes_to(worked_out: float, shown: str, glyphs: Glyphs) -> bool:
+    """Return whether ``worked_out`` is ``shown`` up to the last digit that is printed of it."""
+    return abs(worked_out - parsed(shown, glyphs)) <= last_digit(shown)
+
+
+def magnitude(x: float) -> int:
+    """Return the power of ten that is the first digit's of ``x``, 0 for 0: −3 for .0042."""
+    return math.floor(math.log10(abs(x))) if x else 0
+
+
+def leading_zeros(*values: float) -> int:
+    """Return how many zeros follow the point of the largest number; below 0 the digits beyond a million."""
+    largest = magnitude(max(map(abs, values), default=0.0))
+    return max(0, -1 - largest) if largest < math.log10(_LARGEST) else -largest
+
+
+def last_digit(text: str) -> float:
+    """Return what the last digit of a printed number counts: .01 for ``.36``."""
+    mantissa, _, exponent = text.partition("e")
+    return 10.0 ** (int(exponent or "0") - len(mantissa.partition(".")[2]))

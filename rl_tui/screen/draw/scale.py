@@ -1,0 +1,105 @@
+"""Axes that stay put: round bounds and labels, which change in steps only."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.theme.glyphs import Glyphs
+
+FIRST_RANGE: Final = 10.0
+_MOST_TICKS: Final = 4
+_MOST_EMPTY: Final = 0.28  # of the axis, at either end: 0 to .74 has one that ends at 1
+_LEAST_SHARE: Final = 0.5  # of the axis that the data must take more than, else it shrinks
+_SPARE: Final = 1.2  # times the data must fit into an axis that has shrunk
+_MOST_FIXED: Final = 4  # decimals of a label, else it has an exponent
+# Each is at most a quarter more than the one before
+_ROUND: Final = (1.0, 1.2, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """A vertical axis from ``low`` to ``high``, with a label at every multiple of ``step``."""
+
+    low: float
+    high: float
+    step: float
+
+    @property
+    def ticks(self) -> list[float]:
+        """The labelled values, two to four, lowest first."""
+        first, last = math.ceil(self.low / self.step - 1e-9), math.floor(self.high / self.step + 1e-9)
+        return [each * self.step for each in range(first, last + 1)]
+
+    @property
+    def outer_labels(self) -> tuple[float, float]:
+        """The nearest labels that hold the whole axis between them, be they on it or not."""
+        first, last = math.floor(self.low / self.step + 1e-9), math.ceil(self.high / self.step - 1e-9)
+        return first * self.step, last * self.step
+
+
+def round_scale(low: float, high: float) -> Scale:
+    """Return an axis with two to four round labels that holds 0 and ``low`` .. ``high`` closely.
+
+    It ends at labels, or where more than a quarter or so would be empty at one end then, between them.
+    """
+    low, high = min(low, 0.0), max(high, 0.0)
+    if high - low < numbers.NEGLIGIBLE:
+        return Scale(0.0, 1.0, 1.0)
+    power = 10.0 ** (math.floor(math.log10(high - low)) - 1)
+    steps = [digit * power * ten for ten in (1.0, 10.0, 100.0) for digit in (1.0, 2.0, 5.0)]
+    for parts in (1.0, 2.0, 5.0):
+        for step in steps:
+            part = step / parts
+            first, last = math.floor(low / part + 1e-9), math.ceil(high / part - 1e-9)
+            scale = Scale(first * part, last * part, step)
+            empty = max(low - scale.low, scale.high - high)
+            if empty <= _MOST_EMPTY * (scale.high - scale.low) and 2 <= len(scale.ticks) <= _MOST_TICKS:
+                return scale
+    raise AssertionError("some step with two to four labels always does")
+
+
+def settled(previous: Scale | None, low: float, high: float, *, may_shrink: bool = True) -> Scale:
+    """Return ``previous`` as long as ``low`` .. ``high`` fits into it and does not look lost in it.
+
+    Unless it ``may_shrink``, it is kept however lost they look.
+    """
+    if previous is None or low < previous.low or high > previous.high:
+        return round_scale(low, high)
+    # with room to spare, so that values near its end do not make it grow again at once
+    smaller = round_scale(_SPARE * low, _SPARE * high)
+    lost = smaller.high - smaller.low <= _LEAST_SHARE * (previous.high - previous.low) * (1.0 + 1e-9)
+    return smaller if lost and may_shrink else previous
+
+
+def round_range(last: float, limit: float | None = None) -> float:
+    """Return the right end of an axis from 0 to ``last`` or somewhat more.
+
+    It is 10 or more and goes in steps, so that it changes rarely and at most a fifth of the axis is empty;
+    ``limit``, the largest value that will ever come, keeps it from going further than needed.
+    """
+    needed = max(last, FIRST_RANGE)
+    power = 10.0 ** math.floor(math.log10(needed))
+    right = next(power * digit for digit in _ROUND if needed <= power * digit * (1.0 + 1e-12))
+    return right if limit is None else min(right, limit)
+
+
+def tick_label(x: float, step: float, glyphs: Glyphs) -> str:
+    """Return ``x`` with the decimals of ``step``: ``0``, ``0.5``, ``−200``, ``20k``."""
+    if abs(x) < numbers.NEGLIGIBLE * step:
+        return "0"
+    if abs(x) >= 1e15:
+        return numbers.value(x, 5, glyphs)
+    if step >= 1_000.0:
+        short = numbers.count(round(abs(x)), 4).replace(".0", "")
+        return (glyphs.minus if x < 0 else "") + short
+    decimals = max(0, -math.floor(math.log10(step) + 1e-9))
+    return numbers.fixed(x, decimals, glyphs) if decimals <= _MOST_FIXED else numbers.value(x, 5, glyphs)
+
+
+def tick_step(right: float, most: int) -> float:
+    """Return the smallest 1, 2 or 5 times a power of ten, at least 1, that fits ``most`` times or less."""
+    step = 10.0 ** max(0, math.floor(math.log10(max(1.0, right / max(1, most)))))
+    return next(step * digit for digit in (1.0, 2.0, 5.0, 10.0) if right / (step * digit) <= max(1, most))

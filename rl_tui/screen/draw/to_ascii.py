@@ -1,0 +1,115 @@
+"""Texts for people in the characters that the terminal has."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from rl_tui.screen.theme.glyphs import Glyphs
+
+_SPELLED: Final = {
+    "α": "alpha",
+    "γ": "gamma",
+    "ε": "epsilon",
+    "δ": "delta",
+    "θ": "theta",
+    "λ": "lambda",
+    "τ": "tau",
+    "π": "pi",
+    "σ": "sigma",
+    "μ": "mu",
+    "−": "-",
+    "–": "-",
+    "—": "-",
+    "…": "...",
+    "·": "*",
+    "×": "x",
+    "←": "<-",
+    "→": "->",
+    "↑": "^",
+    "↓": "v",
+    "′": "'",
+    "’": "'",
+    "‘": "'",
+    "“": '"',
+    "”": '"',
+    "₀": "0",
+    "₁": "1",
+    "₂": "2",
+    "₃": "3",
+    "ₙ": "n",
+    "ₜ": "t",
+    "₊": "+",
+    "ⁿ": "^n",
+    "ᵀ": "^T",
+    "√": "sqrt",
+    "\u0304": "bar",
+    "↖": "^<",
+    "↗": "^>",
+    "↙": "v<",
+    "↘": "v>",
+    "⁰": "0",
+    "¹": "^1",
+    "²": "^2",
+    "³": "^3",
+    "⁵": "^5",
+    "⁶": "^6",
+    "⁷": "^7",
+    "⁺": "+",
+    "⁻": "-",
+    "Σ": "sum",
+    "≤": "<=",
+    "≥": ">=",
+    "≈": "~",
+    "≠": "x",
+    "±": "+/-",
+    "∞": "inf",
+    "⟨": "<",
+    "⟩": ">",
+    "✓": "v",
+    "✗": "x",
+    "★": "G",
+    "●": "O",
+    "◉": "@",
+    "▸": ">",
+    "◆": "+",
+    "◈": "W",
+    "↻": "T",
+    "╱": "/",
+    "╍": ":",
+    "┻": "Y",
+    "█": "#",
+    "▓": "%",
+    "┈": ".",
+    "░": ":",
+    "•": '"',
+    "◦": "'",
+    "¼": "1/4",
+    "½": "1/2",
+    "¾": "3/4",
+    "⅓": "1/3",
+    "⅔": "2/3",
+    "é": "e",
+    "ö": "o",
+    "ü": "u",
+    "ä": "a",
+}
+
+# One star is a product; what stands for any action has the name that textbooks give it: max Q(s',a)
+_ANY_ACTION: Final = (",·)", ",a)")
+# Spelled out, a letter needs a blank before what it multiplies: gamma V, delta e
+_FACTOR: Final = re.compile(r"([αγεδθλτπσμΣ])(?=[A-Za-zα-ω])")
+
+
+def to_ascii(text: str, glyphs: Glyphs) -> str:
+    """Return ``text``, in ASCII where ``glyphs`` is the ASCII set; what has no spelling becomes ``?``."""
+    if glyphs.name != "ascii":
+        return text
+    apart = _FACTOR.sub(r"\1 ", text.replace(*_ANY_ACTION))
+    spelled = "".join(_SPELLED.get(character, character) for character in apart)
+    return spelled.encode("ascii", "replace").decode("ascii")
+
+
+def separated(text: str, glyphs: Glyphs) -> str:
+    """Return ``text`` like :func:`to_ascii`, where a dot between blanks separates parts: no product."""
+    return to_ascii(text.replace(" · ", " – "), glyphs) if glyphs.name == "ascii" else text

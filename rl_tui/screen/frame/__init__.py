@@ -1,0 +1,1 @@
+"""What every screen has: keys, hints, arrangement."""

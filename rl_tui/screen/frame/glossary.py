@@ -1,0 +1,250 @@
+"""The glossary screen (? and /): words at the mouse or the focus first, then all others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import ClassVar, Final
+
+from rich.cells import cell_len
+from rich.text import Text
+from textual import on
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import VerticalScroll
+from textual.geometry import Region
+from textual.screen import Screen
+from textual.widget import Widget
+from textual.widgets import Input, OptionList, Static
+from textual.widgets.option_list import Option
+
+from rl_tui.screen.dialogs.dialog import Dialog
+from rl_tui.screen.draw.to_ascii import separated, to_ascii
+from rl_tui.screen.frame.number_here import NumberHere, number_here
+from rl_tui.screen.glossary.glossary import (
+    BOOK,
+    FigureSetting,
+    GlossaryTerm,
+    figure_text,
+    glossary,
+    search,
+    term_at,
+    terms_called,
+)
+from rl_tui.screen.kit.panel import Panel
+from rl_tui.screen.kit.row import PanelRow
+from rl_tui.screen.kit.snapshot_facts import figure_setting
+from rl_tui.screen.panels.controls.slider import Slider
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.screen.theme.look import Look
+
+# The screen
+
+
+ASKS_FOR_HELP: Final = True
+NUMBER: Final = "number under the cursor"  # in place of the id of a term
+_LONGEST_LINE: Final = 44  # cells of a word and its other names in the list
+_LONGEST: Final = 40  # characters of a search
+
+
+class GlossarySearch(Input):
+    """Takes what is typed but for the question mark, which goes on to the help."""
+
+    def check_consume_key(self, key: str, character: str | None) -> bool:
+        """Return whether ``key`` is typed here rather than a key of the screen."""
+        return key != "question_mark" and super().check_consume_key(key, character)
+
+
+class GlossaryScreen(Dialog[bool]):
+    """The terms with the ids ``here``, the first of them shown; all terms where there are none.
+
+    ``NUMBER`` among them is the ``number`` under the cursor. What is said of a figure has the numbers of
+    ``setting``, where there is a run. What is typed searches all. Answers ``ASKS_FOR_HELP`` where the whole
+    help is wanted.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("question_mark", "help", "help", id="glossary.help", tooltip="Show the help.", priority=True),
+        Binding("up", "move('cursor_up')", "word before", id="glossary.up", tooltip="The word before."),
+        Binding("down", "move('cursor_down')", "next word", id="glossary.down", tooltip="The next word."),
+        Binding("pageup", "turn('page_up')", "up", id="glossary.page_up", tooltip="Scroll the paragraph up."),
+        Binding(
+            "pagedown",
+            "turn('page_down')",
+            "down",
+            id="glossary.page_down",
+            tooltip="Scroll the paragraph down.",
+        ),
+    ]
+
+    def __init__(
+        self,
+        look: Look,
+        here: Sequence[str] = (),
+        number: NumberHere | None = None,
+        setting: FigureSetting | None = None,
+    ) -> None:
+        super().__init__()
+        self._look = look
+        self._here = tuple(here)
+        self._number = number
+        self._setting = setting
+
+    def compose(self) -> ComposeResult:
+        """Yield the search, the list and the paragraph."""
+        title = "Words here" if self._here else "Glossary"
+        with self.box(title, self._written("↑ ↓: word  pgdn: more  ?: help  esc: close"), "tall"):
+            yield GlossarySearch(
+                placeholder="type to search all words", compact=True, max_length=_LONGEST, id="search"
+            )
+            yield OptionList(id="words")
+            with VerticalScroll(can_focus=False, id="paragraph"):
+                yield Static(markup=False)
+
+    def on_mount(self) -> None:
+        """Show the words of the place; letters go into the search."""
+        words = self.query_one(OptionList)
+        words.can_focus = False
+        self._list(self._here or tuple(glossary()))
+        self.query_one(Input).focus()
+
+    @on(Input.Changed)
+    def find(self, event: Input.Changed) -> None:
+        """List what was searched for; nothing typed: the words of the place again."""
+        self._list(search(event.value) if event.value else self._here or tuple(glossary()))
+
+    @on(OptionList.OptionHighlighted)
+    def explain(self, event: OptionList.OptionHighlighted) -> None:
+        """Show the paragraph of the word under the cursor."""
+        if event.option_id == NUMBER and self._number is not None:
+            number = self._number
+            text = Text(self._written(f"{number.meaning}\n\n"))
+            self._show(text.append(self._figure(glossary()[number.term])))
+        elif event.option_id is not None:
+            self._show(self._paragraph(glossary()[event.option_id]))
+
+    def action_move(self, command: str) -> None:
+        """Go to another word of the list."""
+        words = self.query_one(OptionList)
+        getattr(words, f"action_{command}")()
+
+    def action_turn(self, command: str) -> None:
+        """Scroll the paragraph, where it is longer than its room."""
+        getattr(self.query_one("#paragraph"), f"action_{command}")()
+
+    def action_help(self) -> None:
+        """Close, and ask for the help."""
+        self.dismiss(ASKS_FOR_HELP)
+
+    def _list(self, ids: Sequence[str]) -> None:
+        words = self.query_one(OptionList)
+        words.clear_options()
+        words.add_options(Option(self._line(each), id=each) for each in ids)
+        if ids:
+            words.highlighted = 0
+        else:
+            self._show(Text("nothing found"))
+
+    def _line(self, id_: str) -> Text:
+        if id_ == NUMBER and self._number is not None:
+            return Text(self._written(self._number.name), "bold").append("  here", "not bold dim")
+        term = glossary()[id_]
+        word, others = self._written(term.word), ""
+        for name in term.also:
+            longer = f"{others}, {self._written(name)}" if others else f"  {self._written(name)}"
+            if name in term.word or cell_len(word + longer) > _LONGEST_LINE:
+                continue
+            others = longer
+        return Text(word, "bold").append(others, "not bold dim")
+
+    def _paragraph(self, term: GlossaryTerm) -> Text:
+        book = term.book if term.is_elsewhere else f"{BOOK}, {term.book}"
+        text = Text(self._written(f"{term.text}\n\n"))
+        text.append(self._written(f"    {term.equation}\n\n"), "bold")
+        text.append(self._figure(term))
+        return text.append(self._written(book), "italic")
+
+    def _figure(self, term: GlossaryTerm) -> str:
+        """Return what is said of a term that names a figure; nothing of others."""
+        if term.figure is None:
+            return ""
+        return self._written(separated(f"{figure_text(term.figure, self._setting)}\n\n", self._look.glyphs))
+
+    def _show(self, text: Text) -> None:
+        self.query_one("#paragraph", VerticalScroll).scroll_home(animate=False)
+        self.query_one(Static).update(text)
+
+    def _written(self, text: str) -> str:
+        return to_ascii(text, self._look.glyphs)
+
+
+# What the person points at
+
+
+def words_here(
+    screen: Screen[None],
+    rows: Mapping[str, PanelRow],
+    glyphs: Glyphs,
+    *,
+    has_number: bool = False,
+    is_number_first: bool = False,
+) -> tuple[str, ...]:
+    """Return the ids of the terms to explain, the one pointed at first; none where nothing is asked about.
+
+    A word under the mouse comes before what is in focus, and brings those of its panel with it.
+    ``has_number`` says that there is a number, ``NUMBER``, to ask about next; ``is_number_first`` that the
+    mouse is on it. Then a word there comes behind it.
+    """
+    under_mouse, word = _word_under_mouse(screen, rows, glyphs)
+    found = [word] if word is not None else []
+    if has_number:
+        found.insert(0 if is_number_first else len(found), NUMBER)
+    for widget in (under_mouse if word is not None or is_number_first else None, screen.focused):
+        if widget is not None:
+            found += _words_of(widget, rows)
+    return tuple(dict.fromkeys(found))
+
+
+def number_under_mouse(screen: Screen[None], look: Look) -> NumberHere | None:
+    """Return the number of the cell of world or table that the mouse is on, None where it is on none."""
+    position = screen.app.mouse_position
+    if not screen.region.contains_point(position):
+        return None
+    widget, _ = screen.get_widget_at(*position)
+    if not widget.content_region.contains_point(position):
+        return None
+    return number_here(widget, look, position - widget.content_region.offset)
+
+
+def setting_here(screen: Screen[None], glyphs: Glyphs) -> FigureSetting | None:
+    """Return what is in force for the figures on ``screen``, None where it shows no run."""
+    shown = (panel.snapshot for panel in screen.query(Panel) if panel.snapshot is not None)
+    snapshot = next(shown, None)
+    return None if snapshot is None else figure_setting(snapshot, glyphs)
+
+
+def _word_under_mouse(
+    screen: Screen[None], rows: Mapping[str, PanelRow], glyphs: Glyphs
+) -> tuple[Widget | None, str | None]:
+    position = screen.app.mouse_position
+    if not screen.region.contains_point(position):
+        return None, None
+    widget, region = screen.get_widget_at(*position)
+    if widget is screen:
+        return None, None
+    column, row = position.x - region.x, position.y - region.y
+    lines = widget.render_lines(Region(0, row, region.width, 1))
+    about = [term for panel in _panels_of(widget, rows) for term in panel.terms] or None
+    return (widget, term_at(lines[0].text, column, glyphs, about)) if lines else (widget, None)
+
+
+def _words_of(widget: Widget, rows: Mapping[str, PanelRow]) -> Iterator[str]:
+    if isinstance(widget, Slider):
+        yield from terms_called([widget.parameter.symbol])
+    for panel in _panels_of(widget, rows):
+        yield from panel.terms
+
+
+def _panels_of(widget: Widget, rows: Mapping[str, PanelRow]) -> Iterator[PanelRow]:
+    for node in widget.ancestors_with_self:
+        if node.id is not None and node.id in rows:
+            yield rows[node.id]

@@ -1,0 +1,226 @@
+"""The help screen: how to read the panels, all keys, and the notes of the scenario."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+from textwrap import wrap
+from typing import ClassVar, Final, NamedTuple
+
+from rich.segment import Segment
+from rich.style import Style
+from rich.text import Text
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import VerticalScroll
+from textual.geometry import Size
+from textual.strip import Strip
+from textual.widget import Widget
+from textual.widgets import Static
+
+from rl_tui.screen.dialogs.dialog import Dialog
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.frame.notes import notes_markdown
+from rl_tui.screen.keys.action import Action
+from rl_tui.screen.kit.row import PanelRow
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.screen.theme.look import Look
+
+# Terms and their meanings
+
+
+_LEFT: Final = 14  # columns
+_BOLD: Final = Style(bold=True)
+
+
+class Explanation(NamedTuple):
+    """What ``term`` means; a heading where there is no ``meaning``."""
+
+    term: str
+    meaning: str = ""
+
+
+class Explained(Widget):
+    """Draws ``rows`` in the characters of ``glyphs``, as high as they come out at its width.
+
+    A line is only made when it is drawn, and nothing but wrapping is needed to know how many there are.
+    """
+
+    DEFAULT_CSS = """
+    Explained {
+        width: 1fr;
+        height: auto;
+    }
+    """
+
+    def __init__(self, rows: Sequence[Explanation], glyphs: Glyphs, *, id: str | None = None) -> None:  # noqa: A002
+        super().__init__(id=id)
+        self._rows = [Explanation(to_ascii(row.term, glyphs), to_ascii(row.meaning, glyphs)) for row in rows]
+        self._wrapped: tuple[int, list[Explanation]] = (0, [])
+
+    def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
+        """Return the number of lines at ``width`` columns."""
+        return len(self._lines(width))
+
+    def render_line(self, y: int) -> Strip:
+        """Draw one line."""
+        width, style = self.size.width, self.rich_style
+        lines = self._lines(width)
+        if y >= len(lines):
+            return Strip.blank(width, style)
+        term, meaning = lines[y]
+        left = Segment(term.ljust(_LEFT), style if meaning else style + _BOLD)
+        return Strip([left, Segment(meaning, style)]).adjust_cell_length(width, style)
+
+    def _lines(self, width: int) -> list[Explanation]:
+        if self._wrapped[0] != width:
+            self._wrapped = width, [line for row in self._rows for line in _wrapped(row, width)]
+        return self._wrapped[1]
+
+
+def _wrapped(row: Explanation, width: int) -> Iterator[Explanation]:
+    term, meaning = row
+    for part in wrap(meaning, max(1, width - _LEFT), break_on_hyphens=False) or [""]:
+        yield Explanation(term, part)
+        term = ""
+
+
+# The screen
+
+
+_ASKING: Final = (
+    "With the mouse on a word, or a panel or slider in focus (tab), ? says what it means, with its equation "
+    "and where it stands in the textbook of Sutton and Barto. / looks any word up. Return alone is always "
+    "the plain sum of the rewards of an episode; where γ weighs them it is called discounted return, or "
+    "value."
+)
+_HIDING: Final = "L hides what panels say of their signs, and shows it again."
+_TOPICS: Final = (
+    (
+        "Lanes",
+        "c opens a run beside this one: the same scenario and seed, one thing different; up to four. All "
+        "advance together, and the curves lie over one another. Lanes take the same number of steps, so "
+        "one may have finished more episodes. Of two, worlds and tables stand side by side where there is "
+        "room; every other panel shows one lane, which ▸ marks: l goes to the next, and what is changed is "
+        "changed there only. The layer Q−Q₂ of the table is its difference from the first of the others.",
+    ),
+    (
+        "Rewards",
+        "A cell of a map that always pays something other than the usual step does says how much in its "
+        "corner; where there is no room, + means more and − less.",
+    ),
+    (
+        "Planners",
+        "Value iteration and policy iteration take no steps in the world: they read its table. A step backs "
+        "up one state, and a sweep over all states stands in place of the episode, so s, e and space work "
+        "as ever. Nothing is played, so the curve has only the exact return of the greedy policy. When no "
+        "value moves any more the planner is done; another γ gives it something to do again.",
+    ),
+    (
+        "Stepped",
+        "An environment without a table is stepped for real. Nobody knows its exact answer, so Q*, the "
+        "error, the optimum and planners are missing; everything else is the same.",
+    ),
+    (
+        "Breakpoints",
+        "k sets one where the cursor is, on a state in the world or on a pair in the table; an arm of a "
+        "bandit is a pair. ! marks it, and the run pauses each time the state is reached or the pair taken. "
+        "u lists them all, and what else a run may be run until.",
+    ),
+    (
+        "You",
+        "y makes you the agent: the arrows take the action of their direction, digits the first, second … "
+        "of the actions that the border of the world lists. The agent learns from what you do as from its "
+        "own steps; s lets it take one in between. y or esc hands back.",
+    ),
+    (
+        "Focus",
+        "tab and shift+tab go from panel to panel; arrows move the cursor of world and table, which scroll "
+        "with it, and f shows the panel in focus alone.",
+    ),
+)
+
+
+class HelpScreen(Dialog[None]):
+    """Everything that is worth knowing here, on one page that scrolls: panels, keys and ``notes``.
+
+    It opens at its beginning, or ``at_keys``.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("question_mark,q", "cancel", "back", id="close_help", tooltip="Close the help."),
+        Binding("slash", "glossary", "glossary", id="help.glossary", tooltip="Look a word up."),
+    ]
+
+    def __init__(
+        self,
+        look: Look,
+        actions: Sequence[Action],
+        panels: Sequence[PanelRow] = (),
+        notes: str = "",
+        *,
+        at_keys: bool = False,
+    ) -> None:
+        super().__init__()
+        self._look = look
+        self._actions = actions
+        self._panels = panels
+        self._notes = notes
+        self._at_keys = at_keys
+
+    def compose(self) -> ComposeResult:
+        """Yield panels and keys."""
+        hints = "arrows: scroll   /: glossary   ? or q: close"
+        with self.box("Help", hints, classes="tall"), VerticalScroll():
+            yield Explained(list(self._explanations()), self._look.glyphs)
+            yield Explained(list(self._keys()), self._look.glyphs, id="every-key")
+
+    def on_mount(self) -> None:
+        """Let the arrows scroll."""
+        page = self.query_one(VerticalScroll)
+        page.focus()
+        if self._notes:
+            self.watch(page, "scroll_y", self._add_notes, init=False)
+            self.call_after_refresh(self._fill)
+        if self._at_keys:
+            keys = self.query_one("#every-key")
+            self.call_after_refresh(page.scroll_to_widget, keys, top=True, animate=False)
+
+    async def _fill(self) -> None:
+        page = self.query_one(VerticalScroll)
+        if page.is_attached and not page.max_scroll_y:  # there is nothing to scroll
+            await self._add_notes()
+
+    def action_glossary(self) -> None:
+        """Look a word up."""
+        from rl_tui.screen.frame.glossary import GlossaryScreen
+
+        self.app.push_screen(GlossaryScreen(self._look))
+
+    async def _add_notes(self) -> None:
+        """Put the notes at the end once the page is scrolled: Markdown is slow to load."""
+        if not self._notes:
+            return
+        notes, self._notes = notes_markdown(self._notes, self._look.glyphs), ""
+        page = self.query_one(VerticalScroll)
+        # a page that does not scroll yet, or that nobody has scrolled, shows its beginning
+        to_end = 0 < page.max_scroll_y <= page.scroll_target_y
+        await page.mount(Static(Text("\nNotes", "bold")), notes)
+        if to_end:
+            self.call_after_refresh(page.scroll_end, animate=False)
+
+    def _explanations(self) -> Iterator[Explanation]:
+        yield Explanation("Words")
+        yield Explanation("  ?", f"{_ASKING} {_HIDING}" if self._panels else _ASKING)
+        yield Explanation("")
+        if self._panels:
+            yield Explanation("Panels")
+            for title, sentences in (*((row.title, row.help) for row in self._panels), *_TOPICS):
+                yield Explanation(f"  {title}", sentences)
+            yield Explanation("")
+
+    def _keys(self) -> Iterator[Explanation]:
+        for group, actions in groupby(self._actions, key=lambda action: action.group):
+            yield Explanation(group)
+            for action in actions:
+                yield Explanation(f"  {action.shown}", action.sentence)

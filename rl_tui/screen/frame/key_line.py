@@ -1,0 +1,152 @@
+"""The bottom line: which keys do what, as many as fit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich.cells import cell_len
+from rich.segment import Segment
+from textual import events
+from textual.reactive import reactive
+from textual.strip import Strip
+from textual.widget import Widget
+
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.keys.action import Action
+from rl_tui.screen.kit.bindings import key_of_hint
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.screen.theme.look import Look
+
+_GAPS = (3, 2)
+
+Hints = tuple[tuple[str, str], ...]
+"""Keys, and what they do in a word."""
+
+
+def fitting(actions: Sequence[Action], width: int) -> tuple[tuple[Action, ...], int]:
+    """Return those of ``actions`` whose hints fit into ``width`` columns, as shown, and the gap between.
+
+    Entries are dropped whole, those of the highest rank first; the one of the lowest rank (help) stays in any
+    width and stands last. The gap is the wide one where that drops nothing more.
+    """
+    ranked = sorted((a for a in actions if a.rank is not None), key=lambda a: a.rank or 0)
+    wide, narrow = (_as_many_as_fit(ranked, width, gap) for gap in _GAPS)
+    shown, gap = (wide, _GAPS[0]) if len(wide) == len(narrow) else (narrow, _GAPS[1])
+    last, *others = shown
+    return (*sorted(others, key=actions.index), last), gap
+
+
+def _as_many_as_fit(ranked: Sequence[Action], width: int, gap: int) -> tuple[Action, ...]:
+    shown: list[Action] = []
+    used = 1
+    for action in ranked:
+        used += _columns(action) + (gap if shown else 0)
+        if used > width and shown:
+            break
+        shown.append(action)
+    return tuple(shown)
+
+
+def _columns(action: Action) -> int:
+    """Return how wide a hint is at most: what stands behind it does not move when the run begins or ends."""
+    keys, label = action.key_hint
+    return len(keys) + 1 + max(len(label), len(action.while_running))
+
+
+def _line_columns(hints: Sequence[tuple[str, str]], gap: int, glyphs: Glyphs) -> int:
+    texts = [to_ascii(f"{keys} {label}".strip(), glyphs) for keys, label in hints]
+    return 1 + sum(map(cell_len, texts)) + gap * (len(texts) - 1)
+
+
+class KeyLine(Widget):
+    """Key hints of ``actions``, those of the screen it stands on; a click on one does it.
+
+    ``hints`` are keys and words to show in their place, as many as fit, while a mode has keys of its own;
+    ``first`` are ways to write those that stand before them, the longest first, for what is in focus; words
+    without a key say what that is. While the run ``is_running`` some keys do something else; actions whose
+    ids are ``idle`` have nothing to do and are left out.
+    """
+
+    hints: reactive[Hints] = reactive(())
+    first: reactive[tuple[Hints, ...]] = reactive(())
+    is_running: reactive[bool] = reactive(False)
+    idle: reactive[frozenset[str]] = reactive(frozenset())
+
+    def __init__(self, look: Look, actions: Sequence[Action], *, id: str | None = None) -> None:  # noqa: A002
+        super().__init__(id=id)
+        self.look = look
+        self._actions = actions
+
+    def render_line(self, y: int) -> Strip:
+        """Draw the line."""
+        palette, glyphs = self.look.palette, self.look.glyphs
+        shown, gap = self._fitting_actions()
+        hints = [*self._fitting_first(), *(self._hint(action) for action in shown)]
+        if self.hints:
+            hints, gap = self._fitting_hints(), _GAPS[1]
+        segments = [Segment(" ", palette.text)]
+        for number, (keys, label) in enumerate(hints):
+            segments += [
+                Segment(" " * gap if number else "", palette.text),
+                Segment(to_ascii(keys, glyphs), palette.accent),
+                Segment(to_ascii(f" {label}" if keys else label, glyphs), palette.text),
+            ]
+        strip = Strip(segments).adjust_cell_length(self.size.width, palette.text)
+        return strip.apply_style(self.rich_style)
+
+    def _hint(self, action: Action) -> tuple[str, str]:
+        """Return the keys of ``action`` and what they do now, as wide as it may be."""
+        keys, label = action.key_hint
+        word = action.while_running if self.is_running and action.while_running else label
+        return keys, word.ljust(max(len(label), len(action.while_running)))
+
+    def _fitting_first(self) -> Hints:
+        """Return the longest way to write what stands first that leaves room for the help, else the last."""
+        last = min((a for a in self._actions if a.rank is not None), key=lambda action: action.rank or 0)
+        room = self.size.width - _columns(last) - _GAPS[1]
+        fitting = (each for each in self.first if _line_columns(each, _GAPS[1], self.look.glyphs) <= room)
+        return next(fitting, self.first[-1] if self.first else ())
+
+    def _fitting_hints(self) -> list[tuple[str, str]]:
+        """Return the hints of the mode; where not all fit, the last but one goes first."""
+        hints = list(self.hints)
+        while len(hints) > 1 and _line_columns(hints, _GAPS[1], self.look.glyphs) > self.size.width:
+            hints.pop(-2)
+        return hints
+
+    async def on_click(self, event: events.Click) -> None:
+        """Do what the hint under the pointer says."""
+        if self.hints:
+            self._press_hint(self._fitting_hints(), _GAPS[1], event.x)
+            return
+        shown, gap = self._fitting_actions()
+        column = self._press_hint(self._fitting_first(), gap, event.x)
+        for action in shown:
+            end = column + _columns(action)
+            if column <= event.x < end:
+                await self.screen.run_action(action.textual_action)
+                return
+            column = end + gap
+
+    def _fitting_actions(self) -> tuple[tuple[Action, ...], int]:
+        """Return the actions that fit behind what stands first, but for those whose keys that takes."""
+        first = self._fitting_first()
+        taken = {keys for keys, _ in first}
+        actions = [
+            action for action in self._actions if action.shown not in taken and action.id not in self.idle
+        ]
+        room = self.size.width
+        if first:
+            room -= _line_columns(first, _GAPS[0], self.look.glyphs) - 1 + _GAPS[0]
+        return fitting(actions, room)
+
+    def _press_hint(self, hints: Sequence[tuple[str, str]], gap: int, x: int) -> int:
+        """Press the key of the hint in column ``x``, if it is one key; return where the next one begins."""
+        column = 1
+        for hint in hints:
+            end = column + _line_columns([hint], 0, self.look.glyphs) - 1
+            key = key_of_hint(hint[0])
+            if column <= x < end and key is not None:
+                self.app.simulate_key(key)
+            column = end + gap
+        return column

@@ -1,0 +1,242 @@
+"""What the number under the cursor of world or table is, with its pair, its visits and the exact one."""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+from textual.geometry import Offset
+from textual.widget import Widget
+
+from rl_tui.common.words import counted
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.screen.draw import names
+from rl_tui.screen.draw.action_order import shown_pairs
+from rl_tui.screen.draw.number_form import number_form
+from rl_tui.screen.kit.snapshot_facts import has_estimates, hides_means, is_secret, shown_by
+from rl_tui.screen.panels.model.bellman import SECRET
+from rl_tui.screen.panels.policies.names import POLICY_NAMES
+from rl_tui.screen.panels.q_table.layers import Layer, exact_q, other_lane, policy_q
+from rl_tui.screen.panels.q_table.q_table import QTable
+from rl_tui.screen.panels.world.view import WorldView
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.drawing import Arms
+
+_COLUMNS: Final = 9
+_OF_POLICY: Final = "policy-value"
+_NO_VALUE: Final = "may never end, and rewards go on without a discount: there is no value."
+
+
+class NumberHere(NamedTuple):
+    """A number on screen: ``name`` as ``Q(6,↓) = .942``, and what it means in a paragraph.
+
+    ``term`` is the id of what the glossary says of such figures.
+    """
+
+    name: str
+    meaning: str
+    term: str
+
+
+def number_here(panel: Widget | None, look: Look, at: Offset | None = None) -> NumberHere | None:
+    """Return the number of ``panel`` under its cursor, None where there is none.
+
+    With ``at``, counted from the corner of what the panel draws, it is the number of the cell drawn there.
+    Of several lanes it says whose number it is.
+    """
+    if not isinstance(panel, QTable | WorldView) or panel.snapshot is None:
+        return None
+    number = _of_table(panel, look, at) if isinstance(panel, QTable) else _of_world(panel, look, at)
+    group = panel.snapshot.run_group
+    if number is None or not group.lanes:
+        return number
+    lane = group.shown + 1
+    whose = f"Lane {lane} of {len(group.lanes)}: {group.lanes[group.shown].name}."
+    return number._replace(name=f"{number.name} in lane {lane}", meaning=f"{whose} {number.meaning}")
+
+
+def _of_table(table: QTable, look: Look, at: Offset | None) -> NumberHere | None:
+    pair = table.shown_cursor if at is None else table.pair_at(*at)
+    if pair is None or table.snapshot is None:
+        return None
+    return number_of_pair(table.snapshot, pair, table.shown_layer, look)
+
+
+def _of_world(view: WorldView, look: Look, at: Offset | None) -> NumberHere | None:
+    place = view.cursor_place if at is None else view.place_at(*at)
+    if place is None or view.snapshot is None or (at is None and view.is_manual):
+        return None
+    if isinstance(view.world.drawing, Arms):
+        return number_of_pair(view.snapshot, place, Layer.Q, look)
+    state = view.state_at(place)
+    if state is not None and view.studied is not None:
+        return number_of_policy(view.snapshot, state, view.studied, look)
+    return None if state is None else number_of_state(view.snapshot, state, look)
+
+
+def number_of_pair(snapshot: Snapshot, pair: int, layer: Layer, look: Look) -> NumberHere | None:
+    """Return the number of ``pair`` in ``layer`` of the table; None where the snapshot does not hold it.
+
+    None as well where it is one of an estimate, and none is known.
+    """
+    is_known = has_estimates(snapshot) or layer in (Layer.VISITS, Layer.POLICY)
+    return _Teller(snapshot, look).of_pair(pair, layer) if is_known and snapshot.agent.holds(pair) else None
+
+
+def number_of_state(snapshot: Snapshot, state: int, look: Look) -> NumberHere | None:
+    """Return V of ``state``; None where the snapshot does not hold it, or no estimate is known."""
+    pairs = snapshot.world.space.pairs_of(state)
+    held = not pairs or (has_estimates(snapshot) and snapshot.agent.holds(pairs.start))
+    return _Teller(snapshot, look).of_state(state) if held else None
+
+
+def number_of_policy(snapshot: Snapshot, state: int, kind: PolicyKind, look: Look) -> NumberHere:
+    """Return V of ``state`` under the policy ``kind``, which ``snapshot`` shows in place of the agent's."""
+    name = names.state_name(snapshot.world, state, look.glyphs)
+    value = float(snapshot.agent.values[state])
+    if math.isnan(value):
+        return NumberHere(
+            f"Vπ({name}): none", f"From state {name} on {POLICY_NAMES[kind].of} {_NO_VALUE}", _OF_POLICY
+        )
+    text = number_form([value], _COLUMNS).text(value, look.glyphs)
+    return NumberHere(
+        f"Vπ({name}) = {text}",
+        f"The discounted return to be expected from state {name} on of {POLICY_NAMES[kind].of}. Exact: "
+        f"worked out from the table of the world, not learned. P lists what policies are worth.",
+        _OF_POLICY,
+    )
+
+
+class _Teller:
+    """Tells of the numbers of one snapshot."""
+
+    def __init__(self, snapshot: Snapshot, look: Look) -> None:
+        self._snapshot = snapshot
+        self._world = snapshot.world
+        self._look = look
+        self._exact = exact_q(snapshot)
+        self._is_bandit = isinstance(snapshot.world.drawing, Arms)
+
+    def of_pair(self, pair: int, layer: Layer) -> NumberHere:
+        """Return the number of ``pair`` in a layer of the table."""
+        agent = self._snapshot.agent
+        name = names.pair_name(self._world, pair, self._look.glyphs)
+        q, exact = float(agent.q[pair]), None if self._exact is None else float(self._exact[0][pair])
+        estimate, optimum, error = self._written(q, exact, None if exact is None else q - exact)
+        if layer is Layer.VISITS:
+            taken = "pulled this arm" if self._is_bandit else f"taken {self._deed(pair)}"
+            return NumberHere(
+                f"N({name}) = {agent.visits[pair]:,}",
+                f"How often the agent has {taken}, counted over the run so far.",
+                "visits",
+            )
+        if layer is Layer.LANES and (other := other_lane(self._snapshot)) is not None:
+            mine, its, gap = self._written(q, float(other.q[pair]), q - float(other.q[pair]))
+            return NumberHere(
+                f"Q({name}) − Q of {other.name} = {gap}",
+                f"The estimate here, {mine}, less the one of {other.name}, {its}: both learned.",
+                "q",
+            )
+        if layer is Layer.POLICY and (known := policy_q(self._snapshot)) is not None:
+            if math.isnan(known[0][pair]):
+                meaning = f"From {self._deed(pair)} on the policy that is studied {_NO_VALUE}"
+                return NumberHere(f"Qπ({name}): none", meaning, "q-pi")
+            worth = self._written(float(known[0][pair]))[0]
+            return NumberHere(
+                f"Qπ({name}) = {worth}",
+                f"The discounted return to be expected from {self._deed(pair)} on, if that is followed by "
+                f"the policy that is studied. Exact: worked out from the table of the world.",
+                "q-pi",
+            )
+        if layer is Layer.OPTIMAL and exact is not None:
+            return NumberHere(
+                f"Q*({name}) = {optimum}",
+                f"{self._best(pair)} Exact: worked out from the table of the world. The agent's estimate is "
+                f"{estimate}, {self._from_visits(pair)}.",
+                "q-star",
+            )
+        if layer is Layer.ERROR and exact is not None:
+            return NumberHere(
+                f"Q({name}) − Q* = {error}",
+                f"The agent's estimate, {estimate}, less the exact value, {optimum}: above 0 it hopes for "
+                f"too much. The estimate is {self._from_visits(pair)}.",
+                "error",
+            )
+        return NumberHere(
+            f"Q({name}) = {estimate}",
+            f"{self._estimated(pair)}, {self._from_visits(pair)}. {self._truth(optimum)}".strip(),
+            "q",
+        )
+
+    def of_state(self, state: int) -> NumberHere:
+        """Return V of ``state``."""
+        agent, glyphs = self._snapshot.agent, self._look.glyphs
+        pairs = self._world.space.pairs_of(state)
+        name = names.state_name(self._world, state, glyphs)
+        if not pairs:
+            kind = names.landmark(self._world, state) or "terminal state"
+            meaning = f"A {kind}: nothing is earned after it, so its value is 0."
+            return NumberHere(f"V({name}) = 0", meaning, "value")
+        best = max(float(agent.q[pair]) for pair in pairs)
+        greedy = [pair for pair in shown_pairs(self._world, pairs) if float(agent.q[pair]) == best]
+        exact = None
+        if self._exact is not None:
+            exact = max(float(self._exact[0][pair]) for pair in pairs)
+        value, optimum, _ = self._written(best, exact, None)
+        actions = ", ".join(
+            names.action_name(self._world, int(self._world.space.pair_action[pair]), glyphs)
+            for pair in greedy
+        )
+        whose = f"that of {actions}" if len(greedy) == 1 else f"{actions} have it alike"
+        return NumberHere(
+            f"V({name}) = {value}",
+            f"The largest of the agent's estimates Q in state {name}: {whose}. It says how much discounted "
+            f"return is to be expected from there on, {self._from_visits(*pairs)}. "
+            f"{self._truth(optimum, 'V*')}".strip(),
+            "value",
+        )
+
+    def _written(self, *values: float | None) -> tuple[str, ...]:
+        """Return numbers in one form, empty where one is not known."""
+        form = number_form([each for each in values if each is not None], _COLUMNS)
+        return tuple("" if each is None else form.text(each, self._look.glyphs) for each in values)
+
+    def _deed(self, pair: int) -> str:
+        space, glyphs = self._world.space, self._look.glyphs
+        action = names.action_name(self._world, int(space.pair_action[pair]), glyphs)
+        return f"{action} in state {names.state_name(self._world, space.state_of(pair), glyphs)}"
+
+    def _estimated(self, pair: int) -> str:
+        if self._is_bandit:
+            return "The agent's estimate of the mean reward of this arm"
+        whose = "What the planner has worked out" if self._plans else "The agent's estimate"
+        return f"{whose} of the discounted return from {self._deed(pair)} on"
+
+    def _best(self, pair: int) -> str:
+        if self._is_bandit:
+            return "The true mean reward of this arm."
+        return f"The largest discounted return that can be expected from {self._deed(pair)} on."
+
+    @property
+    def _plans(self) -> bool:
+        return self._snapshot.agent.row.planner
+
+    def _from_visits(self, *pairs: int) -> str:
+        visits = sum(int(self._snapshot.agent.visits[pair]) for pair in pairs)
+        if not visits:
+            return "not tried yet: it is as it was at the start"
+        if self._plans:
+            return f"after {counted(visits, 'backup')}"
+        return f"learned from {counted(visits, 'pull' if self._is_bandit else 'visit')}"
+
+    def _truth(self, optimum: str, symbol: str = "Q*") -> str:
+        """Return the exact value beside an estimate, or why it is not told."""
+        if optimum:
+            return f"The exact {symbol} here is {optimum}."
+        if hides_means(self._snapshot):
+            return f"The true mean is {SECRET}."
+        if refused := self._snapshot.exact_answer.refused:
+            return f"There is no exact value: {refused}"
+        key = shown_by(self._snapshot)
+        return f"The exact {symbol} is hidden: {key}." if is_secret(self._snapshot) else ""

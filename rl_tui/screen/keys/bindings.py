@@ -1,0 +1,36 @@
+"""The key bindings of actions, as Textual takes them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from textual.binding import Binding, BindingType
+
+from rl_tui.screen.keys.action import Action
+from rl_tui.screen.keys.registry import ACTIONS
+
+
+def bindings_everywhere() -> list[BindingType]:
+    """Return the key bindings of the app that count before those of any screen, dialogs included."""
+    return bindings_of((action for action in ACTIONS if action.everywhere), priority=True)
+
+
+def stopping_keys() -> frozenset[str]:
+    """Return the keys that leave something: a panel, a screen or the program."""
+    return frozenset(key for action in ACTIONS if action.leaves for key in action.keys)
+
+
+def bindings_of(actions: Iterable[Action], *, priority: bool = False) -> list[BindingType]:
+    """Return the key bindings of ``actions``; with ``priority`` they count before all others."""
+    return [
+        Binding(
+            action.key,
+            action.textual_action,
+            action.label,
+            key_display=action.shown,
+            tooltip=action.help,
+            id=action.id,
+            priority=priority,
+        )
+        for action in actions
+    ]

@@ -1,0 +1,106 @@
+"""What one world has in common with another one: cells of maps by row and column, all else by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Sequence
+from functools import wraps
+from typing import TypeVar
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from rl_tui.screen.kit.pointing import NOWHERE
+from rl_tui.worlds.drawing import Arms, Grid
+from rl_tui.worlds.editing.carried import NEW, Carried, Keyed, carried_by_keys
+from rl_tui.worlds.mdp.space import IntArray
+from rl_tui.worlds.world import World
+
+Found = TypeVar("Found")
+
+
+def _kept(find: Callable[[World, World], Found]) -> Callable[[World, World], Found]:
+    """Let what was found of two worlds be known as long as both are there; it keeps neither in memory."""
+    known = WeakKeyDictionary[World, WeakKeyDictionary[World, Found]]()
+
+    @wraps(find)
+    def found(world: World, other: World) -> Found:
+        of_world = known.setdefault(world, WeakKeyDictionary())
+        if other not in of_world:
+            of_world[other] = find(world, other)
+        return of_world[other]
+
+    return found
+
+
+def are_alike(world: World, other: World) -> bool:
+    """Return whether states, actions and pairs have the same numbers in both."""
+    return world.space is other.space or _have_same_numbers(world, other)
+
+
+@_kept
+def _have_same_numbers(world: World, other: World) -> bool:
+    one, two = world.space, other.space
+    if (one.states, one.pairs, one.action_names) != (two.states, two.pairs, two.action_names):
+        return False
+    if not are_same_size(world, other):
+        return False
+    same_pairs = np.array_equal(one.first_pair, two.first_pair)
+    same_pairs = same_pairs and np.array_equal(one.pair_action, two.pair_action)
+    return same_pairs and list(_state_keys(world)) == list(_state_keys(other))
+
+
+@_kept
+def in_common(world: World, other: World) -> Carried:
+    """Return for each state, [S], and each pair, [P], of ``world`` what it is in ``other``, NEW for nothing.
+
+    Maps of different sizes have nothing in common, nor have bandits with another number of arms.
+    """
+    if not are_same_size(world, other):
+        space = world.space
+        return Carried(np.full(space.states, NEW), np.full(space.pairs, NEW))
+    return carried_by_keys(_keyed(other), _keyed(world))
+
+
+def are_same_size(world: World, other: World) -> bool:
+    """Return whether both are maps of the same size, bandits of as many arms, or graphs."""
+    one, two = world.drawing, other.drawing
+    if isinstance(one, Grid) and isinstance(two, Grid):
+        return (one.rows, one.columns) == (two.rows, two.columns)
+    if isinstance(one, Arms) and isinstance(two, Arms):
+        return world.space.pairs == other.space.pairs
+    return type(one) is type(two)
+
+
+def _keyed(world: World) -> Keyed:
+    return Keyed(world.space, _state_keys(world), world.space.action_names)
+
+
+def _state_keys(world: World) -> IntArray | Sequence[Hashable]:
+    drawing = world.drawing
+    if isinstance(drawing, Grid) and len(set(drawing.cell_of_state)) == world.space.states:
+        return np.array(drawing.cell_of_state, dtype=np.int64)
+    return tuple(world.space.state_names)
+
+
+def state_in(state: int, world: World, other: World) -> int | None:
+    """Return what ``state`` of ``world`` is in ``other``; None for nothing."""
+    return state if are_alike(world, other) else _number(in_common(world, other).states[state])
+
+
+def pair_in(pair: int, world: World, other: World) -> int | None:
+    """Return what ``pair`` of ``world`` is in ``other``; None for nothing."""
+    return pair if are_alike(world, other) else _number(in_common(world, other).pairs[pair])
+
+
+def pairs_in(pairs: range, world: World, other: World) -> range:
+    """Return what ``pairs``, one or all those of a state, of ``world`` are in ``other``."""
+    if not pairs or are_alike(world, other):
+        return pairs
+    if len(pairs) == 1 and (pair := pair_in(pairs.start, world, other)) is not None:
+        return range(pair, pair + 1)
+    state = state_in(world.space.state_of(pairs.start), world, other)
+    return NOWHERE if len(pairs) == 1 or state is None else other.space.pairs_of(state)
+
+
+def _number(found: np.int64) -> int | None:
+    return None if found == NEW else int(found)

@@ -1,0 +1,315 @@
+"""The base of all panels: what the board asks of a panel, its legend, and drawing from a snapshot.
+
+A subclass of `Panel` implements `picture`. Only rows that have changed are refreshed.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from functools import lru_cache
+from typing import Final, NamedTuple
+
+from rich.cells import cell_len
+from rich.style import Style
+from textual import events
+from textual.content import Content
+from textual.geometry import Region, Size
+from textual.strip import Strip
+from textual.widget import Widget
+
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.draw.canvas import Piece, length, spelled, strips_of
+from rl_tui.screen.draw.to_ascii import separated, to_ascii
+from rl_tui.screen.kit.bindings import key_of_hint
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.world import World
+
+# The legend
+
+
+GREEDY_IN_FULL: Final = "greedy: looks best"
+POLICY_IN_FULL: Final = "policy: what it does"
+AGENT: Final = "agent"
+MAY_NEVER_END: Final = "may never end"
+_GAP: Final = "  "
+_BETWEEN: Final = " · "
+_CLOSER: Final = ", "  # where all signs fit so
+_MOST_KEPT: Final = 64  # the same legend is drawn in every frame
+
+
+class LegendSign(NamedTuple):
+    """A ``sign`` as the panel draws it, characters and ``style``, and its ``meaning`` in a word or two.
+
+    The sign is in the characters of the look already. ``in_full`` is the meaning where all of the legend has
+    room for that; empty: the same.
+    """
+
+    sign: str
+    meaning: str
+    style: Style
+    in_full: str = ""
+
+
+Legend = tuple[LegendSign, ...]
+
+
+def agent_meaning(snapshot: Snapshot) -> str:
+    """Return what the sign of the agent means; a planner is nowhere, but has backed up a state."""
+    return "backed up" if snapshot.agent.row.planner else AGENT
+
+
+def no_value_sign(look: Look) -> LegendSign:
+    """Return how a state or pair is marked that has no value, since its policy may never end from there."""
+    return LegendSign(numbers.missing(look.glyphs), "none", look.palette.text, f"no value: {MAY_NEVER_END}")
+
+
+def no_table_sign(look: Look) -> LegendSign:
+    """Return how a state is marked that has no value, since no table of the program is known."""
+    return LegendSign(numbers.missing(look.glyphs), "no table", look.palette.text, "no table, so no value")
+
+
+@lru_cache(_MOST_KEPT)
+def legend_rows(signs: Legend, width: int, most: int, look: Look) -> tuple[Strip, ...]:
+    """Return ``signs`` in as many rows of ``width`` cells as they take, ``most`` of them."""
+    lines = _lines(_in_full(signs), width, look)
+    if len(lines) > most:
+        lines = _lines(signs, width, look)
+    return tuple(strips_of(lines, width, min(most, len(lines)), look))
+
+
+def _in_full(signs: Legend) -> Legend:
+    return tuple(sign._replace(meaning=sign.in_full or sign.meaning) for sign in signs)
+
+
+def _lines(signs: Legend, width: int, look: Look) -> list[list[Piece]]:
+    lines: list[list[Piece]] = []
+    for sign in signs:
+        entry = [Piece(sign.sign, sign.style), Piece(f" {sign.meaning}", look.palette.dim)]
+        if lines and length(spelled([*lines[-1], *entry], look)) + len(_GAP) <= width:
+            lines[-1] += [Piece(_GAP, look.palette.dim), *entry]
+        else:
+            lines.append([Piece(" ", look.palette.dim), *entry])
+    return lines
+
+
+@lru_cache(_MOST_KEPT)
+def legend_text(signs: Legend, room: int, look: Look) -> str:
+    """Return as many of ``signs``, the first before the others, as ``room`` cells of a border hold."""
+    entries = _entries(_in_full(signs), look)
+    if cell_len(separated(_BETWEEN.join(entries), look.glyphs)) > room:
+        entries = _entries(signs, look)
+    whole = _CLOSER.join(entries)
+    if cell_len(separated(_BETWEEN.join(entries), look.glyphs)) > room >= cell_len(whole):
+        return whole
+    text = ""
+    for entry in entries:
+        longer = f"{text}{_BETWEEN}{entry}" if text else entry
+        if cell_len(separated(longer, look.glyphs)) <= room:
+            text = longer
+    return text
+
+
+def _entries(signs: Legend, look: Look) -> list[str]:
+    return [f"{sign.sign.strip()} {to_ascii(sign.meaning, look.glyphs)}".strip() for sign in signs]
+
+
+# The panel
+
+
+BORDERS: Final = 2  # rows, and columns, that the border takes
+BORDER_ENDS: Final = 4  # a piece of line and a blank on either side of a title
+
+
+_HINT: Final = re.compile(r"(\S+): ?.*?(?=\s+\S+: |\s+[·–-]\s|$)")
+
+
+def key_at(hints: str, column: int) -> str | None:
+    """Return the key, as Textual calls it, whose hint (``esc: close``) stands in ``column`` of ``hints``."""
+    for hint in _HINT.finditer(hints):
+        if hint.start() <= column < hint.end():
+            return key_of_hint(hint[1])
+    return None
+
+
+class BoardPanel(Widget):
+    """What the board asks of each of its panels.
+
+    ``caption`` says in some five words what the panel is; it and the legend are seen while ``is_explained``.
+    ``is_led`` says that the same panel of the lane beside this one decides which part is in view,
+    ``is_spotlit`` that the page of a lesson points at this one.
+    """
+
+    is_led: bool = False
+    caption: str = ""
+    is_explained: bool = False
+    is_spotlit: bool = False
+
+    @property
+    def stance(self) -> object:
+        """What the same panels of two lanes have in common: cursor, part in view, scale."""
+        return None
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the newest snapshot has all that is in view: what was asked for comes with a later one."""
+        return True
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``."""
+        raise NotImplementedError
+
+    def align_with(self, twin: BoardPanel) -> None:
+        """Take the stance of ``twin``, the same panel of another lane; seen when it is drawn."""
+
+    def redraw(self) -> None:
+        """Draw again, where anything was drawn."""
+
+
+class Panel(BoardPanel):
+    """Draws each snapshot anew and refreshes only the rows that came out different.
+
+    Subclasses implement :meth:`picture`, which may set ``heading`` and ``footing`` on the way, and
+    ``free_rows``: how many rows at the bottom it leaves empty. There the :meth:`legend` stands, otherwise on
+    the border.
+    """
+
+    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+        super().__init__(id=id, classes=classes)
+        self.snapshot: Snapshot | None = None
+        self.heading = ""
+        self.footing = ""
+        self.free_rows = 0
+        self._look = look
+        self._is_explained = False
+        self._border_legend = ""
+        self._least_free: tuple[World | None, Size, int] | None = None
+        self._rows: list[Strip] = []
+        self._drawn_size = Size(0, 0)
+        self._border_texts = ("", "", "")
+
+    @property
+    def look(self) -> Look:
+        """The characters and colours it is drawn with."""
+        return self._look
+
+    @look.setter
+    def look(self, look: Look) -> None:
+        self._look = look
+        self.redraw()
+
+    @property
+    def is_explained(self) -> bool:
+        """Whether caption and legend are shown."""
+        return self._is_explained
+
+    @is_explained.setter
+    def is_explained(self, is_explained: bool) -> None:
+        if is_explained != self._is_explained:
+            self._is_explained = is_explained
+            self.redraw()
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``."""
+        self.snapshot = snapshot
+        self.redraw()
+
+    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return ``height`` strips of ``width`` cells (at least 1); None is before the first snapshot."""
+        raise NotImplementedError
+
+    def legend(self, snapshot: Snapshot) -> Legend:
+        """Return the signs that the picture of ``snapshot`` may have, those that matter most first."""
+        return ()
+
+    def captioned(self, title: str, caption: str = "") -> tuple[str, ...]:
+        """Return ``title`` with ``caption``, else with the panel's, where that is shown; else nothing."""
+        caption = caption or self.caption
+        return (f"{title} · {caption}",) if self.is_explained and caption else ()
+
+    def fitting(self, titles: Iterable[str], width: int) -> str:
+        """Return the first of ``titles`` that the border around ``width`` cells holds; empty if none does."""
+        room = width - BORDER_ENDS - cell_len(self._spot)
+        return next((each for each in titles if cell_len(separated(each, self.look.glyphs)) <= room), "")
+
+    @property
+    def _spot(self) -> str:
+        return f"{self.look.glyphs.cursor} " if self.is_spotlit else ""
+
+    def redraw(self) -> None:
+        """Draw again and refresh what came out different."""
+        before, size_before = self._rows, self._drawn_size
+        self._draw()
+        self._write_border()
+        if self._drawn_size != size_before:
+            self.refresh()
+            return
+        changed = [y for y, (old, new) in enumerate(zip(before, self._rows, strict=True)) if old != new]
+        if changed:
+            self.refresh(*(Region(0, y, self._drawn_size.width, 1) for y in changed))
+
+    def on_resize(self) -> None:
+        """Fit the picture and the titles to the new size."""
+        self.redraw()
+
+    def render_line(self, y: int) -> Strip:
+        """Return row ``y`` of the picture."""
+        if self._drawn_size != self.size:
+            self._draw()
+        if y >= len(self._rows):
+            return Strip.blank(self.size.width, self.rich_style)
+        return self._rows[y].apply_style(self.rich_style)
+
+    def on_click(self, event: events.Click) -> None:
+        """Press the key whose name was clicked on the lower border."""
+        column = self.footing_column(event)
+        key = None if column is None else key_at(separated(self.footing, self.look.glyphs), column)
+        if key is not None:
+            event.stop()
+            self.app.simulate_key(key)
+
+    def footing_column(self, event: events.MouseEvent) -> int | None:
+        """Return which character of what stands on the lower border ``event`` points at, None if none."""
+        text = separated(self.footing, self.look.glyphs)
+        column = event.x - (self.outer_size.width - BORDER_ENDS + 1 - cell_len(text))
+        is_border = self.styles.border_bottom[0] and event.y == self.outer_size.height - 1
+        return column if is_border and 0 <= column < cell_len(text) else None
+
+    def _draw(self) -> None:
+        self._drawn_size = size = self.size
+        self._rows, self._border_legend = [], ""
+        if size.width > 0 and size.height > 0:
+            self._rows = self.picture(self.snapshot, size.width, size.height)
+            if self.is_explained and self.snapshot is not None:
+                self._explain(self.snapshot)
+
+    def _explain(self, snapshot: Snapshot) -> None:
+        """Put as much of the legend as there is room for on the rows that are free, else on the border."""
+        size, signs = self._drawn_size, self.legend(snapshot)
+        rows = legend_rows(signs, size.width, self._always_free(snapshot), self.look)
+        if rows:
+            self._rows[-len(rows) :] = rows
+        else:
+            taken = cell_len(separated(f"{self.footing} · ", self.look.glyphs)) if self.footing else 0
+            self._border_legend = legend_text(signs, size.width - BORDER_ENDS - taken, self.look)
+
+    def _always_free(self, snapshot: Snapshot) -> int:
+        """Return how many rows were free in every picture of this size: a legend must not jump."""
+        known = self._least_free
+        if known is not None and known[0] is snapshot.world and known[1] == self._drawn_size:
+            least = min(known[2], self.free_rows)
+        else:
+            least = self.free_rows
+        self._least_free = snapshot.world, self._drawn_size, least
+        return max(0, least)
+
+    def _write_border(self) -> None:
+        # setting a title refreshes the whole widget, even where it says the same
+        footing = " · ".join(filter(None, (self._border_legend, self.footing)))
+        heading = f"{self._spot}{self.heading}"
+        texts = (heading, footing, self.look.glyphs.name)
+        if texts != self._border_texts:
+            self._border_texts = texts
+            self.border_title = Content(separated(heading, self.look.glyphs))
+            self.border_subtitle = Content(separated(footing, self.look.glyphs))

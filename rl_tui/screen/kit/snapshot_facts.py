@@ -1,0 +1,156 @@
+"""What panels and dialogs ask about a snapshot: a new run, steps too fast to show, the episode under way."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.history import RECENT
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.glossary.glossary import FigureSetting
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.studies.many_seeds.figures import SeedStudy
+from rl_tui.worlds.drawing import Arms
+
+SHOWN_BY_KEY: Final = "h shows"
+ANSWER_KEY: Final = f"{SHOWN_BY_KEY} the exact answer"
+ANSWER_KEPT: Final = "the lesson keeps it back for now"
+
+_FASTEST_FOLLOWED: Final = 30.0  # steps a second; above it single steps would only flicker
+
+
+def is_new_run(before: Snapshot | None, now: Snapshot) -> bool:
+    """Return whether a run began between ``before`` and ``now``: neither a way back nor a look at a lane.
+
+    A way back leaves its first branch as long as it was; a run that starts again has a new one.
+    """
+    if before is None or before.run_group.shown != now.run_group.shown:
+        return False
+    first, was = now.timeline.branches[0], before.timeline.branches[0]
+    return before.recipe != now.recipe or first.end < was.end
+
+
+def is_secret(snapshot: Snapshot) -> bool:
+    """Return whether all that gives the exact answer away must be hidden.
+
+    A spent budget shows it, unless a lesson keeps it back.
+    """
+    is_open = snapshot.playback.phase is Phase.SPENT and not keeps_back(snapshot, "answer")
+    return snapshot.answers.is_hidden and not is_open
+
+
+def keeps_back(snapshot: Snapshot, what: str) -> bool:
+    """Return whether a lesson keeps ``what`` back, one of those that a page may hide."""
+    return what in snapshot.answers.kept_back
+
+
+def answer_key(snapshot: Snapshot) -> str:
+    """Return what stands in place of whatever is hidden while :func:`is_secret` holds."""
+    return ANSWER_KEPT if keeps_back(snapshot, "answer") else ANSWER_KEY
+
+
+def shown_by(snapshot: Snapshot, them: str = "it") -> str:
+    """Return what shows something that is hidden while :func:`is_secret` holds, or that it has to wait."""
+    return f"the lesson keeps {them} back" if keeps_back(snapshot, "answer") else f"{SHOWN_BY_KEY} {them}"
+
+
+def has_estimates(snapshot: Snapshot) -> bool:
+    """Return whether estimates are known: of a program in which no table was found by its steps none are."""
+    return snapshot.program is None or snapshot.program.table is not None or not snapshot.counters.step
+
+
+def as_learned(snapshot: Snapshot) -> Snapshot:
+    """Return ``snapshot`` as world and table show it: a program without a table has estimated nothing."""
+    if has_estimates(snapshot):
+        return snapshot
+    unknown = np.full_like(snapshot.agent.q, np.nan)
+    return replace(snapshot, agent=replace(snapshot.agent, q=unknown))
+
+
+def hides_means(snapshot: Snapshot) -> bool:
+    """Return whether the true means of arms must be hidden.
+
+    Of a bandit these are the model and what the greedy policy earns, which other worlds do not hide.
+    """
+    return is_secret(snapshot) and isinstance(snapshot.world.drawing, Arms)
+
+
+def hides_greedy(snapshot: Snapshot) -> bool:
+    """Return whether what the policies at work earn, exactly, must be hidden.
+
+    That of the greedy one may be the best there is: a lesson that keeps the answer back hides it too.
+    """
+    return hides_means(snapshot) or (is_secret(snapshot) and keeps_back(snapshot, "answer"))
+
+
+def current_study(snapshot: Snapshot) -> SeedStudy | None:
+    """Return what many seeds say of the runs as they are; None where that is not known."""
+    study = snapshot.study
+    runs = len(snapshot.run_group.lanes) or 1
+    if study is None or study.is_outdated or study.seeds < 2 or len(study.lanes) != runs:
+        return None
+    return study
+
+
+def shown_lane(study: SeedStudy, snapshot: Snapshot) -> int:
+    """Return which lane of ``study`` is on screen now, from 0; where they are others, the one that was."""
+    return (
+        snapshot.run_group.shown if len(snapshot.run_group.lanes or (0,)) == len(study.lanes) else study.shown
+    )
+
+
+def episodes_reached(snapshot: Snapshot) -> tuple[int, ...]:
+    """Return how many episodes each run on screen has finished."""
+    return tuple(lane.episodes for lane in snapshot.run_group.lanes) or (snapshot.counters.episodes,)
+
+
+def recent_name(*episodes: int) -> str:
+    """Return what a mean of the last 100 is called, after so many ``episodes``, of one run or of several.
+
+    It is ``last 48`` as long as there are no more, ``last 27–35`` where runs have different numbers.
+    Runs without any do not count.
+    """
+    counts = sorted({min(each, RECENT) for each in episodes if each}) or [RECENT]
+    return f"last {'–'.join(map(str, dict.fromkeys((counts[0], counts[-1]))))}"
+
+
+def lacks_exact(snapshot: Snapshot) -> bool:
+    """Return whether the exact answer, or what it earns, is still being worked out."""
+    return not snapshot.exact_answer.is_whole
+
+
+def passes_too_fast(snapshot: Snapshot) -> bool:
+    """Return whether steps follow one another too fast to be shown one by one."""
+    too_fast = snapshot.playback.speed is None or snapshot.playback.speed > _FASTEST_FOLLOWED
+    return too_fast and snapshot.playback.phase is Phase.RUNNING
+
+
+def figure_setting(snapshot: Snapshot, glyphs: Glyphs) -> FigureSetting:
+    """Return what is said with every figure of ``snapshot``: γ, time limit, steps and episodes so far."""
+    return FigureSetting(
+        gamma=numbers.brief(snapshot.agent.hyperparameters.gamma, glyphs),
+        time_limit=snapshot.world.space.time_limit,
+        steps=snapshot.counters.step,
+        episodes=snapshot.counters.episodes,
+        is_bandit=isinstance(snapshot.world.drawing, Arms),
+        budget=snapshot.world.budget,
+    )
+
+
+def episode_shown(snapshot: Snapshot) -> int:
+    """Return the number, from 1, of the episode that the agent is in; of a planner that of its sweep.
+
+    After its last step that is still the one that has ended: the next one is counted from its beginning on.
+    """
+    counters, last = snapshot.counters, snapshot.counters.last_step
+    if last is None or not counters.has_just_ended or last.planned != snapshot.agent.row.planner:
+        return episodes_begun(snapshot)
+    return counters.episodes + counters.is_at_beginning
+
+
+def episodes_begun(snapshot: Snapshot) -> int:
+    """Return how many episodes, or sweeps, have begun: where one ends the next begins, unless all is over."""
+    return snapshot.counters.episodes + (snapshot.playback.phase not in (Phase.SPENT, Phase.DONE))

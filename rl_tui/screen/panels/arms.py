@@ -1,0 +1,479 @@
+"""The arms of a bandit: one bar per arm, with its estimate and standard error.
+
+The axis always holds 0 and only ever widens, in round steps, so that the bars stay calm. True means and
+the best arm are drawn only where they are not hidden.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+from rich.cells import cell_len
+from rich.style import Style
+from textual.strip import Strip
+
+from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, StepSize
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.bandit import true_means
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.draw.canvas import Canvas, shortened
+from rl_tui.screen.draw.names import pair_in_words
+from rl_tui.screen.draw.number_form import NumberForm, SteadyForms
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.kit.numbers_in_common import all_q
+from rl_tui.screen.kit.panel import GREEDY_IN_FULL, BoardPanel, Legend, LegendSign
+from rl_tui.screen.kit.scrolling import scrolled_to
+from rl_tui.screen.kit.snapshot_facts import is_new_run, is_secret
+from rl_tui.screen.panels.world.policy_picture import drawn_pairs
+from rl_tui.screen.panels.world.view import WorldView
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.editing.arms_draft import ArmsDraft
+from rl_tui.worlds.mdp.space import FloatArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+from rl_tui.worlds.world import World
+
+# The axis
+
+
+_STEPS: Final = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+
+
+class ArmsScale(NamedTuple):
+    """The ends of an axis that holds 0: low ≤ 0 ≤ high."""
+
+    low: float
+    high: float
+
+
+NO_SCALE: Final = ArmsScale(0.0, 0.0)
+
+
+def grown(scale: ArmsScale, values: Iterable[float]) -> ArmsScale:
+    """Return ``scale``, widened to the next round ends that hold all finite ``values``."""
+    low, high = scale
+    for value in values:
+        if math.isfinite(value):
+            low = min(low, -round_up(-value)) if value < low else low
+            high = max(high, round_up(value)) if value > high else high
+    return ArmsScale(low, high)
+
+
+def shown_scale(scale: ArmsScale) -> ArmsScale:
+    """Return what is drawn: −1 … 1 while there is no value yet."""
+    return scale if scale.low < scale.high else ArmsScale(-1.0, 1.0)
+
+
+def round_up(value: float) -> float:
+    """Return the least of 1, 2, 3, 4, 5, 6, 8 times a power of ten that is not below ``value`` (> 0)."""
+    power = 10.0 ** math.floor(math.log10(value))
+    # 3 × 0.1 is not 0.3
+    ends = (float(f"{step * power:.3g}") for step in _STEPS)
+    return next((end for end in ends if value <= end), 10.0 * power)
+
+
+def ticks(scale: ArmsScale, most: int) -> list[float]:
+    """Return round values at even distances inside the scale, 0 among them, at most about ``most``."""
+    span = scale.high - scale.low
+    rough = span / max(1, most - 1)
+    power = 10.0 ** math.floor(math.log10(rough))
+    step = next(each * power for each in (1.0, 2.0, 5.0, 10.0) if rough <= each * power * (1 + 1e-9))
+    first, last = math.ceil(scale.low / step - 1e-9), math.floor(scale.high / step + 1e-9)
+    return [index * step for index in range(first, last + 1)]
+
+
+def bound_text(value: float, glyphs: Glyphs) -> str:
+    """Return a round value in the fewest characters, with its sign if negative."""
+    return f"{value:.6g}".replace("-", glyphs.minus) if value else "0"
+
+
+# The bars
+
+
+NOT_PULLED: Final = ("not pulled yet", "not pulled")  # the longest first
+_MOST_NAME: Final = 12
+_LEAST_PLOT: Final = 10
+_VALUES_FROM: Final = 76  # from this width on estimate and pulls are written beside the bars
+_VALUES_WIDTH: Final = 18
+_VALUE: Final = 6  # cells of an estimate
+_LEAST_VALUE: Final = 3
+
+
+class Arm(NamedTuple):
+    """One arm. ``error`` is None before its first pull, ``mean`` None while the truth is hidden.
+
+    ``cursor`` marks the arm the cursor stands on, ``stops`` a breakpoint.
+    """
+
+    name: str
+    estimate: float
+    error: float | None
+    pulls: int
+    greedy: bool
+    last: bool
+    mean: float | None
+    best: bool
+    cursor: bool = False
+    stops: bool = False
+
+    def extent(self) -> Iterator[float]:
+        """Yield the values that the scale has to hold."""
+        if self.error is not None:
+            yield self.estimate - self.error
+            yield self.estimate + self.error
+        if self.mean is not None:
+            yield self.mean
+
+
+class _Plot(NamedTuple):
+    """The columns of the bars: ``left`` … ``left + width − 1`` stand for the ends of ``scale``."""
+
+    left: int
+    width: int
+    scale: ArmsScale
+
+    def column(self, value: float) -> int:
+        low, high = self.scale
+        inside = min(max(value, low), high) if not math.isnan(value) else 0.0
+        return self.left + round((inside - low) / (high - low) * (self.width - 1))
+
+
+def rows_an_arm(arms: int, height: int) -> int:
+    """Return 2 where every arm and the axis fit with a blank row between, else 1."""
+    return 2 if 2 * arms + 1 <= height else 1
+
+
+def true_mean_glyph(look: Look) -> str:
+    """Return the mark of a true mean."""
+    return "x" if look.glyphs.name == "ascii" else "◆"
+
+
+def names_width(arms: Sequence[Arm], look: Look) -> int:
+    """Return the cells that the names of ``arms`` take."""
+    return min(_MOST_NAME, max((cell_len(to_ascii(arm.name, look.glyphs)) for arm in arms), default=0))
+
+
+def value_width(width: int, names: int) -> int:
+    """Return the cells that an estimate gets in a panel of ``width`` cells with ``names`` cells of names."""
+    return _VALUE if width >= _VALUES_FROM else max(_LEAST_VALUE, min(_VALUE, width - names - 3))
+
+
+def draw_arms(
+    arms: Sequence[Arm],
+    scale: ArmsScale,
+    look: Look,
+    width: int,
+    height: int,
+    each: int,
+    names: int,
+    form: NumberForm,
+) -> list[Strip]:
+    """Return the bars of ``arms``, ``each`` rows an arm, and below them the axis where a row is left.
+
+    A row: ▸ where greedy, ◉ where pulled last, the name, a breakpoint, the bar; the best arm has a ★ at the
+    end once the truth is shown. Names get ``names`` cells; estimates are in ``form``.
+    """
+    glyphs, palette = look.glyphs, look.palette
+    canvas = Canvas(width, height, palette.text)
+    left, right = 2 + names + 1, _VALUES_WIDTH if width >= _VALUES_FROM else 2
+    plot = _Plot(left, width - left - right, scale)
+    for index, arm in enumerate(arms):
+        _draw_head(canvas, index * each, arm, names, look)
+        if plot.width >= _LEAST_PLOT:
+            for y in range(index * each, min(height, (index + 1) * each)):
+                canvas.put(plot.column(0.0), y, glyphs.zero_line, palette.dim)
+            _draw_bar(canvas, index * each, arm, plot, look, form)
+        else:
+            _draw_value(canvas, index * each, arm, left, look, form)
+    axis = len(arms) * each
+    if axis < height and plot.width >= _LEAST_PLOT:
+        _draw_axis(canvas, axis, plot, look)
+    return canvas.strips()
+
+
+def _draw_head(canvas: Canvas, y: int, arm: Arm, names: int, look: Look) -> None:
+    glyphs, palette = look.glyphs, look.palette
+    if arm.greedy:
+        canvas.put(0, y, glyphs.cursor, palette.greedy)
+    if arm.last:
+        canvas.put(1, y, glyphs.agent, palette.agent)
+    name = shortened(to_ascii(arm.name, glyphs), names, glyphs.ellipsis)
+    style = palette.focus if arm.cursor else palette.greedy if arm.greedy else palette.text
+    canvas.put(2 + names - cell_len(name), y, name, style)
+    if arm.stops:
+        canvas.put(2 + names, y, glyphs.breakpoint, palette.breakpoint)
+
+
+def _draw_bar(canvas: Canvas, y: int, arm: Arm, plot: _Plot, look: Look, form: NumberForm) -> None:
+    glyphs, palette = look.glyphs, look.palette
+    if arm.error is None:
+        _draw_not_pulled(canvas, y, arm, plot, look)
+    else:
+        first, last = plot.column(arm.estimate - arm.error), plot.column(arm.estimate + arm.error)
+        style = palette.greedy if arm.greedy else palette.text
+        canvas.put(first, y, glyphs.whisker * (last - first + 1), style)
+        canvas.put(plot.column(arm.estimate), y, glyphs.estimate, style)
+    if arm.mean is not None:
+        canvas.put(plot.column(arm.mean), y, true_mean_glyph(look), palette.optimum + Style(bold=True))
+    if arm.best:
+        canvas.put(plot.left + plot.width + 1, y, glyphs.best_arm, palette.optimum + Style(bold=True))
+    if canvas.width >= _VALUES_FROM and arm.error is not None:
+        text = f"{form.text(arm.estimate, glyphs):>{_VALUE}}{numbers.count(arm.pulls, 7):>8}"
+        canvas.put(canvas.width - len(text) - 1, y, text, palette.dim)
+
+
+def _draw_not_pulled(canvas: Canvas, y: int, arm: Arm, plot: _Plot, look: Look) -> None:
+    """Say so where the true mean is not: before or behind its mark, nothing where there is no room."""
+    end = plot.left + plot.width
+    mark = end + 1 if arm.mean is None else plot.column(arm.mean)
+    for text in NOT_PULLED:
+        for start, behind in ((plot.left, min(end, mark - 1)), (mark + 2, end)):
+            if start + len(text) <= behind:
+                canvas.put(start, y, text, look.palette.dim)
+                return
+
+
+def _draw_value(canvas: Canvas, y: int, arm: Arm, left: int, look: Look, form: NumberForm) -> None:
+    """Write the estimate where a bar would have no room."""
+    if canvas.width - left < _LEAST_VALUE:
+        return
+    text = look.glyphs.ellipsis if arm.error is None else form.text(arm.estimate, look.glyphs)
+    canvas.put(left, y, text, look.palette.greedy if arm.greedy else look.palette.text)
+
+
+def _draw_axis(canvas: Canvas, y: int, plot: _Plot, look: Look) -> None:
+    """Write round values below their columns, as many as keep apart."""
+    end = -1
+    for value in ticks(plot.scale, max(2, plot.width // 10)):
+        text = bound_text(value, look.glyphs)
+        x = min(plot.column(value) - len(text) // 2, canvas.width - len(text))
+        if x > end:
+            canvas.put(x, y, text, look.palette.dim)
+            end = x + len(text)
+
+
+# The panel
+
+
+ARMS: Final = "Arms"
+HEADINGS: Final = ("Arms · estimate ± standard error", "Arms · estimate ± error", "Arms")  # the longest first
+
+
+class ArmsView(WorldView):
+    """The arms of a bandit, from top to bottom; more of them than rows scroll.
+
+    What the agent has not learned, the true means and the best arm, is drawn only where it is not hidden.
+    """
+
+    scale = NO_SCALE
+    _top = 0
+    _shown = _each = 1
+
+    def enter(self, world: World, *, goes_on: bool = False) -> None:
+        """Take ``world`` for the one that is drawn: its arms have means of their own."""
+        if not isinstance(world.drawing, Arms) or world.mdp is None:
+            raise TypeError("an ArmsView draws worlds that have a table and whose drawing is Arms")
+        super().enter(world, goes_on=goes_on)
+        self._mdp = world.mdp
+        self._number_forms = SteadyForms()
+        self.heading = HEADINGS[0]
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``. The scale only ever widens, until another run starts."""
+        if is_new_run(self.snapshot, snapshot):
+            self.scale = NO_SCALE
+            self._number_forms.clear()
+        super().show(snapshot)
+
+    def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
+        """Return the bars of the arms from the first in view on, and the axis where a row is left for it."""
+        means = None if is_secret(snapshot) else true_means_now(self._mdp, snapshot)
+        drawn = drawn_pairs(self._mdp, snapshot)
+        arms = tuple(
+            arm._replace(
+                cursor=pair == self.shown_cursor,
+                stops=pair in snapshot.playback.breakpoints.pairs,
+                greedy=arm.greedy if drawn is None else pair in drawn[0],
+            )
+            for pair, arm in enumerate(arms_of(self._mdp, snapshot, means))
+        )
+        self.scale = grown(self.scale, [value for arm in arms for value in arm.extent()])
+        scale = shown_scale(self.scale)
+        each = rows_an_arm(len(arms), height)
+        shown = min(len(arms), max(1, height // each))
+        self._top = max(0, min(self._top, len(arms) - shown))
+        self._shown, self._each = shown, each
+        # where no row is left for the axis, its ends are named in the title
+        ends = [] if len(arms) * each < height else [f"{form}  {self._ends(scale)}" for form in HEADINGS]
+        self.heading = self.fitting([*ends, *self.captioned(ARMS), *HEADINGS], width)
+        self.free_rows = height - shown * each - 1
+        hidden = len(arms) - shown
+        parts = [f"↑↓ {self._top + 1}–{self._top + shown} of {len(arms)}"] if hidden else []
+        if not is_secret(snapshot):
+            parts.append(f"{true_mean_glyph(self.look)} true mean  {self.look.glyphs.best_arm} best arm")
+        self.footing = self.fitting(("  ".join(parts), *parts), width)
+        names = names_width(arms, self.look)
+        form = self._number_forms.form("estimates", all_q(snapshot), value_width(width, names))
+        in_view = arms[self._top : self._top + shown]
+        return draw_arms(in_view, scale, self.look, width, height, each, names, form)
+
+    def signs(self) -> Legend:
+        """Return the signs of an arm and its bar."""
+        palette, glyphs = self.look.palette, self.look.glyphs
+        truth = (
+            LegendSign(true_mean_glyph(self.look), "true mean", palette.optimum),
+            LegendSign(glyphs.best_arm, "best arm", palette.optimum),
+        )
+        # elsewhere the border says so; while the world is drawn, it says what the keys do
+        shows_truth = self.is_drawn_on and self.snapshot is not None and not is_secret(self.snapshot)
+        return (
+            *(truth if shows_truth else ()),
+            LegendSign(glyphs.agent, "last pull", palette.agent),
+            LegendSign(glyphs.cursor, "greedy", palette.greedy, GREEDY_IN_FULL),
+            LegendSign(glyphs.estimate, "estimate", palette.text),
+            LegendSign(glyphs.whisker, "standard error", palette.text),
+        )
+
+    @property
+    def stance(self) -> object:
+        """The cursor, the arms in view and the scale."""
+        return self.cursor, self._top, self.scale
+
+    def align_with(self, twin: BoardPanel) -> None:
+        """Take the stance of the bandit ``twin``; the scale holds both."""
+        super().align_with(twin)
+        if isinstance(twin, ArmsView):
+            self._top = twin._top if self.takes_stance_of(twin) else self._top
+            self.scale = grown(self.scale, twin.scale)
+            self._number_forms = twin._number_forms
+
+    def carried(self, place: int, before: Snapshot, now: Snapshot) -> int | None:
+        """Return where an arm is once others were added or taken away; None where it is gone."""
+        old, new = before.editor.base, now.editor.base
+        if isinstance(old, ArmsDraft) and isinstance(new, ArmsDraft):
+            arm = old.arm_ids[place]
+            return new.arm_ids.index(arm) if arm in new.arm_ids else None
+        return self.place_in(place, before.world, now.world)
+
+    def place_in(self, place: int, world: World, other: World) -> int | None:
+        """Return the arm of ``other`` that has the number of an arm of ``world``."""
+        return place if place < other.space.pairs else None
+
+    def agent_place(self, snapshot: Snapshot) -> int:
+        """Return the arm pulled last, the first before any pull."""
+        last = snapshot.counters.last_step
+        return last.pair if last is not None and not last.planned else 0
+
+    def moved(self, place: int, rows: int, columns: int) -> int:
+        """Return the arm so many rows below."""
+        return max(0, min(place + rows, self.world.space.pairs - 1))
+
+    def place_at(self, x: int, y: int) -> int | None:
+        """Return the arm whose bar is drawn in row ``y``."""
+        place = y // self._each
+        return self._top + place if place < self._shown else None
+
+    def state_at(self, place: int) -> int | None:
+        """Return nothing: an arm is a pair."""
+        return None
+
+    def name_at(self, place: int) -> str:
+        """Return which arm it is."""
+        return pair_in_words(self.world, place, self.look.glyphs)
+
+    def pairs_at(self, place: int) -> range:
+        """Return the pair that an arm is."""
+        return range(place, place + 1)
+
+    def place_of(self, pair: int) -> int:
+        """Return the arm that is ``pair``."""
+        return pair
+
+    @property
+    def page_size(self) -> tuple[int, int]:
+        """As many arms as are in view."""
+        return self._shown, 1
+
+    def keep_in_view(self, place: int) -> None:
+        """Scroll so far that an arm is seen."""
+        self._top = scrolled_to(self._top, place, self._shown)
+
+    def pan(self, rows: int, columns: int) -> None:
+        """Scroll by arms."""
+        self._top += rows
+
+    def follow(self) -> None:
+        """Go back to the first arm."""
+        self._top = 0
+
+    def _ends(self, scale: ArmsScale) -> str:
+        low, high = (bound_text(end, self.look.glyphs) for end in scale)
+        return f"{low}…{'+' if scale.high > 0.0 else ''}{high}"
+
+
+def noise_of_pairs(mdp: TabularMDP) -> FloatArray:
+    """Return the standard deviation of the noise on each pair's rewards, [P], as the scenario states it."""
+    variance = np.bincount(mdp.outcome_pair, mdp.probability * mdp.reward_std**2, minlength=mdp.pairs)
+    return np.asarray(np.sqrt(variance))
+
+
+def true_means_now(mdp: TabularMDP, snapshot: Snapshot) -> FloatArray | None:
+    """Return the true mean q*(a) of each pair at this step, [P]; None where it has drifted out of sight."""
+    if mdp.drift_std > 0.0 and snapshot.counters.step > 0:
+        return None if snapshot.exact_answer.solution is None else snapshot.exact_answer.solution.q
+    return true_means(mdp)
+
+
+def noise_of_rewards(mdp: TabularMDP, q: FloatArray) -> FloatArray:
+    """Return the standard deviation of one reward of each pair, [P], as far as the agent can know it.
+
+    That is the noise that the scenario states. Where rewards are either of two numbers it depends on the
+    hidden mean, in whose place the estimate is taken: √((q − low)(high − q)).
+    """
+    values = np.unique(mdp.reward)
+    if len(values) != 2 or mdp.reward_std.any() or len(mdp.reward) == mdp.pairs:
+        return noise_of_pairs(mdp)
+    low, high = values
+    inside = np.clip(q, low, high)
+    return np.asarray(np.sqrt((inside - low) * (high - inside)))
+
+
+def standard_error(noise: float, pulls: int, alpha: StepSize) -> float:
+    """Return the standard deviation that the noise of ``pulls`` (≥ 1) rewards leaves in an estimate.
+
+    ``noise`` is σ of one reward, which the scenario states openly. A sample average leaves σ/√N. A constant
+    step size weighs the rewards by α(1 − α)^(N−i) (equation 2.6), which leaves
+    σ·√(α/(2 − α)·(1 − (1 − α)^2N)); what Q₀ still weighs, (1 − α)^N, is bias and not counted here.
+    """
+    if alpha == SAMPLE_AVERAGE:
+        return noise / math.sqrt(pulls)
+    step_size = float(alpha)
+    return noise * math.sqrt(step_size / (2.0 - step_size) * (1.0 - (1.0 - step_size) ** (2 * pulls)))
+
+
+def arms_of(mdp: TabularMDP, snapshot: Snapshot, means: FloatArray | None) -> tuple[Arm, ...]:
+    """Return what is known about each arm; true means only where ``means`` are given."""
+    q, visits = snapshot.agent.q.tolist(), snapshot.agent.visits.tolist()
+    noise, values = noise_of_rewards(mdp, snapshot.agent.q), snapshot.agent.hyperparameters
+    alpha: StepSize = SAMPLE_AVERAGE if values.sample_average else values.alpha
+    anything = any(visits)
+    best_estimate = max(q)
+    last = None if snapshot.counters.last_step is None else snapshot.counters.last_step.pair
+    best_mean = float(means.max()) if means is not None else None
+    return tuple(
+        Arm(
+            name=mdp.action_names[int(mdp.pair_action[pair])],
+            estimate=q[pair],
+            error=standard_error(float(noise[pair]), visits[pair], alpha) if visits[pair] else None,
+            pulls=visits[pair],
+            greedy=anything and q[pair] == best_estimate,
+            last=pair == last,
+            mean=float(means[pair]) if means is not None else None,
+            best=best_mean is not None and means is not None and float(means[pair]) == best_mean,
+        )
+        for pair in mdp.pairs_of(0)
+    )

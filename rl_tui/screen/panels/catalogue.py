@@ -1,0 +1,388 @@
+"""The panels of the playground, a row each: board, places, keys, palette and help derive from this table."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rl_tui.screen.kit.row import (
+    BUDGET,
+    CONTROLS,
+    CURVE,
+    DISCOUNT,
+    DRAW,
+    FINDINGS,
+    LAST_STEP,
+    LESSON,
+    MANY_SEEDS,
+    MICROSCOPE,
+    OUTPUT,
+    POLICIES,
+    PROGRAM,
+    TABLE,
+    TIMELINE,
+    WORLD,
+    WORLD_CHECK,
+    OpeningKey,
+    PanelRow,
+)
+from rl_tui.worlds.drawing import Arms, Drawing
+
+
+def _has_arms(drawing: Drawing | None) -> bool:
+    return isinstance(drawing, Arms)
+
+
+PANELS: Final[tuple[PanelRow, ...]] = (
+    PanelRow(
+        LESSON,
+        "rl_tui.screen.panels.lesson.lesson:LessonPanel",
+        "Lesson",
+        "The open page of a lesson. Where a page asks for a prediction, no step is taken before that (A); "
+        "then the run goes on, and the truth stands beside it. Beside each condition of a task stands "
+        "whether it holds now: ✓ or ✗, and … while that is not known. H gives a hint, then the next, at the "
+        "end the solution. Pages turn by . and , alone; . leaves a page undone if pressed twice. N sets the "
+        "run of the page up again. Where there is no room for page and world side by side they take turns: "
+        "R.",
+        caption="read, predict, do, compare",
+        terms=("agent", "state", "action", "reward", "policy", "value", "return"),
+        of_lesson=True,
+    ),
+    PanelRow(
+        WORLD,
+        "rl_tui.screen.panels.world_views:WorldPlaceholder",
+        "World",
+        "The scenario as the agent finds it. In a grid the tint and the number are V(s), the best estimate "
+        "of the state; arrows are the greedy actions, several (or * where there is no room) where they tie, "
+        "none where nothing is known yet, letters where actions have no direction; ◉ is the agent, ● a hole, "
+        "▓ a cliff, ★ the goal, S the start. V turns to Q of every action, each at its side of the cell or "
+        "behind its sign, · where it was never tried: the greedy ones are framed, or have an arrow where the "
+        "tint stands for the number. In a graph each edge names action, "
+        "probability and reward, and the greedy action is bold. An arm of a "
+        "bandit shows its estimate ± its standard error, the standard deviation that the noise of the "
+        "rewards leaves in it. ▸ marks the greedy arm, ◉ the last pull. In focus it has a cursor, as the "
+        "table has; the place where one stands is marked in the other. Two lanes stand side by side, the "
+        "lower number left; ▸ marks the one that keys and sliders are about, and ≠ the states where their "
+        "greedy actions differ, ties counted. Only states known to both count: updated, or with estimates "
+        "that differ. C draws the world: hatched (╱) is what is drawn and not in force, ↻ marks states whose "
+        "best actions, exactly, the last stroke turned, and the legend has a sign for those from which no "
+        "way leads to an end.",
+        caption="as the agent meets it",
+        terms=(
+            *("agent", "state", "action", "reward", "value", "greedy", "terminal", "ties", "policy", "mdp"),
+            *("arm", "standard-error", "trail", "slip", "wind"),
+        ),
+        is_twofold=True,
+    ),
+    PanelRow(
+        DRAW,
+        "rl_tui.screen.panels.draw_panel:DrawPanel",
+        "Draw",
+        "While you draw the world (C): every tool with its key, or to be clicked. The brush in force stands "
+        "out; a click or a drag on the world paints with it, the wheel changes what is paid there. With the "
+        "arrow (A) a click moves the cursor only, and a drag marks a rectangle. Sliders set the rules of the "
+        "world, and what is under the cursor: digits or tab go to them, enter types a value. Of a graph each "
+        "outcome of the state under the cursor has a line: shift with up and down, or a click, chooses one. "
+        "What cannot be done now is dim.",
+        caption="what there is to draw with",
+        terms=("slip", "wind", "reward", "truncated", "mdp", "arm"),
+        of_drawing=True,
+    ),
+    PanelRow(
+        TABLE,
+        "rl_tui.screen.panels.q_table.q_table:QTable",
+        "Q",
+        "One row a state, one column an action. The frame marks the greedy cell; the cell that the last "
+        "step updated is lit; an unvisited cell looks different from a zero. v turns to the exact Q*, the "
+        "error Q−Q* and visits. It has a cursor: tab to the table, then the arrows; m shows the model of "
+        "the pair under it, and esc follows the agent again. The tables of two lanes have cursor, rows and "
+        "layer in common; ≠ stands behind a state where their greedy actions differ. <.01 and >−1 are not 0, "
+        "but less than a unit of the last digit.",
+        caption="what each action seems worth",
+        terms=("q", "pair", "greedy", "agent", "target", "q-star", "error", "visits", "ties", "optimism"),
+        is_twofold=True,
+    ),
+    PanelRow(
+        CURVE,
+        "rl_tui.screen.panels.curve.curve:ReturnCurve",
+        "Return",
+        "The return of each episode, its rewards added up without a discount, as band and mean, with the "
+        "mean of the last 100 beside it; the exact return that the greedy policy has on average; and dotted "
+        "what is best for this γ (in short γ-best): the return, undiscounted too, of the policy that is best "
+        "for the γ in force. At a smaller γ another policy can collect more than that one. What exploring "
+        "costs is exact too: the return of the greedy policy less that of the agent as it acts now, with its "
+        "ε. A greedy policy that may collect rewards for ever has no return: its line has a gap there. The "
+        "vertical axis is that of the best and of most episodes: an arrow stands where a line goes below it. "
+        "The other one counts finished episodes, the top line the one that the agent is in. On it ◈ marks "
+        "where the world was drawn anew, ✗ where that cut off an episode, which counts in no mean; what is "
+        "best is dotted from there on. Where the run cannot keep up with the wanted speed, the top line ends "
+        "with the one measured.",
+        caption="what each episode has earned",
+        terms=(
+            "return",
+            "episode",
+            "greedy",
+            "last-100",
+            "gamma-best",
+            "best-arm",
+            "gap",
+            "explore",
+            "discounted-return",
+            "sweep",
+        ),
+    ),
+    PanelRow(
+        TIMELINE,
+        "rl_tui.screen.panels.timeline:TimelineBar",
+        "Timeline",
+        "The row below the curve is what was run so far, from step 0 to the end of the branch; the handle is "
+        "the moment that every panel shows. b, B and g go back, and so do a click, a drag and, with the row "
+        "in focus (tab), the arrows, < and > by one step, pgup and pgdn by a tenth. g takes a step or, as "
+        "e12, an episode, and goes to where that one begins. To play on from there "
+        "repeats what happened; to change something begins a branch, and j goes back to the other. ◆ is a "
+        "change, ◈ one of the world, ╍ steps taken by hand, ┻ where the branch began.",
+        caption="the run, to go back in",
+        terms=("branch", "episode", "seed"),
+        has_border=False,
+    ),
+    PanelRow(
+        BUDGET,
+        "rl_tui.screen.panels.budget:BudgetPanel",
+        "Budget",
+        "Pulls and winnings of a bandit; once shown or spent, its regret too: over all pulls, the true mean "
+        "of the best arm less that of the arm pulled. Luck is left out, so winnings and regret need not add "
+        "up to the best possible.",
+        caption="what the pulls earned",
+        terms=(
+            "winnings",
+            "regret",
+            "best-possible",
+            "best-arm-share",
+            "best-arm",
+            "bandit",
+            "arm",
+            "reward",
+            "step",
+        ),
+        needs=_has_arms,
+    ),
+    PanelRow(
+        CONTROLS,
+        "rl_tui.screen.panels.controls.controls:Controls",
+        "Controls",
+        "What the agent is told. Focus a slider with tab or 1, 2, 3, 4: left and right change it; enter "
+        "types a value, and one that begins with 1 to 4 needs it first, as these go to sliders; the mouse "
+        "drags it; esc leaves it. What would change nothing has no slider. a chooses the algorithm, p the "
+        "policy, which is the rule by which actions are chosen; o "
+        "lists everything, schedules and the sample average too. A change acts from the next step on; "
+        "initial Q and seed start again.",
+        caption="what the agent is told",
+        terms=("alpha", "gamma", "epsilon", "policy", "off-policy", "on-policy", "ties", "optimism", "seed"),
+    ),
+    PanelRow(
+        PROGRAM,
+        "rl_tui.screen.panels.program.program:ProgramPanel",
+        "Program",
+        "A program of your own, watched (rl-tui watch SCRIPT.py): its environment, the table that was found "
+        "in it, and the update that it makes, worked out from how the table moves: rule, step size and "
+        "discount, the share of steps that they fit, and the first that departs. Only steps on which the "
+        "value of the next state is not 0 tell γ: so many there were. Nothing is guessed: what no step "
+        "decides is said to be open. Below stands what is wrong with it, which F shows, and notes; O shows "
+        "what it wrote, and T chooses another of its tables. Our agents have their sliders here; of your "
+        "program its file decides, and saving it starts it again.",
+        caption="your own code, watched",
+        terms=("program", "finding", "informative-step", "departs", "alpha", "gamma", "target"),
+        of_program=True,
+    ),
+    PanelRow(
+        LAST_STEP,
+        "rl_tui.screen.panels.last_step.last_step:LastStepPanel",
+        "Last step",
+        "One turn of the loop with its real numbers: what was chosen and why, what the world did, and the "
+        "update. δ is the error that the update shrinks. Algorithms that wait for n rewards or for the end "
+        "of the episode say so. Where one step moves many estimates, by their traces (how recently each "
+        "pair was taken) or from a model, one is told in full and the others are counted. Rows and columns "
+        "of a map are counted from 0, as states are.",
+        caption="one turn of the loop",
+        terms=(
+            "td-error",
+            "target",
+            "bootstrap",
+            "alpha",
+            "gamma",
+            "reward",
+            "terminal",
+            "truncated",
+            "lambda",
+        ),
+    ),
+    PanelRow(
+        MICROSCOPE,
+        "rl_tui.screen.panels.microscope.microscope:Microscope",
+        "Microscope",
+        "d takes the last step apart, live. Numbers that came from a cell of the table look as that cell "
+        "does, which is lit: one was updated, the underlined ones were looked up. The backup hangs from the "
+        "state and its action all that might have followed; ▸ marks what did. The target of this sample "
+        "stands beside the expected one, the mean over all outcomes with the same estimates: what lies "
+        "between them is luck. At the end stands how the cell under the table's cursor went, else the one "
+        "updated last, with its exact value dotted. The return so far is told discounted, and without.",
+        caption="the last step, taken apart",
+        terms=(
+            "backup",
+            "bellman",
+            "target",
+            "td-error",
+            "bootstrap",
+            "discounted-return",
+            "return",
+            "q-star",
+        ),
+        opened_by=OpeningKey(
+            "d",
+            "dissect",
+            "Take the last step apart: the loop, the backup, the return, the history of a cell.",
+            rank=5,
+        ),
+        in_place_of=(WORLD, CURVE),
+        is_wide=True,
+    ),
+    PanelRow(
+        MANY_SEEDS,
+        "rl_tui.screen.panels.many_seeds:ManySeeds",
+        "Many seeds",
+        "One seed decides nothing. M runs the same again under other seeds, beside this run and at low "
+        "priority: 8, then 16, up to 256, for as many episodes as this run has had, within bounds. Each "
+        "figure of this seed stands beside the mean over all, with the standard error of that mean. With "
+        "lanes, each seed runs in every one, and the difference is told seed by seed, in brackets with three "
+        "standard errors on either side; of regret, less is better. The curve has the mean over seeds behind "
+        "its own lines, two standard errors wide on either side. What was changed since is not in it: enter "
+        "counts again.",
+        caption="is it luck, or better?",
+        terms=(
+            "standard-error",
+            "many-seeds",
+            "paired-difference",
+            "seed",
+            "lane",
+            "regret",
+            "last-100",
+            "greedy",
+        ),
+        opened_by=OpeningKey(
+            "M",
+            "many seeds",
+            "Run the same under many other seeds: the mean of each figure, with its error, beside this seed.",
+            rank=17,
+        ),
+        in_place_of=(TABLE, BUDGET),
+        not_for_program="M runs agents of ours; rl-tui grade {file} runs your program under many seeds",
+    ),
+    PanelRow(
+        DISCOUNT,
+        "rl_tui.screen.panels.discount:DiscountPanel",
+        "Flip points",
+        "Which actions are best depends on γ. G draws Q* of every action of one state, that of the cursor of "
+        "world or table, else the agent's, from γ = 0 to 1; the highest line is the best action, and ◆ "
+        "stands where another one becomes it. Upright lines are flip points: every γ at which the optimal "
+        "actions of some state change, worked out exactly. ┃ marks those that turn the way from the start; "
+        "they stand on the slider of γ too, and, while this panel is open, all others as │. Dots with ● "
+        "stand at the γ in force. The list says what the optimal policy earns just below and just above, "
+        "undiscounted, and which states turn. The arrows choose a flip, and enter sets γ beyond it; on the "
+        "slider { and } do so. A program of your own sets γ in its file. Flip points are "
+        "worked out for worlds of up to 100 states.",
+        caption="where the best policy turns",
+        terms=("gamma", "flip-point", "turns-the-way", "optimal-values-by-gamma", "earned-at-flip", "q-star"),
+        opened_by=OpeningKey(
+            "G",
+            "flip points",
+            "Show Q* of a state for every γ, and each γ at which the best actions change.",
+            rank=19,
+        ),
+        in_place_of=(TABLE, BUDGET),
+    ),
+    PanelRow(
+        POLICIES,
+        "rl_tui.screen.panels.policies.policies:Policies",
+        "Policies",
+        "What policies are worth, exact, each in a row: one that picks at random, the greedy one "
+        "of this moment, the agent as it acts now, exploring as it does, the optimal one for the γ in force, "
+        "and one that you drew (D). The first figure is the return an episode has on average, undiscounted "
+        "and within the time limit; at start stands V there. What exploring costs is what the greedy policy "
+        "earns more than the agent as it acts. Of the policy under the cursor the world shows V and the "
+        "likeliest actions, and the curve has its return as a dashed line; enter keeps that when the panel "
+        "is closed, and the table then has a layer Qπ; P or esc goes back to what the agent learned. "
+        "A policy at work in a large world is worked out while the run is paused.",
+        caption="what each way to act is worth",
+        terms=(
+            *("policy-value", "policy-return", "exploring-cost", "behaviour", "greedy", "uniform-policy"),
+            *("q-pi", "value-at-start", "expected-steps", "chance-of-ending", "bellman-expectation"),
+        ),
+        opened_by=OpeningKey(
+            "P",
+            "policies",
+            "What policies are worth, exactly: random, greedy, as it acts, optimal, drawn; V of each.",
+            rank=18,
+        ),
+        in_place_of=(TABLE, BUDGET),
+    ),
+    PanelRow(
+        WORLD_CHECK,
+        "rl_tui.screen.panels.world_check:WorldCheckPanel",
+        "World check",
+        "What one wants to know of a world before giving it to a class, be it drawn or not: what policies "
+        "earn that pick at random and that are best, in how few steps the best one may come to an end, how "
+        "long nothing is learned with the settings in force, at which γ the best actions change, which "
+        "states are never reached, and from which there is no way to an end. Then each algorithm is trained "
+        "for a short while, to see whether a greedy policy may come out that never ends; that is tried, not "
+        "proven. All else is exact. After a change of the world or of the settings it is worked out anew, at "
+        "low priority. # numbers the states of a map. rl-tui check --deep prints the same.",
+        caption="before a class gets it",
+        terms=(
+            *("uniform-policy", "best-by-clock", "fewest-steps", "first-update", "flip-point"),
+            *("unreached", "no-way-out", "return", "greedy", "truncated"),
+        ),
+        opened_by=OpeningKey(
+            "Q",
+            "check world",
+            "Check the world: what chance and the best policy earn, and what may never end.",
+            rank=20,
+        ),
+        in_place_of=(TABLE, BUDGET),
+        not_for_program="Q checks worlds of scenarios; rl-tui check --deep checks one by its id or file",
+    ),
+    PanelRow(
+        FINDINGS,
+        "rl_tui.screen.panels.program.findings:FindingsPanel",
+        "Findings",
+        "What is wrong with the program that is watched, the worst first. A fault is claimed only from at "
+        "least three steps on which two readings of the code predict different numbers, all of them for one "
+        "and none for the other; declared means that it rests on a number read from the code. A risk is what "
+        "may go wrong by bad luck. Each says what was seen, on how many steps, shows the line in the source, "
+        "marked ▸, and the correction. The arrows choose one, enter goes to the first step that shows it.",
+        caption="what is wrong, and where",
+        terms=("finding", "program", "departs", "informative-step", "bootstrap", "terminal", "truncated"),
+        opened_by=OpeningKey(
+            "F",
+            "findings",
+            "Of a program of your own: what is wrong with it, the line, and the correction.",
+            rank=6,
+        ),
+        in_place_of=(TABLE, BUDGET),
+        of_program=True,
+    ),
+    PanelRow(
+        OUTPUT,
+        "rl_tui.screen.panels.program.output:OutputPanel",
+        "Output",
+        "The last lines that the watched program wrote, each behind the number of steps that it had taken. "
+        "! marks what it wrote to stderr. Where it raised an exception, its traceback stands at the end. The "
+        "last line stays in view until the arrows, pgup or home go up; end follows again.",
+        caption="what your program wrote",
+        terms=("program", "step", "finding"),
+        opened_by=OpeningKey(
+            "O", "output", "Of a program of your own: what it wrote, and its traceback.", rank=7
+        ),
+        in_place_of=(TABLE, BUDGET),
+        of_program=True,
+    ),
+)
+"""In the order of the tab key."""

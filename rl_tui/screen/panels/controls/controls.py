@@ -1,0 +1,183 @@
+"""What can be changed about the agent: a slider for each number that has one, and the settings in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Final
+
+from textual.app import ComposeResult
+from textual.containers import Container
+from textual.content import Content
+
+from rl_tui.agents.catalogue import parameters_of
+from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter
+from rl_tui.agents.idle_parameters import why_idle
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.answers.flip_answer import beyond
+from rl_tui.runs.recipe import Recipe
+from rl_tui.screen.draw.to_ascii import separated, to_ascii
+from rl_tui.screen.kit.panel import BORDER_ENDS, BoardPanel, Legend, LegendSign, legend_text
+from rl_tui.screen.kit.snapshot_facts import is_secret, keeps_back
+from rl_tui.screen.panels.controls.settings import AgentSettings
+from rl_tui.screen.panels.controls.slider import Slider
+from rl_tui.screen.panels.controls.slider_picture import SliderMark
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.drawing import Arms
+
+GAMMA: Final = "gamma"
+"""The hyper-parameter whose slider marks flips."""
+
+_MEANING: Final = (
+    "Marks are flip points: there the best way from the start turns, or, while G is open, any state."
+)
+
+
+def sliders_of(algorithm: str, values: Hyperparameters, *, is_bandit: bool = False) -> tuple[Parameter, ...]:
+    """Return the parameters of ``algorithm`` with these ``values`` that have a slider, in order.
+
+    What changes nothing, as γ does not for a bandit, has none.
+    """
+    rows = (
+        PARAMETERS[name]
+        for name in parameters_of(algorithm, values.policy)
+        if not why_idle(name, algorithm, values, is_bandit=is_bandit)
+    )
+    return tuple(row for row in rows if row.slide is not None)
+
+
+def in_force(values: Hyperparameters, parameter: Parameter) -> float | str:
+    """Return what the slider of ``parameter`` shows: α is the sample average by its schedule as well."""
+    if SAMPLE_AVERAGE in parameter.words and values.sample_average:
+        return SAMPLE_AVERAGE
+    return values.value(parameter.name)
+
+
+def flip_marks(snapshot: Snapshot, *, every: bool) -> tuple[SliderMark, ...]:
+    """Return the marks on the slider of γ: of flips that turn the way from the start, or of ``every`` flip.
+
+    There are none while the answer is hidden.
+    """
+    known = snapshot.answers.flips
+    return tuple(
+        SliderMark(
+            flip.gamma,
+            below=beyond(known, flip, is_above=False),
+            above=beyond(known, flip, is_above=True),
+            stands_out=flip.turns_the_way,
+        )
+        for flip in known.flips
+        if (flip.turns_the_way or every) and not (is_secret(snapshot) or keeps_back(snapshot, "flips"))
+    )
+
+
+class Controls(Container, BoardPanel):
+    """Sliders and settings; posts the sliders' own messages.
+
+    Its sliders are those of the agent in force, and show what is ``wanted``: a value that was set here stays
+    on its slider while the run has not followed yet.
+    """
+
+    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+        super().__init__(id=id, classes=classes)
+        self._look = look
+        self._is_explained = False
+        self.wanted = Hyperparameters()
+        self.marks_all_flips = False
+        """Whether the slider of γ marks every flip, not only those that turn the way from the start."""
+        self._parameters: tuple[Parameter, ...] = ()
+        self._has_marks = False
+
+    def has_slider(self, name: str) -> bool:
+        """Return whether the hyper-parameter ``name`` has a slider here."""
+        return any(parameter.name == name for parameter in self._parameters)
+
+    @property
+    def is_explained(self) -> bool:
+        """Whether caption and legend are on the border."""
+        return self._is_explained
+
+    @is_explained.setter
+    def is_explained(self, is_explained: bool) -> None:
+        self._is_explained = is_explained
+        self._write_border()
+
+    def give_away(self, keys: frozenset[str]) -> None:
+        """Say nothing of ``keys``, as people see them, as long as they are about something else."""
+        self.query_one(AgentSettings).give_away(keys)
+
+    def on_resize(self) -> None:
+        """Fit the legend to the new width."""
+        self._write_border()
+
+    def _write_border(self) -> None:
+        look = self._look
+        title, legend = "Controls", ""
+        if self._is_explained:
+            signs = tuple(
+                LegendSign(to_ascii(each.symbol, look.glyphs), each.short_name, look.palette.text)
+                for each in self._parameters
+            )
+            title = f"Controls · {self.caption}"
+            legend = self._legend(signs)
+        self.border_title = Content(separated(title, look.glyphs))
+        self.border_subtitle = Content(separated(legend, look.glyphs))
+
+    def _legend(self, signs: Legend) -> str:
+        """Return ``signs`` behind that of a flip, which comes later, where that moves none of them."""
+        look, room = self._look, self.size.width - BORDER_ENDS
+        legend = legend_text(signs, room, look)
+        flip = LegendSign(look.glyphs.flip, "flip", look.palette.greedy)
+        longer = legend_text((flip, *signs), room, look) if self._has_marks else ""
+        return longer if longer.endswith(legend) else legend
+
+    def begin_with(self, recipe: Recipe) -> None:
+        """Show the sliders of ``recipe`` before the first snapshot."""
+        self.wanted = recipe.hyperparameters
+        is_bandit = recipe.scenario.kind == "bandit"
+        self._parameters = sliders_of(recipe.algorithm, recipe.hyperparameters, is_bandit=is_bandit)
+
+    def compose(self) -> ComposeResult:
+        """Yield sliders and settings."""
+        yield Container(*self._sliders(), id="sliders")
+        yield AgentSettings(self._look, id="settings")
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Show the settings in force, and what is wanted on the sliders."""
+        self.query_one(AgentSettings).show(snapshot)
+        agent, is_bandit = snapshot.agent, isinstance(snapshot.world.drawing, Arms)
+        parameters = sliders_of(agent.algorithm, agent.hyperparameters, is_bandit=is_bandit)
+        if parameters != self._parameters:
+            self._parameters = parameters
+            self._write_border()
+            self.run_worker(self._replace_sliders(), exclusive=True)
+            return
+        for slider in self.query(Slider):
+            slider.set_value(in_force(self.wanted, slider.parameter))
+            if slider.parameter.name == GAMMA:
+                self._mark_flips(slider, snapshot)
+
+    def _mark_flips(self, slider: Slider, snapshot: Snapshot) -> None:
+        marks = flip_marks(snapshot, every=self.marks_all_flips)
+        slider.set_marks(marks, _MEANING)
+        if bool(marks) != self._has_marks:
+            self._has_marks = bool(marks)
+            self._write_border()
+
+    def _sliders(self) -> Iterable[Slider]:
+        for parameter in self._parameters:
+            yield Slider(self._look, parameter, in_force(self.wanted, parameter))
+
+    async def _replace_sliders(self) -> None:
+        """Mount and remove what differs: a value may be being typed on a slider that stays."""
+        box = self.query_one("#sliders")
+        wanted = {slider.id: slider for slider in self._sliders()}
+        leaving = [slider for slider in box.query(Slider) if slider.id not in wanted]
+        with self.app.batch_update():
+            if any(slider.has_focus for slider in leaving):
+                self.screen.set_focus(None)
+                self.screen.post_message(Slider.Released())
+            await box.remove_children(leaving)
+            staying = {slider.id for slider in box.query(Slider)}
+            for place, (name, slider) in enumerate(wanted.items()):
+                if name not in staying:
+                    await box.mount(slider, before=place if place < len(box.children) else None)

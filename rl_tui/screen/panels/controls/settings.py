@@ -1,0 +1,250 @@
+"""The settings of the agent besides the sliders: algorithm, policy, seed, speed …, each with its key."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+from rich.cells import cell_len
+from rich.segment import Segment
+from textual import events
+from textual.strip import Strip
+from textual.widget import Widget
+
+from rl_tui.agents.catalogue import POLICY_BY_ID, parameters_of
+from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
+from rl_tui.agents.idle_parameters import why_idle
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.drawing import Arms
+
+_KEY_COLUMNS = 4
+_LABEL_COLUMNS = 10
+_GAPS = (3, 2)
+_KEYED: Final = frozenset({"policy", "ties", "initial_q"})  # have a key and an entry of their own
+
+
+Texts = tuple[str, str, str]
+"""Key, label and value as they are written."""
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """One setting: the key that changes it, its name short and in full, its value, the action behind it.
+
+    Where there is no room for all, those of the highest ``rank`` are left out first.
+    """
+
+    key: str
+    short: str
+    full: str
+    value: str
+    action: str
+    rank: int
+
+
+def settings_of(snapshot: Snapshot) -> tuple[Setting, ...]:
+    """Return what is in force, for algorithm and policy in force."""
+    return tuple(_settings(snapshot))
+
+
+def _settings(snapshot: Snapshot) -> Iterator[Setting]:
+    values = snapshot.agent.hyperparameters
+    is_bandit = isinstance(snapshot.world.drawing, Arms)
+    parameters = parameters_of(snapshot.agent.algorithm, values.policy)
+    lanes = snapshot.run_group.lanes
+    if lanes:
+        yield Setting(
+            "l", "lane", "lane", f"{snapshot.run_group.shown + 1}/{len(lanes)}", "lanes.next_lane", 2
+        )
+    yield Setting("a", "", "algorithm", snapshot.agent.row.name, "agent.choose_algorithm", 0)
+    if "policy" in parameters:
+        yield Setting("p", "", "policy", POLICY_BY_ID[values.policy].name, "agent.choose_policy", 1)
+    if "ties" in parameters:
+        yield Setting("t", "ties", "ties", values.ties, "agent.next_ties", 4)
+    if "initial_q" in parameters:
+        yield Setting("i", "Q₀", "initial Q", f"{values.initial_q:g}", "agent.ask_initial_q", 5)
+    yield Setting("n", "seed", "seed", str(snapshot.recipe.seed), "agent.ask_seed", 6)
+    if snapshot.playback.phase in (Phase.SPENT, Phase.DONE):
+        yield Setting("r", "", "", "start again", "run.reset", 2)
+    else:
+        yield Setting("+ −", "", "speed", speed_text(snapshot.playback.speed), "run.faster", 2)
+    yield Setting("o", "options", "options", "", "agent.show_options", 3)
+    for name in parameters:
+        parameter = PARAMETERS[name]
+        idle = why_idle(name, snapshot.agent.algorithm, values, is_bandit=is_bandit)
+        if is_an_option(parameter) and not idle:
+            value = option_text(values.value(name))
+            yield Setting("", parameter.symbol, parameter.symbol, value, "agent.show_options", 7)
+    yield from _decaying(values, parameters, snapshot.counters.episodes)
+
+
+def _decaying(values: Hyperparameters, parameters: tuple[str, ...], episode: int) -> Iterator[Setting]:
+    """Yield what schedules have made of α and ε by now, where they change them."""
+    alpha = values.alpha_at(episode)
+    if "alpha_decay" in parameters and alpha is not None and alpha_moves(values):
+        yield Setting("", "α now", "α now", f"{alpha:.3f}", "", 8)
+    if "epsilon_decay" in parameters and epsilon_moves(values):
+        yield Setting("", "ε now", "ε now", f"{values.epsilon_at(episode):.3f}", "", 8)
+
+
+def alpha_moves(values: Hyperparameters) -> bool:
+    """Return whether a schedule changes α from episode to episode."""
+    is_scheduled = values.step_size_schedule != "constant" and not values.sample_average
+    return is_scheduled and values.alpha_decay > 0.0
+
+
+def epsilon_moves(values: Hyperparameters) -> bool:
+    """Return whether a schedule changes ε from episode to episode."""
+    return values.epsilon_schedule != "constant" and values.epsilon_decay > 0.0
+
+
+def is_an_option(parameter: Parameter) -> bool:
+    """Return whether ``parameter`` has neither slider nor key and is not merely part of a schedule."""
+    return parameter.slide is None and not parameter.schedule and parameter.name not in _KEYED
+
+
+def option_text(value: float | str) -> str:
+    """Return a value as settings show it."""
+    return value if isinstance(value, str) else f"{value:g}"
+
+
+def called(name: str, value: float | str) -> str:
+    """Return a value of the parameter ``name`` as people call it: policies have names."""
+    return POLICY_BY_ID[str(value)].name if name == "policy" else option_text(value)
+
+
+def speed_text(speed: float | None) -> str:
+    """Return a wanted speed as people read it: ``10/s``, ``max``."""
+    return "max" if speed is None else f"{speed:,.0f}/s"
+
+
+@dataclass(frozen=True, slots=True)
+class SettingCell:
+    """Where a setting stands on its line, from column ``start`` to before ``end``, and how it is written."""
+
+    start: int
+    end: int
+    setting: Setting
+    key: str
+    label: str
+    value: str
+
+
+def laid_out(settings: Sequence[Setting], width: int, height: int, glyphs: Glyphs) -> list[list[SettingCell]]:
+    """Return the lines of ``settings``, at most ``height``: in columns where they fit, else running on.
+
+    Where they do not all fit, those that matter least are left out.
+    """
+    for write, columns in ((_in_full, 2), (_in_short, 3), (_in_short, 2)):
+        texts = [(each, write(each)) for each in settings]
+        lines = _in_columns(texts, columns, width, height, glyphs)
+        if lines:
+            return lines
+    kept = list(settings)
+    while kept:
+        for gap in _GAPS:
+            lines = _running_on(kept, width, gap, glyphs)
+            if len(lines) <= height and all(cell.end <= width for line in lines for cell in line):
+                return lines
+        kept.remove(max(reversed(kept), key=lambda setting: setting.rank))
+    return []
+
+
+def _in_full(setting: Setting) -> Texts:
+    return f"{setting.key:<{_KEY_COLUMNS}}", f"{setting.full:<{_LABEL_COLUMNS}} ", setting.value
+
+
+def _in_short(setting: Setting) -> Texts:
+    label = f"{setting.short} {setting.value}".strip().removesuffix(setting.value)
+    return setting.key, f" {label}" if setting.key else label, setting.value
+
+
+def _in_columns(
+    settings: Sequence[tuple[Setting, Texts]], columns: int, width: int, height: int, glyphs: Glyphs
+) -> list[list[SettingCell]]:
+    """Return nothing where there are not lines enough, or one setting is too long for its column."""
+    lines, room = -(-len(settings) // columns), width // columns
+    if height <= 1 or height < lines:
+        return []
+    cells = [
+        _cell(1 + number // lines * room, setting, text, glyphs)
+        for number, (setting, text) in enumerate(settings)
+    ]
+    if any(cell.end - cell.start >= room - 1 for cell in cells):
+        return []
+    return [cells[y::lines] for y in range(lines)]
+
+
+def _running_on(settings: Sequence[Setting], width: int, gap: int, glyphs: Glyphs) -> list[list[SettingCell]]:
+    lines: list[list[SettingCell]] = [[]]
+    column = 1
+    for setting in settings:
+        cell = _cell(column, setting, _in_short(setting), glyphs)
+        if lines[-1] and cell.end > width:
+            lines.append([])
+            cell = _cell(1, setting, _in_short(setting), glyphs)
+        lines[-1].append(cell)
+        column = cell.end + gap
+    return lines
+
+
+def _cell(start: int, setting: Setting, texts: Texts, glyphs: Glyphs) -> SettingCell:
+    key, label, value = (to_ascii(text, glyphs) for text in texts)
+    return SettingCell(start, start + cell_len(key + label + value), setting, key, label, value)
+
+
+class AgentSettings(Widget):
+    """Draws the settings on one line, or on several where it is taller; a click changes one."""
+
+    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+        super().__init__(id=id, classes=classes)
+        self.look = look
+        self._settings: tuple[Setting, ...] = ()
+        self._taken: frozenset[str] = frozenset()
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw the settings in force."""
+        settings = settings_of(snapshot)
+        if settings != self._settings:
+            self._settings = settings
+            self.refresh()
+
+    def give_away(self, keys: frozenset[str]) -> None:
+        """Leave out ``keys``, which are about something else for a while; a click changes settings still."""
+        self._taken = keys
+        self.refresh()
+
+    def render_line(self, y: int) -> Strip:
+        """Draw one line."""
+        palette = self.look.palette
+        segments: list[Segment] = []
+        column = 0
+        for cell in self._line(y):
+            segments += [
+                Segment(" " * (cell.start - column), palette.text),
+                Segment(cell.key, palette.accent),
+                Segment(cell.label, palette.dim),
+                Segment(cell.value, palette.text),
+            ]
+            column = cell.end
+        strip = Strip(segments or [Segment(" ", palette.text)])
+        return strip.adjust_cell_length(self.size.width, palette.text).apply_style(self.rich_style)
+
+    async def on_click(self, event: events.Click) -> None:
+        """Change the setting under the pointer."""
+        for cell in self._line(event.y):
+            if cell.start <= event.x < cell.end and cell.setting.action:
+                await self.screen.run_action(f"do({cell.setting.action!r})")
+                return
+
+    def _line(self, y: int) -> list[SettingCell]:
+        settings = [
+            replace(each, key="") if self._taken.intersection(each.key.split()) else each
+            for each in self._settings
+        ]
+        lines = laid_out(settings, self.size.width, self.size.height, self.look.glyphs)
+        return lines[y] if y < len(lines) else []

@@ -1,0 +1,346 @@
+"""A slider for one hyper-parameter, one row high: keys, wheel, click, drag, or a value typed in its place.
+
+Keys are shared with the screen: nothing is typed until a key says so that means nothing else, and what is
+typed ends at the first key that cannot belong to it.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import ClassVar, Final
+
+from textual import events
+from textual.binding import BindingType
+from textual.message import Message
+from textual.strip import Strip
+from textual.widget import Widget
+
+from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.kit.bindings import binding
+from rl_tui.screen.kit.draggable import Draggable
+from rl_tui.screen.panels.controls.slider_picture import SliderMark, SliderState, slider_form, slider_strip
+from rl_tui.screen.panels.controls.slider_scale import SliderScale, parsed, scale_of
+from rl_tui.screen.theme.look import Look
+
+_BEGINS_TYPING: Final = frozenset("056789.,")  # 1 to 4 go to the other sliders
+_TYPED: Final = frozenset("0123456789.,/")
+_NUMBER: Final = re.compile(r"\d*[.,]?\d*", re.ASCII)
+_SIGN: Final = "-"
+_AVERAGE: Final = "1/n"
+_LONGEST_TYPED: Final = 14
+_STAY: Final = frozenset({"enter", "tab", "shift+tab", "left", "right", "home", "end", "pageup", "pagedown"})
+
+
+class Slider(Draggable, can_focus=True):
+    """Shows and sets the value of ``parameter``, which needs a finite range (ValueError otherwise).
+
+    ``value`` is a number, or one of the parameter's words (sample-average). Changed is posted for what the
+    user does, not for :meth:`set_value`; of a drag at every cell if it ``reports_at_once``, else when the
+    thumb is let go. A text that is no value is refused: on the slider itself, and by a message that says why.
+    The messages go to the screen at once, so that they are there before the key that ended the typing.
+    """
+
+    ALLOW_SELECT = False
+    BINDINGS: ClassVar[list[BindingType]] = [
+        binding("left", "move('step', -1)", "slider.less", "A hundredth less"),
+        binding("right", "move('step', 1)", "slider.more", "A hundredth more"),
+        binding("shift+left,less_than_sign", "move('fine', -1)", "slider.little_less", "A thousandth less"),
+        binding(
+            "shift+right,greater_than_sign", "move('fine', 1)", "slider.little_more", "A thousandth more"
+        ),
+        binding("pagedown", "move('coarse', -1)", "slider.much_less", "A tenth less"),
+        binding("pageup", "move('coarse', 1)", "slider.much_more", "A tenth more"),
+        binding("home", "end(False)", "slider.least", "The least value"),
+        binding("end", "end(True)", "slider.most", "The greatest value"),
+        binding("left_curly_bracket", "jump(False)", "slider.previous_mark", "Beyond the mark before"),
+        binding("right_curly_bracket", "jump(True)", "slider.next_mark", "Beyond the next mark"),
+        binding("enter", "type", "slider.type", "Type a value; enter again sets it"),
+        binding("escape", "release", "slider.release", "Leave the slider"),
+    ]
+
+    @dataclass
+    class Changed(Message):
+        """The user set the parameter ``name`` to ``value``."""
+
+        name: str
+        value: float | str
+
+    @dataclass
+    class Refused(Message):
+        """What was typed is no value, for this ``reason``."""
+
+        reason: str
+
+    class Released(Message):
+        """The user is done with the slider."""
+
+    class TypingChanged(Message):
+        """Typing a value has begun or ended."""
+
+    def __init__(
+        self,
+        look: Look,
+        parameter: Parameter,
+        value: float | str,
+        *,
+        reports_at_once: bool = True,
+        label_columns: int = 0,
+    ) -> None:
+        super().__init__(id=parameter.name)
+        self._reports_at_once = reports_at_once
+        self._label_columns = label_columns
+        self._before_drag = value
+        self.look = look
+        self.parameter = parameter
+        self.scale = scale_of(parameter)
+        typed = "a number or 1/N" if SAMPLE_AVERAGE in parameter.words else "a number"
+        help_text = (
+            f"{parameter.help}. The arrows change it; enter, or a click on its value, types {typed}. "
+            "What begins with 1 to 4 needs enter first."
+        )
+        self._help = self.tooltip = to_ascii(help_text, look.glyphs)
+        self._value = value
+        self._number = _first_number(parameter, self.scale, value)
+        self._typed: str | None = None
+        self._refused = False
+        self._marks: tuple[SliderMark, ...] = ()
+
+    @property
+    def value(self) -> float | str:
+        """The value in force."""
+        return self._value
+
+    def set_value(self, value: float | str) -> None:
+        """Show ``value``, without a message."""
+        if isinstance(value, float | int):
+            self._number = value = float(value)
+        if value != self._value:
+            self._value = value
+            self.refresh()
+
+    @property
+    def marks(self) -> tuple[SliderMark, ...]:
+        """The marks on the track, rising."""
+        return self._marks
+
+    def set_marks(self, marks: tuple[SliderMark, ...], meaning: str = "") -> None:
+        """Show ``marks``, rising, on the track; ``meaning`` is a sentence that says what they are."""
+        if marks != self._marks:
+            self._marks = marks
+            tip = f"{self._help} {meaning} {{ and }} go beyond the next." if marks else self._help
+            self.tooltip = to_ascii(tip, self.look.glyphs)
+            self.refresh()
+
+    @property
+    def is_typing(self) -> bool:
+        """Whether a value is being typed."""
+        return self._typed is not None
+
+    @property
+    def state(self) -> SliderState:
+        """What the slider shows now."""
+        return SliderState(
+            self._value, self._typed, self._refused, self.has_focus, self._label_columns, self._marks
+        )
+
+    def render_line(self, y: int) -> Strip:
+        """Draw the row, and blank ones below it."""
+        width = self.size.width
+        if y > 0 or width < 1:
+            return Strip.blank(width, self.rich_style)
+        strip = slider_strip(self.parameter, self.scale, self.state, self.look, width)
+        return strip.apply_style(self.rich_style)
+
+    # Keys
+
+    def action_move(self, step: str, direction: int) -> None:
+        """Move the value by a ``step`` of the scale; from a word back to the last number."""
+        by = {"step": self.scale.step, "fine": self.scale.fine, "coarse": self.scale.coarse}[step]
+        self._set(self._moved(direction * by))
+
+    def action_end(self, high: bool) -> None:
+        """Go to an end of the range."""
+        self._set(self.scale.high if high else self.scale.low)
+
+    def action_jump(self, upwards: bool) -> None:
+        """Go beyond the next mark, or the one before; stay where there is none."""
+        value = self._number if isinstance(self._value, str) else self._value
+        if upwards:
+            beyond = next((mark.above for mark in self._marks if mark.value > value), value)
+        else:
+            beyond = next((mark.below for mark in reversed(self._marks) if mark.value < value), value)
+        self._set(beyond)
+
+    def action_type(self) -> None:
+        """Begin typing a value."""
+        self._type("")
+
+    def action_release(self) -> None:
+        """Give the focus back."""
+        self.screen.post_message(self.Released())
+
+    def on_key(self, event: events.Key) -> None:
+        """Take what belongs to a value; any other key ends the typing, and then does what it does."""
+        if self._typed is not None:
+            self._take_key(event, self._typed)
+        elif event.character is not None and self._begins_typing(event.character):
+            event.stop()
+            self._type(event.character)
+
+    def on_focus(self) -> None:
+        """Show the focus."""
+        self.refresh()
+
+    def on_blur(self) -> None:
+        """Set what was typed until now; where the whole terminal lost the focus, the typing goes on later."""
+        if self.app.app_focus and self.is_attached:
+            self._set_typed()
+            self._type(None)
+
+    def _take_key(self, event: events.Key, typed: str) -> None:
+        character = event.character if event.is_printable else None
+        longer = typed + (character or "")
+        if event.key == "escape":
+            event.stop()
+            self._type(None)
+        elif event.key == "backspace":
+            event.stop()
+            self._type(typed[:-1])
+        elif character is not None and self._may_become_a_value(longer):
+            event.stop()
+            self._type(longer)
+        elif character is not None and (character in _TYPED or self._is_sign(character)):
+            event.stop()  # a second point, or more digits than there is room for
+        elif not self._set_typed():
+            if event.key in _STAY:
+                event.stop()
+        elif event.key == "enter":
+            event.stop()
+            self.action_release()
+
+    def _begins_typing(self, character: str) -> bool:
+        return character in _BEGINS_TYPING or self._is_sign(character)
+
+    def _is_sign(self, character: str) -> bool:
+        """Return whether ``character`` is the sign of numbers that the parameter takes."""
+        return character == _SIGN and self.parameter.range is not None and self.parameter.range.low < 0
+
+    def _may_become_a_value(self, text: str) -> bool:
+        if SAMPLE_AVERAGE in self.parameter.words and _AVERAGE.startswith(text.lower()):
+            return True
+        digits = text[1:] if text and self._is_sign(text[0]) else text
+        return _NUMBER.fullmatch(digits) is not None and len(text) <= _LONGEST_TYPED
+
+    def _type(self, text: str | None) -> None:
+        was_typing = self.is_typing
+        self._typed, self._refused = text, False
+        self.refresh()
+        if self.is_typing != was_typing:
+            self.screen.post_message(self.TypingChanged())
+
+    def _set_typed(self) -> bool:
+        """Set what was typed, if anything; return False where that is refused."""
+        text = self._typed
+        if text is None:
+            return True
+        self._type(None)
+        if not text:
+            return True
+        try:
+            value = parsed(text, self.parameter)
+        except ValueError as fault:
+            self._refused = True
+            now = self._value if isinstance(self._value, str) else f"{self._value:g}"
+            reason = f"{self.parameter.symbol} stays {now}: {fault}"
+            self.screen.post_message(self.Refused(reason))
+            self.app.bell()
+            return False
+        self._set(value)
+        return True
+
+    # Mouse
+
+    def on_mouse_down(self, event: events.MouseDown) -> None:
+        """Take hold of the thumb, which jumps to the pointer."""
+        offset = event.get_content_offset(self)
+        if event.button != 1 or offset is None:
+            return
+        if isinstance(self._value, str):
+            self._set(self._number)
+            return
+        self._type(None)
+        start, cells = self._track()
+        if start <= offset.x < start + cells:
+            self._before_drag = self._value
+            self.take_hold(offset.x)
+        elif offset.x >= start + cells:
+            self._type("")
+
+    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
+        """Raise the value by one step."""
+        event.stop()
+        self._set(self._moved(self.scale.step))
+
+    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
+        """Lower the value by one step."""
+        event.stop()
+        self._set(self._moved(-self.scale.step))
+
+    def _track(self) -> tuple[int, int]:
+        plain = SliderState(self._number, label_columns=self._label_columns)
+        form = slider_form(self.parameter, plain, self.look.glyphs, self.size.width)
+        return form.start, form.cells
+
+    def drag_to(self, column: int) -> None:
+        """Set the value that belongs to ``column``."""
+        start, cells = self._track()
+        self._set(self.scale.at_cell(column - start, cells))
+
+    def on_mouse_up(self) -> None:
+        """Tell where the thumb was let go, if that was not told on the way."""
+        self._tell_drag()
+
+    def on_mouse_release(self) -> None:
+        """Tell where the thumb was when another widget took the mouse."""
+        self._tell_drag()
+
+    def _tell_drag(self) -> None:
+        if not self._reports_at_once and self.is_held and self._value != self._before_drag:
+            self._before_drag = self._value
+            self.screen.post_message(self.Changed(self.parameter.name, self._value))
+
+    def _moved(self, by: float) -> float:
+        return self._number if isinstance(self._value, str) else self.scale.moved(self._value, by)
+
+    def _set(self, value: float | str) -> None:
+        self._type(None)
+        if value == self._value:
+            return
+        self.set_value(value)
+        if self._reports_at_once or not self.is_held:
+            self.screen.post_message(self.Changed(self.parameter.name, value))
+
+
+def _first_number(parameter: Parameter, scale: SliderScale, value: float | str) -> float:
+    """Return the number that a slider goes to from a word: the value, or the default of the parameter."""
+    default = Hyperparameters().value(parameter.name) if parameter.name in PARAMETERS else scale.low
+    return next((float(each) for each in (value, default) if not isinstance(each, str)), scale.low)
+
+
+def key_hints(focused: Widget | None) -> tuple[tuple[tuple[str, str], ...], ...]:
+    """Return what the keys do on the slider in focus, for the key line; nothing where none has the focus.
+
+    There are several ways to say it, the longest first. Each begins with the name of the parameter.
+    """
+    if not isinstance(focused, Slider):
+        return ()
+    if not focused.is_typing:
+        row = focused.parameter
+        name = "", f"{row.symbol} {row.short_name}"
+        forms = ("type a number", "type")
+        jump = (("{ }", "to flips"),) if focused.marks else ()
+        return tuple((name, ("← →", "move"), *jump, ("enter", form), ("esc", "leave")) for form in forms)
+    average = (("1/N", "sample average"),) if SAMPLE_AVERAGE in focused.parameter.words else ()
+    return ((("enter", "set"), ("esc", "drop"), *average),)

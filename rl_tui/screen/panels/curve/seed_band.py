@@ -1,0 +1,124 @@
+"""What many seeds say, behind the curve of this one: a band around their mean, and its words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.draw import braille
+from rl_tui.screen.draw.braille import Steps
+from rl_tui.screen.draw.chart_plot import Plot
+from rl_tui.screen.kit.panel import LegendSign
+from rl_tui.screen.kit.snapshot_facts import current_study, episodes_reached
+from rl_tui.screen.panels.curve.smoothing import smoothed
+from rl_tui.screen.panels.seed_figures import LAST_100, decimals_of, estimate_text, last_100_of, until_of
+from rl_tui.screen.theme.look import Look
+from rl_tui.studies.many_seeds.figures import Estimate
+from rl_tui.worlds.mdp.space import IntArray
+
+_ERRORS: Final = 2.0
+"""Standard errors on either side of the mean."""
+_FULL: Final = 0x28FF
+_LATE: Final = 0.25  # of the bins: from here on the axis makes room for the band
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SeedBand:
+    """One run under ``seeds`` seeds: two standard errors on either side of their mean return.
+
+    ``number`` is that of its lane, from 1. ``last_100`` is the mean return of the last 100 episodes, None
+    where that is not known; ``recent`` is what it is called, and ``until`` says at which episode the seeds
+    end, empty where that is where the runs are.
+    """
+
+    number: int
+    seeds: int
+    until: str
+    recent: str
+    band: Steps
+    last_100: Estimate | None
+
+    @property
+    def value(self) -> float | None:
+        """Where the band ends, in a number; None where that is not known."""
+        return None if self.last_100 is None else self.last_100.mean
+
+
+def seed_bands(snapshot: Snapshot) -> tuple[SeedBand, ...]:
+    """Return a band for each run, as far as any has come; none without a study of these very runs."""
+    study = current_study(snapshot)
+    if study is None:
+        return ()
+    reached = episodes_reached(snapshot)
+    furthest = max(reached)
+    until, recent = until_of(study, reached), last_100_of(study).name
+    found = []
+    for number, lane in enumerate(study.lanes, 1):
+        end = lane.curve.episode.astype(np.float64)
+        start = np.concatenate(([0.0], end[:-1])) if len(end) else end
+        there = start < furthest
+        # smoothed as the curve of this run is; the error of such a mean is at most the mean of the errors
+        mean, reach = smoothed(lane.curve.mean)[there], _ERRORS * smoothed(lane.curve.stderr)[there]
+        band = Steps(start[there], np.minimum(end[there], furthest), mean - reach, mean + reach)
+        last_100 = lane.estimates.get(LAST_100.id)
+        found.append(SeedBand(number, study.seeds, until, recent, band, last_100))
+    return tuple(found)
+
+
+def with_room_for(known: tuple[float, float], seeds: Sequence[SeedBand]) -> tuple[float, float]:
+    """Return the values ``known`` that must be on an axis, and the means of seeds but for the first."""
+    means = [(each.band.low + each.band.high) / 2.0 for each in seeds]
+    values = np.concatenate((*(mean[int(_LATE * len(mean)) :] for mean in means), known))
+    values = values[np.isfinite(values)]
+    return float(values.min()), float(values.max())
+
+
+def seed_cells(plot: Plot, seeds: Sequence[SeedBand], look: Look) -> tuple[IntArray, IntArray]:
+    """Return the characters of the bands, 0 where there are none, and whose they are, [rows, columns] each.
+
+    A band takes at least one dot, however certain its mean is. The last band lies over the others.
+    """
+    codes = np.zeros((plot.rows, plot.columns), dtype=np.int64)
+    whose = np.zeros_like(codes)
+    for each in seeds:
+        if look.glyphs.braille:
+            columns, rows = plot.columns * braille.DOTS_ACROSS, plot.rows * braille.DOTS_DOWN
+            drawn = braille.braille_codes(plot.filled_dots(each.band, columns, rows))
+            drawn[drawn == braille.BLANK] = 0
+        else:
+            drawn = np.where(plot.filled_dots(each.band, plot.columns, plot.rows), ord("="), 0)
+        codes[drawn > 0], whose[drawn > 0] = drawn[drawn > 0], each.number
+    return codes, whose
+
+
+def seed_remark(seeds: Sequence[SeedBand], look: Look) -> tuple[str, ...]:
+    """Return what the bands are, with the mean and its error of each run; the longest form first."""
+    estimates = [each.last_100 for each in seeds if each.last_100 is not None]
+    decimals = decimals_of(estimates)
+    texts = [
+        f"{each.number}) {estimate_text(each.last_100, decimals, look.glyphs)}"
+        for each in seeds
+        if each.last_100 is not None
+    ]
+    sign, meaning, *_ = seed_sign(seeds, look)
+    band = f"{sign} {meaning}"
+    if not texts:
+        return (band,)
+    means, which = ", ".join(texts), f"{sign} {seeds[0].seeds} seeds{seeds[0].until}"
+    return (
+        f"one seed beside each name; {band}; {seeds[0].recent}{seeds[0].until}: {means}",
+        f"{band}; {seeds[0].recent}{seeds[0].until}: {means}",
+        f"{which}, {seeds[0].recent}: {means}",
+        f"{which}: {means}",
+        band,
+    )
+
+
+def seed_sign(seeds: Sequence[SeedBand], look: Look) -> LegendSign:
+    """Return the entry of the legend."""
+    sign = chr(_FULL) if look.glyphs.braille else "="
+    return LegendSign(sign, f"{seeds[0].seeds} seeds: mean ± 2 errors", look.palette.dim)

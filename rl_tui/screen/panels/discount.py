@@ -1,0 +1,461 @@
+"""The panel of flip points (key G): every γ at which the optimal actions change.
+
+A chart of Q*(γ) of one state is drawn above the list of flip points. Enter moves γ to the other side of
+the chosen one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import TYPE_CHECKING, ClassVar, Final, NamedTuple
+
+from rich.cells import cell_len
+from textual.binding import BindingType
+from textual.message import Message
+from textual.strip import Strip
+
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.answers.flip_answer import FlipState, beyond
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.draw.action_order import shown_pairs
+from rl_tui.screen.draw.canvas import Line, Piece, kept, strips_of, wrapped
+from rl_tui.screen.draw.names import action_name, state_name
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.kit.bindings import binding
+from rl_tui.screen.kit.panel import Legend, LegendSign, Panel, legend_rows
+from rl_tui.screen.kit.pointing import NOWHERE
+from rl_tui.screen.kit.snapshot_facts import answer_key, is_secret, passes_too_fast
+from rl_tui.screen.panels.discount_chart import (
+    LEAST_HEIGHT,
+    action_lines,
+    draw_values,
+    flip_sign,
+    flip_style,
+    ranked,
+)
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from rl_tui.agents.exact.flips import Flip, Turn
+
+
+# The list of flip points
+
+
+_LEAST_DECIMALS: Final = 4
+_MOST_DECIMALS: Final = 12
+_LARGE: Final = 1e7  # from here on a return is written with an exponent
+_MOST_STATES: Final = 12
+_SIGNS: Final = 3  # columns before γ
+_GAP: Final = "  "
+UNKNOWN: Final = "unknown"
+
+
+class FlipForm(NamedTuple):
+    """How γ and returns are written, the same for all flips of a list."""
+
+    gamma_decimals: int
+    return_decimals: int
+    verb: str = "earns "
+
+    def gamma(self, flip: Flip, look: Look) -> str:
+        """Return the γ of ``flip``."""
+        return numbers.fixed(flip.gamma, self.gamma_decimals, look.glyphs, leading_zero=False)
+
+    def returns(self, flip: Flip, look: Look) -> str:
+        """Return what the optimal policy earns below and above ``flip``: different texts where it differs."""
+        known = [each for each in flip.expected_return if each is not None]
+        is_equal = len(known) < 2 or abs(known[0] - known[1]) < numbers.NEGLIGIBLE
+        decimals = self.return_decimals
+        while not is_equal and decimals < _MOST_DECIMALS:
+            if _return_text(known[0], decimals, look) != _return_text(known[1], decimals, look):
+                break
+            decimals += 1
+        below, above = (_return_text(each, decimals, look) for each in flip.expected_return)
+        return f"{self.verb}{below} below, {above} above"
+
+
+_FORMS: Final = (
+    FlipForm(12, 6),
+    FlipForm(9, 4),
+    FlipForm(6, 3),
+    FlipForm(6, 3, ""),
+    FlipForm(_LEAST_DECIMALS, 3, ""),
+    FlipForm(_LEAST_DECIMALS, 2, ""),
+)
+
+
+def fitting_form(flips: Sequence[Flip], look: Look, width: int) -> FlipForm:
+    """Return the longest form in which ``width`` cells hold γ and returns of each of ``flips``.
+
+    It tells every γ from the next, and has no more decimals than there are.
+    """
+    gammas = [flip.gamma for flip in flips]
+    returns = [each for flip in flips for each in flip.expected_return if each is not None]
+    least = next(
+        (
+            decimals
+            for decimals in range(_LEAST_DECIMALS, _MOST_DECIMALS)
+            if len({round(gamma, decimals) for gamma in gammas}) == len(gammas)
+        ),
+        _MOST_DECIMALS,
+    )
+    for longest in _FORMS:
+        form = longest._replace(
+            gamma_decimals=_decimals_of(gammas, max(least, longest.gamma_decimals)),
+            return_decimals=_decimals_of(returns, longest.return_decimals),
+        )
+        texts = (f"{form.gamma(flip, look)}{_GAP}{form.returns(flip, look)}" for flip in flips)
+        if all(_SIGNS + cell_len(to_ascii(text, look.glyphs)) <= width for text in texts):
+            break
+    return form
+
+
+def _decimals_of(values: Sequence[float], most: int) -> int:
+    """Return how many decimals, ``most`` at the most, ``values`` have."""
+    return max((len(f"{value:.{most}f}".rstrip("0").partition(".")[2]) for value in values), default=most)
+
+
+def _return_text(value: float | None, decimals: int, look: Look) -> str:
+    if value is None:
+        return UNKNOWN
+    if not 10.0**-decimals <= abs(value) < _LARGE:
+        return numbers.brief(value, look.glyphs, decimals=decimals)
+    return numbers.fixed(value, decimals, look.glyphs, leading_zero=False)
+
+
+def flip_lines(
+    flip: Flip, state: int, world: World, look: Look, width: int, form: FlipForm, *, is_chosen: bool
+) -> list[Line]:
+    """Return the lines of one flip: γ and returns, then what turns, that in ``state`` first."""
+    palette, glyphs = look.palette, look.glyphs
+    is_here = any(turn.state == state for turn in flip.turns)
+    signs = flip_sign(flip, look) + (glyphs.change_mark if is_here else " ")
+    style = palette.focus if is_chosen else palette.strong if is_here or flip.turns_the_way else palette.text
+    lines: list[Line] = [
+        [
+            Piece(f" {signs}", flip_style(flip, look)),
+            Piece(form.gamma(flip, look), style),
+            Piece(f"{_GAP}{form.returns(flip, look)}", palette.text),
+        ]
+    ]
+    for text in turns_in_words(flip.turns, state, world, look):
+        lines += wrapped(text, width, palette.text if is_here else palette.dim, look, "    ", "      ")
+    return lines
+
+
+def turns_in_words(turns: Sequence[Turn], state: int, world: World, look: Look) -> Iterator[str]:
+    """Yield ``states 0, 2: ← to ↑``, a text for each change of actions, that in ``state`` first."""
+
+    def changes(turn: Turn) -> tuple[str, str]:
+        return _actions(turn.before, world, look), _actions(turn.after, world, look)
+
+    def order(turn: Turn) -> tuple[tuple[str, str], int]:
+        return changes(turn), turn.state
+
+    groups = [list(group) for _, group in groupby(sorted(turns, key=order), changes)]
+    for group in sorted(
+        groups, key=lambda group: (all(turn.state != state for turn in group), group[0].state)
+    ):
+        before, after = changes(group[0])
+        names = [kept(state_name(world, turn.state, look.glyphs)) for turn in group]
+        more = len(names) - _MOST_STATES
+        listed = ", ".join(names[:_MOST_STATES]) + (f" and {more} more" if more > 0 else "")
+        yield f"{'state' if len(group) == 1 else 'states'} {listed}: {kept(f'{before} to {after}')}"
+
+
+def _actions(pairs: Sequence[int], world: World, look: Look) -> str:
+    """Return the names of the actions of ``pairs``, all of one state."""
+    names = (
+        action_name(world, int(world.space.pair_action[pair]), look.glyphs)
+        for pair in shown_pairs(world, pairs)
+    )
+    return ", ".join(names)
+
+
+# The panel
+
+
+HIDDEN: Final = "what γ decides is hidden: "
+PENDING: Final = "being worked out, beside all else"
+NO_FLIPS: Final = "the same actions are best at every γ between 0 and 1"
+_TITLE: Final = "γ"
+_CHART_SHARE: Final = 0.55  # of the rows, where the list has more than it has room for
+_CHART_ROWS: Final = 6
+_LIST_ROWS: Final = 2  # what the list has at the least, where that leaves a chart
+_RANKED: Final = "worst to best"
+_CLOSE: Final = "G: close"
+
+
+class _Drawn(NamedTuple):
+    """Chart and list, how many rows at the bottom are free, and which flips are listed, if not all."""
+
+    strips: list[Strip]
+    free_rows: int
+    listed: str
+
+
+class DiscountPanel(Panel, can_focus=True):
+    """A chart of Q*(γ) over a list of flips; the arrow keys choose one, enter sets γ beyond it.
+
+    It is about the state that the cursor of world or table points at, else that of the agent; where steps
+    pass too fast, about the start.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        binding("up", "choose(-1)", "discount.up", "The flip at the next lower γ"),
+        binding("down", "choose(1)", "discount.down", "The flip at the next higher γ"),
+        binding("v", "turn_layer", "discount.layer", "Q*, or how good each action is from worst to best"),
+        binding("enter", "go_beyond", "discount.go_beyond", "Set γ on the other side of the flip"),
+    ]
+
+    @dataclass
+    class GammaWanted(Message):
+        """The user wants this γ."""
+
+        gamma: float
+
+    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+        super().__init__(look, id=id, classes=classes)
+        self._pointed = NOWHERE
+        self._chosen: float | None = None  # the γ of a flip
+        self._is_ranked = False
+        self._kept: tuple[object, _Drawn] | None = None
+
+    def point_at(self, pairs: range) -> None:
+        """Be about the state of ``pairs``; none: about that of the agent."""
+        if pairs != self._pointed:
+            self._pointed = pairs
+            self.redraw()
+
+    @property
+    def chosen(self) -> Flip | None:
+        """The flip that was chosen, None where none was, and while the answer is hidden."""
+        flips = () if self.snapshot is None else _shown_flips(self.snapshot)
+        return next((flip for flip in flips if flip.gamma == self._chosen), None)
+
+    def action_choose(self, by: int) -> None:
+        """Choose the next flip; the first time the one that is next to the γ in force."""
+        if self.snapshot is None or not (flips := _shown_flips(self.snapshot)):
+            return
+        gammas = [flip.gamma for flip in flips]
+        if self._chosen in gammas:
+            place = max(0, min(gammas.index(self._chosen) + by, len(gammas) - 1))
+        else:
+            place = _next_to(flips, self.snapshot)
+        self._chosen = gammas[place]
+        self.redraw()
+
+    def action_turn_layer(self) -> None:
+        """Show Q* or, at each γ, where each action stands between the worst and the best."""
+        self._is_ranked = not self._is_ranked
+        self.redraw()
+
+    def action_go_beyond(self) -> None:
+        """Ask for a γ on that side of the chosen flip on which the one in force is not."""
+        flip = self.chosen
+        if flip is not None and self.snapshot is not None:
+            is_below = self.snapshot.agent.hyperparameters.gamma <= flip.gamma
+            gamma = beyond(self.snapshot.answers.flips, flip, is_above=is_below)
+            self.post_message(self.GammaWanted(gamma))
+
+    def legend(self, snapshot: Snapshot) -> Legend:
+        """Return the signs of flips and lines."""
+        if said_instead(snapshot):
+            return ()
+        glyphs, palette = self.look.glyphs, self.look.palette
+        signs = {
+            True: LegendSign(glyphs.flip, "turns the way", palette.greedy, "turns the way from the start"),
+            False: LegendSign(glyphs.side_flip, "other", palette.dim, "other flip"),
+        }
+        in_force = LegendSign(glyphs.thumb, "γ now", palette.accent, "γ in force")
+        there = {flip.turns_the_way for flip in _shown_flips(snapshot)}
+        if not there:
+            return (in_force,)
+        return (
+            *(sign for turns_the_way, sign in signs.items() if turns_the_way in there),
+            LegendSign(glyphs.change_mark, "this state", palette.strong, "this state turns"),
+            in_force,
+        )
+
+    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return the chart above the list, or why there is none."""
+        self.heading, self.footing, self.free_rows = _TITLE, self.fitting((_CLOSE,), width), 0
+        palette = self.look.palette
+        text = "" if snapshot is None else said_instead(snapshot)
+        if snapshot is None or text:
+            lines = wrapped(text, width, palette.dim, self.look, " ", " ")
+            self.free_rows = height - len(lines) - 1
+            return strips_of(lines, width, height, self.look)
+        state = self._state(snapshot)
+        name = state_name(snapshot.world, state, self.look.glyphs)
+        keys = _keys(
+            snapshot.answers.flips.flips, is_ranked=self._is_ranked, may_set=snapshot.program is None
+        )
+        self.footing = self.fitting(keys, width)
+        gamma, answer = snapshot.agent.hyperparameters.gamma, snapshot.answers.flips
+        stance = self._chosen, self._is_ranked, self.is_explained
+        what = answer, state, gamma, stance, self.look, width, height
+        if self._kept is None or self._kept[0] != what:
+            self._kept = what, self._drawn(snapshot, state, width, height)
+        drawn = self._kept[1]
+        self.heading, self.free_rows = (
+            self.fitting(self._headings(name, drawn.listed), width),
+            drawn.free_rows,
+        )
+        return list(drawn.strips)
+
+    def _headings(self, name: str, listed: str) -> tuple[str, ...]:
+        """Return the ways to say what is drawn: of the state ``name``, and which flips, if not all."""
+        layer = f", {_RANKED}" if self._is_ranked else ""
+        noun = "flips" if "–" in listed else "flip"
+        count, short = (f" · {noun} {listed}", f" · {listed}") if listed else ("", "")
+        about = f"{_TITLE} · Q* of state {name}{layer}{count}"
+        shorter = f"Q* of {name}{layer}"
+        return (
+            *self.captioned(about),
+            about,
+            f"{shorter}{count}",
+            f"{shorter}{short}",
+            f"{name}{layer}{short}",
+            f"Q* of {name}{short}",
+            shorter,
+            f"Q* of {name}",
+            _TITLE,
+        )
+
+    def _drawn(self, snapshot: Snapshot, state: int, width: int, height: int) -> _Drawn:
+        """Return the chart above the list; it takes milliseconds, and depends on little of the snapshot.
+
+        The flip that is chosen comes before the legend, and that before other flips.
+        """
+        answer, look, chosen = snapshot.answers.flips, self.look, self.chosen
+        assert answer.curves is not None
+        blocks = _blocks(snapshot, state, chosen, look, width)
+        explained = self._legend_rows(snapshot, width)
+        needed = sum(map(len, blocks)) + explained
+        most = height - explained - max(map(len, blocks))
+        least = min(_CHART_ROWS, max(LEAST_HEIGHT, height - _LIST_ROWS))
+        rows = min(height, max(least, height - needed, min(most, round(_CHART_SHARE * height))))
+        gamma = snapshot.agent.hyperparameters.gamma
+        lines = action_lines(snapshot.world, answer.curves, state, look)
+        lines = ranked(lines) if self._is_ranked else lines
+        chart = draw_values(lines, answer.curves.gamma, answer.flips, state, gamma, chosen, look, width, rows)
+        if rows < LEAST_HEIGHT:
+            return _Drawn(chart, 0, "")
+        focused, room = _focused(answer.flips, snapshot, chosen), height - rows
+        view = _in_view(blocks, focused, max(min(room, len(blocks[focused])), room - explained))
+        listed = [line for block in blocks[view.start : view.stop] for line in block][:room]
+        strips = [*chart, *strips_of(listed, width, room, look)]
+        return _Drawn(strips, room - len(listed), _range_in_words(view, len(blocks)))
+
+    def _legend_rows(self, snapshot: Snapshot, width: int) -> int:
+        """Return how many rows are kept free for the legend."""
+        signs = tuple(sign._replace(in_full="") for sign in self.legend(snapshot))
+        return len(legend_rows(signs, width, len(signs), self.look)) if self.is_explained else 0
+
+    def _state(self, snapshot: Snapshot) -> int:
+        """Return the state that is shown: one in which something is to be chosen."""
+        space = snapshot.world.space
+        if self._pointed and self._pointed.start < space.pairs:
+            return space.state_of(self._pointed.start)
+        here = snapshot.counters.state
+        if not passes_too_fast(snapshot) and here < space.states and space.pairs_of(here):
+            return here
+        mdp = snapshot.world.mdp
+        assert mdp is not None
+        return int(mdp.start_state[0])
+
+
+def said_instead(snapshot: Snapshot) -> str:
+    """Return what is said where nothing can be drawn; empty where something can."""
+    answer = snapshot.answers.flips
+    if answer.is_idle:
+        step = "pull" if isinstance(snapshot.world.drawing, Arms) else "step"
+        return f"each {step} ends its episode: γ changes nothing"
+    if answer.state is FlipState.REFUSED:
+        return answer.reason
+    if is_secret(snapshot):
+        return HIDDEN + answer_key(snapshot)
+    return "" if answer.state is FlipState.KNOWN else answer.reason or PENDING
+
+
+def _shown_flips(snapshot: Snapshot) -> tuple[Flip, ...]:
+    return () if is_secret(snapshot) else snapshot.answers.flips.flips
+
+
+def _next_to(flips: Sequence[Flip], snapshot: Snapshot) -> int:
+    gamma = snapshot.agent.hyperparameters.gamma
+    return min(range(len(flips)), key=lambda place: abs(flips[place].gamma - gamma))
+
+
+def _focused(flips: Sequence[Flip], snapshot: Snapshot, chosen: Flip | None) -> int:
+    """Return which flip must be in view: the chosen one, else that next to the γ in force."""
+    if chosen is not None:
+        return flips.index(chosen)
+    return _next_to(flips, snapshot) if flips else 0
+
+
+def _blocks(snapshot: Snapshot, state: int, chosen: Flip | None, look: Look, width: int) -> list[list[Line]]:
+    """Return the lines of each flip, or what is said where there is none."""
+    flips: Sequence[Flip] = snapshot.answers.flips.flips
+    if not flips:
+        return [[*wrapped(NO_FLIPS, width, look.palette.dim, look, " ", " ")]]
+    form = fitting_form(flips, look, width)
+    return [
+        flip_lines(flip, state, snapshot.world, look, width, form, is_chosen=flip is chosen) for flip in flips
+    ]
+
+
+def _in_view(blocks: Sequence[Sequence[Line]], focused: int, rows: int) -> range:
+    """Return which blocks, as many whole ones as fit into ``rows``, are around the one ``focused``."""
+    first, behind = focused, focused + 1
+    free = rows - len(blocks[focused])
+    grows = True
+    while grows:
+        grows = False
+        for place in (behind, first - 1):
+            if 0 <= place < len(blocks) and len(blocks[place]) <= free:
+                first, behind = min(first, place), max(behind, place + 1)
+                free -= len(blocks[place])
+                grows = True
+    return range(first, behind)
+
+
+def _range_in_words(view: range, all_of_them: int) -> str:
+    """Return which flips are in view, and of how many; empty where that is all."""
+    if len(view) == all_of_them:
+        return ""
+    first = view.start + 1
+    return f"{first if first == view.stop else f'{first}–{view.stop}'} of {all_of_them}"
+
+
+def _keys(flips: Sequence[Flip], *, is_ranked: bool, may_set: bool) -> tuple[str, ...]:
+    """Return the ways to say what the keys do, the longest first; v by what it turns to.
+
+    Where enter does not set γ, as beside somebody's program, it is not named.
+    """
+    in_full, short = ("v: Q*", "v: Q*") if is_ranked else (f"v: {_RANKED}", "v: ranks")
+    if not flips:
+        return f"{in_full} · {_CLOSE}", f"{short} · {_CLOSE}", _CLOSE
+    choose = "↑ ↓: flip"
+    if not may_set:
+        return (
+            f"{choose} · {in_full} · {_CLOSE}",
+            f"{choose} · {short} · {_CLOSE}",
+            f"{choose} · {_CLOSE}",
+            _CLOSE,
+        )
+    return (
+        f"{choose} · enter: γ beyond it · {in_full} · {_CLOSE}",
+        f"{choose} · enter: γ beyond it · {short} · {_CLOSE}",
+        f"{choose} · enter: beyond · {short} · {_CLOSE}",
+        f"{choose} · enter: beyond · {_CLOSE}",
+        f"{choose} · enter: γ · {_CLOSE}",
+        f"{choose} · {_CLOSE}",
+        _CLOSE,
+    )

@@ -1,0 +1,212 @@
+"""Q*(γ) of every action of one state, from γ = 0 to 1, with the γ at which the optimal actions change."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from rich.cells import cell_len
+from rich.style import Style
+from textual.strip import Strip
+
+from rl_tui.runs.answers.flip_answer import OptimalValueCurves
+from rl_tui.screen.draw import braille
+from rl_tui.screen.draw.action_order import shown_pairs
+from rl_tui.screen.draw.axes import draw_count_axis, draw_value_axis, value_axis_columns
+from rl_tui.screen.draw.braille import Steps
+from rl_tui.screen.draw.canvas import Canvas, shortened
+from rl_tui.screen.draw.chart_plot import Plot
+from rl_tui.screen.draw.label_rows import apart
+from rl_tui.screen.draw.names import action_name
+from rl_tui.screen.draw.numbers import NEGLIGIBLE
+from rl_tui.screen.draw.scale import round_scale
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray
+from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from rl_tui.agents.exact.flips import Flip
+
+LEAST_WIDTH: Final = 18
+LEAST_HEIGHT: Final = 4
+_ROOMY: Final = 36  # columns with labels a fifth apart; with fewer there are three
+_SIGNS_APART: Final = 12  # columns from one sign on a line to the next
+_SIGN_FREE: Final = 2  # columns at the end without one, which would read as part of the name beside it
+_NAMES_SHARE: Final = 0.4  # of the columns, what names have if that is enough for all of each
+_UNIT: Final = " γ"
+
+
+@dataclass(frozen=True, slots=True)
+class ActionLine:
+    """Q*(γ) of one action: its ``name``, the ``sign`` that stands for it in one cell, and its values, [G]."""
+
+    name: str
+    sign: str
+    values: FloatArray
+    style: Style
+
+
+def action_lines(world: World, curves: OptimalValueCurves, state: int, look: Look) -> list[ActionLine]:
+    """Return the lines of the actions of ``state``, in the order in which actions are shown."""
+    pairs = shown_pairs(world, world.space.pairs_of(state))
+    names = [
+        to_ascii(action_name(world, int(world.space.pair_action[pair]), look.glyphs), look.glyphs)
+        for pair in pairs
+    ]
+    firsts = [name[:1] for name in names]
+    is_clear = len(set(firsts)) == len(firsts) and "" not in firsts
+    styles = look.palette.lanes
+    return [
+        ActionLine(
+            name=name if is_clear else f"{number} {name}",
+            sign=name[0] if is_clear else str(number)[-1],
+            values=curves.q[:, pair],
+            style=styles[(number - 1) % len(styles)],
+        )
+        for number, (name, pair) in enumerate(zip(names, pairs, strict=True), start=1)
+    ]
+
+
+def ranked(lines: Sequence[ActionLine]) -> list[ActionLine]:
+    """Return ``lines`` with 1 for the best action at each γ, 0 for the worst and the others in proportion.
+
+    Where all are as good there is no value, so that a line has a gap there. So crossings are seen also where
+    values are close together.
+    """
+    values = np.array([line.values for line in lines])
+    low, high = values.min(axis=0), values.max(axis=0)
+    between = np.where(high - low > NEGLIGIBLE * np.maximum(1.0, np.abs(high)), high - low, np.nan)
+    return [replace(line, values=(line.values - low) / between) for line in lines]
+
+
+def draw_values(
+    lines: Sequence[ActionLine],
+    gammas: FloatArray,
+    flips: Sequence[Flip],
+    state: int,
+    gamma: float,
+    chosen: Flip | None,
+    look: Look,
+    width: int,
+    height: int,
+) -> list[Strip]:
+    """Return ``height`` strips of ``width`` cells: ``lines`` over ``gammas``, [G], and ``flips``.
+
+    ``gamma`` is in force. What turns in ``state`` is marked on the line of its value; ``chosen`` stands out.
+    """
+    canvas = Canvas(width, height, look.palette.text)
+    if width < LEAST_WIDTH or height < LEAST_HEIGHT or not lines:
+        return canvas.strips()
+    values = np.array([line.values for line in lines])
+    finite = values[np.isfinite(values)]
+    scale = round_scale(*((float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0)))
+    left = value_axis_columns(scale, look)
+    unit = to_ascii(_UNIT, look.glyphs)
+    names = max(cell_len(line.name) for line in lines)
+    if names > round(_NAMES_SHARE * (width - left)):
+        names = (width - left) // 3
+    names = max(names, cell_len(unit) - 1)
+    plot = Plot(left, width - left - names - 1, height - 1, 1.0, scale)
+    draw_value_axis(canvas, plot, look)
+    step = 0.2 if plot.columns >= _ROOMY else 0.5
+    draw_count_axis(canvas, plot, 1.0, 6, unit, look, step)
+    _draw_marks(canvas, plot, flips, gamma, chosen, look)
+    now = _nearest(gammas, gamma)
+    best_now = int(np.nan_to_num(values[:, now]).argmax())
+    order = sorted(range(len(lines)), key=best_now.__eq__)  # what is best for the γ in force lies on top
+    _draw_lines(canvas, plot, [lines[number] for number in order], gammas, look)
+    best = np.nan_to_num(values.max(axis=0))
+    row = plot.row(float(best[now])) if gamma <= gammas[-1] else 0
+    canvas.put(plot.left + _column(plot, gamma), row, look.glyphs.thumb, look.palette.accent)
+    for flip in flips:
+        if any(turn.state == state for turn in flip.turns):
+            row = plot.row(float(np.interp(flip.gamma, gammas, best)))
+            canvas.put(
+                plot.left + _column(plot, flip.gamma), row, look.glyphs.change_mark, look.palette.strong
+            )
+    _draw_names(canvas, plot, lines, look)
+    return canvas.strips()
+
+
+def _column(plot: Plot, gamma: float) -> int:
+    return min(plot.columns - 1, plot.column(gamma))
+
+
+def _nearest(gammas: FloatArray, gamma: float) -> int:
+    return int(np.abs(gammas - gamma).argmin())
+
+
+def _draw_marks(
+    canvas: Canvas, plot: Plot, flips: Sequence[Flip], gamma: float, chosen: Flip | None, look: Look
+) -> None:
+    """Draw an upright line at each flip, then dots at the γ in force; what matters more covers the rest."""
+    glyphs, palette = look.glyphs, look.palette
+    marks = [
+        (flip.gamma, flip_sign(flip, look), flip_style(flip, look))
+        for flip in sorted(flips, key=lambda flip: flip.turns_the_way)
+    ]
+    marks.append((gamma, glyphs.stay, palette.accent))
+    if chosen is not None:
+        marks.append((chosen.gamma, flip_sign(chosen, look), palette.focus))
+    for at, glyph, style in marks:
+        for row in range(plot.rows):
+            canvas.put(plot.left + _column(plot, at), row, glyph, style)
+
+
+def flip_sign(flip: Flip, look: Look) -> str:
+    """Return what stands for ``flip``, here and on the slider of γ."""
+    return look.glyphs.flip if flip.turns_the_way else look.glyphs.side_flip
+
+
+def flip_style(flip: Flip, look: Look) -> Style:
+    """Return how ``flip`` is drawn: those that turn the way from the start stand out."""
+    return look.palette.greedy if flip.turns_the_way else look.palette.dim
+
+
+def _draw_lines(
+    canvas: Canvas, plot: Plot, lines: Sequence[ActionLine], gammas: FloatArray, look: Look
+) -> None:
+    """Draw ``lines``, the last on top; in dots where there are any, which those below add to."""
+    has_signs = not look.palette.tells_lanes_apart or len(lines) > len(look.palette.lanes)
+    shown = np.zeros((plot.rows, plot.columns), dtype=np.int64)
+    whose = np.full(shown.shape, -1)
+    passes = list[BoolArray]()
+    for number, line in enumerate(lines):
+        ends = line.values[:-1], line.values[1:]
+        steps = Steps(gammas[:-1], gammas[1:], np.minimum(*ends), np.maximum(*ends))
+        codes = plot.braille_line(steps)
+        there = codes > braille.BLANK
+        passes.append(there)
+        whose[there] = number
+        if look.glyphs.braille:
+            shown[there] |= codes[there]
+        else:
+            shown[there] = ord(line.sign)
+    if has_signs and look.glyphs.braille:
+        for number, line in enumerate(lines):
+            first = _SIGNS_APART * (number + 1) // (len(lines) + 1)
+            for column in range(first, plot.columns - _SIGN_FREE, _SIGNS_APART):
+                at = np.flatnonzero(passes[number][:, column])[:1], column
+                shown[at], whose[at] = ord(line.sign), number
+    for row, column in np.argwhere(whose >= 0).tolist():
+        style = lines[whose[row, column]].style
+        canvas.put(plot.left + column, row, chr(shown[row, column]), style)
+
+
+def _draw_names(canvas: Canvas, plot: Plot, lines: Sequence[ActionLine], look: Look) -> None:
+    """Write the names of the lines beside their ends, the highest first where there are too many."""
+    ends = [(_end(line), line) for line in lines]
+    downwards = sorted(ends, key=lambda each: -each[0])[: plot.rows]
+    rows = apart([plot.row(end) for end, _ in downwards], plot.rows)
+    x = plot.left + plot.columns + 1
+    for (_, line), row in zip(downwards, rows, strict=True):
+        canvas.put(x, row, shortened(line.name, canvas.width - x, look.glyphs.ellipsis), line.style)
+
+
+def _end(line: ActionLine) -> float:
+    """Return the last value that there is."""
+    known = line.values[np.isfinite(line.values)]
+    return float(known[-1]) if len(known) else 0.0

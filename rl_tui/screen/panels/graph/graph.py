@@ -1,0 +1,413 @@
+"""An MDP drawn as a graph: states as boxes with V(s), actions as edges, the greedy ones bold.
+
+Where the graph does not fit, a list of its edges takes its place.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Final, NamedTuple
+
+from rich.style import Style
+from textual.strip import Strip
+
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.live.world_editor import EditorView
+from rl_tui.screen.draw.canvas import Canvas, centred, shortened
+from rl_tui.screen.draw.names import DEPENDS, DEPENDS_IN_FULL
+from rl_tui.screen.draw.number_form import NumberForm, SteadyForms
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.kit.panel import BoardPanel, Legend, LegendSign
+from rl_tui.screen.kit.scrolling import scrolled_to
+from rl_tui.screen.kit.snapshot_facts import keeps_back
+from rl_tui.screen.panels.graph.layout import GraphLayout, graph_layout
+from rl_tui.screen.panels.graph.routing import Box
+from rl_tui.screen.panels.graph.shape import (
+    GraphAction,
+    GraphShape,
+    Node,
+    Signs,
+    draw_edge_list,
+    graph_action,
+    graph_shape,
+    on_grid,
+)
+from rl_tui.screen.panels.world.edit_marks import marks_of
+from rl_tui.screen.panels.world.policy_picture import TITLE, StateValues, state_values
+from rl_tui.screen.panels.world.view import WorldView
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.drawing import Graph
+from rl_tui.worlds.editing.graph_draft import GraphDraft, chances_of
+from rl_tui.worlds.world import Prospect, World
+
+# The graph while it is edited
+
+
+class _Graphs(NamedTuple):
+    """What is drawn, what is in force, and the number of each state: those in force keep theirs."""
+
+    draft: GraphDraft
+    base: GraphDraft
+    number_of: Mapping[str, int]
+
+
+def draft_shape(editor: EditorView, world: World, graph: Graph, glyphs: Glyphs) -> GraphShape | None:
+    """Return the shape of what is drawn; states of ``world`` come first and keep their numbers.
+
+    Actions that are not in force are hatched. Their pairs have numbers below 0 where ``world`` has none. None
+    where all that is drawn is in force, or nobody knows where a state stands.
+    """
+    draft, base = editor.draft, editor.base
+    if draft is base or not isinstance(draft, GraphDraft) or not isinstance(base, GraphDraft):
+        return None
+    space = world.space
+    names = [*space.state_names, *(each for each in draft.states if each not in space.state_names)]
+    places = [
+        _place(draft, name) or (graph.places[state] if state < space.states else None)
+        for state, name in enumerate(names)
+    ]
+    known = [place for place in places if place is not None]
+    if len(known) < len(names):
+        return None
+    graphs = _Graphs(draft, base, {name: number for number, name in enumerate(names)})
+    acting = {str(each.get("state")) for each in draft.transitions}
+    nodes = tuple(
+        Node(to_ascii(name, glyphs), column, row, name not in acting)
+        for name, (column, row) in zip(names, on_grid(known), strict=True)
+    )
+    actions = [
+        _action(graphs, entry, -1 - number, world, glyphs) for number, entry in enumerate(draft.transitions)
+    ]
+    return GraphShape(nodes, tuple(sorted(actions, key=lambda action: action.source)))
+
+
+def _place(draft: GraphDraft, name: str) -> tuple[int, int] | None:
+    places = draft.rules.get("place")
+    at: Sequence[int] = places.get(name, ()) if isinstance(places, Mapping) else ()
+    return (int(at[0]), int(at[1])) if len(at) == 2 else None
+
+
+def _action(
+    graphs: _Graphs, entry: Mapping[str, Any], missing: int, world: World, glyphs: Glyphs
+) -> GraphAction:
+    """Return the action of ``entry``; its pair is ``missing`` where the world has none of that name."""
+    state, name, space = str(entry.get("state")), str(entry.get("action")), world.space
+    source = graphs.number_of[state]
+    pair = None
+    if source < space.states and name in space.action_names:
+        pair = space.pair_of(source, space.action_names.index(name))
+    is_new = graphs.base.entry(state, name) != entry
+    prospects = [
+        Prospect(graphs.number_of[target], chance, (_reward(entry, target),))
+        for target, chance in chances_of(entry).items()
+    ]
+    shown = f"{glyphs.drafted if is_new else ''}{to_ascii(name, glyphs)}"
+    return graph_action(shown, source, missing if pair is None else pair, prospects, glyphs)
+
+
+def _reward(entry: Mapping[str, Any], target: str) -> float:
+    to = entry.get("to")
+    outcome = to.get(target) if isinstance(to, Mapping) else None
+    own = outcome.get("reward") if isinstance(outcome, Mapping) else None
+    reward = entry.get("reward") if own is None else own
+    return float(reward) if isinstance(reward, int | float) else 0.0
+
+
+# The panel
+
+
+VALUE_WIDTH: Final = 6
+HEADING: Final = f"{TITLE} · bold ="
+KEPT_IN_FULL: Final = "A probability that the lesson keeps back for now"
+END: Final = "end"  # in place of the value of a terminal state
+THIN: Final = 1
+BOLD: Final = 2
+
+# index: up + 3·right + 9·down + 27·left, each 0 (nothing), 1 (thin) or 2 (bold)
+_JOINTS: Final = " ╵╹╶└┖╺┕┗╷│╿┌├┞┍┝┡╻╽┃┎┟┠┏┢┣╴┘┚─┴┸╼┶┺┐┤┦┬┼╀┮┾╄┒┧┨┰╁╂┲╆╊╸┙┛╾┵┹━┷┻┑┥┩┭┽╃┯┿╇┓┪┫┱╅╉┳╈╋"
+_ROUNDED: Final = {"┌": "╭", "┐": "╮", "└": "╰", "┘": "╯"}
+
+
+class GraphView(WorldView):
+    """A graph, laid out once for each size. Where it does not fit, a list of its edges that scrolls."""
+
+    _top = 0
+    _layout: GraphLayout | None = None
+    _height = 1
+    _is_draft = False  # whether the shape is that of a draft
+
+    def enter(self, world: World, *, goes_on: bool = False) -> None:
+        """Take ``world`` for the one that is drawn."""
+        if not isinstance(world.drawing, Graph) or (world.mdp is None and not world.prospects):
+            raise TypeError("a GraphView draws worlds whose outcomes are known and whose drawing is a Graph")
+        super().enter(world, goes_on=goes_on)
+        self._graph = world.drawing
+        self._take_shape(is_kept=False)
+        self._number_forms = SteadyForms()
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``; the form of its numbers is steady until another run starts."""
+        if self.begins_anew(snapshot):
+            self._number_forms.clear()
+        super().show(snapshot)
+
+    def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
+        """Return the graph, or the list of its edges where it does not fit."""
+        is_kept = keeps_back(snapshot, "model")
+        editor = snapshot.editor
+        drawn = draft_shape(editor, self.world, self._graph, self.look.glyphs)
+        if drawn is not None:
+            self._shape, self._is_draft = drawn, True
+        elif (
+            self._is_draft or self._shape_glyphs is not self.look.glyphs or self._keeps_chances is not is_kept
+        ):
+            self._take_shape(is_kept=is_kept)
+        heading = f"{HEADING} {self.policy_shown}"
+        forms = self.study_headings("V") or (*self.captioned(TITLE), heading)
+        self.heading = self.fitting(forms, width) or heading
+        values = _with_new(state_values(self.world.space, snapshot), self._shape)
+        form = values.number_form(VALUE_WIDTH, self._number_forms)
+        stops = snapshot.playback.breakpoints
+        signs = Signs(snapshot.counters.state, self.shown_cursor, stops, self.differing, editor)
+        self._layout = layout = graph_layout(self._shape, width, height)
+        if layout is not None:
+            self.footing = ""
+            return draw_graph(self._shape, layout, values, form, signs, self.look, width, height)
+        rows = len(self._shape.actions)
+        self._height = height
+        self._top = max(0, min(self._top, rows - height))
+        self.footing = f"↑↓ {self._top + 1}–{self._top + height} of {rows}" if rows > height else ""
+        return draw_edge_list(self._shape, values, form, signs, self.look, width, height, self._top)
+
+    def _take_shape(self, *, is_kept: bool) -> None:
+        """Lay out boxes and edges anew, without probabilities where a lesson keeps them back."""
+        self._shape_glyphs, self._keeps_chances, self._is_draft = self.look.glyphs, is_kept, False
+        self._shape = graph_shape(self.world, self._graph, self.look.glyphs, is_kept=is_kept)
+
+    def signs(self) -> Legend:
+        """Return the signs of states and edges."""
+        palette = self.look.palette
+        return (
+            *self.valueless_signs(),
+            *(
+                (LegendSign(DEPENDS, "depends", palette.text, DEPENDS_IN_FULL),)
+                if self.world.prospects
+                else (LegendSign(DEPENDS, "kept back", palette.text, KEPT_IN_FULL),)
+                if self._keeps_chances
+                else ()
+            ),
+            self.policy_sign("bold", palette.greedy),
+            *self.value_signs(),
+            self.agent_sign(),
+        )
+
+    def moved(self, place: int, rows: int, columns: int) -> int:
+        """Return the nearest state in that direction, ``place`` itself if there is none.
+
+        In the list of edges it is the state so many places further, of those that are listed.
+        """
+        if self._layout is None:
+            listed = sorted(
+                {action.source for action in self._shape.actions if self._has(action.source)} | {place}
+            )
+            return listed[max(0, min(listed.index(place) + rows + columns, len(listed) - 1))]
+        here, there = self._shape.nodes[place], {}
+        for state, node in enumerate(self._shape.nodes):
+            right, down = node.column - here.column, node.row - here.row
+            ahead, aside = rows * down + columns * right, abs(rows * right) + abs(columns * down)
+            if ahead > 0 and self._has(state):
+                there[state] = ahead + 2 * aside
+        return min(there, key=there.__getitem__, default=place)
+
+    def place_at(self, x: int, y: int) -> int | None:
+        """Return the state whose box or edge is drawn there."""
+        if self._layout is not None:
+            boxes = enumerate(self._layout.boxes)
+            places = (state for state, box in boxes if (x, y) in set(box.cells()))
+        else:
+            places = (action.source for action in self._shape.actions[self._top + y :][:1])
+        return next(filter(self._has, places), None)
+
+    def _has(self, place: int) -> bool:
+        """Return whether a state is in force, and not only drawn."""
+        return place < self.world.space.states
+
+    def keep_in_view(self, place: int) -> None:
+        """Scroll the list of edges to those of a state."""
+        lines = [line for line, action in enumerate(self._shape.actions) if action.source == place]
+        if lines:
+            self._top = scrolled_to(scrolled_to(self._top, lines[-1], self._height), lines[0], self._height)
+
+    @property
+    def stance(self) -> object:
+        """The cursor and the first edge in view."""
+        return self.cursor, self._top
+
+    def align_with(self, twin: BoardPanel) -> None:
+        """Take the stance of the graph ``twin``."""
+        super().align_with(twin)
+        if isinstance(twin, GraphView):
+            self._top = twin._top if self.takes_stance_of(twin) else self._top
+            self._number_forms = twin._number_forms
+
+    def pan(self, rows: int, columns: int) -> None:
+        """Scroll the list of edges."""
+        self._top += rows
+
+    def follow(self) -> None:
+        """Go back to the first edge."""
+        self._top = 0
+
+
+def draw_graph(
+    shape: GraphShape,
+    layout: GraphLayout,
+    values: StateValues,
+    form: NumberForm,
+    signs: Signs,
+    look: Look,
+    width: int,
+    height: int,
+) -> list[Strip]:
+    """Return ``layout`` with the values, the greedy actions, agent, cursor and breakpoints stamped on it."""
+    canvas = Canvas(width, height, look.palette.text)
+    for state, (node, box) in enumerate(zip(shape.nodes, layout.boxes, strict=True)):
+        _draw_box(canvas, box, node, values, form, state, signs, look)
+    _draw_lines(canvas, layout, values, signs.agent, look)
+    for fork in layout.forks:
+        canvas.put(fork.x, fork.y, look.glyphs.estimate, _edge_style(fork.pair in values.greedy, look))
+    heads = (look.glyphs.head_up, look.glyphs.head_right, look.glyphs.head_down, look.glyphs.head_left)
+    for head in layout.heads:
+        canvas.put(head.x, head.y, heads[head.direction], _edge_style(head.pair in values.greedy, look))
+    for label in layout.labels:
+        greedy = label.pair in values.greedy
+        style = look.palette.greedy if greedy else look.palette.text
+        if label.pair in signs.breakpoints.pairs:
+            style = look.palette.breakpoint
+        canvas.put(label.x, label.y, label.text, style)
+    for state in signs.breakpoints.states:
+        box = layout.boxes[state]
+        canvas.put(box.x + box.width - 1, box.y, look.glyphs.breakpoint, look.palette.breakpoint)
+    for state, box in enumerate(layout.boxes):
+        for y, mark in zip(
+            (box.y, box.y + box.height - 1), marks_of(signs.editor, state).signs(look), strict=False
+        ):
+            canvas.put(box.x, y, *mark)
+    return canvas.strips()
+
+
+def _with_new(values: StateValues, shape: GraphShape) -> StateValues:
+    """Return ``values`` with those of states that are only drawn: none, as of an end, or unknown."""
+    new = shape.nodes[len(values.value) :]
+    return replace(values, value=(*values.value, *(None if each.terminal else math.nan for each in new)))
+
+
+def _draw_box(
+    canvas: Canvas,
+    box: Box,
+    node: Node,
+    values: StateValues,
+    form: NumberForm,
+    state: int,
+    signs: Signs,
+    look: Look,
+) -> None:
+    glyphs, palette, agent = look.glyphs, look.palette, state == signs.agent
+    if node.terminal:
+        horizontal, vertical, *corners = tuple(glyphs.double_box)
+    else:
+        horizontal, vertical, *corners = glyphs.thin, glyphs.thin_vertical, *glyphs.round_corners
+    border = _border_style(agent, look)
+    inner, last = box.width - 2, box.y + box.height - 1
+    canvas.put(box.x, box.y, corners[0] + horizontal * inner + corners[1], border)
+    canvas.put(box.x, last, corners[2] + horizontal * inner + corners[3], border)
+    background = values.style(state, look)
+    for y in range(box.y + 1, last):
+        canvas.put(box.x, y, vertical, border)
+        canvas.put(box.x + 1, y, " " * inner, background)
+        canvas.put(box.x + box.width - 1, y, vertical, border)
+    first = box.y + 1 + (box.height - 4) // 2
+    name = shortened(node.name, inner - 1, glyphs.ellipsis)
+    flag, is_full = values.flag(state, signs.differing, look), len(name) == inner - 1
+    # the blank before a name that fills the box is the agent's, or else the flag's
+    start = 0 if flag and is_full and not agent else max(1, (inner - len(name) + 1) // 2)
+    canvas.put(box.x + 1 + start, first, name, background + Style(bold=True))
+    if agent:
+        canvas.put(
+            box.x + 1 + start - (2 if start > 1 else 1), first, glyphs.agent, background + palette.agent
+        )
+    text = values.text(state, form, look) or END
+    style = palette.focus if state == signs.cursor else background
+    flag_style = values.flag_style(state, background, look)
+    if not (flag and is_full and agent):
+        canvas.put(box.x + 1, first + 1, centred(text, inner), style)
+        canvas.put(box.x + 1 + start + len(name), first, flag, flag_style)
+    elif len(text) <= inner - 2:
+        canvas.put(box.x + 1, first + 1, centred(text, inner - 2) + "  ", style)
+        canvas.put(box.x + inner, first + 1, flag, flag_style)
+    else:
+        canvas.put(box.x + 1, first + 1, centred(text, inner), style)
+        canvas.put(box.x, box.y, flag, border)
+
+
+def _border_style(agent: bool, look: Look) -> Style:
+    return look.palette.strong if agent else look.palette.text
+
+
+def _edge_style(greedy: bool, look: Look) -> Style:
+    return look.palette.greedy if greedy else look.palette.dim
+
+
+def _draw_lines(canvas: Canvas, layout: GraphLayout, values: StateValues, agent: int, look: Look) -> None:
+    """Draw all lines; where two meet or cross, their arms are joined, and a bold one gives the style."""
+    arms: dict[tuple[int, int], StrokeArms] = {}
+    styles: dict[tuple[int, int], Style] = {}
+    for stroke in sorted(layout.strokes, key=lambda each: each.pair in values.greedy):
+        cell, greedy = (stroke.x, stroke.y), stroke.pair in values.greedy
+        mine = StrokeArms(*((BOLD if greedy else THIN) * (side in stroke.arms) for side in range(4)))
+        arms[cell] = arms.get(cell, StrokeArms()).joined(mine)
+        styles[cell] = _edge_style(greedy, look)
+    for state, box in enumerate(layout.boxes):
+        for cell in arms.keys() & set(box.cells()):
+            # a line begins in a border: the border runs through, in its own style
+            on_side = cell[0] in (box.x, box.x + box.width - 1)
+            border = StrokeArms(up=THIN, down=THIN) if on_side else StrokeArms(right=THIN, left=THIN)
+            arms[cell] = arms[cell].joined(border)
+            styles[cell] = _border_style(state == agent, look)
+    for (x, y), each in arms.items():
+        canvas.put(x, y, joint(each, look.glyphs), styles[x, y])
+
+
+class StrokeArms(NamedTuple):
+    """The weights of the lines that leave a cell towards its neighbours: 0 (none), THIN or BOLD."""
+
+    up: int = 0
+    right: int = 0
+    down: int = 0
+    left: int = 0
+
+    def joined(self, other: StrokeArms) -> StrokeArms:
+        """Return what two lines that meet or cross in one cell make together."""
+        return StrokeArms(*(max(mine, its) for mine, its in zip(self, other, strict=True)))
+
+
+def joint(arms: StrokeArms, glyphs: Glyphs) -> str:
+    """Return the character for ``arms``; thin corners are rounded."""
+    if glyphs.name == "ascii":
+        return _ascii(arms, glyphs)
+    character = _JOINTS[arms.up + 3 * arms.right + 9 * arms.down + 27 * arms.left]
+    return _ROUNDED.get(character, character)
+
+
+def _ascii(arms: StrokeArms, glyphs: Glyphs) -> str:
+    if not any(arms):
+        return " "
+    vertical, horizontal = max(arms.up, arms.down), max(arms.left, arms.right)
+    if not horizontal:
+        return glyphs.bold_vertical if vertical == BOLD else glyphs.thin_vertical
+    if not vertical:
+        return glyphs.bold if horizontal == BOLD else glyphs.thin
+    return "+"

@@ -1,0 +1,273 @@
+"""An MDP as labelled nodes and edges, before any layout, and as a list of edges in text.
+
+Rewards on edges are r(s, a, s′) (Sutton & Barto, 2nd ed., equation 3.6).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+from rich.style import Style
+from textual.strip import Strip
+
+from rl_tui.live.pace.until import Breakpoints
+from rl_tui.live.world_editor import EditorView
+from rl_tui.screen.draw.canvas import Canvas
+from rl_tui.screen.draw.names import DEPENDS
+from rl_tui.screen.draw.number_form import NumberForm
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.panels.world.edit_marks import marks_of
+from rl_tui.screen.panels.world.policy_picture import StateValues
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.drawing import Graph
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+from rl_tui.worlds.world import Prospect, World
+
+# Nodes and edges
+
+
+_LIKELY: Final = 0.5
+
+
+class Node(NamedTuple):
+    """A state: its name, its place (column, row) and whether nothing can be done there."""
+
+    name: str
+    column: int
+    row: int
+    terminal: bool
+
+
+class GraphBranch(NamedTuple):
+    """Where an action may lead. ``label`` is empty where the label of the action says it all.
+
+    ``probability`` is None where it depends on how one came there, or is kept back.
+    """
+
+    target: int
+    probability: float | None
+    label: str
+
+
+class GraphAction(NamedTuple):
+    """One pair, with one branch for each state that it may lead to, the likeliest first."""
+
+    pair: int
+    source: int
+    name: str
+    label: str
+    branches: tuple[GraphBranch, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class GraphShape:
+    """States and pairs, labelled for people."""
+
+    nodes: tuple[Node, ...]
+    actions: tuple[GraphAction, ...]
+
+
+NO_BREAKPOINTS: Final = Breakpoints()
+NOBODY_DRAWS: Final = EditorView()
+
+
+class Signs(NamedTuple):
+    """What is marked in a graph besides its values: the states of agent and cursor, and the breakpoints.
+
+    ``cursor`` is None where no cursor is to be seen. ``differing`` are the states whose greedy actions are
+    others in the lane beside. ``editor`` knows what a person draws.
+    """
+
+    agent: int
+    cursor: int | None = None
+    breakpoints: Breakpoints = NO_BREAKPOINTS
+    differing: frozenset[int] = frozenset()
+    editor: EditorView = NOBODY_DRAWS
+
+
+def graph_shape(world: World, graph: Graph, glyphs: Glyphs, *, is_kept: bool = False) -> GraphShape:
+    """Return the shape of ``world``. Columns and rows that ``graph`` leaves empty are left out.
+
+    Where the model ``is_kept`` back, it does not depend on the probabilities.
+    """
+    space, mdp = world.space, world.mdp
+    nodes = tuple(
+        Node(to_ascii(name, glyphs), column, row, not space.pairs_of(state))
+        for state, (name, (column, row)) in enumerate(
+            zip(space.state_names, on_grid(graph.places), strict=True)
+        )
+    )
+    actions = tuple(
+        graph_action(
+            to_ascii(space.action_names[int(space.pair_action[pair])], glyphs),
+            state,
+            pair,
+            world.prospects[pair] if mdp is None else _prospects(mdp, pair, is_kept=is_kept),
+            glyphs,
+        )
+        for state in range(space.states)
+        for pair in space.pairs_of(state)
+    )
+    return GraphShape(nodes, actions)
+
+
+def on_grid(places: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Return column and row of each of ``places`` without those that are empty."""
+    columns = sorted({column for column, _ in places})
+    rows = sorted({row for _, row in places})
+    return [(columns.index(column), rows.index(row)) for column, row in places]
+
+
+def _prospects(mdp: TabularMDP, pair: int, *, is_kept: bool) -> tuple[Prospect, ...]:
+    """Return where ``pair`` leads, each state once, with r(s, a, s′), equation 3.6."""
+    probabilities: dict[int, float] = {}
+    rewards: dict[int, float] = {}
+    for outcome in mdp.outcomes_of(pair):
+        target, probability = int(mdp.next_state[outcome]), float(mdp.probability[outcome])
+        probabilities[target] = probabilities.get(target, 0.0) + probability
+        rewards[target] = rewards.get(target, 0.0) + probability * float(mdp.reward[outcome])
+    means = {target: (rewards[target] / chance,) for target, chance in probabilities.items()}
+    if is_kept:
+        return tuple(Prospect(target, None, means[target]) for target in sorted(means))
+    return tuple(Prospect(target, chance, means[target]) for target, chance in probabilities.items())
+
+
+def graph_action(
+    name: str, state: int, pair: int, prospects: Sequence[Prospect], glyphs: Glyphs
+) -> GraphAction:
+    """Return an action of ``state`` that is called ``name``, labelled with what it pays and how likely."""
+    texts = {each.next_state: _rewards_text(each.rewards, glyphs) for each in prospects}
+    targets = sorted(prospects, key=lambda each: -(each.probability or _LIKELY))
+    if len(set(texts.values())) == 1:
+        label = f"{name} {texts[targets[0].next_state]}"
+        texts = dict.fromkeys(texts, "")
+    else:
+        label = name
+    branches = tuple(
+        GraphBranch(
+            each.next_state,
+            each.probability,
+            f"{_chance_text(each)} {texts[each.next_state]}".strip() if len(targets) > 1 else "",
+        )
+        for each in targets
+    )
+    return GraphAction(pair, state, name, label, branches)
+
+
+def _chance_text(prospect: Prospect) -> str:
+    return DEPENDS if prospect.probability is None else probability_text(prospect.probability)
+
+
+def _rewards_text(rewards: Sequence[float], glyphs: Glyphs) -> str:
+    """Return one reward, or the least and the largest, which depend on how one came there: 0..+10?."""
+    texts = [reward_text(reward, glyphs) for reward in rewards]
+    return texts[0] if len(texts) == 1 else f"{texts[0]}..{texts[-1]}{DEPENDS}"
+
+
+def reward_text(reward: float, glyphs: Glyphs) -> str:
+    """Return a reward with its sign, in three significant digits: +10, −2, 0."""
+    return f"{reward:+.3g}".replace("-", glyphs.minus) if reward else "0"
+
+
+def probability_text(probability: float) -> str:
+    """Return a probability in two decimals, more where it is close to 0 or 1: .8, .33, .005."""
+    for decimals in (2, 3, 4, 5):
+        rounded = round(probability, decimals)
+        if 0.0 < rounded < 1.0 and abs(rounded - probability) < 0.02 * min(probability, 1.0 - probability):
+            return f"{rounded:.{decimals}f}".strip("0")
+    return "1" if probability > 0.5 else f"{probability:.0e}"
+
+
+# The edges as text
+
+
+_VALUE_WIDTH: Final = 6
+_LEAST_TEXT: Final = 20  # of an edge, below which names and values are left out
+
+
+def draw_edge_list(
+    shape: GraphShape,
+    values: StateValues,
+    form: NumberForm,
+    signs: Signs,
+    look: Look,
+    width: int,
+    height: int,
+    top: int,
+) -> list[Strip]:
+    """Return one line an action from number ``top`` on: state, V, action with its reward, where it may lead.
+
+    In narrow panels V is left out, then the names of the states.
+    """
+    canvas = Canvas(width, height, look.palette.text)
+    names = max((len(shape.nodes[action.source].name) for action in shape.actions), default=0)
+    with_values = width >= names + _VALUE_WIDTH + 3 + _LEAST_TEXT
+    with_names = width >= names + 2 + _LEAST_TEXT
+    x = 1 + (names + 1) * with_names + (_VALUE_WIDTH + 1) * with_values
+    shown = shape.actions[top : top + height]
+    for y, action in enumerate(shown):
+        if y == 0 or shown[y - 1].source != action.source:
+            state = action.source
+            _put_mark(canvas, y, state, signs, look)
+            if with_names:
+                style = look.palette.focus if state == signs.cursor else look.palette.text + Style(bold=True)
+                canvas.put(1, y, shape.nodes[state].name, style)
+                flag = values.flag(state, signs.differing, look)
+                style = values.flag_style(state, look.palette.accent, look)
+                after = 1 + len(shape.nodes[state].name) + len(flag)
+                canvas.put(after - len(flag), y, flag, style)
+                # beside the longest name one cell is free
+                marks = list(marks_of(signs.editor, state).signs(look))[: names + 2 - after]
+                for place, mark in enumerate(marks, start=after):
+                    canvas.put(place, y, *mark)
+            if with_values:
+                text = values.text(state, form, look)
+                canvas.put(2 + names, y, text.rjust(_VALUE_WIDTH), values.style(state, look))
+        greedy = action.pair in values.greedy
+        style = look.palette.greedy if greedy else look.palette.text
+        text = edge_text(shape, action, greedy, look)
+        if len(text) > width - x >= len(tight := edge_text(shape, action, greedy, look, is_tight=True)):
+            text = tight
+        canvas.put(x, y, whole_words(text, width - x, look), style)
+        if action.pair in signs.breakpoints.pairs:
+            canvas.put(x, y, look.glyphs.breakpoint, look.palette.breakpoint)
+    return canvas.strips()
+
+
+def _put_mark(canvas: Canvas, y: int, state: int, signs: Signs, look: Look) -> None:
+    """Put the agent, a breakpoint or the cursor before a state; the agent has the colour of what it is on."""
+    here, palette = state == signs.agent, look.palette
+    if state in signs.breakpoints.states:
+        canvas.put(0, y, look.glyphs.agent if here else look.glyphs.breakpoint, palette.breakpoint)
+    elif state == signs.cursor:
+        canvas.put(0, y, look.glyphs.agent if here else look.glyphs.cursor, palette.focus)
+    elif here:
+        canvas.put(0, y, look.glyphs.agent, palette.agent)
+
+
+def edge_text(
+    shape: GraphShape, action: GraphAction, greedy: bool, look: Look, *, is_tight: bool = False
+) -> str:
+    """Return ``─study −2─▶ Pass .8 / Class .2``, with a bold line where the action is greedy.
+
+    Where it ``is_tight``, without the cells that tell nothing: ``─study −2▶Pass .8/Class .2``.
+    """
+    line = look.glyphs.bold if greedy else look.glyphs.thin
+    targets = (f"{shape.nodes[branch.target].name} {branch.label}".strip() for branch in action.branches)
+    if is_tight:
+        return f"{line}{action.label}{look.glyphs.head_right}{'/'.join(targets)}"
+    return f"{line}{action.label}{line}{look.glyphs.head_right} {' / '.join(targets)}"
+
+
+def whole_words(text: str, width: int, look: Look) -> str:
+    """Return ``text``, cut between words so that no number loses digits, and ended by an ellipsis if cut."""
+    if len(text) <= width:
+        return text
+    ellipsis = look.glyphs.ellipsis
+    words = text.split(" ")
+    while words and len(" ".join(words)) + 1 + len(ellipsis) > width:
+        words.pop()
+    return " ".join([*words, ellipsis]) if words else ellipsis[: max(0, width)]

@@ -1,0 +1,95 @@
+"""Cells that a person has drawn and that are not in force yet: what stands in them, and how they look."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+from rl_tui.worlds.drawing import CellKind, Grid
+from rl_tui.worlds.editing.grid_draft import GridDraft
+from rl_tui.worlds.grid.moves import STEPS
+
+if TYPE_CHECKING:
+    from rich.style import Style
+
+    from rl_tui.live.world_editor import EditorView
+    from rl_tui.screen.draw.canvas import Canvas
+    from rl_tui.screen.panels.grid.map import MapPart, Sign
+    from rl_tui.screen.theme.look import Look
+    from rl_tui.worlds.grid.map import LegendEntry
+
+UNKNOWN: Final = "?"
+"""In place of what a character means that no legend explains."""
+_APART: Final = 5  # columns of a cell from which its sign stands between blanks
+
+
+class DraftCell(NamedTuple):
+    """What a cell of a draft is: its kind, the ways out of it where not all are, and what it pays.
+
+    A character that means nothing has the sign ``UNKNOWN`` in place of ways.
+    """
+
+    kind: CellKind
+    ways: tuple[Sign, ...] = ()
+    pays: float = 0.0
+
+
+def draft_cells(editor: EditorView, grid: Grid, part: MapPart) -> dict[int, DraftCell]:
+    """Return what is drawn in the cells of ``part`` of the map ``grid`` that differ from those in force.
+
+    Rows and columns that are new in the draft have no place on the map in force, and are left out.
+    """
+    draft, base = editor.draft, editor.base
+    if draft is base or not isinstance(draft, GridDraft) or not isinstance(base, GridDraft):
+        return {}
+    if (base.rows, base.columns) != (grid.rows, grid.columns):
+        return {}
+    row_in = _places(base.row_ids, draft.row_ids, range(part.top, part.top + part.rows))
+    column_in = _places(base.column_ids, draft.column_ids, range(part.left, part.left + part.columns))
+    legend, before = draft.legend, base.legend
+    same = {each for each in legend if legend[each] == before.get(each)}
+    found = {}
+    for row, its_row in row_in.items():
+        line, was = draft.lines[its_row], base.lines[row]
+        for column, its_column in column_in.items():
+            character = line[its_column]
+            if character != was[column] or character not in same:
+                found[row * grid.columns + column] = _cell(legend.get(character))
+    return found
+
+
+def _places(base: tuple[int, ...], draft: tuple[int, ...], lines: range) -> Mapping[int, int]:
+    """Return where those of ``lines`` are in the draft that it still has."""
+    if base == draft:
+        return {line: line for line in lines}
+    place_of = {each: place for place, each in enumerate(draft)}
+    return {line: place_of[base[line]] for line in lines if base[line] in place_of}
+
+
+def _cell(entry: LegendEntry | None) -> DraftCell:
+    if entry is None:
+        return DraftCell(CellKind.FLOOR, (UNKNOWN,))
+    return DraftCell(entry.kind, tuple(STEPS[name] for name in entry.only or ()), entry.reward or 0.0)
+
+
+def draw_draft_cell(
+    canvas: Canvas, label: str, reward: str, style: Style, look: Look, *, is_wall: bool, row: int
+) -> None:
+    """Hatch a cell, of a wall every other column; ``label`` in ``row``, what it pays below or beside."""
+    for each in range(canvas.height):
+        canvas.put(0, each, look.glyphs.drafted * canvas.width, look.palette.dim)
+        for column in range(0, canvas.width * is_wall, 2):
+            canvas.put(column, each, look.glyphs.wall, style)
+    if canvas.height == 1:
+        beside = f"{label}{reward}"
+        _put_middle(canvas, beside if len(beside) <= canvas.width else label, row, style)
+        return
+    _put_middle(canvas, label or reward, row, style)
+    if label:
+        _put_middle(canvas, reward, row + 1, style)
+
+
+def _put_middle(canvas: Canvas, text: str, row: int, style: Style) -> None:
+    if text:
+        text = f" {text} " if len(text) + 2 <= canvas.width and canvas.width >= _APART else text
+        canvas.put((canvas.width - len(text)) // 2, row, text, style)

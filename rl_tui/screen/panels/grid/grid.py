@@ -1,0 +1,482 @@
+"""The map of a grid world: cells coloured by V(s), with the greedy actions as arrows.
+
+A map larger than the panel is cut to the part around the agent or the cursor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import chain
+from typing import Final
+
+from rich.segment import Segment
+from textual.strip import Strip
+
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.live.viewport import Cells
+from rl_tui.runs.large_worlds import is_large
+from rl_tui.screen.draw.number_form import SteadyForms
+from rl_tui.screen.kit.counterparts import are_same_size
+from rl_tui.screen.kit.numbers_in_common import all_q, all_v, ends
+from rl_tui.screen.kit.panel import BoardPanel, Legend, LegendSign
+from rl_tui.screen.kit.scrolling import Scrolled, kept_in_view, scrolled_to
+from rl_tui.screen.panels.grid.action_form import ActionForm, part_form, whole_map_form
+from rl_tui.screen.panels.grid.action_values import ActionArtist, name_room, sign_text
+from rl_tui.screen.panels.grid.cells import CellArtist
+from rl_tui.screen.panels.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm, cell_form, digits_needed
+from rl_tui.screen.panels.grid.headings import (
+    FOLLOWS,
+    STATE_NUMBERS,
+    heading_of_actions,
+    heading_of_values,
+    headings_of_part,
+    in_view,
+    numbered,
+    shorter,
+    where,
+)
+from rl_tui.screen.panels.grid.map import CellContent, GridMap, MapPart, with_extra
+from rl_tui.screen.panels.grid.signs import (
+    action_signs,
+    differing_sign,
+    ground_signs,
+    place_signs,
+    reward_signs,
+    tie_sign,
+    trace_signs,
+    wind_line,
+    wind_strip,
+)
+from rl_tui.screen.panels.world.policy_picture import TITLE
+from rl_tui.screen.panels.world.view import WorldView
+from rl_tui.worlds.drawing import CellKind, Grid
+from rl_tui.worlds.editing.grid_draft import GridDraft
+from rl_tui.worlds.mdp.space import FloatArray
+from rl_tui.worlds.world import World
+
+# Cells after rows or columns change
+
+
+def carried_place(place: int, before: Snapshot, now: Snapshot) -> tuple[int, int, int]:
+    """Return the cell of ``now`` that was ``place`` in ``before``, and how far down and right it has gone.
+
+    Where its row or column is gone, or nobody draws, it is the one at the same row and column, or the last.
+    """
+    was, grid = before.world.drawing, now.world.drawing
+    assert isinstance(was, Grid)
+    assert isinstance(grid, Grid)
+    was_row, was_column = row, column = divmod(place, was.columns)
+    old, new = before.editor.base, now.editor.base
+    if isinstance(old, GridDraft) and isinstance(new, GridDraft):
+        row = _line(row, old.row_ids, new.row_ids)
+        column = _line(column, old.column_ids, new.column_ids)
+    row, column = min(row, grid.rows - 1), min(column, grid.columns - 1)
+    return row * grid.columns + column, row - was_row, column - was_column
+
+
+def _line(line: int, old: tuple[int, ...], new: tuple[int, ...]) -> int:
+    wanted = old[line] if line < len(old) else None
+    return new.index(wanted) if wanted in new else line
+
+
+# Cells as rows of text
+
+
+_DECIMALS: Final = 2
+
+
+def origin(form: CellForm | ActionForm, part: MapPart, width: int, height: int) -> tuple[int, int]:
+    """Return column and row at which ``part`` begins, in the middle of width × height characters."""
+    return (
+        max(0, (width - part.columns * form.width) // 2),
+        max(0, (height - part.rows * form.height) // 2),
+    )
+
+
+def draw_grid(
+    cells: Sequence[CellContent],
+    artist: CellArtist | ActionArtist,
+    values: FloatArray,
+    part: MapPart,
+    width: int,
+    height: int,
+    number_forms: SteadyForms,
+) -> list[Strip]:
+    """Return ``cells``, those of ``part`` row by row, in the middle of width × height characters.
+
+    ``values`` are all numbers that have one form, not only those in view: the tints go from the least to the
+    greatest of them, 0 included.
+    """
+    form, text = artist.form, artist.look.palette.text
+    low, high = ends(values)
+    number_form = number_forms.form(type(form).__name__, values, form.digits, most=_DECIMALS)
+    drawn = artist.drawn(cells, min(low, 0.0), max(high, 0.0), number_form)
+    left, top = origin(form, part, width, height)
+    before = Segment(" " * left, text)
+    after = Segment(" " * max(0, width - part.columns * form.width - len(before.text)), text)
+    strips = [Strip([Segment(" " * width, text)], width)] * top
+    for row in range(part.rows):
+        faces = drawn[row * part.columns : (row + 1) * part.columns]
+        for line in range(form.height):
+            segments = [before, *chain.from_iterable(face[line] for face in faces), after]
+            strips.append(
+                Strip(Segment.simplify(filter(_has_text, segments))).adjust_cell_length(width, text)
+            )
+    return strips + [Strip([Segment(" " * width, text)], width)] * (height - len(strips))
+
+
+def _has_text(segment: Segment) -> bool:
+    return bool(segment.text)
+
+
+# The panel
+
+
+_LEAST_WITH_LEGEND: Final = 8  # rows of a map that scrolls
+
+
+class GridView(WorldView):
+    """A grid world; its places are the cells, row by row.
+
+    Where the map is larger than the panel, the part around the agent is drawn, or that around the cursor.
+    """
+
+    _part: MapPart | None = None
+    _form: CellForm | None = None
+    _action_form: ActionForm | None = None  # while cells show every action
+    _origin = (0, 0)  # column and row of the first cell's first character
+    _requested: Cells | None = None
+    _artist: CellArtist | None = None
+    _action_artist: ActionArtist | None = None
+    _digits = LEAST_DIGITS
+    _action_digits = LEAST_DIGITS
+    _longest_name = 0  # of those in view, where names are shown
+
+    def enter(self, world: World, *, goes_on: bool = False) -> None:
+        """Take ``world`` for the one that is drawn, and follow the agent in it, unless it ``goes_on``."""
+        assert isinstance(world.drawing, Grid)
+        super().enter(world, goes_on=goes_on)
+        self._map = GridMap(world.space, world.drawing)
+        self._kinds = frozenset(world.drawing.kinds)
+        if not goes_on:
+            self._top, self._left, self._following = 0, 0, True
+        self._number_forms = SteadyForms()
+        self.heading = TITLE
+
+    @property
+    def cells(self) -> Cells | None:
+        """What is in view: where it was scrolled to by hand, or around the agent."""
+        part = self._part
+        if part is None or self._is_whole:
+            return None
+        at = () if self._following else (part.top, part.left)
+        return Cells(part.rows, part.columns, *at)
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the newest snapshot has all that is in view."""
+        return not self.snapshot or not self._part or self._map.holds(self._part, self.snapshot)
+
+    @property
+    def is_away(self) -> bool:
+        """Whether cursor or view were moved away from the agent, and not back."""
+        return not self._following or super().is_away
+
+    def agent_place(self, snapshot: Snapshot) -> int:
+        """Return the cell the agent is in."""
+        return int(self._map.grid.cell_of_state[snapshot.counters.state])
+
+    def moved(self, place: int, rows: int, columns: int) -> int:
+        """Return the cell so many rows below and columns to the right, or the last one there."""
+        grid = self._map.grid
+        row, column = divmod(place, grid.columns)
+        row, column = max(0, min(row + rows, grid.rows - 1)), max(0, min(column + columns, grid.columns - 1))
+        return row * grid.columns + column
+
+    def place_at(self, x: int, y: int) -> int | None:
+        """Return the cell drawn at column ``x`` of row ``y``."""
+        part, form = self._part, self._form
+        if part is None or form is None:
+            return None
+        row, column = (y - self._origin[1]) // form.height, (x - self._origin[0]) // form.width
+        if not (0 <= row < part.rows and 0 <= column < part.columns):
+            return None
+        return (part.top + row) * self._map.grid.columns + part.left + column
+
+    def state_at(self, place: int) -> int | None:
+        """Return the state of a cell: of several the agent's, else the first; None in a wall."""
+        return self._map.state_at(place, self.snapshot)
+
+    def name_at(self, place: int) -> str:
+        """Return which state stands in a cell, and whether the agent can never be there."""
+        name = super().name_at(place)
+        return f"{name}, never reached" if place in self._map.unreached else name
+
+    def carried(self, place: int, before: Snapshot, now: Snapshot) -> int:
+        """Return where a cell is; what is in view goes along with it."""
+        found, down, right = carried_place(place, before, now)
+        self._top, self._left = self._top + down, self._left + right
+        return found
+
+    def place_in(self, place: int, world: World, other: World) -> int | None:
+        """Return the cell of ``other`` at the same row and column; None where it is of another size."""
+        return place if are_same_size(world, other) else None
+
+    def place_of(self, pair: int) -> int:
+        """Return the cell of the state that owns ``pair``."""
+        return int(self._map.grid.cell_of_state[self.world.space.state_of(pair)])
+
+    @property
+    def page_size(self) -> tuple[int, int]:
+        """As many rows and columns as are in view."""
+        return self._part[2:] if self._part else (1, 1)
+
+    def keep_in_view(self, place: int) -> None:
+        """Scroll so far that a cell is seen, in a map that is not whole in view."""
+        if self._part is not None and not self._is_whole:
+            row, column = divmod(place, self._map.grid.columns)
+            self._following = False
+            self._top = scrolled_to(self._top, row, self._part.rows)
+            self._left = scrolled_to(self._left, column, self._part.columns)
+
+    @property
+    def stance(self) -> object:
+        """The cursor, the part in view and the width of the numbers."""
+        digits = self._digits, self._action_digits
+        return self.cursor, self._following, self._top, self._left, digits
+
+    def align_with(self, twin: BoardPanel) -> None:
+        """Take the stance of the map ``twin``; numbers are as wide as the wider ones."""
+        super().align_with(twin)
+        if isinstance(twin, GridView):
+            if self.takes_stance_of(twin):
+                self._following, self._top, self._left = twin._following, twin._top, twin._left
+            self._number_forms = twin._number_forms
+            self._digits = max(self._digits, twin._digits)
+            self._action_digits = max(self._action_digits, twin._action_digits)
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``. Its numbers only ever get wider, until another run starts."""
+        if self.begins_anew(snapshot):
+            self._digits = self._action_digits = LEAST_DIGITS + self.waits_for_study(snapshot)
+            self._action_artist = None
+            self._number_forms.clear()
+        super().show(snapshot)
+
+    def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
+        """Return the map, or the part of it that fits, which leaves a row for the legend."""
+        if self.is_explained and self._map.grid.rows > height >= _LEAST_WITH_LEGEND:
+            strips = self._drawn_map(snapshot, width, height - 1)
+            self.free_rows = 1
+            return [*strips, Strip([Segment(" " * width, self.look.palette.text)], width)]
+        return self._drawn_map(snapshot, width, height)
+
+    def _drawn_map(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
+        """Return the map, below it the wind of its columns where a row is free for that."""
+        grid = self._map.grid
+        if not grid.wind:
+            return self._drawn_cells(snapshot, width, height)
+        form = self._cell_form(width, height)
+        is_free = height > grid.rows * form.height or grid.rows > height >= _LEAST_WITH_LEGEND
+        strips = self._drawn_cells(snapshot, width, height - is_free)
+        assert self._part is not None
+        assert self._form is not None
+        if is_free:
+            left, top = self._origin
+            row = wind_strip(grid, self._part, self._form, left, width, snapshot, self.look)
+            strips.insert(top + self._part.rows * self._form.height, row)
+        elif self._following:
+            line = wind_line(grid, self._part, self.look)
+            # which part is in view comes first: wind alone would pass for that of all columns
+            forms = (f"{line} · {self.footing}", self.footing) if self.footing else (line,)
+            self.footing = self.fitting(forms, width)
+        return strips
+
+    def _drawn_cells(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
+        grid = self._map.grid
+        form = self._cell_form(width, height)
+        actions = self._action_form
+        rows = min(grid.rows, max(1, height // form.height))
+        columns = min(grid.columns, max(1, width // form.width))
+        row, column = divmod(self._map.cell_to_follow(snapshot), grid.columns)
+        follows = self._following and not self.is_led
+        self._top = kept_in_view(self._top, row if follows else None, rows, grid.rows)
+        self._left = kept_in_view(self._left, column if follows else None, columns, grid.columns)
+        self._part = part = MapPart(self._top, self._left, rows, columns)
+        cells = self._map.contents(
+            part,
+            snapshot,
+            self.shown_cursor,
+            self.differing,
+            with_actions=actions is not None,
+            named=self.is_numbered,
+            picked=self.picked,
+        )
+        self._longest_name = max((len(each.extra.name) for each in cells if each.extra), default=0)
+        if self._longest_name > self._room_for_names(form):  # all have their numbers, or none
+            cells = [each if each.extra is None else with_extra(each, name="") for each in cells]
+        artist = self._artist_for(form)
+        values = all_v(snapshot) if actions is None else all_q(snapshot)
+        needed = digits_needed(ends(values)[0])
+        if needed > (self._digits if actions is None else self._action_digits):
+            if actions is None:  # they stay as wide, lest the map jump to and fro
+                self._digits = needed
+            else:
+                self._action_digits = needed
+            return self._drawn_cells(snapshot, width, height)
+        self.heading = self._title(self._what_is_drawn(form, width), width)
+        self.footing = self._where(width)
+        self.free_rows = height - part.rows * form.height - max(0, (height - part.rows * form.height) // 2)
+        self._form, self._origin = form, origin(form, part, width, height)
+        return draw_grid(cells, artist, values, part, width, height, self._number_forms)
+
+    def _cell_form(self, width: int, height: int) -> CellForm:
+        """Return the form of cells; first it settles whether they show every action."""
+        grid = self._map.grid
+        self._action_form = actions = self._form_of_actions(width, height)
+        if actions is not None:
+            return CellForm(actions.width, actions.height)
+        return cell_form(grid.rows, grid.columns, width, height, self._digits)
+
+    def _form_of_actions(self, width: int, height: int) -> ActionForm | None:
+        """Return the form of cells with every action, None where they are not wanted or have no room."""
+        if not self.shows_actions:
+            return None
+        grid, kinds, digits = self._map.grid, self._map.action_kinds, self._action_digits
+        signs = max(len(sign_text(each, self.look)) for each in self._map.signs)
+        size = grid.rows, grid.columns, width, height, digits, signs
+        return whole_map_form(kinds, *size, tints=self.look.palette.tints) or part_form(kinds, *size)
+
+    def _what_is_drawn(self, form: CellForm, width: int) -> str:
+        """Return the heading without what rows and columns mean.
+
+        Where the border has no room for the legend, it says what is drawn; with every action it always does.
+        """
+        actions, arrows = self._action_form, self.policy_shown
+        if studies := self.study_headings("V" if actions is None else "Q"):
+            return self.fitting(studies, width) or studies[-1]
+        heading = heading_of_actions(actions) if actions else heading_of_values(form, arrows, self.look)
+        forms: tuple[str, ...] = (heading,)
+        if self.is_numbered and self._longest_name <= self._room_for_names(form):
+            forms = numbered(heading, form, arrows, self._longest_name, in_corner=actions is not None)
+        elif actions is None and not self._map.grid.legend:
+            forms = (*self.captioned(TITLE), heading)
+        return self.fitting(forms, width) or heading
+
+    @property
+    def lacks_room(self) -> bool:
+        """Whether cells are too small for Q of every action, though they are to show it."""
+        return self.shows_actions and self._form is not None and self._action_form is None
+
+    def has_room_in(self, width: int, height: int) -> bool:
+        """Return whether cells have room for what they are to show in a panel of that size."""
+        return not self.shows_actions or self._form_of_actions(width, height) is not None
+
+    def _room_for_names(self, form: CellForm) -> int:
+        return form.longest_name if self._action_form is None else name_room(self._action_form)
+
+    @property
+    def _own_name(self) -> str:
+        """The name of the agent's state, for the legend."""
+        return "" if self.snapshot is None else self.world.space.state_names[self.snapshot.counters.state]
+
+    def _name_beside_arrows(self, form: CellForm) -> str:
+        """Return a name where names stand beside arrows, or in place of them; else none."""
+        has_names = 0 < self._longest_name <= self._room_for_names(form) and not form.has_values
+        return self._own_name.rjust(self._longest_name) if has_names and not self._action_form else ""
+
+    def signs(self) -> Legend:
+        """Return the signs of cells that this map has."""
+        return tuple(self._signs())
+
+    def _signs(self) -> Iterator[LegendSign]:
+        palette, glyphs = self.look.palette, self.look.glyphs
+        form, signs, actions = self._form, self._map.signs, self._action_form
+        name = self._name_beside_arrows(form) if form else ""
+        has_arrows = form is not None and form.width - len(name) >= LEAST_ARROWS
+        if form is not None and self.differing:
+            yield differing_sign(form.width, name, self.policy_shown, self.look)
+        if form is not None and self._map.rewards:  # what is hardest to guess stands first
+            texts = [self._artist_for(form).shown_reward(each) for each in self._map.rewards]
+            yield from reward_signs(self._map.rewards, texts, self.look)
+        yield from self.study_signs(has_numbers=bool(form and form.has_values), has_actions=bool(actions))
+        if actions is not None:
+            yield from action_signs(actions, self.look)
+        elif form and len(signs) > form.most_signs and has_arrows and not self.shows_drawing:
+            yield tie_sign(self.look, is_kept=self.shows_kept_policy)
+        yield from ground_signs(self._map, self.look)
+        if self._map.unreached:
+            yield LegendSign(glyphs.unreached, "unreached", palette.dim, "never reached")
+        if form is not None and self._longest_name > self._room_for_names(form):
+            yield LegendSign("#", "no room", palette.dim, f"no room for {STATE_NUMBERS}")
+        elif self._longest_name:
+            yield LegendSign(self._own_name, "state", palette.text, "number of a state")
+        if actions is None and self.studied is None:
+            yield from self.value_signs()
+        yield self.agent_sign()
+        if self.snapshot is not None and form is not None:
+            yield from trace_signs(self._map, self.snapshot, form, actions, self.look)
+        yield from place_signs(self._map, self._kinds, self.look)
+        if actions is None and has_arrows and not self.lacks_table:
+            greedy = ([each for each in signs if isinstance(each, tuple)] or signs)[-1]
+            yield self.policy_sign(sign_text(greedy, self.look), palette.strong)
+        if CellKind.WALL in self._kinds:
+            yield LegendSign(glyphs.wall, "wall", palette.wall)
+
+    def redraw(self) -> None:
+        """Draw again; say so where another part of a large map has come into view."""
+        super().redraw()
+        if self.cells != self._requested and self.is_attached and is_large(self.world):
+            self._requested = self.cells
+            self.post_message(Scrolled())
+
+    def pan(self, rows: int, columns: int) -> None:
+        """Scroll a map that is not whole in view; it then stands still until :meth:`follow`."""
+        if self._is_whole:
+            return
+        self._following = False
+        self._top, self._left = self._top + rows, self._left + columns
+
+    def follow(self) -> None:
+        """Keep the agent in view again."""
+        self._following = True
+
+    def _artist_for(self, form: CellForm) -> CellArtist | ActionArtist:
+        """Return what draws cells of ``form``, with every action where these have a form."""
+        if self._action_form is not None:
+            drawing = self._action_artist
+            if drawing is None or drawing.form != self._action_form or drawing.look is not self.look:
+                drawing = self._action_artist = ActionArtist(self.look, self._action_form)
+            return drawing
+        artist = self._artist
+        if artist is None or artist.form != form or artist.look is not self.look:
+            artist = self._artist = CellArtist(self.look, form, has_table=self.world.mdp is not None)
+        return artist
+
+    @property
+    def _is_whole(self) -> bool:
+        grid, part = self._map.grid, self._part
+        return part is None or (part.rows, part.columns) == (grid.rows, grid.columns)
+
+    def _title(self, heading: str, width: int) -> str:
+        """Return ``heading``; of a part also what rows and columns mean, or which part it is.
+
+        Where it has room for the one, the footing tells the other.
+        """
+        legend = self._map.grid.legend
+        if self._is_whole or not legend or self.studied is not None:
+            return heading
+        heading_with_legend = self.fitting((f"{heading} · {legend}", f"{TITLE} · {legend}"), width)
+        if heading_with_legend or not self._following:
+            return heading_with_legend or heading
+        assert self._part is not None
+        return self.fitting(headings_of_part(*in_view(self._map.grid, self._part)), width) or heading
+
+    def _where(self, width: int) -> str:
+        """Return which part is in view, and how to follow again, or what rows and columns mean."""
+        legend = self._map.grid.legend
+        if self._is_whole or self._part is None:
+            return self.fitting(shorter(legend), width)
+        if self._following and legend and legend not in self.heading:
+            return self.fitting((*shorter(legend), FOLLOWS), width)
+        return self.fitting(where(*in_view(self._map.grid, self._part), follows=self._following), width)

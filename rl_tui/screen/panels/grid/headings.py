@@ -1,0 +1,77 @@
+"""What the border of a map says: what is drawn, and which part of it is in view."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rl_tui.screen.panels.grid.action_form import ActionForm, Places
+from rl_tui.screen.panels.grid.form import LEAST_ARROWS, CellForm
+from rl_tui.screen.panels.grid.map import MapPart
+from rl_tui.screen.panels.world.policy_picture import TITLE
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.drawing import Grid
+
+FOLLOWS: Final = "follows the agent"
+FOLLOW_HINT: Final = "esc: follow the agent"
+HEADING_ACTIONS: Final = f"{TITLE} · Q of every action"
+HEADING_TINTS: Final = f"{HEADING_ACTIONS}, as tint"
+STATE_NUMBERS: Final = "state numbers"
+
+
+def heading_of_values(form: CellForm, arrows: str, look: Look) -> str:
+    """Return what cells with V and ``arrows``, the greedy ones or those of a policy, show."""
+    if form.has_values:
+        return f"{TITLE} · V and {arrows}"
+    return f"{TITLE} · {arrows}, V as tint" if look.palette.tints else f"{TITLE} · {arrows}"
+
+
+def heading_of_actions(form: ActionForm) -> str:
+    """Return what cells with every action show."""
+    return HEADING_TINTS if form.places is Places.TINTS else HEADING_ACTIONS
+
+
+def numbered(heading: str, form: CellForm, arrows: str, longest: int, *, in_corner: bool) -> tuple[str, ...]:
+    """Return headings for cells with the numbers of their states, the longest first.
+
+    ``arrows`` are the greedy ones or those of a policy; ``longest`` characters take the longest in view;
+    ``in_corner`` says that they take the place of nothing.
+    """
+    if in_corner or form.has_corner:
+        return f"{heading} · {STATE_NUMBERS}", f"{TITLE} · {STATE_NUMBERS}", STATE_NUMBERS
+    has_arrows = form.has_values or longest <= form.width - LEAST_ARROWS
+    what = f"{STATE_NUMBERS} and {arrows}" if has_arrows else STATE_NUMBERS
+    return f"{TITLE} · {what}", f"{TITLE} · {STATE_NUMBERS}", STATE_NUMBERS
+
+
+def shorter(legend: str) -> tuple[str, ...]:
+    """Return ``legend``, then rows and columns alone, without further parts and what precedes a colon."""
+    rows_and_columns = ", ".join(legend.split(", ")[:2])
+    return legend, rows_and_columns, rows_and_columns.rpartition(": ")[2]
+
+
+def stretch(first: int, shown: int, total: int) -> str:
+    """Return which of ``total`` rows are in view, the first being 0."""
+    return f"{first}–{first + shown - 1} of {total:,}"
+
+
+def in_view(grid: Grid, part: MapPart) -> tuple[str, str]:
+    """Return which rows and columns are in view, counted from 0 as in the last step."""
+    return stretch(part.top, part.rows, grid.rows), stretch(part.left, part.columns, grid.columns)
+
+
+def headings_of_part(down: str, across: str) -> tuple[str, ...]:
+    """Return headings that say which rows and columns are in view, the longest first."""
+    brief = f"{TITLE} {down}, {across}".replace(" of ", "/")
+    return f"{TITLE} · rows {down}, columns {across}", f"rows {down}, columns {across}", brief
+
+
+def where(down: str, across: str, *, follows: bool) -> tuple[str, ...]:
+    """Return which part is in view, the longest form first, and how to follow the agent again."""
+    follow = FOLLOWS if follows else FOLLOW_HINT
+    return (
+        f"rows {down} · columns {across}, counted from 0 · {follow}",
+        f"rows {down} · columns {across} · {follow}",
+        f"{down} · {across} · {follow}",
+        *((f"{down} · {across}",) if follows else ()),  # that it follows is seen
+        follow,
+    )

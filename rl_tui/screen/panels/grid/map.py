@@ -1,0 +1,350 @@
+"""The content of every cell of a map at one moment of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cached_property
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.live.viewport import NO_STATE, first_state_of_cells, pairs_of_states
+from rl_tui.screen.draw.action_order import order_of
+from rl_tui.screen.draw.names import is_word
+from rl_tui.screen.panels.grid.action_form import ActionKinds, action_kinds
+from rl_tui.screen.panels.grid.draft_cells import DraftCell, draft_cells
+from rl_tui.screen.panels.grid.rewards import CellReward, cell_rewards
+from rl_tui.screen.panels.grid.trail import Trace, traces
+from rl_tui.screen.panels.world.edit_marks import UNMARKED, EditMarks, marks_of
+from rl_tui.screen.panels.world.policy_picture import AT_RANDOM, drawn_actions, is_off_way
+from rl_tui.worlds.drawing import CellKind, Grid
+from rl_tui.worlds.mdp.space import FiniteSpace, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+# Cells that cannot be reached
+
+
+def unreached_cells(space: FiniteSpace, grid: Grid) -> frozenset[int]:
+    """Return the cells with a state, cliffs left out, that no way leads to from any start.
+
+    None where it is not known what the actions lead to. Into a cliff the agent steps, but it is put back at
+    once.
+    """
+    if not isinstance(space, TabularMDP):
+        return frozenset()
+    # what cannot be reached has no pairs, and so leads nowhere
+    reached = np.diff(space.first_pair) > 0
+    reached[space.next_state] = True
+    reached[space.start_state] = True
+    cells = np.array(grid.cell_of_state, dtype=np.int64)
+    missed = set(cells[~reached].tolist())
+    if missed:
+        missed -= set(cells[reached].tolist())
+    return frozenset(cell for cell in missed if grid.kinds[cell] is not CellKind.CLIFF)
+
+
+# The cells
+
+
+Sign = tuple[int, int] | str
+
+
+class MapPart(NamedTuple):
+    """The rows × columns cells from (top, left) on."""
+
+    top: int
+    left: int
+    rows: int
+    columns: int
+
+
+class ActionValue(NamedTuple):
+    """One action of a state: its direction or the first letter of its name, and Q.
+
+    ``is_new`` says that the pair was never updated, ``is_greedy`` that it is one of the greedy ones.
+    """
+
+    sign: Sign
+    q: float
+    is_new: bool
+    is_greedy: bool
+
+
+class CellExtra(NamedTuple):
+    """What only some cells have: in one field of theirs, since every field costs time in every frame.
+
+    ``trace`` is what the trail of the episode left. ``is_reached`` is False where no way leads to. ``name``
+    is that of the state where names were asked for: all are as long as the longest. ``is_off_way`` says that
+    the drawn policy acts at random there and never comes there. ``marks`` are those of the last edit,
+    ``draft`` is what is drawn there and not in force. ``way`` is the only direction in which it is left.
+    """
+
+    trace: Trace | None = None
+    is_reached: bool = True
+    name: str = ""
+    is_off_way: bool = False
+    marks: EditMarks = UNMARKED
+    draft: DraftCell | None = None
+    way: str = ""
+
+
+PLAIN: Final = CellExtra()
+_WAYS: Final = {(0, -1): "<", (0, 1): ">", (-1, 0): "^", (1, 0): "v"}  # as in the map of a file
+_FAR: Final = 3  # cells, more than a step or a strong wind takes
+_UNREACHED: Final = CellExtra(is_reached=False)
+
+
+class CellContent(NamedTuple):
+    """One cell.
+
+    ``value`` is V(s) = max over a of Q(s, a), None where nothing can be done or the snapshot does not tell.
+    ``known`` says that something was learned about the state: it was updated or its estimates differ.
+    ``greedy`` holds the greedy actions, all ties, as direction or first letter of the name, in the
+    order in which actions are shown; it is empty where nothing is known. Where policy iteration keeps a
+    policy, value and actions are those of that; where a drawn one is studied, the action is that drawn.
+    ``reward`` is what the cell pays where that is not the usual step's. ``stops`` marks a breakpoint,
+    ``cursor`` the cell the cursor is on. ``differs`` says that the greedy actions are others in the lane
+    beside this one. ``actions`` are all actions in the order in which they are shown, where they were asked
+    for. ``extra`` is what few cells have.
+    """
+
+    kind: CellKind
+    agent: bool
+    value: float | None = None
+    known: bool = False
+    greedy: tuple[Sign, ...] = ()
+    reward: CellReward | None = None
+    stops: bool = False
+    cursor: bool = False
+    differs: bool = False
+    actions: tuple[ActionValue, ...] = ()
+    extra: CellExtra | None = None
+
+
+def with_extra(content: CellContent, **more: Any) -> CellContent:
+    """Return ``content`` with ``more`` of what few cells have."""
+    return content._replace(extra=(content.extra or PLAIN)._replace(**more))
+
+
+class GridMap:
+    """A map and its states. Reading a part of it costs the same in a map of any size.
+
+    ``signs`` are those of the actions, in their order: a direction, else the first letter of the name.
+    ``ends`` are the kinds of cells in which nothing can be done, each with what it is called, ``rewards`` the
+    different ones of cells, ``unreached`` the cells that no way leads to, ``ways`` signs of the cells that
+    are left in one direction only.
+    """
+
+    def __init__(self, space: FiniteSpace, grid: Grid) -> None:
+        self.grid = grid
+        self._space = space
+        self.signs = tuple(
+            (name[:1] or "?") if step is None else step
+            for step, name in zip(grid.directions, space.action_names, strict=True)
+        )
+        self._order = order_of(space, grid)
+        self._sign_places = {self.signs[action]: place for place, action in enumerate(self._order)}
+        self._states = first_state_of_cells(grid)
+        self._rewards = cell_rewards(space, grid)
+        self.rewards = tuple(sorted(set(self._rewards.values()), reverse=True))
+        acting = np.append(np.diff(space.first_pair) > 0, False)  # NO_STATE is the last one
+        idle = np.flatnonzero(~acting[self._states.ravel()])
+        self.unreached = unreached_cells(space, grid)
+        self.ways = {cell: _WAYS[step] for cell, step in grid.one_way if step in _WAYS}
+        self.ends: dict[CellKind, str] = {}
+        for cell in idle.tolist():
+            kind = grid.kinds[cell]
+            self.ends[kind] = str(kind) if kind in self.ends else self._end_name(cell)
+
+    def _end_name(self, cell: int) -> str:
+        """Return what the only end of its kind is called: its state's name where that is a word."""
+        state = self._states[divmod(cell, self.grid.columns)]
+        name = "" if state == NO_STATE else self._space.state_names[state]
+        return name if is_word(name) else str(self.grid.kinds[cell])
+
+    @cached_property
+    def action_kinds(self) -> ActionKinds:
+        """What the actions of all states have in common."""
+        return action_kinds(self._space, self.grid)
+
+    def state_at(self, cell: int, snapshot: Snapshot | None) -> int | None:
+        """Return the state in ``cell``: of several the agent's, else the first; None where there is none."""
+        if snapshot is not None and self.grid.cell_of_state[snapshot.counters.state] == cell:
+            return snapshot.counters.state
+        state = int(self._states[divmod(cell, self.grid.columns)])
+        return None if state == NO_STATE else state
+
+    def cell_to_follow(self, snapshot: Snapshot) -> int:
+        """Return the cell that is to be in view: the agent's, or the one it acted in last.
+
+        The latter where its episode ended far from there, as in an end that is drawn outside of the map.
+        """
+        grid, last = self.grid, snapshot.counters.last_step
+        here = int(grid.cell_of_state[snapshot.counters.state])
+        if last is None or last.planned or last.next_state != snapshot.counters.state:
+            return here
+        if self._space.pairs_of(snapshot.counters.state):
+            return here
+        (row, column), acted = divmod(here, grid.columns), int(grid.cell_of_state[last.state])
+        distance = max(abs(acted // grid.columns - row), abs(acted % grid.columns - column))
+        return acted if distance > _FAR else here
+
+    def contents(
+        self,
+        part: MapPart,
+        snapshot: Snapshot,
+        cursor: int | None = None,
+        differing: frozenset[int] = frozenset(),
+        *,
+        with_actions: bool = False,
+        named: bool = False,
+        picked: frozenset[int] = frozenset(),
+    ) -> list[CellContent]:
+        """Return what stands in the cells of ``part``, row by row; the cursor stands in the cell ``cursor``.
+
+        Cells that are ``picked`` look like that. Of several states in one cell it is the agent's, else the
+        first. With ``named`` they have their names.
+        """
+        kinds, columns = self.grid.kinds, self.grid.columns
+        states = self._states_in(part, snapshot)
+        owners = states[states != NO_STATE]
+        pairs = pairs_of_states(self._space, owners)
+        counts = np.zeros(len(states), dtype=np.int64)
+        counts[states != NO_STATE] = self._space.first_pair[owners + 1] - self._space.first_pair[owners]
+        held = None if snapshot.agent.part is None else snapshot.agent.part.held[pairs].tolist()
+        q, visits = snapshot.agent.q[pairs].tolist(), snapshot.agent.visits[pairs].tolist()
+        policy = snapshot.agent.policy[pairs].tolist() if len(snapshot.agent.policy) else None
+        values = snapshot.agent.values[states].tolist() if policy else []
+        actions = self._space.pair_action[pairs].tolist()
+        signs = [self.signs[action] for action in actions]
+        agent = self._place(part, int(self.grid.cell_of_state[snapshot.counters.state]))
+        drawn = drawn_actions(snapshot)
+        contents, first = [], 0
+        for place, count in enumerate(counts.tolist()):
+            row, column = divmod(place, part.columns)
+            cell = (part.top + row) * columns + part.left + column
+            kind = kinds[cell]
+            last = first + count
+            if count == 0 or (held is not None and not held[first]):
+                extra = _UNREACHED if cell in self.unreached else None
+                contents.append(CellContent(kind, place == agent, extra=extra))
+            else:
+                content = self._content(
+                    kind, place == agent, q[first:last], visits[first:last], signs[first:last]
+                )
+                if policy:
+                    content = self._kept(content, values[place], policy[first:last], signs[first:last])
+                if with_actions:
+                    own = q[first:last], visits[first:last], actions[first:last]
+                    content = content._replace(actions=self._actions(*own, content.known))
+                if drawn is not None:
+                    content = self._drawn(content, drawn.get(int(states[place])), signs[first:last])
+                    if content.greedy == (AT_RANDOM,) and is_off_way(snapshot, int(states[place])):
+                        content = with_extra(content, is_off_way=True)
+                if cell in self.ways:
+                    content = with_extra(content, way=self.ways[cell])
+                reward = self._rewards.get(cell)
+                contents.append(content if reward is None else content._replace(reward=reward))
+            first = last
+        if named:
+            names = [self._space.state_names[each] for each in owners.tolist()]
+            width = max(map(len, names), default=0)
+            for place, name in zip(np.flatnonzero(states != NO_STATE).tolist(), names, strict=True):
+                contents[place] = with_extra(contents[place], name=name.rjust(width))
+        for place, state in enumerate(states.tolist() if differing else ()):
+            if state in differing:
+                contents[place] = contents[place]._replace(differs=True)
+        editor = snapshot.editor
+        for place, state in enumerate(states.tolist() if editor.turned or editor.endless else ()):
+            if (marks := marks_of(editor, state)) != UNMARKED:
+                contents[place] = with_extra(contents[place], marks=marks)
+        for cell, draft in draft_cells(editor, self.grid, part).items():
+            drawn_at = self._place(part, cell)
+            if drawn_at is not None:
+                extra = CellExtra(draft=draft)
+                contents[drawn_at] = CellContent(draft.kind, contents[drawn_at].agent, extra=extra)
+        self._mark(contents, part, snapshot, picked if cursor is None else picked | {cursor})
+        return contents
+
+    def _mark(
+        self, contents: list[CellContent], part: MapPart, snapshot: Snapshot, cursors: frozenset[int]
+    ) -> None:
+        """Put trail, breakpoints and cursors into ``contents``, which are those of ``part``."""
+        for cell, trace in traces(snapshot.trail, self.grid, self.signs).items():
+            marked = self._place(part, cell)
+            if marked is not None:
+                contents[marked] = with_extra(contents[marked], trace=trace)
+        for state in snapshot.playback.breakpoints.states:
+            marked = self._place(part, int(self.grid.cell_of_state[state]))
+            if marked is not None:
+                contents[marked] = contents[marked]._replace(stops=True)
+        for cell in cursors:
+            marked = self._place(part, cell)
+            if marked is not None:
+                contents[marked] = contents[marked]._replace(cursor=True)
+
+    def _actions(
+        self, q: list[float], visits: list[int], actions: list[int], known: bool
+    ) -> tuple[ActionValue, ...]:
+        """Return the actions of one state; none is greedy where nothing is ``known``."""
+        best = max(q) if known else None
+        own = {
+            action: ActionValue(self.signs[action], each, not taken, each == best)
+            for action, each, taken in zip(actions, q, visits, strict=True)
+        }
+        return tuple(own[action] for action in self._order if action in own)
+
+    def holds(self, part: MapPart, snapshot: Snapshot) -> bool:
+        """Return whether ``snapshot`` has all that is to be seen in ``part``."""
+        if snapshot.agent.part is None:
+            return True
+        states = self._states_in(part, snapshot)
+        pairs = pairs_of_states(self._space, states[states != NO_STATE])
+        return bool(snapshot.agent.part.held[pairs].all())
+
+    def _states_in(self, part: MapPart, snapshot: Snapshot) -> IntArray:
+        top, left, rows, columns = part
+        states = self._states[top : top + rows, left : left + columns].flatten()
+        agent = self._place(part, int(self.grid.cell_of_state[snapshot.counters.state]))
+        if agent is not None:
+            states[agent] = snapshot.counters.state
+        return states
+
+    def _place(self, part: MapPart, cell: int) -> int | None:
+        """Return which cell of ``part``, counted row by row, ``cell`` is, None if it is outside."""
+        row, column = divmod(cell, self.grid.columns)
+        row, column = row - part.top, column - part.left
+        inside = 0 <= row < part.rows and 0 <= column < part.columns
+        return row * part.columns + column if inside else None
+
+    def _content(
+        self,
+        kind: CellKind,
+        agent: bool,
+        q: list[float],
+        visits: list[int],
+        signs: list[Sign],
+    ) -> CellContent:
+        value = max(q)
+        known = min(q) != value or any(visits)
+        if not known:
+            return CellContent(kind, agent, value)
+        greedy = (sign for sign, each in zip(signs, q, strict=True) if each == value)
+        return CellContent(kind, agent, value, known, self._in_order(greedy))
+
+    def _kept(
+        self, content: CellContent, value: float, policy: list[float], signs: list[Sign]
+    ) -> CellContent:
+        """Return ``content`` with the value and the actions of the policy that a planner keeps."""
+        taken = (sign for sign, chance in zip(signs, policy, strict=True) if chance > 0.0)
+        return content._replace(value=value, greedy=self._in_order(taken) if content.known else ())
+
+    def _drawn(self, content: CellContent, action: int | None, signs: list[Sign]) -> CellContent:
+        """Return ``content`` with the ``action`` that was drawn; None: with the only one, else at random."""
+        chosen = self.signs[action] if action is not None else signs[0] if len(signs) == 1 else AT_RANDOM
+        actions = tuple(each._replace(is_greedy=each.sign == chosen) for each in content.actions)
+        return content._replace(greedy=(chosen,), actions=actions)
+
+    def _in_order(self, signs: Iterable[Sign]) -> tuple[Sign, ...]:
+        return tuple(sorted(signs, key=self._sign_places.__getitem__))

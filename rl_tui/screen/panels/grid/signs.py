@@ -1,0 +1,148 @@
+"""The symbols of a map: its legend, and the row of wind below its columns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+from rich.segment import Segment
+from textual.strip import Strip
+
+from rl_tui.live.last_step.gust import gust_of
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.kit.panel import GREEDY_IN_FULL, LegendSign
+from rl_tui.screen.panels.grid.action_form import ActionForm, Places
+from rl_tui.screen.panels.grid.cells import SEVERAL, START, differing_style, reward_style
+from rl_tui.screen.panels.grid.form import LEAST_ARROWS, CellForm
+from rl_tui.screen.panels.grid.map import GridMap, MapPart
+from rl_tui.screen.panels.grid.rewards import CellReward
+from rl_tui.screen.panels.grid.trail import traces, trail_signs
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.drawing import CellKind, Grid
+
+# Wind of a map
+
+
+WIND: Final = "wind"
+
+
+def wind_strip(
+    grid: Grid, part: MapPart, form: CellForm, left: int, width: int, snapshot: Snapshot, look: Look
+) -> Strip:
+    """Return a row of ``width`` cells with the wind of each column of ``part``, which begins at ``left``."""
+    palette = look.palette
+    gust = gust_of(snapshot.world, snapshot.counters.last_step)
+    label = WIND if left > len(WIND) else ""
+    segments = [Segment(label.rjust(left - 1 if label else 0).ljust(left), palette.dim)]
+    for column in range(part.left, part.left + part.columns):
+        strength = grid.wind[column]
+        text, style = wind_text(strength, look), palette.text if strength else palette.dim
+        if gust is not None and gust.column == column:
+            is_stronger = abs(gust.pushed) > abs(strength) and len(text) + 1 < form.width
+            text, style = text + "+" * is_stronger, palette.updated
+        before = (form.width - len(text)) // 2 if form.height > 1 else max(0, form.width - len(text) - 1)
+        segments += [
+            Segment(" " * before, palette.text),
+            Segment(text, style),
+            Segment(" " * (form.width - before - len(text)), palette.text),
+        ]
+    return Strip(segments).adjust_cell_length(width, palette.text)
+
+
+def wind_sign(grid: Grid, look: Look) -> LegendSign:
+    """Return what the numbers below a map mean, by the strongest wind."""
+    strongest = max(grid.wind, key=abs)
+    arrow, where = ("↑", "up") if strongest > 0 else ("↓", "down")
+    in_full = f"{WIND}: cells it blows {where}, lit when it did"
+    return LegendSign(wind_text(strongest, look), f"{WIND} {arrow}", look.palette.text, in_full)
+
+
+def wind_text(strength: int, look: Look) -> str:
+    """Return how many cells the wind blows up, below 0 down."""
+    return str(strength).replace("-", look.glyphs.minus)
+
+
+def wind_line(grid: Grid, part: MapPart, look: Look) -> str:
+    """Return the wind of the columns in ``part``, for the border: ``wind 0 0 1 2``."""
+    winds = grid.wind[part.left : part.left + part.columns]
+    return " ".join((WIND, *(wind_text(each, look) for each in winds)))
+
+
+# The legend
+
+
+def differing_sign(width: int, name: str, arrows: str, look: Look) -> LegendSign:
+    """Return how cells say that the lane beside this one has other ``arrows``, greedy ones or a policy's.
+
+    They have room for ``width`` characters, of which ``name``, if any, takes that of the arrows.
+    """
+    glyphs, strong = look.glyphs, look.palette.strong
+    if width - len(name) > LEAST_ARROWS:
+        sign, style = glyphs.differs, strong
+    else:
+        is_name = width - len(name) < LEAST_ARROWS
+        sign, style = name if is_name else glyphs.up, differing_style(strong)
+    return LegendSign(sign, "differs", style, f"{arrows} in the other lane differs")
+
+
+def tie_sign(look: Look, *, is_kept: bool) -> LegendSign:
+    """Return how a narrow cell says that there are several actions; ``is_kept``: of a planner's policy."""
+    return LegendSign(SEVERAL, "tie", look.palette.strong, f"tie: equally {'likely' if is_kept else 'good'}")
+
+
+def action_signs(form: ActionForm, look: Look) -> Iterator[LegendSign]:
+    """Yield the signs of cells with every action."""
+    palette, glyphs = look.palette, look.glyphs
+    # first: between others it would be taken for the dot that separates them
+    yield LegendSign(glyphs.stay, "not tried", palette.unvisited)
+    if form.places is Places.TINTS:
+        yield LegendSign(glyphs.up, "greedy", palette.strong, GREEDY_IN_FULL)
+    else:
+        frame = glyphs.mark_left + glyphs.mark_right if form.is_framed else glyphs.mark_after
+        yield LegendSign(frame, "greedy", palette.greedy, GREEDY_IN_FULL)
+    if palette.tints:
+        yield LegendSign(" tint ", "Q", palette.value(1.0), "value Q(s,a)")
+
+
+def ground_signs(of: GridMap, look: Look) -> Iterator[LegendSign]:
+    """Yield the signs of what takes the agent elsewhere than it would: wind, and cells with one way out."""
+    if of.grid.wind:
+        yield wind_sign(of.grid, look)
+    if of.ways:
+        sign = "".join(sorted(set(of.ways.values())))
+        yield LegendSign(sign, "one-way", look.palette.start, "left in that direction only")
+
+
+def place_signs(of: GridMap, kinds: frozenset[CellKind], look: Look) -> Iterator[LegendSign]:
+    """Yield the signs of the cells in which nothing can be done, and of the start among ``kinds``."""
+    palette, glyphs = look.palette, look.glyphs
+    ends = (
+        (CellKind.HOLE, glyphs.hole, palette.hole),
+        (CellKind.CLIFF, glyphs.cliff, palette.cliff),
+        (CellKind.GOAL, glyphs.goal, palette.goal),
+    )
+    yield from (LegendSign(sign, of.ends[kind], style) for kind, sign, style in ends if kind in of.ends)
+    if CellKind.START in kinds:
+        yield LegendSign(START, "start", palette.start)
+
+
+def trace_signs(
+    of: GridMap, snapshot: Snapshot, form: CellForm, actions: ActionForm | None, look: Look
+) -> Iterator[LegendSign]:
+    """Yield the signs of the trail of the episode, as cells of ``form`` have them."""
+    tints_alone = actions is not None and actions.places is Places.TINTS
+    left = traces(snapshot.trail, of.grid, of.signs)
+    yield from trail_signs(left.values(), look, is_high=form.height > 1 and not tints_alone)
+
+
+def reward_signs(rewards: Sequence[CellReward], texts: Sequence[str], look: Look) -> Iterator[LegendSign]:
+    """Yield how cells show what they pay: as a number, or whether it is more or less than usual.
+
+    ``texts`` are what they show for each of ``rewards``.
+    """
+    if len(texts[0]) > 1:
+        yield LegendSign(texts[0], "reward", reward_style(rewards[0], look))
+        return
+    signs = "".join(dict.fromkeys(texts))
+    in_full = f"{' or '.join({'+': 'more'}.get(each, 'less') for each in signs)} reward than usual"
+    yield LegendSign(signs, "reward", look.palette.strong, in_full)

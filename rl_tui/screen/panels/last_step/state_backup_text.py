@@ -1,0 +1,204 @@
+"""The Bellman equation of the state that a planner backs up, in symbols and in numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from rl_tui.live.last_step.step_report import StateBackup
+from rl_tui.screen.draw import names
+from rl_tui.screen.draw.action_order import shown_pairs
+from rl_tui.screen.draw.precision import agrees, figure, leading_zeros, parsed
+from rl_tui.screen.panels.last_step.update_text import setting
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.world import World
+
+_FEWEST: Final = 2
+_MOST: Final = 5  # decimals more than the zeros behind the point
+_NAMES: Final = {None: "optimality", "evaluation": "evaluation", "improvement": "improvement"}
+_LAWS: Final = {
+    None: "V(s) ← max Σ p [r + γ V(s′)]",
+    "evaluation": "V(s) ← Σ π(a|s) Σ p [r + γ V(s′)]",
+    "improvement": "π(s) ← argmax Σ p [r + γ V(s′)]",
+}
+
+
+class ActionText(NamedTuple):
+    """One action: its sign, ``0 + .99·.34``, empty where that is not known, what it comes to, and whether
+    it is one of those that make the result.
+    """
+
+    sign: str
+    worked_out: str
+    q: str
+    counts: bool
+
+
+@dataclass(frozen=True, slots=True)
+class BackupText:
+    """What the panels write of a backup: ``V(6) ← max{↑0 →.06 ↓.34 ←.06} = .34``.
+
+    ``kind`` is what is done, in a word, and ``law`` the equation in symbols. ``left`` is what is given a
+    value, ``right`` how that came about, the longest form first, and ``result`` the value or the actions.
+    """
+
+    kind: str
+    law: str
+    left: str
+    right: Sequence[str]
+    result: str
+    actions: Sequence[ActionText]
+
+    def lines(self, arrow: str) -> Sequence[str]:
+        """Return the whole equation, the longest form first, the result alone last."""
+        start = f"{self.left} {arrow} "
+        return (*(f"{start}{each} = {self.result}" for each in self.right), f"{start}{self.result}")
+
+
+@lru_cache(maxsize=2)
+def backup_text(world: World, backup: StateBackup, glyphs: Glyphs) -> BackupText:
+    """Return the texts of ``backup``, with as few decimals as let the printed arithmetic come out.
+
+    They are kept until those of two others were asked for: all panels of a frame tell the same.
+    """
+    fewest = _FEWEST + leading_zeros(backup.value, *backup.q.tolist())
+    text = _Writer(world, backup, glyphs, fewest)
+    for decimals in range(fewest, fewest + _MOST):
+        text = _Writer(world, backup, glyphs, decimals)
+        if text.comes_out:
+            break
+    return text.text()
+
+
+class _Writer:
+    """Writes a backup with so many decimals."""
+
+    def __init__(self, world: World, backup: StateBackup, glyphs: Glyphs, decimals: int) -> None:
+        self._world = world
+        self._backup = backup
+        self._glyphs = glyphs
+        self._decimals = decimals
+        self._places = [pair - backup.pairs.start for pair in shown_pairs(world, backup.pairs)]
+        self._q = [self._figure(float(backup.q[place])) for place in self._places]
+        self._value = self._figure(backup.value)
+        self._counts = [backup.chance[place] > 0.0 for place in self._places]
+
+    def _figure(self, x: float) -> str:
+        return figure(x, self._decimals, self._glyphs)
+
+    @property
+    def comes_out(self) -> bool:
+        """Whether working out what is printed gives what is printed, and the best is seen to be the best."""
+        backup = self._backup
+        if backup.phase == "evaluation":
+            counted = [
+                parsed(q, self._glyphs) for q, counts in zip(self._q, self._counts, strict=True) if counts
+            ]
+            mean = sum(counted) / max(1, len(counted))
+            if not agrees(mean, self._value, self._glyphs, self._decimals, 0.5):
+                return False
+        else:
+            of_best = {q for q, counts in zip(self._q, self._counts, strict=True) if counts}
+            others = {q for q, counts in zip(self._q, self._counts, strict=True) if not counts}
+            if len(of_best) > 1:  # they are as good, but are rounded to either side
+                return False
+            if of_best & others and float(np.ptp(backup.q)) > 10.0 ** -(self._decimals + 2):
+                return False
+        return not backup.is_split or all(map(self._adds_up, self._places, self._q))
+
+    def _adds_up(self, place: int, q: str) -> bool:
+        reward, bootstrap = self._terms(place)
+        worked_out = parsed(reward, self._glyphs) + self._backup.gamma * parsed(bootstrap, self._glyphs)
+        return agrees(worked_out, q, self._glyphs, self._decimals)
+
+    def _terms(self, place: int) -> tuple[str, str]:
+        return self._figure(float(self._backup.reward[place])), self._figure(
+            float(self._backup.bootstrap[place])
+        )
+
+    def text(self) -> BackupText:
+        """Return all texts."""
+        backup, glyphs = self._backup, self._glyphs
+        is_bandit = isinstance(self._world.drawing, Arms)
+        state = "" if is_bandit else f"({names.state_name(self._world, backup.state, glyphs)})"
+        improves = backup.phase == "improvement"
+        return BackupText(
+            kind=_NAMES[backup.phase],
+            law=_LAWS[backup.phase],
+            left=f"{'π' if improves else 'V'}{state}",
+            right=self._mean()
+            if backup.phase == "evaluation"
+            else self._best("argmax" if improves else "max"),
+            result=self._chosen() if improves else self._value,
+            actions=[
+                ActionText(self._sign(place), self._worked_out(place), q, counts)
+                for place, q, counts in zip(self._places, self._q, self._counts, strict=True)
+            ],
+        )
+
+    def _sign(self, place: int) -> str:
+        space = self._world.space
+        action = int(space.pair_action[self._backup.pairs.start + place])
+        return names.action_name(self._world, action, self._glyphs)
+
+    @property
+    def _are_directions(self) -> bool:
+        space, pairs = self._world.space, self._backup.pairs
+        return all(names.is_direction(self._world, int(space.pair_action[pair])) for pair in pairs)
+
+    def _worked_out(self, place: int) -> str:
+        if not self._backup.is_split:
+            return ""
+        reward, bootstrap = self._terms(place)
+        gamma = setting(self._backup.gamma, self._glyphs)
+        return f"{reward} + {gamma}{self._glyphs.times}{self._held(bootstrap)}"
+
+    def _held(self, number: str) -> str:
+        return f"({number})" if number.startswith(self._glyphs.minus) else number
+
+    def _mean(self) -> Sequence[str]:
+        """Return the expectation over the policy, which shares itself out equally."""
+        counted = [place for place, counts in zip(self._places, self._counts, strict=True) if counts]
+        estimates = [q for q, counts in zip(self._q, self._counts, strict=True) if counts]
+        if len(counted) == 1:
+            worked = self._worked_out(counted[0])
+            return (worked,) if worked else ()
+        share = names.chance(float(self._backup.chance[counted[0]]), self._glyphs)
+        first, *others = estimates
+        added, more = [self._added(q) for q in others], f" + {self._glyphs.ellipsis}"
+        sums = ("".join(added), *((more + added[-1],) if len(added) > 1 else ()), more)
+        return [f"{share}{self._glyphs.times}({first}{each})" for each in sums]
+
+    def _added(self, number: str) -> str:
+        """Return ``number`` as a sum goes on with it: `` + .06``, `` − 2``."""
+        minus = self._glyphs.minus
+        return f" {minus} {number.removeprefix(minus)}" if number.startswith(minus) else f" + {number}"
+
+    def _best(self, of: str) -> Sequence[str]:
+        gap, between = ("", " ") if self._are_directions else (" ", ", ")
+        signed = [f"{self._sign(place)}{gap}{q}" for place, q in zip(self._places, self._q, strict=True)]
+        numbers = [", ".join(self._q)] if of == "max" else []
+        forms = [between.join(signed), *numbers, *self._elided(signed, between)]
+        return [f"{of}{{{each}}}" for each in forms]
+
+    def _elided(self, signed: Sequence[str], between: str) -> Iterator[str]:
+        """Yield ``signed`` without the least of them, then without more, until one of the best is left."""
+        backup, places = self._backup, self._places
+        best_first = sorted(
+            range(len(places)),
+            key=lambda each: (not self._counts[each], -float(backup.q[places[each]])),
+        )
+        for count in range(len(signed) - 1, 0, -1):
+            kept = sorted(best_first[:count])
+            yield between.join((*(signed[each] for each in kept), self._glyphs.ellipsis))
+
+    def _chosen(self) -> str:
+        gap = "" if self._are_directions else " or "
+        return gap.join(
+            self._sign(place) for place, counts in zip(self._places, self._counts, strict=True) if counts
+        )

@@ -1,0 +1,198 @@
+"""The update of the last step in numbers, rounded so that it can be checked with a calculator."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+from rl_tui.agents.last_step import LastStep
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.draw.precision import agrees, figure, leading_zeros, magnitude, parsed
+from rl_tui.screen.theme.glyphs import Glyphs
+
+_FEWEST: Final = 2
+_MOST_FOR_CHANGE: Final = 4  # a change that only shows further behind need not be seen in the estimate
+_FINER: Final = 2  # decimals that terms may have beyond those of the results
+_CLOSER: Final = 4  # decimals more that are worth it for results that come out to half a digit
+_DIGITS: Final = 6  # behind the first one of the largest term; results below them are shown as 0
+_NOISE: Final = 1e-12  # of the largest term: what rounding errors may leave of a term
+_EXACT_FINER: Final = 1  # decimals more that are worth it for a δ that is the printed difference
+_EXACT: Final = 1e-12  # what binary fractions leave of an exact difference
+_FACTOR: Final = 4  # decimals of a factor that is no short number
+
+
+@dataclass(frozen=True, slots=True)
+class UpdateText:
+    """The terms of before + step_size · (gathered + discount · bootstrap − before) = after, as written."""
+
+    before: str
+    step_size: str
+    gathered: str
+    discount: str
+    bootstrap: str
+    target: str
+    error: str
+    after: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Rounding:
+    """How many decimals the terms of the right-hand side and the results get."""
+
+    terms: int
+    results: int
+
+
+def update_text(last: LastStep, alpha: float | str, glyphs: Glyphs, *, bootstraps: bool) -> UpdateText:
+    """Write the numbers of ``last`` with as few decimals as let the printed arithmetic come out.
+
+    What is worked out from the printed terms is what is printed up to half of the last digit; where so few
+    decimals do not do that, up to a whole one. Mostly the printed δ is the printed target less the printed
+    estimate to the last digit: :func:`subtracts` says whether. ``alpha`` is the step size in force: a step of
+    1/N that is not it is written as a fraction. Without ``bootstraps`` the target is what was gathered.
+    """
+    closest: dict[float, UpdateText] = {}  # the first one that comes out to so much of the last digit
+    most = _DIGITS - magnitude(_largest(last))
+    fewest = min(_decimals_that_show(last), most)
+    longest = most + _FINER
+    for rounding in _roundings(fewest, most):
+        text = _written(last, alpha, glyphs, rounding, bootstraps=bootstraps)
+        if closest and (rounding.results > fewest + _CLOSER or rounding.terms > longest):
+            break
+        for digits in (0.5, 1.0):
+            if _comes_out(last, text, rounding, glyphs, bootstraps=bootstraps, digits=digits):
+                if digits < 1.0 and subtracts(text, glyphs):
+                    return text
+                if digits < 1.0 and digits not in closest:
+                    longest = rounding.terms + _EXACT_FINER
+                closest.setdefault(digits, text)
+                break
+    return closest[min(closest)] if closest else text
+
+
+def subtracts(text: UpdateText, glyphs: Glyphs) -> bool:
+    """Return whether target − before is δ to the last digit of what is printed; else it is about δ."""
+    target, before, error = (parsed(each, glyphs) for each in (text.target, text.before, text.error))
+    return abs(target - before - error) <= _EXACT * max(abs(target), abs(before))
+
+
+def _written(
+    last: LastStep, alpha: float | str, glyphs: Glyphs, rounding: _Rounding, *, bootstraps: bool
+) -> UpdateText:
+    largest = _largest(last)
+    noise, nothing = _NOISE * largest, 0.5 * 10.0 ** (magnitude(largest) - _DIGITS)
+
+    def term(x: float) -> str:
+        return figure(x, rounding.terms, glyphs, noise)
+
+    def result(x: float) -> str:
+        return figure(x, rounding.results, glyphs, nothing)
+
+    sign = "+" if last.td_error > nothing else ""
+    return UpdateText(
+        before=term(last.before),
+        step_size=_step_size(last, alpha, rounding.results, glyphs),
+        gathered=term(last.gathered),
+        discount=_factor(last.discount, last.bootstrap, rounding.results, glyphs),
+        bootstrap=term(last.bootstrap),
+        target=result(last.target) if bootstraps else term(last.target),
+        error=sign + result(last.td_error),
+        after=result(last.after),
+    )
+
+
+def setting(x: float, glyphs: Glyphs) -> str:
+    """Return a hyper-parameter with two decimals, more where it has more: ``.10``, ``.125``, ``1``."""
+    if _has_no_more_decimals(x, 0):
+        return numbers.brief(x, glyphs)
+    if _has_no_more_decimals(x, 2):
+        return numbers.fixed(x, 2, glyphs, leading_zero=False)
+    return numbers.brief(x, glyphs)
+
+
+def step_size_text(step_size: float, alpha: float | str, glyphs: Glyphs) -> str:
+    """Return ``1/842`` where the step was the sample average's, otherwise the number."""
+    visits = _visits(step_size, alpha)
+    return f"1/{visits}" if visits else setting(step_size, glyphs)
+
+
+def _visits(step_size: float, alpha: float | str) -> int:
+    """Return the N of a step of 1/N that is not the step size in force; 0 where it is no such step."""
+    visits = round(1.0 / step_size) if step_size > 0.0 else 0
+    return visits if step_size != alpha and abs(step_size * visits - 1.0) < 1e-12 else 0
+
+
+def _step_size(last: LastStep, alpha: float | str, decimals: int, glyphs: Glyphs) -> str:
+    if _visits(last.step_size, alpha):
+        return step_size_text(last.step_size, alpha, glyphs)
+    return _factor(last.step_size, last.td_error, decimals, glyphs)
+
+
+def _factor(x: float, factor: float, decimals: int, glyphs: Glyphs) -> str:
+    """Return ``x`` with as many digits as so many decimals of its product with ``factor`` need."""
+    short = setting(x, glyphs)
+    if abs(parsed(short, glyphs) - x) <= 1e-12 * abs(x):
+        return short
+    needed = max(_FACTOR, decimals + 2 + magnitude(factor))
+    return figure(x, needed, glyphs, 0.0)
+
+
+def _largest(last: LastStep) -> float:
+    """Return the size of the largest term; what is far smaller is what rounding errors left."""
+    return max(map(abs, (last.before, last.gathered, last.discount * last.bootstrap)))
+
+
+def _roundings(fewest: int, most: int) -> Iterator[_Rounding]:
+    for results in range(fewest, most + 1):
+        for terms in range(results, results + _FINER + 1):
+            yield _Rounding(terms, results)
+
+
+def _decimals_that_show(last: LastStep) -> int:
+    """Return the fewest decimals with which no term looks whole that is not, and the change is seen.
+
+    That is as far as four digits behind the zeros after the point show it. Of δ two digits are seen, so that
+    it is no rough guess.
+    """
+    terms = (last.before, last.bootstrap, last.after, last.td_error)
+    zeros = leading_zeros(last.before, last.target, last.after)
+    most = _MOST_FOR_CHANGE + zeros
+    for decimals in range(_FEWEST + zeros, most):
+        honest = all(round(term, decimals) % 1.0 or _has_no_more_decimals(term, 0) for term in terms)
+        changed = round(last.before, decimals) != round(last.after, decimals)
+        error = last.td_error
+        precise = abs(error) >= 10.0 ** (1 - decimals) or _has_no_more_decimals(error, decimals)
+        if honest and precise and (changed or last.before == last.after):
+            return decimals
+    return most
+
+
+def _comes_out(
+    last: LastStep,
+    text: UpdateText,
+    rounding: _Rounding,
+    glyphs: Glyphs,
+    *,
+    bootstraps: bool,
+    digits: float,
+) -> bool:
+    """Return whether working out the terms of ``text`` gives what it says, to so much of the last digit."""
+    before, gathered, discount, bootstrap = (
+        parsed(each, glyphs) for each in (text.before, text.gathered, text.discount, text.bootstrap)
+    )
+    step_size = last.step_size if "/" in text.step_size else parsed(text.step_size, glyphs)
+    target = gathered + (discount * bootstrap if bootstraps else 0.0)
+    # the panel's chain works on from printed results: δ = target − before, Q ← before + α · δ
+    chained = (
+        (target, text.target),
+        (target - before, text.error),
+        (before + step_size * (target - before), text.after),
+        (parsed(text.target, glyphs) - before, text.error),
+        (before + step_size * parsed(text.error, glyphs), text.after),
+    )
+    return all(agrees(worked_out, shown, glyphs, rounding.results, digits) for worked_out, shown in chained)
+
+
+def _has_no_more_decimals(x: float, decimals: int) -> bool:
+    return abs(round(x, decimals) - x) < numbers.NEGLIGIBLE

@@ -1,0 +1,296 @@
+"""A step in words: the five parts of the loop, and its update as an equation with numbers.
+
+The loop is that of Sutton & Barto, 2nd ed., Fig. 3.1. Most texts have several forms, the longest first.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from rich.style import Style
+
+from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.agents.last_step import LastStep
+from rl_tui.live.last_step.step_report import StepStory
+from rl_tui.programs.evidence.verdict import Rule
+from rl_tui.screen.draw import names, numbers
+from rl_tui.screen.draw.canvas import Line, Piece
+from rl_tui.screen.draw.precision import agrees, figure, leading_zeros, parsed
+from rl_tui.screen.panels.last_step.state_backup_text import BackupText, backup_text
+from rl_tui.screen.panels.last_step.update_text import UpdateText, setting, update_text
+from rl_tui.screen.panels.program.words import clause
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.screen.theme.look import Look
+
+# The parts of the step
+
+
+_TABLES = ("", "₁", "₂")
+_NOT_KNOWN: Final = "the update is not known"
+_FEWEST: Final = 2  # decimals of an estimate
+_MORE: Final = 6  # decimals beyond those that show its first digit
+
+
+@dataclass(frozen=True, slots=True)
+class StepWords:
+    """What both layouts write of ``story``. Empty texts are left out; several forms begin with the longest.
+
+    ``choices`` say how the action came about, ``endings`` how the episode ended. ``meant`` and ``went`` name
+    actions, and are empty where the world does not slip. ``estimate`` is what the update moved, ``Q(6,←)``,
+    ``bootstrap`` the estimate in its target in symbols, and ``others`` tells of its further updates.
+    ``backup`` is the Bellman equation of the state that a planner backed up, None where there is none.
+    ``why_no_equation`` says of somebody's program why only the change is known; empty where more is.
+    """
+
+    story: StepStory
+    state: str
+    place: str
+    choices: Sequence[str]
+    action: str
+    meant: str
+    went: str
+    chance: str
+    reward: str
+    next_state: str
+    landmark: str
+    endings: Sequence[str]
+    estimate: str
+    bootstrap: str
+    others: Sequence[str]
+    update: UpdateText
+    backup: BackupText | None
+    why_no_equation: Sequence[str] = ()
+
+    @property
+    def outcome(self) -> str:
+        """What the environment made of the action: ``meant ←, slipped ↓``, elsewhere ``→ Pass``.
+
+        Where the wind blew it says so: ``wind ↑ 1, → 4``.
+        """
+        moved = f"meant {self.meant}, {self.slip}" if self.went else f"→ {self.next_state}"
+        return f"{self.wind}, {moved}" if self.wind else moved
+
+    @property
+    def changes_nothing(self) -> bool:
+        """Whether all that is known of the update is that it left the estimate as it was."""
+        last = self.story.last
+        return not self.story.has_equation and not last.others and last.before == last.after
+
+    @property
+    def wind(self) -> str:
+        """The wind that blew the agent on, in cells: ``wind ↑ 1``; empty where none did."""
+        cells = self.story.wind
+        return f"wind {'↑' if cells > 0 else '↓'} {abs(cells)}" if cells else ""
+
+    @property
+    def slip(self) -> str:
+        """Which action really happened: ``slipped ↓``."""
+        return f"{'went' if self.went == self.meant else 'slipped'} {self.went}"
+
+
+def words_of(story: StepStory, glyphs: Glyphs) -> StepWords:
+    """Return the words of ``story``."""
+    world, last = story.world, story.last
+    if story.has_equation:
+        update = update_text(last, story.step_size, glyphs, bootstraps=story.bootstraps)
+    else:
+        update = _change_text(last, glyphs)
+    reward = numbers.brief(last.reward, glyphs, decimals=4)
+
+    def action(number: int | None) -> str:
+        return "" if number is None else names.action_name(world, number, glyphs)
+
+    return StepWords(
+        story=story,
+        state=names.state_name(world, last.state, glyphs),
+        place=names.place(world, last.state),
+        choices=_choices(story, glyphs),
+        action="" if last.planned else action(int(world.space.pair_action[last.pair])),
+        meant=action(story.meant),
+        went=action(story.went),
+        chance="" if story.chance is None else names.chance(story.chance, glyphs),
+        reward=update.gathered if story.has_equation and last.gathered == last.reward else reward,
+        next_state="" if story.is_bandit else names.state_name(world, last.next_state, glyphs),
+        landmark=names.landmark(world, last.next_state),
+        endings=_endings(story),
+        estimate=f"Q{_TABLES[last.table]}({names.pair_name(world, last.updated_pair, glyphs)})"
+        if last.learned
+        else "",
+        bootstrap=_bootstrap(story, glyphs),
+        others=_others(story),
+        update=update,
+        backup=None if story.state_backup is None else backup_text(world, story.state_backup, glyphs),
+        why_no_equation=() if story.has_equation else _why_no_equation(story),
+    )
+
+
+def _bootstrap(story: StepStory, glyphs: Glyphs) -> str:
+    """Return the estimate behind the reward in symbols; empty where there is none."""
+    last, symbols = story.last, story.terms.bootstrap
+    if last.planned or not story.bootstraps:
+        return symbols if last.planned else ""
+    # of a remembered pair it is another state than the one that the step led to
+    is_next = last.bootstrap_state == last.next_state
+    return symbols.format(
+        next=names.state_name(story.world, last.next_state, glyphs) if is_next else "s′",
+        own=_TABLES[last.table],
+        other=_TABLES[3 - last.table] if last.table else "",
+    )
+
+
+def _endings(story: StepStory) -> Sequence[str]:
+    if story.is_bandit or story.last.planned:
+        return ()
+    if story.last.terminated:
+        return "the episode ends", "ends"
+    if story.last.truncated:
+        return "cut off by the time limit: still bootstraps", "cut off, still bootstraps", "time limit"
+    return ()
+
+
+def _others(story: StepStory) -> Sequence[str]:
+    count = f"{story.last.others:,}"
+    if not story.last.others or not story.has_equation:
+        return ()
+    return f"and {count} {story.terms.others}", f"and {count} more", f"+{count}"
+
+
+def _choices(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
+    """Return how the action came about, in full and in short; nothing for a planner."""
+    last, best = story.last, story.greedy
+    if last.planned:
+        return ()
+    if last.by_hand:
+        return "you chose it", "by you"
+    if story.program is not None:
+        return _choice_texts_of_program(last.pair, best, len(story.world.space.pairs_of(last.state)))
+    if not story.policy.explores_by_epsilon:
+        return _chosen_by_policy(story, glyphs)
+    epsilon = setting(last.epsilon, glyphs)
+    if last.explored:
+        luck = ", greedy by chance" if last.pair in best else ""
+        return f"random (ε = {epsilon}){luck}", f"random{luck}"
+    if len(best) > 1:
+        return f"greedy (ε = {epsilon}), one of {len(best)} equal", f"greedy, {len(best)} equal"
+    return f"greedy (ε = {epsilon})", "greedy"
+
+
+def _chosen_by_policy(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
+    policy = story.policy
+    values = {name: story.hyperparameters.value(name) for name in policy.parameters if PARAMETERS[name].slide}
+    if "epsilon" in values:
+        values["epsilon"] = story.last.epsilon  # a schedule may have moved it
+    written = ", ".join(
+        f"{PARAMETERS[name].symbol} = {value if isinstance(value, str) else setting(value, glyphs)}"
+        for name, value in values.items()
+    )
+    full = f"{policy.name} ({written})" if written else policy.name
+    if story.last.explored:
+        return f"{full}, not the greedy one", f"{policy.name}, not greedy"
+    return f"{full}, the greedy one", f"{policy.name}, greedy"
+
+
+def _choice_texts_of_program(pair: int, best: Sequence[int], count: int) -> Sequence[str]:
+    """Return how a program chose ``pair``, in full and in short; ``best`` are greedy, none if not known.
+
+    How it explores is not known, so an action that is not greedy is not called a random one, and one of
+    ``count`` that are all equal not a greedy one.
+    """
+    if not best:
+        return "your program chose it", "its choice"
+    if pair not in best:
+        return "your program chose it: not greedy", "not greedy"
+    if len(best) == count > 1:
+        equal = "both equal" if count == 2 else f"all {count} equal"
+        return f"your program chose it: {equal}", equal
+    if len(best) > 1:
+        return f"your program chose it: greedy, one of {len(best)} equal", f"greedy, {len(best)} equal"
+    return "your program chose it: greedy", "greedy"
+
+
+def _change_text(last: LastStep, glyphs: Glyphs) -> UpdateText:
+    """Write the estimate before and after ``last`` and their difference, and nothing that is not known.
+
+    There are as many decimals as show the change, and let the printed difference come out.
+    """
+    before = 0.0 if math.isnan(last.before) else last.before
+    difference, first = last.after - before, _FEWEST + leading_zeros(before, last.after)
+    texts = ["", "", ""]
+    for decimals in range(first, first + _MORE):
+        texts = [figure(each, decimals, glyphs) for each in (before, last.after, difference)]
+        between = parsed(texts[1], glyphs) - parsed(texts[0], glyphs)
+        shows = texts[0] != texts[1] or not difference
+        if shows and agrees(between, texts[2], glyphs, decimals, digits=0.5):
+            break
+    sign = "+" if difference > 0.0 else ""
+    return UpdateText(texts[0], "", "", "", "", "", sign + texts[2], texts[1])
+
+
+def _why_no_equation(story: StepStory) -> Sequence[str]:
+    """Return why no more is said of the update of a program, the longest form first."""
+    last, program = story.last, story.program
+    if last.others:
+        cells = f"{last.others + 1:,} cells"
+        return (
+            f"this step moved {cells}; an update of one cell does not explain that",
+            f"moved {cells}",
+        )
+    update = None if program is None else program.verdict.update
+    if update is None or update.rule is Rule.UNKNOWN:
+        reason = "" if update is None else clause(update.reason)
+        forms = (f"{_NOT_KNOWN}: {reason}", reason) if reason else ()
+        return (*forms, f"{_NOT_KNOWN} yet", "not known yet")
+    if update.rule is Rule.MONTE_CARLO:
+        return (
+            "Monte Carlo: at the end of an episode, from the return of its steps",
+            "at the end, from returns",
+        )
+    return "this step departs from the update that fits the others", "departs from its update", "departs"
+
+
+# The update as an equation
+
+
+def equation(words: StepWords, look: Look, before: Style, bootstrap: Style, after: Style) -> list[Line]:
+    """Return ``Q(6,←) ← .36 + .10·(0 + .99·.62 − .36) = .39``, three of its numbers in styles of their own.
+
+    A planner's has neither the estimate before nor a step size.
+    """
+    update, glyphs, plain = words.update, look.glyphs, look.palette.text
+    start = Piece(f" {words.estimate} {glyphs.arrow_update} ", look.palette.dim)
+    gain: list[Line] = [[Piece(update.gathered, plain)]]
+    if words.bootstrap:
+        factor = Piece(f" + {update.discount}{glyphs.times}", plain)
+        gain.append([factor, *bracketed(update.bootstrap, bootstrap, look)])
+    end: Line = [Piece(" = ", plain), Piece(update.after, after)]
+    if words.story.last.planned:
+        return [[start, *gain[0]], *gain[1:], end]
+    opened = Piece(f" + {update.step_size}{glyphs.times}(", plain)
+    subtracted = [
+        Piece(f" {glyphs.minus} ", plain),
+        *bracketed(update.before, before, look),
+        Piece(")", plain),
+    ]
+    return [[start, Piece(update.before, before)], [opened, *gain[0]], *gain[1:], subtracted, end]
+
+
+def bracketed(number: str, style: Style, look: Look) -> list[Piece]:
+    """Return ``number`` in brackets where it starts with a minus and follows an operator."""
+    if not number.startswith(look.glyphs.minus):
+        return [Piece(number, style)]
+    return [Piece("(", look.palette.text), Piece(number, style), Piece(")", look.palette.text)]
+
+
+def in_brackets(number: str, look: Look) -> str:
+    """Return the same as a text."""
+    return "".join(piece.text for piece in bracketed(number, look.palette.text, look))
+
+
+def error_piece(words: StepWords, look: Look) -> Piece:
+    """Return δ in the colour of its sign."""
+    error = words.update.error
+    falls = look.palette.bad if error.startswith(look.glyphs.minus) else look.palette.text
+    return Piece(error, look.palette.good if error.startswith("+") else falls)

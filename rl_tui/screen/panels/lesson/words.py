@@ -1,0 +1,216 @@
+"""What the lesson says in a line: the next key, how the page stands, an answer that was given."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from rl_tui.lessons.file.schema import Ask
+from rl_tui.lessons.file.view import Given, LessonView
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.draw.canvas import Line, Piece, length, shortened, spelled
+from rl_tui.screen.draw.to_ascii import separated
+from rl_tui.screen.panels.lesson.prose import plain
+from rl_tui.screen.panels.lesson.stage import (
+    PageStage,
+    asks_for_program,
+    is_last_page,
+    open_page,
+    page_place,
+    stage_of,
+    steps_to_truth,
+)
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.screen.theme.look import Look
+
+NOT_COUNTED: Final = "A guess does not count as a prediction."
+
+_ACT: Final = "y"
+_LEAST_TITLE = 8
+_LONGEST_SAID = 16
+_MOST_ONE_BY_ONE = 12
+"""Steps that people take one by one; more of them run."""
+
+
+def counted(count: int, noun: str) -> str:
+    """Return ``count`` with its noun, as in 1 step, 2 steps."""
+    return f"{count:,} {noun}" if count == 1 else f"{count:,} {noun}s"
+
+
+def number_text(x: float, glyphs: Glyphs) -> str:
+    """Return an answer as people write it: 0.5, −1.5, 184,616."""
+    if x == int(x) and 10_000 <= abs(x) < 1e12:
+        return numbers.whole(x, glyphs)
+    return numbers.brief(x, glyphs, leading_zero=True)
+
+
+def answer_text(ask: Ask, answer: float, glyphs: Glyphs) -> str:
+    """Return what was answered to ``ask``: the number, or the text of the choice."""
+    if not ask.choices:
+        return number_text(answer, glyphs)
+    return plain(ask.choices[min(max(int(answer), 0), len(ask.choices) - 1)].text)
+
+
+def truth_text(ask: Ask, given: Given, glyphs: Glyphs) -> str:
+    """Return what stands behind the verdict on ``given``: what is right, of a right choice nothing more."""
+    if ask.answer is not None:
+        return f" – it is {number_text(ask.answer, glyphs)}"
+    if given.is_right:
+        return ""
+    return f" – the answer: {'; '.join(plain(choice.text) for choice in ask.choices if choice.right)}"
+
+
+def in_run_text(in_run: float | str | bool, glyphs: Glyphs) -> str:
+    """Return what a prediction shows of the run, or why there is nothing to show."""
+    if isinstance(in_run, bool):
+        return "yes" if in_run else "no"
+    return in_run if isinstance(in_run, str) else number_text(in_run, glyphs)
+
+
+def went_another_way(ask: Ask, in_run: float | str | bool | None) -> bool:
+    """Return whether the run came to something else than the answer, further off than its tolerance.
+
+    Of a choice that cannot be told.
+    """
+    if in_run is None or ask.choices:
+        return False
+    return isinstance(in_run, str) or not ask.is_right(float(in_run))
+
+
+def reply_to(ask: Ask, answer: float, *, is_right: bool) -> str:
+    """Return what the author says to an answer, empty where nothing: of a number only known wrong ones."""
+    if ask.choices:
+        return ask.choices[min(max(int(answer), 0), len(ask.choices) - 1)].reply
+    if is_right:
+        return ""
+    near = [(abs(each.answer - answer), each) for each in ask.wrong]
+    distance, nearest = min(near, key=lambda each: each[0], default=(0.0, None))
+    return nearest.reply if nearest is not None and distance <= max(ask.tolerance, 1e-9) else ""
+
+
+def next_keys(
+    view: LessonView, snapshot: Snapshot, *, has_focus: bool, is_manual: bool = False, following: str = ""
+) -> tuple[str, ...]:
+    """Return what to do next and its key, the longest form first.
+
+    Where the page ``has_focus``, enter does each; elsewhere each has a key of its own. ``is_manual`` says
+    that a person acts in place of the agent. ``following`` is the title of the next lesson.
+    """
+    stage, record = stage_of(view, snapshot), view.record
+    answer, turn = ("enter", "enter") if has_focus else ("A", ".")
+    leads = ("enter: to the world",) if has_focus else ()
+    match stage:
+        case PageStage.TO_PREDICT:
+            return f"{answer}: say what you expect", f"{answer}: predict"
+        case PageStage.TO_ANSWER:
+            return (f"{answer}: answer",)
+        case PageStage.TO_DO if asks_for_program(record):
+            return (f"{answer}: your program",)
+        case PageStage.TO_DO:
+            return (*leads, "enter: do it") if has_focus else ("R: read here",)
+        case PageStage.LOCKED:
+            ask, given = open_page(record).prediction, record.given_on(record.page)
+            if ask is None or given is None:
+                return leads
+            ways = _ways_to_truth(ask, steps_to_truth(ask, given, snapshot), snapshot, is_manual=is_manual)
+            return *(f"{each} · {ways[0]}" for each in leads), *ways
+        case _ if is_last_page(record) and following:
+            next_one = f"{turn} next lesson"
+            named = f"{next_one}: {following}"
+            return f"last page · {named}", named, f"last page · {next_one}", next_one
+        case _ if is_last_page(record):
+            return "the last page · esc: leave", "last page"
+        case _:
+            return f"{turn}: next page", f"{turn}: next"
+
+
+def _ways_to_truth(ask: Ask, missing: int, snapshot: Snapshot, *, is_manual: bool) -> tuple[str, ...]:
+    """Return the keys that take the ``missing`` steps to the truth, and how many, the longest form first.
+
+    These are the keys that the page asks for, where it names any. Who acts already need not begin to.
+    """
+    if ask.keys:
+        key = " then ".join(each for each in ask.keys if not (is_manual and each == _ACT)) or "act"
+    elif missing > _MOST_ONE_BY_ONE:
+        key = "space or u"
+    elif snapshot.agent.row.planner:
+        key = "e or s"
+    else:
+        key = "act" if is_manual else "s"
+    steps = counted(ask.steps, "step")
+    if missing < ask.steps:
+        shortest = f"{key}: {missing:,} to go"
+        return (
+            f"{key}: {steps} to the truth ({missing:,} to go)",
+            f"{key}: {steps}, {missing:,} to go",
+            shortest,
+        )
+    return f"{key}: {steps} to the truth", f"{key}: {steps}"
+
+
+def summary_line(view: LessonView, snapshot: Snapshot, look: Look, width: int) -> Line:
+    """Return in one row how the open page stands, for where it is not in view."""
+    record, palette = view.record, look.palette
+    page, marks = open_page(record), list(_marks(view, snapshot, look))
+    tail: list[Piece] = [Piece("  ", palette.text), *marks] if marks else []
+    place = page_place(record)
+    key = Piece(separated(" · R reads", look.glyphs), palette.dim)
+    line = spelled([Piece(f" {place} {page.title}", palette.strong), *tail, key], look)
+    if length(line) <= width:
+        return line
+    room = width - length(spelled([*tail, key], look))
+    if room < _LEAST_TITLE:
+        return spelled([Piece(f" {place}", palette.strong), *tail], look)
+    head = shortened(separated(f" {place} {page.title}", look.glyphs), room, look.glyphs.ellipsis)
+    return [Piece(head, palette.strong), *spelled([*tail, key], look)]
+
+
+def _marks(view: LessonView, snapshot: Snapshot, look: Look) -> Iterator[Piece]:
+    """Yield how the page stands: of a task a sign for each condition."""
+    palette, stage = look.palette, stage_of(view, snapshot)
+    match stage:
+        case PageStage.TO_DO if view.task is not None:
+            for condition in view.task.conditions:
+                yield condition_sign(condition.holds, look)
+            if view.task.waits:
+                yield Piece(f" {view.task.waits}", palette.dim)
+        case PageStage.PASSED:
+            yield Piece(f"{look.glyphs.holds} PASSED", palette.good)
+        case PageStage.TO_PREDICT:
+            yield Piece("A: your prediction", palette.accent)
+        case PageStage.TO_ANSWER:
+            yield Piece("A: your answer", palette.accent)
+        case PageStage.LOCKED:
+            ask, given = open_page(view.record).prediction, view.record.given_on(view.record.page)
+            if ask is not None and given is not None:
+                said = answer_text(ask, given.answer, look.glyphs)
+                missing = counted(steps_to_truth(ask, given, snapshot), "step")
+                yield Piece(
+                    f"you said {shortened(said, _LONGEST_SAID, look.glyphs.ellipsis)}; {missing}",
+                    palette.accent,
+                )
+        case PageStage.TOLD:
+            ask, given = open_page(view.record).prediction, view.record.given_on(view.record.page)
+            if given is not None:
+                yield verdict_piece(given.is_right, look)
+            if ask is not None and view.in_run is not None and went_another_way(ask, view.in_run):
+                yield Piece(f"; in your run {in_run_text(view.in_run, look.glyphs)}", palette.bad)
+        case _:
+            return
+
+
+def condition_sign(holds: bool | None, look: Look) -> Piece:
+    """Return the sign before a condition: it holds, it does not, or that is not known yet."""
+    if holds is None:
+        return Piece(look.glyphs.ellipsis, look.palette.dim)
+    if holds:
+        return Piece(look.glyphs.holds, look.palette.good)
+    return Piece(look.glyphs.fails, look.palette.bad)
+
+
+def verdict_piece(is_right: bool, look: Look) -> Piece:
+    """Return whether an answer was right, as a sign and a word."""
+    if is_right:
+        return Piece(f"{look.glyphs.holds} right", look.palette.good)
+    return Piece(f"{look.glyphs.fails} not so", look.palette.bad)

@@ -1,0 +1,326 @@
+"""The last update under the microscope: every number of the equation, and the cell it comes from.
+
+The discounted return of the episode so far is written out below (Sutton & Barto, 2nd ed., equation 3.8).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from rl_tui.agents.update_terms import Lookup, UpdateTerms
+from rl_tui.live.last_step.step_report import StepStory, discounted_sum
+from rl_tui.screen.draw import names, numbers
+from rl_tui.screen.draw.action_order import shown_pairs
+from rl_tui.screen.draw.canvas import Line, Piece, first_that_fits, length, spelled, wrapped
+from rl_tui.screen.draw.precision import column_figure, comes_to, parsed
+from rl_tui.screen.draw.to_ascii import separated
+from rl_tui.screen.panels.last_step.update_text import setting
+from rl_tui.screen.panels.last_step.words import StepWords, bracketed, equation, error_piece, in_brackets
+from rl_tui.screen.panels.microscope.section import MicroscopeSection, columns_of, flowed
+from rl_tui.screen.panels.program.words import fit_texts, open_text, update_texts
+from rl_tui.screen.theme.look import Look
+
+# The discounted return so far
+
+
+RETURN_HEADING: Final = "Discounted return so far"
+RETURN_ROWS: Final = 3
+MEANING: Final = "Gₜ = Rₜ₊₁ + γ Rₜ₊₂ + γ² Rₜ₊₃ + …"
+PLANNER: Final = "a planner takes no steps: nothing is earned"
+OPEN_DISCOUNT: Final = "the γ of your program is open: no step has decided it yet"
+_LEFT_OUT: Final = "…"
+_SUPERSCRIPTS: Final = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+_FEWEST_DECIMALS: Final = 3  # decimals of a reward
+_MOST_DECIMALS: Final = 6
+
+
+def return_section(story: StepStory, look: Look, width: int) -> MicroscopeSection:
+    """Return the return from the start of the episode, its first and last terms, and what it means."""
+    palette, rewards = look.palette, story.rewards
+    if story.last.planned:
+        planner = wrapped(PLANNER, width, palette.dim, look, " ", " ")
+        return MicroscopeSection(RETURN_HEADING, planner, RETURN_ROWS)
+    if not rewards:
+        nothing: Line = [Piece(" no reward yet in this episode", palette.dim)]
+        return MicroscopeSection(RETURN_HEADING, [nothing], RETURN_ROWS)
+    if has_open_discount(story):
+        return _undiscounted(story, look, width)
+    total = numbers.brief(story.discounted_return, look.glyphs, decimals=4)
+    start: Line = [Piece(" G₀ = ", palette.dim)]
+    result: Line = [Piece("    = ", palette.dim), Piece(total, palette.strong)]
+    plain: Line = []
+    if len(rewards) == story.steps:
+        amount = numbers.brief(sum(rewards), look.glyphs, decimals=4)
+        plain = [Piece("   undiscounted ", palette.dim), Piece(amount, palette.text)]
+    lines: list[Line] = [[*start, Piece(total, palette.strong)]]
+    if story.steps > 1:
+        room = width - length(spelled(start, look))
+        terms = terms_of(rewards, story.steps, story.last.gamma, look, room, total)
+        lines = [
+            [*start, Piece(terms, palette.text)],
+            first_that_fits([[*result, *plain], result], width, look),
+        ]
+    lines += wrapped(_meaning(story), width, palette.dim, look, " ", " ")
+    return MicroscopeSection(RETURN_HEADING, lines, RETURN_ROWS, (f"t = {story.steps:,}",))
+
+
+def has_open_discount(story: StepStory) -> bool:
+    """Return whether nobody knows the γ of a program: what its rewards come to, discounted, is open too."""
+    return story.program is not None and story.program.verdict.update.gamma is None
+
+
+def _undiscounted(story: StepStory, look: Look, width: int) -> MicroscopeSection:
+    amount = numbers.brief(sum(story.rewards), look.glyphs, decimals=4)
+    known = len(story.rewards) == story.steps
+    start = "undiscounted " if known else f"of the last {len(story.rewards):,} steps, undiscounted "
+    lines: list[Line] = [[Piece(f" {start}", look.palette.dim), Piece(amount, look.palette.strong)]]
+    lines += wrapped(_open_discount(story), width, look.palette.dim, look, " ", " ")
+    return MicroscopeSection(RETURN_HEADING, lines, RETURN_ROWS, (f"t = {story.steps:,}",))
+
+
+def _open_discount(story: StepStory) -> str:
+    """Return that no step has decided γ, and by which one the exact answers go meanwhile."""
+    program = story.program
+    if program is None or program.gamma is None or program.gamma_source != "declared":
+        return OPEN_DISCOUNT
+    return f"{OPEN_DISCOUNT}; exact answers are for {program.gamma:g}, read from your code"
+
+
+def _meaning(story: StepStory) -> str:
+    if story.is_bandit:
+        return "every pull is an episode: its return is its reward"
+    return MEANING if story.has_one_gamma else "γ was changed on the way: each step counts with its own"
+
+
+def terms_of(rewards: Sequence[float], steps: int, gamma: float, look: Look, room: int, total: str) -> str:
+    """Return as many terms as ``room`` holds: all, or the first and the last with an ellipsis between.
+
+    They have as many decimals as let them come out at the printed ``total``. Of an episode of more steps than
+    there are rewards the first ones are not known any more; the rest has three.
+    """
+    skipped = steps - len(rewards)
+    rewards = _rounded(rewards, gamma, total, look, _FEWEST_DECIMALS if skipped else _MOST_DECIMALS)
+    if not skipped:
+        whole = _joined([_term(rewards, skipped, place, gamma, look) for place in range(min(steps, room))])
+        if steps <= room and _fits(whole, room, look):
+            return whole
+    best = _LEFT_OUT
+    for count in range(1, len(rewards)):
+        ahead = 0 if skipped else count // 2
+        first = [_term(rewards, skipped, place, gamma, look) for place in range(ahead)]
+        end = [_term(rewards, skipped, steps - back, gamma, look) for back in range(count - ahead, 0, -1)]
+        shown = _joined([*first, _LEFT_OUT, *end])
+        if not _fits(shown, room, look):
+            break
+        best = shown
+    return best
+
+
+def _rounded(rewards: Sequence[float], gamma: float, total: str, look: Look, most: int) -> list[float]:
+    """Return ``rewards`` with the fewest decimals, three to ``most``, with which they add up to ``total``."""
+    rounded: list[float] = []
+    for decimals in range(_FEWEST_DECIMALS, most + 1):
+        rounded = [round(reward, decimals) or reward for reward in rewards]
+        if comes_to(discounted_sum(rounded, gamma), total, look.glyphs):
+            break
+    return rounded
+
+
+def _fits(text: str, room: int, look: Look) -> bool:
+    return length(spelled([Piece(text, look.palette.text)], look)) <= room
+
+
+def _joined(terms: Sequence[str]) -> str:
+    return " + ".join(terms)
+
+
+def _term(rewards: Sequence[float], skipped: int, place: int, gamma: float, look: Look) -> str:
+    """Return ``.99²·1``, the reward of step ``place`` (from 0) as it counts at the start."""
+    reward = numbers.brief(rewards[place - skipped], look.glyphs)
+    if place == 0:
+        return reward
+    reward = in_brackets(reward, look)
+    if gamma == 1.0:
+        return reward
+    return f"{power(gamma, place, look)}{look.glyphs.times}{reward}"
+
+
+def power(base: float, exponent: int, look: Look) -> str:
+    """Return ``.99²``, in ASCII ``.99^2``."""
+    text = setting(base, look.glyphs)
+    if exponent == 1:
+        return text
+    return (
+        f"{text}^{exponent}" if look.glyphs.name == "ascii" else text + str(exponent).translate(_SUPERSCRIPTS)
+    )
+
+
+# The update
+
+
+UPDATE_HEADING: Final = "The update"
+_LEAST_ROWS: Final = 5
+TABLES: Final = "the table shows the mean of Q₁ and Q₂"
+_MOST_CELLS: Final = 6
+_FEWEST: Final = 3  # decimals of weights and estimates
+_MOST: Final = 9
+_GAP: Final = "   "
+
+
+def update_section(words: StepWords, look: Look, width: int) -> MicroscopeSection:
+    """Return the update in numbers and where each comes from; of a planner also what becomes of the state."""
+    terms = words.story.terms
+    if not words.estimate:
+        waiting = list(wrapped(terms.waiting, width, look.palette.text, look, " ", " "))
+        return MicroscopeSection(UPDATE_HEADING, waiting, update_rows(terms))
+    if not words.story.has_equation:
+        return MicroscopeSection(UPDATE_HEADING, _change_lines(words, look, width), update_rows(terms))
+    writer = _Writer(words, look)
+    groups = ((writer.equation(), 4), (writer.terms(), 1), (writer.mixture(), 4), (writer.gathered(width), 4))
+    lines = [line for group, indent in groups for line in flowed(group, width, look, indent)]
+    if words.backup is not None:
+        whole = words.backup.lines(look.glyphs.arrow_update)[0]
+        bellman: list[Line] = [[Piece(f" {each}", look.palette.text)] for each in whole.split(" ")]
+        lines += flowed(bellman, width, look, 4)
+    for remark in ([TABLES] if words.story.last.table else []) + [*words.others[:1]]:
+        lines += flowed([[Piece(f" {remark}", look.palette.dim)]], width, look)
+    lines += _evidence_lines(words.story, look, width)
+    return MicroscopeSection(UPDATE_HEADING, lines, update_rows(terms))
+
+
+def update_rows(terms: UpdateTerms) -> int:
+    """Return how many rows an update of these ``terms`` mostly takes."""
+    return _LEAST_ROWS + (terms.lookup in (Lookup.MEAN, Lookup.OTHER) or not terms.one_step)
+
+
+def _change_lines(words: StepWords, look: Look, width: int) -> list[Line]:
+    """Return which cell moved from what to what, why nothing else is said, and what fits other steps."""
+    palette, update = look.palette, words.update
+    moved: list[Line] = [
+        [Piece(" your program moved", palette.dim)],
+        [Piece(f" {words.estimate}", palette.strong)],
+        [Piece(" from ", palette.dim), Piece(update.before, palette.updated)],
+        [Piece(" to ", palette.dim), Piece(update.after, palette.updated)],
+        [Piece(" (", palette.dim), error_piece(words, look), Piece(")", palette.dim)],
+    ]
+    if words.changes_nothing:
+        moved = [
+            [Piece(" your program changed nothing:", palette.dim)],
+            [Piece(f" {words.estimate} stays ", palette.text), Piece(update.after, palette.updated)],
+        ]
+    lines = flowed(moved, width, look)
+    if words.why_no_equation:
+        lines += wrapped(words.why_no_equation[0], width, palette.text, look, " ", " ")
+    return [*lines, *_evidence_lines(words.story, look, width)]
+
+
+def _evidence_lines(story: StepStory, look: Look, width: int) -> list[Line]:
+    """Return the update that fits a program, its α and γ, and the share of steps; nothing for ours."""
+    if story.program is None:
+        return []
+    update, palette = story.program.verdict.update, look.palette
+    equations = update_texts(update, look.glyphs)[:-1]  # without the rule alone, which stands below
+    if not equations:
+        return []
+    is_open, texts = open_text(update, look.glyphs), fit_texts(update)
+    fits = [" " + " · ".join(filter(None, (each, is_open))) for each in texts or ("",)]
+    fitting = (each for each in equations if columns_of(each, look) < width)
+    return [
+        *wrapped(next(fitting, equations[1]), width, palette.dim, look, " ", "    "),
+        first_that_fits([[Piece(separated(each, look.glyphs), palette.dim)] for each in fits], width, look),
+    ]
+
+
+class _Writer:
+    def __init__(self, words: StepWords, look: Look) -> None:
+        self._words = words
+        self._story = words.story
+        self._look = look
+        self._palette = look.palette
+        self._bootstrap_style = look.palette.source if words.story.sources else look.palette.strong
+
+    def equation(self) -> list[Line]:
+        """Return ``Q(6,←) ← .36 + .10·(0 + .99·.62 − .36) = .39  δ = +.25``."""
+        updated = self._palette.updated
+        groups = equation(self._words, self._look, updated, self._bootstrap_style, updated)
+        return [*groups, [self._dim(f"{_GAP}δ = "), error_piece(self._words, self._look)]]
+
+    def terms(self) -> list[Line]:
+        """Return which number is what."""
+        words, update, terms = self._words, self._words.update, self._story.terms
+        found: list[Line] = []
+        if not self._story.last.planned:
+            found.append(
+                [Piece(update.before, self._palette.updated), self._dim(f" {words.estimate} before")]
+            )
+            found.append([self._plain(f"{_GAP}{update.step_size}"), self._dim(f" {self._step_size()}")])
+        gathered = {"r": "reward", "G": "rewards gathered"}.get(terms.gathered, terms.gathered)
+        found.append([self._plain(f"{_GAP}{update.gathered}"), self._dim(f" {gathered}")])
+        if words.bootstrap:
+            number = Piece(update.bootstrap, self._bootstrap_style)
+            found.append([self._plain(f"{_GAP}{update.discount}"), self._dim(f" {terms.discount}")])
+            found.append([self._plain(_GAP), number, self._dim(f" {self._looked_up()}")])
+        elif self._story.last.terminated and not self._story.is_bandit:
+            found.append([self._dim(f"{_GAP}after the end nothing is added")])
+        return found
+
+    def _step_size(self) -> str:
+        """Return what the step size is: α, the fraction 1/N, or α times the trace of the pair."""
+        text = self._words.update.step_size
+        if "/" in text:
+            return f"α, N = {text[2:]}"
+        return "α e, e its trace" if self._story.has_trace else "α"
+
+    def mixture(self) -> list[Line]:
+        """Return the cells of a weighted mean in their order, ``.58 = .925·.62 + .025·.31``; else none."""
+        story, bootstrap = self._story, self._words.update.bootstrap
+        is_mean = self._words.bootstrap and story.terms.lookup is Lookup.MEAN
+        if not is_mean or not 1 < len(story.sources) <= _MOST_CELLS:
+            return []
+        groups: list[Line] = [[self._plain(" "), Piece(bootstrap, self._bootstrap_style), self._plain(" =")]]
+        for number, (weight, estimate) in enumerate(self._mixed()):
+            sign = " " if number == 0 else " + "
+            factor = self._plain(f"{sign}{weight}{self._look.glyphs.times}")
+            groups.append([factor, *bracketed(estimate, self._palette.source, self._look)])
+        return groups
+
+    def _mixed(self) -> list[tuple[str, str]]:
+        """Return weights and estimates with the fewest decimals that give the bootstrap as it is printed."""
+        glyphs, mixed = self._look.glyphs, dict(zip(self._story.sources, self._story.looked_up, strict=True))
+        shown: list[tuple[str, str]] = []
+        for decimals in range(_FEWEST, _MOST + 1):
+            shown = [
+                (numbers.brief(weight, glyphs, decimals=decimals), column_figure(estimate, decimals, glyphs))
+                for weight, estimate in map(mixed.__getitem__, shown_pairs(self._story.world, mixed))
+            ]
+            worked_out = sum(parsed(weight, glyphs) * parsed(each, glyphs) for weight, each in shown)
+            if comes_to(worked_out, self._words.update.bootstrap, glyphs):
+                break
+        return shown
+
+    def gathered(self, width: int) -> list[Line]:
+        """Return the rewards of a target of several steps, ``.3 = 0 + .9·0 + .9²·.37``; nothing elsewhere."""
+        rewards, total = self._story.gathered_rewards, self._words.update.gathered
+        if not rewards:
+            return []
+        start = self._plain(f" {total} = ")
+        room = width - columns_of(start.text, self._look)
+        terms = terms_of(rewards, len(rewards), self._story.last.gamma, self._look, room, total)
+        return [[start, self._plain(terms)]]
+
+    def _looked_up(self) -> str:
+        """Return what the bootstrap is, with the cell it was read from where that is known."""
+        story, bootstrap = self._story, self._words.bootstrap
+        pairs = list(story.sources)
+        if story.last.planned or story.terms.lookup is Lookup.MEAN or not pairs:
+            return bootstrap
+        action = int(story.world.space.pair_action[pairs[0]])
+        name = names.action_name(story.world, action, self._look.glyphs)
+        return f"{bootstrap}: {name if len(pairs) == 1 else f'one of {len(pairs)} equal'}"
+
+    def _plain(self, text: str) -> Piece:
+        return Piece(text, self._palette.text)
+
+    def _dim(self, text: str) -> Piece:
+        return Piece(text, self._palette.dim)

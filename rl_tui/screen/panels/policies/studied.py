@@ -1,0 +1,98 @@
+"""The policy that is studied, as other panels show it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from rl_tui.agents.exact.policy_figures import best_pairs
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.runs.answers.policy_values import WHILE_RUNNING, PolicyAnswer
+from rl_tui.screen.kit.snapshot_facts import hides_greedy, hides_means, is_secret
+from rl_tui.screen.panels.policies.names import POLICY_NAMES
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray
+
+
+def is_kept_back(snapshot: Snapshot, kind: PolicyKind) -> bool:
+    """Return whether what a policy is worth would give away what is to be found out.
+
+    Of a bandit that is the worth of any policy, since it tells of the means; where a lesson keeps the answer
+    back, of any but that of acting at random.
+    """
+    if kind is PolicyKind.OPTIMAL:
+        return is_secret(snapshot)
+    return hides_means(snapshot) if kind is PolicyKind.UNIFORM else hides_greedy(snapshot)
+
+
+def studied_answer(snapshot: Snapshot) -> PolicyAnswer | None:
+    """Return the values of the policy that is studied; None where there is none, or it is not to be seen."""
+    answers = snapshot.answers
+    if answers.studied is None or is_kept_back(snapshot, answers.studied):
+        return None
+    answer = answers.policies.get(answers.studied)
+    return answer if answer is not None and answer.v is not None else None
+
+
+def studied_kind(snapshot: Snapshot) -> PolicyKind | None:
+    """Return which policy a world shows; None: what the agent has learned. A bandit shows its arms."""
+    if isinstance(snapshot.world.drawing, Arms) or studied_answer(snapshot) is None:
+        return None
+    return snapshot.answers.studied
+
+
+def study_headings(
+    snapshot: Snapshot, shown: PolicyKind | None, title: str, what: str, *, names_key: bool
+) -> tuple[str, ...]:
+    """Return headings for ``what``, V or Q, of the policy ``shown``, the longest first.
+
+    ``names_key`` lets them name the key that opens the panel of policies. Where one is to be shown that has
+    to wait, they say so; none where there is nothing to say.
+    """
+    if shown is not None:
+        said = f"{what} of {POLICY_NAMES[shown].of}"
+        forms = (f"{title} · {said}", said)
+        return (f"{title} · {said} · P: policies", *forms) if names_key else forms
+    answers = snapshot.answers
+    if answers.studied is None:
+        return ()
+    answer = answers.policies.get(answers.studied)
+    if answer is None or answer.refused != WHILE_RUNNING:
+        return ()
+    note = f"pause: {what} of {POLICY_NAMES[answers.studied].of}"
+    return f"{title} · {what} and greedy · {note}", f"{title} · {note}", note
+
+
+def shown_actions(snapshot: Snapshot, kind: PolicyKind, policy: FloatArray) -> BoolArray:
+    """Return the likeliest actions of ``policy`` in each state, [P]; of a drawn one those that were drawn."""
+    space = snapshot.world.space
+    likeliest = best_pairs(space, policy)
+    if kind is PolicyKind.DRAWN:
+        is_drawn = np.zeros(space.states, np.bool_)
+        is_drawn[[state for state, _ in snapshot.answers.drawn.choices]] = True
+        likeliest &= np.repeat(is_drawn, np.diff(space.first_pair))
+    return likeliest
+
+
+def as_studied(snapshot: Snapshot) -> Snapshot:
+    """Return ``snapshot`` with values and actions of the policy studied in place of what the agent learned.
+
+    The lane beside it has its own; ``snapshot`` itself where nothing is studied that may be seen.
+    """
+    answer, kind = studied_answer(snapshot), snapshot.answers.studied
+    if answer is None or kind is None or answer.policy is None or answer.v is None or answer.q is None:
+        return snapshot
+    if isinstance(snapshot.world.drawing, Arms):
+        return snapshot
+    agent = replace(
+        snapshot.agent,
+        q=answer.q,
+        values=answer.v,
+        policy=shown_actions(snapshot, kind, answer.policy).astype(np.float64),
+        visits=np.ones_like(snapshot.agent.visits),
+        part=None,
+    )
+    beside = None if snapshot.beside is None else as_studied(snapshot.beside)
+    return replace(snapshot, agent=agent, beside=beside)

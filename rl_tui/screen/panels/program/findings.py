@@ -1,0 +1,213 @@
+"""What is wrong with a watched program: each finding with its line in the source and the correction."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Final
+
+from textual.binding import BindingType
+from textual.message import Message
+from textual.strip import Strip
+
+from rl_tui.common.findings import one_line
+from rl_tui.live.program_view import ProgramView
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.programs.evidence.verdict import CodeFinding, Rule, step_number
+from rl_tui.screen.draw.canvas import Line, Piece, first_that_fits, length, spelled, strips_of, wrapped
+from rl_tui.screen.kit.bindings import binding
+from rl_tui.screen.kit.scrolled_panel import ScrolledPanel, scroll_bindings
+from rl_tui.screen.panels.program.source import source_lines
+from rl_tui.screen.panels.program.words import (
+    IN_SHORT,
+    LONGEST_SENTENCE,
+    clause,
+    is_early,
+    is_own,
+    notes_of,
+    place_text,
+    ranked,
+    sentence,
+)
+from rl_tui.screen.theme.look import Look
+
+NOTHING: Final = "nothing wrong found"
+NO_JUDGEMENT: Final = "nothing can be judged yet"
+WORTH_SAYING: Final = 100
+"""Steps before which nothing could be found wrong."""
+NO_STEP_YET: Final = "no step yet: space runs your program, and what is wrong with it stands here"
+EXAMINED: Final = (
+    "Examined: the target, the ends of episodes, the table, which cells move, and the choice of actions."
+)
+EXAMINED_WITHOUT_RULE: Final = (
+    "Examined: the table, which cells move, and the choice of actions; the target was not."
+)
+_INDENT: Final = "   "
+
+
+class FindingsPanel(ScrolledPanel):
+    """The findings below one another, the one under the cursor in full; below them what cannot be told."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        *scroll_bindings("findings")[2:],
+        binding("up", "choose(-1)", "findings.up", "The finding above"),
+        binding("down", "choose(1)", "findings.down", "The finding below"),
+        binding("enter", "go_to_step", "findings.go_to_step", "Go to the first step that shows it"),
+    ]
+    title = "Findings"
+
+    @dataclass
+    class StepWanted(Message):
+        """The user wants to see what the run was like once so many steps were taken."""
+
+        step: int
+
+    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+        super().__init__(look, id=id, classes=classes)
+        self._chosen = 0
+        self._has_moved = False  # then the finding under the cursor is brought into view
+
+    @property
+    def _findings(self) -> list[CodeFinding]:
+        program = None if self.snapshot is None else self.snapshot.program
+        return [] if program is None else ranked(program.verdict.findings)
+
+    @property
+    def chosen(self) -> CodeFinding | None:
+        """The finding under the cursor, None where there is none."""
+        findings = self._findings
+        return findings[min(self._chosen, len(findings) - 1)] if findings else None
+
+    def action_choose(self, by: int) -> None:
+        """Put the cursor on the next finding; where there is none, scroll by a row."""
+        count = len(self._findings)
+        place = min(self._chosen, count - 1) + by
+        if 0 <= place < count:
+            self._chosen, self._has_moved = place, True
+            self.redraw()
+        else:
+            self._scroll(by)
+
+    def action_go_to_step(self) -> None:
+        """Ask for the step that the finding under the cursor was first seen at, once it was taken."""
+        if self.chosen is not None:
+            self.post_message(self.StepWanted(step_number(self.chosen.step)))
+
+    def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return all rows of the page."""
+        program = None if snapshot is None else snapshot.program
+        if snapshot is None or program is None:
+            return []
+        findings = ranked(program.verdict.findings)
+        lines: list[Line] = [] if findings else _nothing_found(snapshot, program, self.look, width)
+        chosen = self.chosen
+        for finding in findings:
+            if finding is chosen and self._has_moved:
+                self._first, self._has_moved = len(lines), False
+            lines += finding_lines(finding, program, self.look, width, is_chosen=finding is chosen)
+            if finding is chosen and finding is not findings[-1]:
+                lines.append([Piece("", self.look.palette.text)])
+        notes = notes_of(program)
+        if notes:
+            lines += [[Piece("", self.look.palette.text)], [Piece(" Notes", self.look.palette.accent)]]
+        for note in notes:
+            lines += _paragraph(note, self.look, width, is_dim=True)
+        return strips_of(lines, width, len(lines), self.look)
+
+    def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
+        """Return the keys of the panel."""
+        if not self._findings:
+            return ("F: close",)
+        return (
+            "enter: go to its step · F: close",
+            "enter: its step · F: close",
+            "enter: step · F: close",
+            "enter · F: close",
+            "F: close",
+        )
+
+
+def finding_lines(
+    finding: CodeFinding, program: ProgramView, look: Look, width: int, *, is_chosen: bool
+) -> list[Line]:
+    """Return what is said of ``finding``: one line, or all of it where it ``is_chosen``."""
+    palette, glyphs = look.palette, look.glyphs
+    place = place_text(finding.file, finding.line, program)
+    mark = glyphs.cursor if is_chosen else " "
+    style = palette.bad if finding.kind == "fault" else palette.accent
+    name = Piece(f" {mark} {finding.kind}: {IN_SHORT[finding.fault]}", style)
+    where = [Piece(f"   {place}", palette.text)] if place else []
+    head = first_that_fits([[name, *where], [name]], width, look)
+    if not is_chosen:
+        return [head]
+    said = sentence(finding.text)
+    if place and len(head) == 1:  # there was no room for it
+        said = f"{place}: {said}"
+    heads: list[Line] = [head]
+    if length(spelled(head, look)) > width:
+        heads = list(wrapped(name.text.lstrip(), width, style, look, " ", _INDENT))
+    lines = [*heads, *_paragraph(said, look, width)]
+    lines += _paragraph(evidence_text(finding), look, width, is_dim=True)
+    code = _code(finding, program, look, width)
+    if code:
+        lines += [[Piece("", palette.text)], *code, [Piece("", palette.text)]]
+    if finding.correction:
+        lines += _paragraph(f"Instead: {one_line(finding.correction, LONGEST_SENTENCE)}", look, width)
+    return lines
+
+
+def evidence_text(finding: CodeFinding) -> str:
+    """Return how certain a finding is: how many steps speak for it, and which is the first."""
+    if finding.certainty == "declared":
+        certain = "Declared: it rests on a number read from your code"
+    elif finding.kind == "risk":
+        certain = "A risk: with good luck it does no harm"
+    else:
+        certain = "Proven"
+    steps = ""
+    if finding.steps_for:
+        against = f"{finding.steps_against:,}" if finding.steps_against else "none"
+        steps = f"; steps for it: {finding.steps_for:,}, against it: {against}"
+    return f"{certain}{steps}. Enter goes to the first, step {step_number(finding.step):,}."
+
+
+def _code(finding: CodeFinding, program: ProgramView, look: Look, width: int) -> list[Line]:
+    """Return the source around the finding; of another file than the program's own there is none."""
+    if finding.line is None or not is_own(finding.file, program):
+        return []
+    return source_lines(program.source, finding.line, look, width)
+
+
+def _nothing_found(snapshot: Snapshot, program: ProgramView, look: Look, width: int) -> list[Line]:
+    """Return that there is no finding, and what was examined; without a table what was looked for."""
+    counters, update = snapshot.counters, program.verdict.update
+    if not counters.step and not program.ended:
+        return _paragraph(NO_STEP_YET, look, width)
+    if program.table is None:
+        lines = _paragraph("no table was found in your program, so nothing was examined", look, width)
+        if program.looked_for:
+            lines += _paragraph("looked for:", look, width)
+            for each in program.looked_for:
+                text = one_line(each, LONGEST_SENTENCE)
+                lines += wrapped(text, width, look.palette.text, look, f"{_INDENT}- ", f"{_INDENT}  ")
+        return lines
+    is_open = update.rule is Rule.UNKNOWN
+    is_too_early = is_early(update) or (is_open and counters.step < WORTH_SAYING)
+    head = f"{NO_JUDGEMENT}: no fault was seen" if is_too_early else NOTHING
+    text = f"{head} in {counters.step:,} steps and {counters.episodes:,} ends of episodes."
+    if is_open:
+        reason = f": {clause(update.reason)}" if update.reason else ""
+        text += f" The update is not known{reason}. {EXAMINED_WITHOUT_RULE}"
+    elif update.rule is Rule.MONTE_CARLO:
+        text += f" {EXAMINED_WITHOUT_RULE}"
+    else:
+        text += (
+            f" {EXAMINED} On {update.informative:,} steps the next state had a value that was not 0: "
+            "only those tell γ, and which value is looked up."
+        )
+    return _paragraph(text, look, width)
+
+
+def _paragraph(text: str, look: Look, width: int, *, is_dim: bool = False) -> list[Line]:
+    style = look.palette.dim if is_dim else look.palette.text
+    return list(wrapped(text, width, style, look, _INDENT, _INDENT))

@@ -1,0 +1,272 @@
+"""The program that is watched, where the sliders of an agent stand: table, update, findings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final, NamedTuple
+
+from rich.cells import cell_len, set_cell_size
+from rich.style import Style
+from textual.strip import Strip
+
+from rl_tui.common.findings import one_line
+from rl_tui.live.program_view import ProgramView
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.programs.evidence.verdict import Rule
+from rl_tui.screen.draw.canvas import Line, Piece, first_that_fits, length, spelled, strips_of, wrapped
+from rl_tui.screen.draw.to_ascii import separated
+from rl_tui.screen.kit.panel import Panel
+from rl_tui.screen.panels.program.findings import NO_JUDGEMENT, WORTH_SAYING
+from rl_tui.screen.panels.program.words import (
+    IN_SHORT,
+    LONGEST_NAME,
+    LONGEST_SENTENCE,
+    clause,
+    counted,
+    fit_texts,
+    fitting_numbers,
+    is_early,
+    name_of,
+    notes_of,
+    number_text,
+    open_text,
+    place_text,
+    ranked,
+    table_texts,
+    update_texts,
+)
+from rl_tui.screen.theme.look import Look
+
+LOOKED_FOR_LATER: Final = "its table is looked for as it learns"
+NO_TABLE: Final = "no table found"
+UNKNOWN: Final = "update not known"
+_GAMMA_FROM: Final = {"declared": "read from your code", "usual": "a usual one, yours is not known"}
+_ALL_NOTES: Final = " F shows it"
+_NEWS_ROWS: Final = 2
+_ERROR_ROWS: Final = 3
+_REASON_ROWS: Final = 2
+_HINTS: Final = ("F: findings · O: output", "F O")
+
+
+class _Part(NamedTuple):
+    """Some lines; where there is no room for all parts, those of the highest ``rank`` are left out.
+
+    Behind lines that are cut off stands where there is ``more``.
+    """
+
+    rank: int
+    lines: list[Line]
+    more: str = ""
+
+
+class ProgramPanel(Panel):
+    """What there is to know of a program in a few lines, the most important where there is little room."""
+
+    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return the picture of the program of ``snapshot``."""
+        program = None if snapshot is None else snapshot.program
+        name = "Program" if program is None else f"Program · {name_of(program)}"
+        self.heading = self.fitting((*self.captioned(name), name, "Program"), width)
+        self.footing = "" if program is None else self.fitting(_HINTS, width)
+        lines: list[Line] = []
+        if snapshot is not None and program is not None:
+            lines = program_lines(snapshot, program, self.look, width, height)
+        self.free_rows = height - len(lines)
+        return strips_of(lines, width, height, self.look)
+
+
+def program_lines(
+    snapshot: Snapshot, program: ProgramView, look: Look, width: int, height: int
+) -> list[Line]:
+    """Return what the panel says in ``height`` rows of ``width`` cells, at most so many lines."""
+    writer = _Writer(snapshot, program, look, width)
+    parts = [part for part in writer.parts() if part.lines]
+    kept: list[_Part] = []
+    room = height
+    for part in sorted(parts, key=lambda part: part.rank):
+        if room <= 0:
+            break
+        if len(part.lines) > room:
+            part.lines[room:] = []
+            part.lines[-1] = _unfinished(part.lines[-1], look, width, part.more)
+        kept.append(part)
+        room -= len(part.lines)
+    return [line for part in parts if part in kept for line in part.lines]
+
+
+def _unfinished(line: Line, look: Look, width: int, more: str = "") -> Line:
+    """Return ``line`` with a sign at its end that there is more, and where, if there is room for that."""
+    *whole, last = spelled(line, look)
+    room = max(0, width - length(whole) - 1)
+    if 2 * cell_len(more) < room:
+        text = set_cell_size(last.text, min(cell_len(last.text), room - cell_len(more))).rstrip()
+        return [*whole, Piece(text + look.glyphs.ellipsis + more, last.style)]
+    text = set_cell_size(last.text, min(cell_len(last.text), room)).rstrip()
+    return [*whole, Piece(text + look.glyphs.ellipsis, last.style)]
+
+
+class _Writer:
+    def __init__(self, snapshot: Snapshot, program: ProgramView, look: Look, width: int) -> None:
+        self._steps = snapshot.counters.step
+        self._program = program
+        self._look = look
+        self._width = width
+        self._palette = look.palette
+
+    def parts(self) -> Iterator[_Part]:
+        """Yield the parts in the order in which they stand below one another."""
+        program = self._program
+        yield _Part(0, self._end())
+        if program.refused:
+            return
+        yield _Part(4, self._news())
+        yield _Part(5, self._table())
+        yield _Part(6, self._looked_for())
+        yield _Part(2, self._update())
+        yield _Part(6, self._fit())
+        yield _Part(1 if program.verdict.findings else 3, self._findings())
+        yield _Part(7, self._gamma())
+        yield _Part(7, self._choices())
+        yield _Part(8, self._notes(), _ALL_NOTES)
+
+    def _end(self) -> list[Line]:
+        """Return why the program goes no further, if it does not for a reason that is to be seen at once."""
+        program, stopped = self._program, f" {self._look.glyphs.stopped} "
+        if program.refused:
+            return self._wrapped(f"{stopped}{one_line(program.refused, LONGEST_SENTENCE)}", self._palette.bad)
+        if program.error is None:
+            return []
+        error = program.error
+        what = one_line(error.type, LONGEST_NAME)
+        place = place_text(error.file, error.line, program)
+        at = f" ({place})" if place else ""
+        text = one_line(error.text, LONGEST_SENTENCE)
+        return self._at_most(_ERROR_ROWS, self._wrapped(f"{stopped}{what}{at}: {text}", self._palette.bad))
+
+    def _news(self) -> list[Line]:
+        """Return what the file that was saved last has changed."""
+        news = one_line(self._program.reloaded, LONGEST_SENTENCE)
+        return self._at_most(_NEWS_ROWS, self._wrapped(f" {news}", self._palette.accent) if news else [])
+
+    def _table(self) -> list[Line]:
+        program = self._program
+        environment = one_line(program.environment, LONGEST_NAME)
+        if program.table is None and not self._steps:
+            later = (f" {environment} · {LOOKED_FOR_LATER}", f" {LOOKED_FOR_LATER}")
+            return [self._fitting(later, self._palette.text)]
+        if program.table is None:
+            start = f" {environment} · {NO_TABLE}" if environment else f" {NO_TABLE}"
+            looked = f"{start}: F says what was looked for" if program.looked_for else start
+            return [self._fitting((looked, start, f" {NO_TABLE}"), self._palette.text)]
+        tables = table_texts(program.table)
+        forms = (
+            f" {environment} · {tables[0]}",
+            f" {environment} · {tables[1]}",
+            *(f" {each}" for each in tables),
+        )
+        return [self._fitting(forms, self._palette.text)]
+
+    def _looked_for(self) -> list[Line]:
+        """Return what was looked for where no table was found: all of it stands in the findings as well."""
+        looked = "; ".join(one_line(each, LONGEST_SENTENCE) for each in self._program.looked_for)
+        if not looked or not self._steps or self._program.table is not None:
+            return []
+        return self._wrapped(f" looked for: {looked}", self._palette.dim)
+
+    def _update(self) -> list[Line]:
+        update = self._program.verdict.update
+        texts = update_texts(update, self._look.glyphs)
+        if texts:
+            return [self._fitting([f" {each}" for each in texts], self._palette.strong)]
+        if self._program.table is None:
+            return []
+        reason = f": {clause(update.reason)}" if update.reason else ""
+        numbers = fitting_numbers(update, self._look.glyphs)
+        known = f"update known in part, {numbers}" if numbers else UNKNOWN if reason else f"{UNKNOWN} yet"
+        lines = self._wrapped(f" {known}{reason}", self._palette.text)
+        return self._at_most(_REASON_ROWS, lines)
+
+    def _fit(self) -> list[Line]:
+        update = self._program.verdict.update
+        is_open, texts = open_text(update, self._look.glyphs), fit_texts(update)
+        forms = [" · ".join(filter(None, (each, is_open))) for each in texts] + list(texts)
+        return [self._fitting([f" {each}" for each in forms], self._palette.dim)] if forms else []
+
+    def _gamma(self) -> list[Line]:
+        """Return which γ the exact answers are for, where it is not the one that the steps have told."""
+        program = self._program
+        if program.gamma is None or program.gamma_source not in _GAMMA_FROM:
+            return []
+        source = _GAMMA_FROM[program.gamma_source]
+        gamma = number_text(program.gamma, self._look.glyphs)
+        forms = (f" exact answers are for γ {gamma}: {source}", f" exact for γ {gamma}: {source}")
+        return [self._fitting(forms, self._palette.dim)]
+
+    def _findings(self) -> list[Line]:
+        program, findings = self._program, ranked(self._program.verdict.findings)
+        if not findings:
+            return self._nothing_wrong()
+        worst = findings[0]
+        place = place_text(worst.file, worst.line, program)
+        said = IN_SHORT[worst.fault]
+        at = f" ({place})" if place else ""
+        count = f" {self._look.glyphs.breakpoint} {counted(findings)}: "
+        style = self._palette.bad if worst.kind == "fault" else self._palette.accent
+        hint = Piece("   F shows it" if len(findings) == 1 else "   F shows them", self._palette.dim)
+        forms: list[Line] = [[Piece(f"{count}{said}{at}", style), hint]]
+        forms += [
+            [Piece(text, style)] for text in (f"{count}{said}{at}", f"{count}{said}", count.rstrip(": "))
+        ]
+        return [first_that_fits(forms, self._width, self._look)]
+
+    def _nothing_wrong(self) -> list[Line]:
+        """Return over how many steps nothing wrong was found, where anything could be."""
+        if self._steps < WORTH_SAYING or self._program.table is None:
+            return []
+        if is_early(self._program.verdict.update):
+            early = f" {NO_JUDGEMENT}"
+            return [self._fitting((f"{early}   F says what was examined", early), self._palette.dim)]
+        found = f" nothing wrong found in {self._steps:,} steps"
+        is_open = self._program.verdict.update.rule is Rule.UNKNOWN
+        in_part = f"{found}, as far as can be told"
+        forms = (
+            *(
+                (f"{in_part}   F says how far", in_part)
+                if is_open
+                else (f"{found}   F says what was examined",)
+            ),
+            found,
+        )
+        return [self._fitting(forms, self._palette.dim)]
+
+    def _choices(self) -> list[Line]:
+        """Return what else might be the table, and how to choose it."""
+        table = self._program.table
+        if table is None or not table.others:
+            return []
+        names = ", ".join(one_line(each, LONGEST_NAME) for each in table.others[:4])
+        forms = (f" T chooses another table: {names}", f" T: another table ({len(table.others):,})")
+        return [self._fitting(forms, self._palette.dim)]
+
+    def _notes(self) -> list[Line]:
+        """Return what cannot be told and what had to be done otherwise: the first, and how many there are."""
+        notes = notes_of(self._program)
+        if not notes:
+            return []
+        count = f" note 1 of {len(notes):,}: " if len(notes) > 1 else " note: "
+        return self._wrapped(f"{count}{notes[0]}", self._palette.dim)
+
+    def _at_most(self, rows: int, lines: list[Line]) -> list[Line]:
+        """Return the first ``rows`` of ``lines``, with a sign where there are more."""
+        if len(lines) <= rows:
+            return lines
+        return [*lines[: rows - 1], _unfinished(lines[rows - 1], self._look, self._width)]
+
+    def _wrapped(self, text: str, style: Style) -> list[Line]:
+        start = text[: len(text) - len(text.lstrip(" "))]
+        return list(wrapped(text.lstrip(" "), self._width, style, self._look, start, "   "))
+
+    def _fitting(self, forms: Iterator[str] | tuple[str, ...] | list[str], style: Style) -> Line:
+        return first_that_fits(
+            [[Piece(separated(form, self._look.glyphs), style)] for form in forms], self._width, self._look
+        )

@@ -1,0 +1,221 @@
+"""What is said of a watched program, in words: its table, its update in the book's symbols, its findings."""
+
+from __future__ import annotations
+
+import os.path
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+from rl_tui.common.findings import one_line
+from rl_tui.live.program_view import ProgramView
+from rl_tui.programs.evidence.verdict import (
+    CodeFault,
+    CodeFinding,
+    MovedCell,
+    Rule,
+    UpdateFound,
+    UpdateTarget,
+    step_number,
+)
+from rl_tui.programs.watched.program_log import FoundTable
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.theme.glyphs import Glyphs
+
+LONGEST_NAME: Final = 40
+LONGEST_SENTENCE: Final = 600
+IN_SHORT: Final = {
+    CodeFault.BOOTSTRAPS_AFTER_END: "bootstraps after the end",
+    CodeFault.NO_BOOTSTRAP_AFTER_TRUNCATION: "no bootstrap at the time limit",
+    CodeFault.WRONG_AXIS: "maximum along the wrong axis",
+    CodeFault.UPDATES_AFTER_MOVING: "updates the state it moved to",
+    CodeFault.SHIFTED_REWARD: "uses the reward before",
+    CodeFault.ROUNDING_TABLE: "the table rounds",
+    CodeFault.SHARED_TABLE: "rows of the table are one",
+    CodeFault.GAMMA_TWICE: "γ counts twice",
+    CodeFault.STEP_SIZE_OUT_OF_RANGE: "step size out of range",
+    CodeFault.WRONG_CELL: "updates another cell",
+    CodeFault.LOSES_UPDATE: "loses its updates",
+    CodeFault.FIRST_OF_TIES: "takes the first of equals",
+    CodeFault.NEVER_EXPLORES: "never explores",
+}
+"""Each fault and risk in a few plain words."""
+
+_RULES: Final = {
+    Rule.Q_LEARNING: "Q-learning",
+    Rule.SARSA: "SARSA",
+    Rule.EXPECTED_SARSA: "Expected SARSA",
+    Rule.MONTE_CARLO: "Monte Carlo",
+}
+_BOOTSTRAPS: Final = {
+    UpdateTarget.BEST: "max Q(s′,·)",
+    UpdateTarget.NEXT_ACTION: "Q(s′,a′)",
+    UpdateTarget.EXPECTED: "Σ π Q(s′,·)",
+    UpdateTarget.COLUMN: "max Q(·,a)",
+    UpdateTarget.SAME_ACTION: "Q(s′,a)",
+    UpdateTarget.OWN_STATE: "max Q(s,·)",
+    UpdateTarget.INDEX: "argmax Q(s′,·)",
+    UpdateTarget.NOTHING: "",
+}
+_CELLS: Final = {MovedCell.TAKEN: "Q(s,a)", MovedCell.MOVED: "Q(s′,a)", MovedCell.ONE_LATE: "Q(s,a)"}
+_FORMS: Final = {
+    "array": "array",
+    "dict-of-arrays": "dict of arrays",
+    "dict-of-pairs": "dict of (state, action)",
+    "lists": "list of lists",
+}
+
+
+def name_of(program: ProgramView) -> str:
+    """Return the name of the program, short and with nothing in it that a terminal might obey."""
+    return one_line(program.title or Path(program.path).name, LONGEST_NAME)
+
+
+def table_texts(table: FoundTable) -> tuple[str, ...]:
+    """Return the table in words, the longest form first: ``table q: array 16×4, float64``.
+
+    A dictionary has no shape: it grows with the states that are met.
+    """
+    name = one_line(table.name, LONGEST_NAME)
+    form = form_text(table.form)
+    grows = table.form.startswith("dict")
+    shape = "" if grows else " " + "×".join(map(str, table.shape[:4]))
+    dtype = f", {one_line(table.dtype, LONGEST_NAME)}" if table.dtype else ""
+    return f"table {name}: {form}{shape}{dtype}", f"table {name}: {form}{shape}", f"table {name}{shape}"
+
+
+def form_text(form: str) -> str:
+    """Return the ``form`` of a table in words: ``list of lists``."""
+    return _FORMS.get(form, one_line(form, LONGEST_NAME))
+
+
+def update_texts(update: UpdateFound, glyphs: Glyphs) -> tuple[str, ...]:
+    """Return the update in the symbols of the book, the longest form first, with the numbers that are known.
+
+    An α or a γ that nothing tells stands there as a letter. Empty for an update that is not known.
+    """
+    if update.rule is Rule.UNKNOWN:
+        return ()
+    alpha = step_size_letter(update) if update.alpha is None else number_text(update.alpha, glyphs)
+    alpha = f"({alpha})" if alpha.startswith(glyphs.minus) else alpha
+    cell, rule = _CELLS[update.place], _RULES[update.rule]
+    if update.rule is Rule.MONTE_CARLO:
+        gain = "G"
+    else:
+        reward = "r before" if update.uses_reward_before else "own r" if update.reward == "own" else "r"
+        bootstrap = _BOOTSTRAPS[update.target]
+        gamma = "γ" if update.gamma is None else number_text(update.gamma, glyphs)
+        gain = f"{reward} + {gamma}·{bootstrap}" if bootstrap else reward
+    step = f"{alpha}·({gain} − {cell})"
+    equation = f"{cell} ← {cell} + {step}"
+    return f"{rule}:  {equation}", equation, f"{cell} += {step}", rule
+
+
+def clause(sentence: str) -> str:
+    """Return ``sentence`` as it stands within another one: without its full stop, and begun in small."""
+    text = one_line(sentence, LONGEST_SENTENCE).removesuffix(".")
+    is_word = text[:1].isupper() and (text[1:2].islower() or text[1:2] == " ")
+    return text[:1].lower() + text[1:] if is_word else text
+
+
+def sentence(text: str) -> str:
+    """Return ``text`` with a full stop; it may begin with a name, so its first letter stays."""
+    line = one_line(text, LONGEST_SENTENCE)
+    return line if line.endswith((".", "…")) else f"{line}."
+
+
+def notes_of(program: ProgramView) -> list[str]:
+    """Return what cannot be told, and what had to be done otherwise, a sentence each; each is said once."""
+    update = program.verdict.update
+    notes, known = [*program.verdict.notes, *program.notes], update.reason.removesuffix(".")
+    return [
+        one_line(note, LONGEST_SENTENCE)
+        for note in dict.fromkeys(notes)
+        if not known or not note.startswith(known)
+    ]
+
+
+def step_size_letter(update: UpdateFound) -> str:
+    """Return how a step size is written that is no one number: α, or 1/N."""
+    return "1/N" if update.alpha_schedule == "1/N" else "α"
+
+
+def fitting_numbers(update: UpdateFound, glyphs: Glyphs) -> str:
+    """Return the α and the γ that fit though the rule is open: ``α .1, γ .99``; empty where none do."""
+    known = (("α", update.alpha), ("γ", update.gamma))
+    return ", ".join(f"{sign} {number_text(x, glyphs)}" for sign, x in known if x is not None)
+
+
+def is_early(update: UpdateFound) -> bool:
+    """Return whether so little is known of an update yet that nothing can be judged by it."""
+    reason = update.reason.removesuffix(".")
+    is_open = update.rule is Rule.UNKNOWN and update.alpha is None and update.gamma is None
+    return is_open and (not reason or reason.endswith(" yet"))
+
+
+def open_text(update: UpdateFound, glyphs: Glyphs) -> str:
+    """Return what the equation does not hold: a step size that varies, a γ that is open, the ε of a mean."""
+    parts = []
+    if update.alpha is None and update.alpha_schedule == "by-episode":
+        parts.append("α varies by episode")
+    elif update.alpha is None and update.alpha_schedule is None:
+        parts.append("α open")
+    if update.gamma is None and update.rule is not Rule.MONTE_CARLO:
+        parts.append("γ open")
+    if update.epsilon is not None:
+        parts.append(f"ε {number_text(update.epsilon, glyphs)}")
+    return " · ".join(parts)
+
+
+def number_text(x: float, glyphs: Glyphs) -> str:
+    """Return a step size or a discount with as many digits as it has, four of them at the most."""
+    return (
+        numbers.brief(x, glyphs, decimals=4) if abs(x) >= 1e-3 or not x else numbers.scientific(x, 2, glyphs)
+    )
+
+
+def fit_texts(update: UpdateFound) -> tuple[str, ...]:
+    """Return how well the update fits, longest form first; empty for an update that is not known."""
+    if update.fits is None:
+        return ()
+    fits = f"fits {share_text(update.fits)} of steps"
+    ruled = f"{_RULES[update.rule]} {fits}" if update.rule in _RULES else fits
+    telling = f"{update.informative:,} {'tells' if update.informative == 1 else 'tell'} γ"
+    departs = [] if update.departs_at is None else [f"departs at step {step_number(update.departs_at):,}"]
+    return (
+        " · ".join([ruled, telling, *departs]),
+        " · ".join([ruled, *departs]),
+        " · ".join([fits, *departs]),
+        fits,
+    )
+
+
+def share_text(share: float) -> str:
+    """Return a share of steps in percent; what is not all of them is not written as 100."""
+    if share >= 1.0:
+        return "100 %"
+    return f"{min(99.99, share * 100):.2f}".rstrip("0").rstrip(".") + " %"
+
+
+def ranked(findings: Sequence[CodeFinding]) -> list[CodeFinding]:
+    """Return ``findings``, the worst first: proven faults, declared ones, risks; of those the earliest."""
+    return sorted(findings, key=lambda each: (each.kind == "risk", each.certainty == "declared", each.step))
+
+
+def counted(findings: Sequence[CodeFinding]) -> str:
+    """Return how many faults and risks there are: ``1 fault, 2 risks``."""
+    faults = sum(each.kind == "fault" for each in findings)
+    counts = ((faults, "fault"), (len(findings) - faults, "risk"))
+    return ", ".join(f"{count} {noun}{'' if count == 1 else 's'}" for count, noun in counts if count)
+
+
+def is_own(file: str, program: ProgramView) -> bool:
+    """Return whether ``file`` is that of ``program``, whose path may be written as a person gave it."""
+    given = [part for part in Path(os.path.normpath(program.path)).parts if part != ".."]
+    return not file or list(Path(file).parts[-len(given) :]) == given
+
+
+def place_text(file: str, line: int | None, program: ProgramView) -> str:
+    """Return ``line 12``, with the file's name where that is not the program's own; empty if unknown."""
+    name = "" if is_own(file, program) else f"{one_line(Path(file).name, LONGEST_NAME)}, "
+    return f"{name}line {line:,}" if line is not None else name.removesuffix(", ")

@@ -1,0 +1,300 @@
+"""The layers of the Q-table: which number of a pair is shown, how it is written and in which style."""
+
+from __future__ import annotations
+
+import math
+from enum import StrEnum
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+from rich.style import Style
+
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.bandit import best_arms, true_means
+from rl_tui.runs.timeline.lane_view import LaneView
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.draw.number_form import NumberForm, SteadyForms
+from rl_tui.screen.kit.counterparts import are_alike
+from rl_tui.screen.kit.numbers_in_common import ends, finite, lanes_in_view
+from rl_tui.screen.kit.snapshot_facts import has_estimates, is_secret, keeps_back, passes_too_fast
+from rl_tui.screen.panels.policies.studied import shown_actions, studied_answer
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray
+
+
+class Layer(StrEnum):
+    """What the table shows of each pair."""
+
+    Q = "Q"
+    OPTIMAL = "Q*"
+    ERROR = "Q−Q*"
+    POLICY = "Qπ"
+    LANES = "Q−other"
+    VISITS = "visits"
+
+
+EXACT_LAYERS: Final = (Layer.OPTIMAL, Layer.ERROR)
+LEARNED_NOT: Final = (Layer.OPTIMAL, Layer.POLICY)
+"""Layers of which nothing was learned."""
+
+Exact = tuple[FloatArray, BoolArray]
+
+
+def exact_q(snapshot: Snapshot) -> Exact | None:
+    """Return Q* and the pairs that are greedy for it, [P] each; None while unknown, hidden or refused.
+
+    For a bandit they are the true means, whatever γ is: every pull ends its episode. Where they drift they
+    are those of this very step.
+    """
+    if is_secret(snapshot):
+        return None
+    if isinstance(snapshot.world.drawing, Arms):
+        mdp = snapshot.world.mdp
+        if mdp is not None and (mdp.drift_std == 0.0 or snapshot.counters.step == 0):
+            return true_means(mdp), best_arms(mdp)
+    solution = snapshot.exact_answer.solution
+    return None if solution is None else (solution.q, solution.greedy)
+
+
+def hides_exact(snapshot: Snapshot) -> bool:
+    """Return whether there is or will be an exact answer, and it is hidden."""
+    return is_secret(snapshot) and not snapshot.exact_answer.refused
+
+
+def has_exact_key(snapshot: Snapshot) -> bool:
+    """Return whether it is hidden, and a key shows it."""
+    return hides_exact(snapshot) and not keeps_back(snapshot, "answer")
+
+
+def policy_q(snapshot: Snapshot) -> Exact | None:
+    """Return Q of the policy that is studied and the pairs that it takes most likely, [P] each, or None.
+
+    There is none for a bandit, in which nothing follows an action.
+    """
+    answer, kind = studied_answer(snapshot), snapshot.answers.studied
+    if answer is None or kind is None or answer.q is None or answer.policy is None:
+        return None
+    if isinstance(snapshot.world.drawing, Arms):
+        return None
+    return answer.q, shown_actions(snapshot, kind, answer.policy)
+
+
+def lacks_values(snapshot: Snapshot, layer: Layer) -> bool:
+    """Return whether pairs have no value in ``layer``, since a policy may never end from there."""
+    known = policy_q(snapshot) if layer is Layer.POLICY else None
+    return known is not None and bool(np.isnan(known[0]).any())
+
+
+def exact_of(snapshot: Snapshot, layer: Layer) -> Exact | None:
+    """Return the exact numbers that ``layer`` needs, and the pairs it frames; None where there are none."""
+    if layer is Layer.POLICY:
+        return policy_q(snapshot)
+    return exact_q(snapshot) if layer in EXACT_LAYERS else None
+
+
+def other_lane(snapshot: Snapshot) -> LaneView | None:
+    """Return the run that stands beside the one shown, None without one or where its table is too large.
+
+    None too where it is the table of a world with other states or pairs.
+    """
+    group, beside = snapshot.run_group, snapshot.beside
+    other = group.lanes[group.beside] if group.lanes and group.beside is not None else None
+    if other is None or (beside is not None and not are_alike(snapshot.world, beside.world)):
+        return None
+    return other if len(other.q) == snapshot.world.space.pairs else None
+
+
+def layer_choices(snapshot: Snapshot | None) -> tuple[Layer, ...]:
+    """Return the layers there are: where the answer is hidden those that give nothing away.
+
+    The difference from another run is there while runs are side by side, and a policy's while it is studied.
+    Without estimates there is nothing to compare.
+    """
+    missing: set[Layer] = set()
+    if snapshot is None or other_lane(snapshot) is None:
+        missing.add(Layer.LANES)
+    if snapshot is None or policy_q(snapshot) is None:
+        missing.add(Layer.POLICY)
+    if snapshot is not None and hides_exact(snapshot):
+        missing.update(EXACT_LAYERS)
+    if snapshot is not None and not has_estimates(snapshot):
+        missing.update((Layer.ERROR, Layer.LANES))
+    return tuple(layer for layer in Layer if layer not in missing)
+
+
+def lit_pair(snapshot: Snapshot) -> int | None:
+    """Return the pair that was just updated, None where steps pass too fast to follow."""
+    last = None if passes_too_fast(snapshot) else snapshot.counters.last_step
+    return None if last is None else last.updated_pair
+
+
+class Figures:
+    """One layer at one moment. ``exact`` is what :func:`exact_of` returns; the exact layers need it.
+
+    Ties between greedy pairs are exact equality of Q, as the agent compares, and those of the solution in the
+    layer of Q*; in that of a policy the pairs are its likeliest. No pair is greedy where nothing is known
+    about the state. ``sources`` are pairs that the last update looked up.
+
+    All ``numbers`` of a layer have one form, which ``forms`` keeps steady from one moment to the next, and
+    tints between ``low`` and ``high``, the least and the greatest. Those of the lane beside this one are
+    among them. Of a large world they are what the snapshot holds, which is what is in view and around.
+    """
+
+    def __init__(
+        self,
+        snapshot: Snapshot,
+        layer: Layer,
+        look: Look,
+        exact: Exact | None,
+        forms: SteadyForms,
+        lit: int | None = None,
+        sources: frozenset[int] = frozenset(),
+    ) -> None:
+        self.layer = layer
+        self._look = look
+        self._q = snapshot.agent.q
+        self._visits = snapshot.agent.visits
+        is_learned = layer not in LEARNED_NOT
+        self._exact_greedy = None if is_learned or exact is None else exact[1]
+        self._lit = lit if is_learned else None
+        self._sources = sources if is_learned else frozenset()
+        self._values: npt.NDArray[np.float64] | npt.NDArray[np.int64] = _values(snapshot, layer, exact)
+        window = snapshot.agent.part if is_learned else None
+        self._held = None if window is None else window.held
+        self._is_unknown = layer is Layer.Q and not has_estimates(snapshot)
+        self.numbers = _numbers(snapshot, layer, exact)
+        self.low, self.high = ends(self.numbers)
+        self._total_visits: int | None = None
+        self._steady = forms
+        self._forms: dict[int, NumberForm] = {}
+
+    def text(self, pair: int, width: int) -> str:
+        """Return the number of ``pair`` in at most ``width`` cells; a dot for what has none yet."""
+        if not self.holds(pair):
+            return ""
+        x = self._values[pair].item()
+        glyphs = self._look.glyphs
+        if self._is_unknown or (x == 0 and self._is_new(pair) and self.layer is not Layer.ERROR):
+            return "." if glyphs.name == "ascii" else "·"
+        if self.layer is Layer.VISITS:
+            return numbers.count(int(x), width)
+        if self._is_none(x):
+            return numbers.missing(glyphs)
+        return self._form(width).text(x, glyphs)
+
+    def cells(self, width: int) -> int:
+        """Return how many of ``width`` cells the longest number takes."""
+        if self.layer is Layer.VISITS:
+            return len(numbers.count(int(self.high), width))
+        return self._form(width).cells
+
+    def holds(self, pair: int) -> bool:
+        """Return whether the number of ``pair`` is known: of a large world the snapshot has a part only."""
+        return self._held is None or bool(self._held[pair])
+
+    def style(self, pair: int) -> Style:
+        """Return the style of the cell of ``pair``: its tint, or that of a pair never or just updated."""
+        if not self.holds(pair):
+            return self._look.palette.text
+        return self._special_style(pair) or self._tint(self._values[pair].item())
+
+    def plain_style(self, pair: int) -> Style:
+        """Return the style of the number of ``pair`` where another layer is the tinted one."""
+        return self._special_style(pair) or self._look.palette.text
+
+    def _special_style(self, pair: int) -> Style | None:
+        """Return the style of a pair that was updated, looked up or never visited; None of any other."""
+        palette = self._look.palette
+        if pair == self._lit:
+            return palette.updated
+        if pair in self._sources:
+            return palette.source
+        return palette.unvisited if self._is_unknown or self._is_new(pair) else None
+
+    def share(self, pair: int) -> float:
+        """Return how much of all visits went to ``pair``, 0 to 1."""
+        if self._total_visits is None:
+            self._total_visits = int(self._visits.sum())
+        return int(self._visits[pair]) / max(1, self._total_visits)
+
+    def is_lit(self, pair: int) -> bool:
+        """Return whether ``pair`` was just updated."""
+        return pair == self._lit
+
+    def greedy(self, pairs: range) -> tuple[int, ...]:
+        """Return the greedy ones of ``pairs``, which are those of one state."""
+        if not self.holds(pairs.start):
+            return ()
+        inside = slice(pairs.start, pairs.stop)
+        if self._exact_greedy is not None:
+            marked = self._exact_greedy[inside]
+        else:
+            q = self._q[inside]
+            best = q.max()
+            if not self._visits[inside].any() and q.min() == best:
+                return ()
+            marked = q == best
+        return tuple(pairs.start + place for place in np.flatnonzero(marked).tolist())
+
+    def _is_new(self, pair: int) -> bool:
+        if self.layer is Layer.LANES and self._values[pair]:  # the other lane has been there
+            return False
+        return self.layer not in LEARNED_NOT and not self._visits[pair]
+
+    def _is_none(self, x: float) -> bool:
+        """Return whether ``x`` says that there is no value, which is not so of an estimate that ran away."""
+        return self.layer is Layer.POLICY and math.isnan(x)
+
+    def _tint(self, x: float) -> Style:
+        palette = self._look.palette
+        if self.layer is Layer.VISITS:
+            return palette.value(math.log1p(x) / math.log1p(self.high))
+        if not math.isfinite(x):
+            return palette.text if self._is_none(x) else palette.bad
+        if self.layer in (Layer.ERROR, Layer.LANES):
+            largest = max(abs(self.low), abs(self.high))
+            return palette.signed_value(x / largest if largest > numbers.NEGLIGIBLE else 0.0)
+        low, high = min(self.low, 0.0), max(self.high, 0.0)
+        span = high - low
+        return palette.value((x - low) / span if 0.0 < span < math.inf else 0.0)
+
+    def _form(self, width: int) -> NumberForm:
+        form = self._forms.get(width)
+        if form is None:
+            form = self._forms[width] = self._steady.form((self.layer, width), self.numbers, width)
+        return form
+
+    def share_form(self, width: int, form: NumberForm) -> None:
+        """Write the numbers that get ``width`` cells like those of other layers beside them."""
+        self._forms[width] = form
+
+
+def _values(
+    snapshot: Snapshot, layer: Layer, exact: Exact | None
+) -> npt.NDArray[np.float64] | npt.NDArray[np.int64]:
+    if layer is Layer.VISITS:
+        return snapshot.agent.visits
+    if layer is Layer.Q:
+        return snapshot.agent.q
+    if layer is Layer.LANES:
+        other = other_lane(snapshot)
+        return np.zeros(len(snapshot.agent.q)) if other is None else np.asarray(snapshot.agent.q - other.q)
+    if exact is None:
+        raise ValueError(f"the layer {layer} needs the exact answer")
+    return exact[0] if layer in LEARNED_NOT else np.asarray(snapshot.agent.q - exact[0])
+
+
+def _numbers(snapshot: Snapshot, layer: Layer, exact: Exact | None) -> FloatArray:
+    """Return the numbers of ``layer`` that are held, in both lanes in view."""
+    found: list[npt.NDArray[np.float64] | npt.NDArray[np.int64]] = []
+    for lane in lanes_in_view(snapshot):
+        known = exact if lane is snapshot else exact_of(lane, layer)
+        if layer is Layer.LANES and lane is not snapshot:
+            found.append(-found[0])
+        elif known is not None or layer not in (*EXACT_LAYERS, Layer.POLICY):
+            part = None if layer in LEARNED_NOT else lane.agent.part
+            values = _values(lane, layer, known)
+            found.append(values if part is None else values[part.pairs])
+    return finite(np.concatenate(found, dtype=np.float64))

@@ -1,0 +1,325 @@
+"""The Q-table as a list, a row a pair: for worlds with few legal pairs, and for the arms of a bandit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar, Final
+
+import numpy as np
+from rich.cells import cell_len
+from rich.segment import Segment
+
+from rl_tui.screen.draw.canvas import shortened
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.panels.q_table.layers import EXACT_LAYERS, LEARNED_NOT, Layer
+from rl_tui.screen.panels.q_table.world import NO_ROW, Pieces, Scene, aligned_right, boxed, framed, padded
+
+DIGITS: Final = 6
+BOX: Final = DIGITS + 2
+COUNT: Final = 8
+LEAST_BAR: Final = 6
+MOST_BAR: Final = 20
+NOT_TRIED: Final = "not tried"
+_LEAST_NAME: Final = 3
+_STATE_GAP: Final = 2
+_LEAST_GAP: Final = 1
+_ARM_HEADS: Final = {Layer.OPTIMAL: "q*", Layer.ERROR: "Q−q*"}
+
+Draw = Callable[[int, bool], Pieces]
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column of ``width`` cells. Of several, the one of the highest ``rank`` is left out first.
+
+    ``draw`` takes the pair and whether its state was not named above.
+    """
+
+    head: str
+    width: int
+    rank: int
+    draw: Draw
+    align: Callable[[str, int], str] = padded
+
+
+@dataclass(frozen=True, slots=True)
+class ListForm:
+    """The columns that fit, from the left."""
+
+    scene: Scene
+    columns: tuple[Column, ...]
+    blocks: ClassVar[int] = 1
+    """How many blocks stand side by side."""
+
+    @property
+    def block_width(self) -> int:
+        """The cells that the columns take."""
+        return sum(column.width for column in self.columns)
+
+    @property
+    def entries(self) -> int:
+        """How many entries there are: one for each pair."""
+        return self.scene.world.space.pairs
+
+    def heads(self) -> Pieces:
+        """Return the heads, aligned as what stands below them."""
+        glyphs = self.scene.look.glyphs
+        texts = [column.align(to_ascii(column.head, glyphs), column.width) for column in self.columns]
+        return [Segment("".join(texts), self.scene.look.palette.dim)]
+
+    def entry(self, entry: int, is_first: bool) -> Pieces:
+        """Return the row of a pair; the state is named in its first row and in the first of all."""
+        world, pair = self.scene.world, self._pair_of(entry)
+        is_new = is_first or entry == int(world.space.first_pair[world.space.state_of(pair)])
+        return [segment for column in self.columns for segment in column.draw(pair, is_new)]
+
+    def pairs_in(self, entry: int) -> range:
+        """Return the pairs of the state of the row, among them that of the row."""
+        space = self.scene.world.space
+        return space.pairs_of(space.state_of(entry))
+
+    def entry_of(self, state: int) -> int:
+        """Return the row of the first pair of ``state``."""
+        first, end = self.scene.world.space.first_pair[state : state + 2].tolist()
+        return first if first < end else NO_ROW
+
+    def entry_of_pair(self, pair: int) -> int:
+        """Return the row of ``pair``: states are listed in their order."""
+        world = self.scene.world
+        state = world.space.state_of(pair)
+        return int(world.space.first_pair[state]) + world.pairs_shown(state).index(pair)
+
+    def moved(self, pair: int, rows: int, columns: int) -> int:
+        """Return the pair so many rows below."""
+        return self._pair_of(max(0, min(self.entries - 1, self.entry_of_pair(pair) + rows)))
+
+    def pair_at(self, entry: int, x: int) -> int | None:
+        """Return the pair of the row."""
+        return self._pair_of(entry)
+
+    def _pair_of(self, entry: int) -> int:
+        world = self.scene.world
+        state = world.space.state_of(entry)  # its rows are as many as its pairs, and in the same place
+        return world.pairs_shown(state)[entry - int(world.space.first_pair[state])]
+
+
+def list_form(scene: Scene, width: int) -> ListForm:
+    """Return the form for ``width`` cells. Where one value has room, it is that of the layer in force."""
+    columns = _arm_columns(scene, width) if scene.world.is_bandit else _pair_columns(scene, width)
+    while columns and sum(column.width for column in columns) > width:
+        columns.remove(max(columns, key=lambda column: column.rank))
+    return ListForm(scene, tuple(columns))
+
+
+def greedy_line(scene: Scene) -> str:
+    """Return the actions framed in all states, ties joined by =; empty where nothing is known."""
+    world = scene.world
+    states = []
+    for state in world.live.tolist():
+        greedy = scene.shown.greedy(world.space.pairs_of(state))
+        shown = [pair for pair in world.pairs_shown(state) if pair in greedy]
+        states.append("=".join(world.action_names[world.action_of(pair)] for pair in shown) or NOT_TRIED)
+    known = any(state != NOT_TRIED for state in states)
+    what = "likeliest" if scene.layer is Layer.POLICY else "greedy"
+    return f"{what}: {' · '.join(states)}" if known else ""
+
+
+def _pair_columns(scene: Scene, width: int) -> list[Column]:
+    world, look = scene.world, scene.look
+    around = 1 + _STATE_GAP + 1 + COUNT
+    natural = world.state_width + world.action_width
+    values = _beside(scene.layer)
+    if width < around + natural + BOX * len(values):
+        values = [_only_value(scene.layer)]
+    room = width - around - BOX * len(values)
+    gap = _STATE_GAP
+    if room < natural:  # names matter more than the column that is left out first
+        room += BOX if scene.layer is Layer.VISITS else COUNT
+    if room < natural:
+        gap, room = _LEAST_GAP, room + _STATE_GAP - _LEAST_GAP
+    end = 1
+    if room < world.brief_width + world.action_width:  # the frame of a value separates it as well
+        end, room = 0, room + 1
+    state, action = _shared(world.state_width, world.action_width, room)
+    # the heads may reach over the gaps, and where there is room the columns are made wide enough for them
+    state += _widening(len("state") - gap + 1 - state, room - state - action)
+    action += _widening(len("action") - action, room - state - action)
+
+    def mark(pair: int, is_new: bool) -> Pieces:
+        return [scene.state_mark(world.space.state_of(pair)) if is_new else Segment(" ", look.palette.text)]
+
+    def state_name(pair: int, is_new: bool) -> Pieces:
+        name = world.state_name(world.space.state_of(pair), state) if is_new else ""
+        pointed = bool(name) and scene.is_pointed(world.space.pairs_of(world.space.state_of(pair)))
+        style = look.palette.focus if pointed else look.palette.strong
+        blank = padded("", state + gap - cell_len(name))
+        differs = scene.mark_behind(world.space.state_of(pair)) if name else None
+        if differs is None:
+            return [Segment(name, style), Segment(blank, look.palette.text)]
+        return [Segment(name, style), differs, Segment(blank[1:], look.palette.text)]
+
+    def action_name(pair: int, _: bool) -> Pieces:
+        name = shortened(world.action_names[world.action_of(pair)], action, look.glyphs.ellipsis)
+        return [Segment(padded(name, action + end), look.palette.text)]
+
+    return [
+        Column("", 1, 1, mark),
+        Column(shortened("state", state + gap - 1, ""), state + gap, 2, state_name),
+        Column(_action_head(action + end), action + end, 1, action_name),
+        *_value_columns(scene, values),
+        _count_column(scene),
+    ]
+
+
+def _action_head(width: int) -> str:
+    return next((head for head in ("action", "act") if len(head) <= width), "a")
+
+
+def _arm_columns(scene: Scene, width: int) -> list[Column]:
+    world, look = scene.world, scene.look
+    label = max(len("arm"), world.action_width)
+    exact = _compared(scene)
+    if width < label + 2 + 3 * BOX + COUNT + LEAST_BAR:
+        in_force = scene.layer if scene.layer in (Layer.ERROR, Layer.LANES) else Layer.OPTIMAL
+        exact = [layer for layer in exact if layer is in_force]
+
+    def last(pair: int, _: bool) -> Pieces:
+        if pair == scene.last_pair:
+            return [Segment(look.glyphs.agent, look.palette.agent)]
+        return [Segment(" ", look.palette.text)]
+
+    def arm(pair: int, _: bool) -> Pieces:
+        name = aligned_right(world.action_names[world.action_of(pair)], label)
+        style = look.palette.focus if pair in scene.pointed else look.palette.text
+        return [Segment(name, style), Segment(" ", look.palette.text)]
+
+    def secret(_: int, __: bool) -> Pieces:
+        hidden = "..." if look.glyphs.name == "ascii" else "···"
+        return [Segment(_right(hidden, BOX), look.palette.dim)]
+
+    columns = [
+        Column("", 1, 1, last),
+        Column("arm", label + 1, 1, arm, _right),
+        *_value_columns(scene, [Layer.Q, *exact]),
+        *([] if exact else [Column("q*", BOX, 2, secret, _right)]),
+        _count_column(scene),
+    ]
+    room = width - sum(column.width for column in columns)
+    return [*columns, _share_column(scene, room)] if room >= LEAST_BAR else columns
+
+
+def _compared(scene: Scene) -> list[Layer]:
+    """Return what estimates of arms are held against: what is exact, and another run if that is asked for.
+
+    A bandit is asked for its means by a key of its own; until then the figures have nothing exact.
+    """
+    compared = (*EXACT_LAYERS, Layer.LANES) if scene.layer is Layer.LANES else EXACT_LAYERS
+    return [layer for layer in compared if layer in scene.figures]
+
+
+def _beside(layer: Layer) -> list[Layer]:
+    """Return what stands side by side where ``layer`` is asked for: Q, and what it is made of.
+
+    What is exact comes only then: else the answer would stand beside the estimates before the first step.
+    """
+    match layer:
+        case Layer.OPTIMAL:
+            return [Layer.Q, Layer.OPTIMAL]
+        case Layer.ERROR:
+            return [Layer.Q, Layer.OPTIMAL, Layer.ERROR]
+        case Layer.LANES | Layer.POLICY:
+            return [Layer.Q, layer]
+        case _:
+            return [Layer.Q]
+
+
+def _only_value(layer: Layer) -> Layer:
+    return Layer.Q if layer is Layer.VISITS else layer
+
+
+def _shared(first: int, second: int, room: int) -> tuple[int, int]:
+    """Return the widths of two names in ``room`` cells: the longer one is shortened first."""
+    while first + second > room and max(first, second) > _LEAST_NAME:
+        if first > second:
+            first -= 1
+        else:
+            second -= 1
+    return first, second
+
+
+def _widening(wanted: int, room: int) -> int:
+    """Return ``wanted`` cells, or none where they are not there."""
+    return wanted if 0 < wanted <= room else 0
+
+
+def _value_columns(scene: Scene, layers: Sequence[Layer]) -> list[Column]:
+    """Return a column a layer. One has the frames and the cursor: what is exact, if it is in force.
+
+    While visits are in force they have them.
+    """
+    _share_form(scene, layers)
+    main = scene.layer if scene.layer in LEARNED_NOT and scene.layer in layers else layers[0]
+    counts = scene.layer is Layer.VISITS
+    shown = replace(scene, cursor=None) if counts else scene
+    columns = []
+    for layer in layers:
+        head = _ARM_HEADS.get(layer, layer) if scene.world.is_bandit else layer
+        is_main = layer is main
+        rank = (3 if counts else 0) if is_main else 2
+        columns.append(Column(head, BOX, rank, _value(shown, layer, is_main, has_frames=not counts), _right))
+    return columns
+
+
+def _share_form(scene: Scene, layers: Sequence[Layer]) -> None:
+    """Write the numbers of columns that are compared with as many decimals."""
+    compared = [scene.figures[layer] for layer in layers]
+    numbers = np.concatenate([each.numbers for each in compared])
+    form = scene.forms.form((*layers, DIGITS), numbers, DIGITS)
+    for each in compared:
+        each.share_form(DIGITS, form)
+
+
+def _value(scene: Scene, layer: Layer, is_main: bool, has_frames: bool) -> Draw:
+    figures, world = scene.figures[layer], scene.world
+
+    def draw(pair: int, _: bool) -> Pieces:
+        if is_main or layer is scene.layer:
+            greedy = (
+                is_main
+                and has_frames
+                and pair in figures.greedy(world.space.pairs_of(world.space.state_of(pair)))
+            )
+            return boxed(scene, figures, pair, DIGITS, DIGITS, greedy)
+        return [Segment(_right(figures.text(pair, DIGITS), BOX), figures.plain_style(pair))]
+
+    return draw
+
+
+def _count_column(scene: Scene) -> Column:
+    figures, world, text = scene.figures[Layer.VISITS], scene.world, scene.look.palette.text
+    is_shown = scene.layer is Layer.VISITS
+
+    def draw(pair: int, _: bool) -> Pieces:
+        number = figures.text(pair, COUNT - 2).rjust(COUNT - 2)
+        if is_shown:
+            greedy = figures.greedy(world.space.pairs_of(world.space.state_of(pair)))
+            return framed(scene, figures, pair, number, pair in greedy)
+        return [Segment(" ", text), Segment(number, figures.plain_style(pair)), Segment(" ", text)]
+
+    return Column("N", COUNT, 0 if is_shown else 3, draw, _right)
+
+
+def _share_column(scene: Scene, width: int) -> Column:
+    bar, figures, look = min(MOST_BAR, width - 2), scene.figures[Layer.VISITS], scene.look
+
+    def draw(pair: int, _: bool) -> Pieces:
+        text = " " + look.glyphs.bar * round(bar * figures.share(pair))
+        return [Segment(padded(text, width), look.palette.slider_done)]
+
+    return Column(" share", width, 4, draw)
+
+
+def _right(text: str, width: int) -> str:
+    """Return ``text`` at the right, a blank after it: above the last digit of a number between marks."""
+    return f"{aligned_right(text, width - 1)} "

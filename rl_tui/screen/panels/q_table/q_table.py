@@ -1,0 +1,408 @@
+"""The Q-table as a heat map, with its layers: Q, exact Q*, error Q − Q*, visits, another run's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import ClassVar, Final
+
+from textual import events
+from textual.binding import BindingType
+from textual.message import Message
+from textual.strip import Strip
+
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.live.viewport import RowRange
+from rl_tui.runs.large_worlds import is_large
+from rl_tui.screen.draw.canvas import Piece, strips_of
+from rl_tui.screen.draw.number_form import SteadyForms
+from rl_tui.screen.kit.bindings import binding
+from rl_tui.screen.kit.counterparts import are_alike, pair_in, pairs_in
+from rl_tui.screen.kit.panel import (
+    GREEDY_IN_FULL,
+    BoardPanel,
+    Legend,
+    LegendSign,
+    Panel,
+    agent_meaning,
+    no_value_sign,
+)
+from rl_tui.screen.kit.pointing import NOWHERE, Moved, Pointed
+from rl_tui.screen.kit.scrolling import Scrolled
+from rl_tui.screen.kit.snapshot_facts import has_estimates, hides_means, is_new_run
+from rl_tui.screen.panels.q_table.layers import (
+    EXACT_LAYERS,
+    LEARNED_NOT,
+    Figures,
+    Layer,
+    exact_of,
+    exact_q,
+    has_exact_key,
+    lacks_values,
+    layer_choices,
+    lit_pair,
+)
+from rl_tui.screen.panels.q_table.list import list_form
+from rl_tui.screen.panels.q_table.matrix import matrix_form
+from rl_tui.screen.panels.q_table.sheet import (
+    TITLES,
+    Form,
+    Sheet,
+    followed,
+    footings,
+    headings,
+    layer_at,
+    no_answer,
+    size_in_words,
+    strip_cache,
+)
+from rl_tui.screen.panels.q_table.world import NO_ROW, Scene, TableWorld, state_followed
+from rl_tui.screen.panels.world.edit_marks import mark_signs
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.world import World
+
+WAITING: Final = "the estimates Q(s, a) come with the first step"
+_WHEEL_ROWS: Final = 3
+
+
+class QTable(Panel, can_focus=True):
+    """Rows are states and columns actions; a row a pair where few pairs are legal or the columns do not fit.
+
+    It follows the agent until a key, the wheel or a click moves cursor or view; escape goes back to it.
+    ``lights`` lets the cell that was just updated light up, while steps are slow enough to follow;
+    ``sources`` are the pairs that light up because the update looked them up. Beside the table of another
+    lane ``lane`` is the number of its own, and ``differing`` are the states with other greedy actions there.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        binding("up", "move(-1, 0)", "table.up", "Move the cursor up"),
+        binding("down", "move(1, 0)", "table.down", "Move the cursor down"),
+        binding("left", "move(0, -1)", "table.left", "Move the cursor left"),
+        binding("right", "move(0, 1)", "table.right", "Move the cursor right"),
+        binding("pageup", "page(-1)", "table.page_up", "A page up"),
+        binding("pagedown", "page(1)", "table.page_down", "A page down"),
+        binding("home", "end(False)", "table.first", "Go to the first row"),
+        binding("end", "end(True)", "table.last", "Go to the last row"),
+        binding("escape,full_stop", "follow", "table.follow", "Follow the agent again"),
+    ]
+
+    @dataclass
+    class CursorMoved(Message):
+        """The user moved the cursor to ``pair``; None where the table follows the agent again."""
+
+        pair: int | None
+
+    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+        super().__init__(look, id=id, classes=classes)
+        self.lights = True
+        self.sources: frozenset[int] = frozenset()
+        self.lane = ""
+        self.differing: frozenset[int] = frozenset()
+        # where the user put the cursor; None while the table follows the agent
+        self.cursor_pair: int | None = None
+        self.heading = "Q"
+        self._layer = Layer.Q
+        self._following = True
+        self.pointed = NOWHERE
+        self._first = 0
+        self._height = 0  # of the picture drawn last
+        self._world: TableWorld | None = None
+        self._sheet: Sheet | None = None
+        self._cache = strip_cache()
+        self._requested: RowRange | None = None
+        self._forms = SteadyForms()
+
+    @property
+    def shown_layer(self) -> Layer:
+        """What is shown of each pair."""
+        return self._layer if self._layer in self.layer_choices else Layer.Q
+
+    @shown_layer.setter
+    def shown_layer(self, layer: Layer) -> None:
+        self._layer = layer
+        self.redraw()
+
+    @property
+    def layer_choices(self) -> tuple[Layer, ...]:
+        """The layers there are: see :func:`layer_choices`."""
+        return layer_choices(self.snapshot)
+
+    def next_layer(self) -> None:
+        """Go to the next layer, from the last to the first."""
+        layers = self.layer_choices
+        self.shown_layer = layers[(layers.index(self.shown_layer) + 1) % len(layers)]
+
+    @property
+    def rows(self) -> int:
+        """How many rows the whole table takes below its heads, what is noted below it included."""
+        if self.snapshot is None:
+            return 1
+        world = self._world_of(self.snapshot)
+        return world.space.pairs + 2 if world.is_sparse else len(world.live)
+
+    @property
+    def row_range(self) -> RowRange | None:
+        """The pairs in view: where it was scrolled to by hand, or around the agent."""
+        sheet = self._sheet
+        if sheet is None or self.snapshot is None:
+            return None
+        most = sheet.shown * len(self.snapshot.world.space.action_names)
+        return RowRange(most, sheet.pairs.start if self.pointed or not self._following else None)
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the newest snapshot has all that is in view."""
+        window = None if self.snapshot is None else self.snapshot.agent.part
+        if window is None or self._sheet is None:
+            return True
+        pairs = self._sheet.pairs
+        return bool(window.held[pairs.start : pairs.stop].all())
+
+    def redraw(self) -> None:
+        """Draw again; say so where another part of a large table has come into view."""
+        super().redraw()
+        if self.snapshot is None or not self.is_attached or not is_large(self.snapshot.world):
+            return
+        row_range = self.row_range
+        if row_range != self._requested:
+            self._requested = row_range
+            self.post_message(Scrolled())
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``; in another world the table starts at its top and follows the agent."""
+        if self.snapshot is not None and self.snapshot.world.space is not snapshot.world.space:
+            self.cursor_pair, self._following, self._first = None, True, 0
+            pointed = pairs_in(self.pointed, self.snapshot.world, snapshot.world)
+            self.pointed = NOWHERE if is_new_run(self.snapshot, snapshot) else pointed
+        if self._following and self.snapshot is not None and self.snapshot.playback.phase is Phase.PREPARING:
+            self._first = 0  # while a run was prepared there was no step to follow
+        if is_new_run(self.snapshot, snapshot):
+            self._forms.clear()
+        super().show(snapshot)
+
+    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return the rows in view, or what is to be said in their place."""
+        self._sheet = None
+        if snapshot is None:
+            return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
+        if self.shown_layer in EXACT_LAYERS and exact_q(snapshot) is None:
+            self.heading = TITLES[self.shown_layer]
+            self.footing = self._footing(width, is_scrolled=False)
+            return strips_of(no_answer(snapshot, width, self.look), width, height, self.look)
+        form, scene = self._form(snapshot, width, height)
+        if self._following and height != self._height and not self.is_led:
+            self._first = 0  # where it came to stand while the layout was not done must not be seen later
+        self._height = height
+        self._sheet = sheet = Sheet(form, scene, width, height)
+        if self.pointed:
+            sheet.scroll_to(self._first, self.pointed.start)
+        else:
+            follows = self._following and not self.is_led
+            sheet.scroll(self._first, state_followed(snapshot) if follows else None)
+            if follows and self.sources and snapshot.counters.last_step is not None:
+                sheet.reach(snapshot.counters.last_step.updated_pair, state_followed(snapshot))
+        self._first = sheet.first
+        self.free_rows = sheet.free_rows
+        self.heading = self.fitting(
+            headings(snapshot, self.shown_layer, size_in_words(scene, form), self, self.lane), width
+        )
+        self.footing = self._footing(width, is_scrolled=sheet.is_scrolled and not self.pointed)
+        return sheet.strips(self._cache)
+
+    def legend(self, snapshot: Snapshot) -> Legend:
+        """Return the signs that cells have."""
+        palette, glyphs = self.look.palette, self.look.glyphs
+        frame, state = glyphs.mark_left + glyphs.mark_right, snapshot.world.space.states > 1
+        is_learned = self.shown_layer not in LEARNED_NOT
+        greedy = GREEDY_IN_FULL if is_learned else ""  # of Q* it is best
+        framed = "likeliest" if self.shown_layer is Layer.POLICY else "greedy"
+        if self.shown_layer is Layer.Q and not has_estimates(snapshot):
+            return ()
+        return (
+            *mark_signs(snapshot.editor, self.look),
+            LegendSign(frame, framed, palette.greedy, greedy),
+            *([no_value_sign(self.look)] if lacks_values(snapshot, self.shown_layer) else []),
+            *([LegendSign(" lit ", "just updated", palette.updated)] if is_learned and self.lights else []),
+            LegendSign(glyphs.agent, agent_meaning(snapshot) if state else "last pull", palette.agent),
+            *([LegendSign(glyphs.stay, "not tried", palette.unvisited)] if is_learned else []),
+            *([LegendSign(glyphs.cursor, "cursor", palette.greedy)] if self.has_focus else []),
+        )
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Leave escape to the screen while there is nothing to go back from."""
+        return not self._following if action == "follow" else True
+
+    def action_move(self, rows: int, columns: int) -> None:
+        """Move the cursor; the first move starts where the agent is."""
+        pair = self.shown_cursor
+        if self._sheet is not None and pair is not None:
+            self._put_cursor(self._sheet.form.moved(pair, rows, columns))
+
+    def action_page(self, pages: int) -> None:
+        """Move the cursor by as many rows as a page has."""
+        if self._sheet is not None:
+            self.action_move(pages * self._sheet.page, 0)
+
+    def action_end(self, last: bool) -> None:
+        """Move the cursor to the first or the last row."""
+        if self._sheet is not None:
+            self.action_move(self._sheet.form.entries * (1 if last else -1), 0)
+
+    def action_follow(self) -> None:
+        """Follow the agent again."""
+        self.cursor_pair, self._following = None, True
+        self.redraw()
+        self.post_message(self.CursorMoved(None))
+        self._tell()
+
+    def on_click(self, event: events.Click) -> None:
+        """Put the cursor on the cell under the pointer; on the border go to the layer named there."""
+        column = self.footing_column(event)
+        layer = (
+            None if column is None else layer_at(self.footing, column, self.layer_choices, self.look.glyphs)
+        )
+        if layer is not None:
+            event.prevent_default()
+            self.shown_layer = layer
+            self.post_message(Moved(self))
+        offset = event.get_content_offset(self)
+        pair = None if offset is None else self.pair_at(*offset)
+        if pair is not None:
+            self._put_cursor(pair)
+
+    def pair_at(self, x: int, y: int) -> int | None:
+        """Return the pair drawn at column ``x`` of row ``y``, None where there is none."""
+        return None if self._sheet is None else self._sheet.pair_at(x, y)
+
+    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
+        """Scroll down."""
+        self._scroll_by(_WHEEL_ROWS, event)
+
+    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
+        """Scroll up."""
+        self._scroll_by(-_WHEEL_ROWS, event)
+
+    def on_resize(self) -> None:
+        """Bring the rows that are in view now into view in the lane beside."""
+        if not self.is_led:
+            self.post_message(Moved(self))
+
+    def watch_has_focus(self, has_focus: bool) -> None:
+        """Show or hide the cursor."""
+        super().watch_has_focus(has_focus)
+        self.redraw()
+        self._tell()
+
+    def point_at(self, pairs: range) -> None:
+        """Show where the cursor of another panel stands; no pairs: it has none."""
+        if pairs != self.pointed:
+            self.pointed = pairs
+            self.redraw()
+
+    @property
+    def stance(self) -> object:
+        """The cursor, the rows in view and the layer."""
+        return self.cursor_pair, self._following, self._first, self._layer
+
+    def align_with(self, twin: BoardPanel) -> None:
+        """Take the stance of the table ``twin``."""
+        if isinstance(twin, QTable):
+            self._layer, self._forms = twin._layer, twin._forms
+            if self.snapshot and twin.snapshot and not are_alike(twin.snapshot.world, self.snapshot.world):
+                self._translate(twin, twin.snapshot.world, self.snapshot.world)
+                return
+            self.cursor_pair, self._following, self._first = twin.cursor_pair, twin._following, twin._first
+
+    def _translate(self, twin: QTable, theirs: World, own: World) -> None:
+        """Put the cursor where it is in the other world of ``twin``; if led by it, begin with its row."""
+        cursor = None if twin.cursor_pair is None else pair_in(twin.cursor_pair, theirs, own)
+        if cursor is not None or self.is_led:
+            self.cursor_pair = cursor
+        if self.is_led and self._sheet is not None and twin._sheet is not None:
+            self._following, first = twin._following, pair_in(twin._sheet.pairs.start, theirs, own)
+            self._first = twin._first if first is None else self._sheet.form.entry_of_pair(first)
+
+    def _tell(self) -> None:
+        """Tell other panels where the cursor stands."""
+        if self.is_attached:
+            pair = self.cursor_pair if self.has_focus else None
+            self.post_message(Pointed(self, NOWHERE if pair is None else range(pair, pair + 1)))
+
+    def _scroll_by(self, rows: int, event: events.MouseEvent) -> None:
+        if self._sheet is not None and self._sheet.is_scrolled:
+            event.stop()
+            self._following = False
+            self._first += rows
+            self.redraw()
+            self.post_message(Moved(self))
+
+    def _put_cursor(self, pair: int) -> None:
+        self.cursor_pair, self._following = pair, False
+        if self._sheet is not None:
+            self._sheet.scroll_to(self._first, pair)
+            self._first = self._sheet.first
+        self.redraw()
+        self.post_message(self.CursorMoved(pair))
+        self._tell()
+
+    @property
+    def shown_cursor(self) -> int | None:
+        """The pair of the cursor: until it is moved the first of the agent's state, or of the table.
+
+        None before the first snapshot.
+        """
+        if self.cursor_pair is not None or self.snapshot is None:
+            return self.cursor_pair
+        world = self._world_of(self.snapshot)
+        state = state_followed(self.snapshot) if self._following else int(world.live[0])
+        if world.row_of(state) == NO_ROW:
+            state = int(world.live[0])
+        return world.pairs_shown(state)[0]
+
+    def _world_of(self, snapshot: Snapshot) -> TableWorld:
+        if self._world is None or not self._world.describes(snapshot.world, self.look.glyphs):
+            self._world = TableWorld(snapshot.world, self.look.glyphs)
+        return self._world
+
+    def _form(self, snapshot: Snapshot, width: int, height: int) -> tuple[Form, Scene]:
+        if not self._world_of(snapshot).is_sparse:
+            scene = self._scene(snapshot, (self.shown_layer,))
+            matrix = matrix_form(scene, width, height - 1)
+            if matrix is not None:
+                return matrix, scene
+        scene = self._scene(snapshot, self.layer_choices)
+        is_scrolled = scene.world.space.pairs > height - 1
+        return list_form(scene, width - 1 if is_scrolled else width), scene
+
+    def _scene(self, snapshot: Snapshot, layers: Iterable[Layer]) -> Scene:
+        exact = {layer: exact_of(snapshot, layer) for layer in layers}
+        lit = lit_pair(snapshot) if self.lights else None
+        return Scene(
+            world=self._world_of(snapshot),
+            figures={
+                layer: Figures(snapshot, layer, self.look, known, self._forms, lit, self.sources)
+                for layer, known in exact.items()
+                if known is not None or layer not in EXACT_LAYERS
+            },
+            layer=self.shown_layer,
+            state=snapshot.counters.state,
+            last_pair=None if snapshot.counters.last_step is None else snapshot.counters.last_step.pair,
+            cursor=self.shown_cursor if self.has_focus else None,
+            hides_means=hides_means(snapshot),
+            look=self.look,
+            breakpoints=snapshot.playback.breakpoints,
+            pointed=self.pointed,
+            differing=self.differing,
+            editor=snapshot.editor,
+            forms=self._forms,
+        )
+
+    def _footing(self, width: int, *, is_scrolled: bool) -> str:
+        snapshot = self.snapshot
+        is_hidden = (
+            snapshot is not None and has_exact_key(snapshot) and not self._world_of(snapshot).is_bandit
+        )
+        forms = footings(self.shown_layer, self.layer_choices, self.look.glyphs, hides_exact=is_hidden)
+        if is_scrolled:
+            forms = followed(forms, is_following=self._following)
+        return self.fitting(forms, width)

@@ -1,0 +1,265 @@
+"""The visible part of a Q-table, with the texts on its border."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from rich.segment import Segment
+from textual.cache import LRUCache
+from textual.strip import Strip
+
+from rl_tui.common.words import counted
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.draw.canvas import Piece, wrapped
+from rl_tui.screen.draw.to_ascii import separated, to_ascii
+from rl_tui.screen.kit.panel import Panel
+from rl_tui.screen.kit.scrolling import kept_in_view
+from rl_tui.screen.kit.snapshot_facts import has_estimates
+from rl_tui.screen.panels.policies.names import POLICY_NAMES
+from rl_tui.screen.panels.q_table.layers import Layer, other_lane
+from rl_tui.screen.panels.q_table.list import ListForm, greedy_line
+from rl_tui.screen.panels.q_table.matrix import MatrixForm
+from rl_tui.screen.panels.q_table.world import NO_ROW, Pieces, Scene
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.screen.theme.look import Look
+
+# The rows in view
+
+
+_MOST_CACHED: Final = 512
+_STATES_IN_GREEDY_LINE: Final = 12
+REVEAL_HINT: Final = "show the true means q*"
+
+Form = MatrixForm | ListForm
+"""A scene laid out for one width. An entry is a row of the table, counted from 0."""
+
+
+class Sheet:
+    """A form in ``height`` rows of ``width`` cells, from entry ``first`` on: heads, entries, notes."""
+
+    def __init__(self, form: Form, scene: Scene, width: int, height: int) -> None:
+        self.form = form
+        self.first = 0
+        self._scene = scene
+        self._width = width
+        self._height = height
+        self._head_rows = 1 if height > 1 else 0
+        self._lines = min(height - self._head_rows, -(-form.entries // form.blocks))
+        self.shown = min(form.entries, self._lines * form.blocks)
+
+    @property
+    def is_scrolled(self) -> bool:
+        """Return whether there are more entries than are in view."""
+        return self.shown < self.form.entries
+
+    @property
+    def free_rows(self) -> int:
+        """How many rows below the last entry, or below the notes, are empty."""
+        below = self._height - self._head_rows - self._lines
+        return 0 if self.is_scrolled else below - len(self._notes(below))
+
+    @property
+    def page(self) -> int:
+        """How many rows a page is."""
+        return max(1, self._lines)
+
+    @property
+    def pairs(self) -> range:
+        """The pairs in view, from the first to the last."""
+        if self.shown == 0:
+            return range(0)
+        last = self.form.pairs_in(self.first + self.shown - 1)
+        return range(self.form.pairs_in(self.first).start, last.stop)
+
+    def scroll(self, first: int, state: int | None = None) -> None:
+        """Start at about entry ``first``, with ``state`` in view (None: whatever is)."""
+        entry = NO_ROW if state is None else self.form.entry_of(state)
+        self.first = kept_in_view(first, None if entry == NO_ROW else entry, self.shown, self.form.entries)
+
+    def scroll_to(self, first: int, pair: int) -> None:
+        """Start at entry ``first``, or as near to it as keeps ``pair`` in view."""
+        entry = self.form.entry_of_pair(pair)
+        self.scroll(max(entry - self.shown + 1, min(first, entry)))
+
+    def reach(self, pair: int, state: int) -> None:
+        """Scroll so far that ``pair`` is in view as well, if ``state`` stays in view."""
+        first = self.first
+        self.scroll_to(first, pair)
+        if not self.first <= self.form.entry_of(state) < self.first + self.shown:
+            self.first = first
+
+    def pair_at(self, x: int, y: int) -> int | None:
+        """Return the pair drawn at column ``x`` of row ``y``."""
+        block, x = divmod(x, max(1, self.form.block_width))
+        line = y - self._head_rows
+        entry = self.first + block * self._lines + line
+        if not 0 <= line < self._lines or block >= self.form.blocks or entry >= self.form.entries:
+            return None
+        return self.form.pair_at(entry, x)
+
+    def strips(self, cache: LRUCache[tuple[Segment, ...], Strip]) -> list[Strip]:
+        """Return the rows; those that were drawn before come from ``cache``."""
+        rows = [self.form.heads() * self.form.blocks] * self._head_rows
+        rows += [self._row(line) for line in range(self._lines)]
+        rows += self._notes(self._height - len(rows))
+        rows += [[]] * (self._height - len(rows))
+        return [self._strip(row, cache) for row in rows]
+
+    def _row(self, line: int) -> Pieces:
+        pieces: Pieces = []
+        for block in range(self.form.blocks):
+            entry = self.first + block * self._lines + line
+            if entry < self.form.entries:
+                pieces += self.form.entry(entry, is_first=line == 0)
+        if not self.is_scrolled:
+            return pieces
+        gap = self._width - 1 - sum(segment.cell_length for segment in pieces)
+        return [*pieces, Segment(" " * gap, self._scene.look.palette.text), self._scroll_bar(line)]
+
+    def _scroll_bar(self, line: int) -> Segment:
+        palette, glyphs = self._scene.look.palette, self._scene.look.glyphs
+        length = max(1, self._lines * self.shown // self.form.entries)
+        room = self._lines - length
+        start = round(room * self.first / (self.form.entries - self.shown))
+        inside = start <= line < start + length
+        return Segment(glyphs.bar if inside else glyphs.axis_vertical, palette.dim)
+
+    def _notes(self, room: int) -> list[Pieces]:
+        """Return a blank row and one that says more, where a list leaves so much room."""
+        if room < 2 or not isinstance(self.form, ListForm):
+            return []
+        note = self._bandit_note() if self._scene.world.is_bandit else self._greedy_note()
+        return [[], note] if note and sum(segment.cell_length for segment in note) <= self._width else []
+
+    def _bandit_note(self) -> Pieces:
+        palette = self._scene.look.palette
+        if not self._scene.hides_means:
+            return []
+        return [Segment("  h", palette.accent), Segment(f"  {REVEAL_HINT}", palette.dim)]
+
+    def _greedy_note(self) -> Pieces:
+        if len(self._scene.world.live) > _STATES_IN_GREEDY_LINE:
+            return []
+        text = separated(greedy_line(self._scene), self._scene.look.glyphs)
+        return [Segment(f" {text}", self._scene.look.palette.dim)] if text else []
+
+    def _strip(self, row: Pieces, cache: LRUCache[tuple[Segment, ...], Strip]) -> Strip:
+        key = (*row, Segment(str(self._width), self._scene.look.palette.text))
+        strip = cache.get(key)
+        if strip is None:
+            text = self._scene.look.palette.text
+            blank = Segment(" " * self._width, text)
+            strip = Strip(row or [blank]).adjust_cell_length(self._width, text)
+            cache[key] = strip
+        return strip
+
+
+def strip_cache() -> LRUCache[tuple[Segment, ...], Strip]:
+    """Return an empty cache for :meth:`Sheet.strips`."""
+    return LRUCache(_MOST_CACHED)
+
+
+# Texts on the border
+
+
+COMPUTING: Final = "computing the exact answer …"
+FOLLOWS: Final = "follows the agent"
+FOLLOW_HINT: Final = "esc: follow the agent"
+TITLES: Final = {
+    Layer.Q: "Q",
+    Layer.OPTIMAL: "Q*, exact",
+    Layer.ERROR: "Q − Q*",
+    Layer.POLICY: "Q of a policy",
+    Layer.LANES: "Q − other lane",
+    Layer.VISITS: "Visits",
+}
+_CAPTIONS: Final = {
+    Layer.OPTIMAL: "what each action is worth",
+    Layer.ERROR: "how wrong each estimate is",
+    Layer.POLICY: "exact",
+    Layer.VISITS: "how often each was tried",
+}
+NO_TABLE: Final = "no table found in your program"
+_KEY: Final = "v:"
+EXACT_KEY: Final = "h: Q*"
+
+
+def headings(snapshot: Snapshot, layer: Layer, size: str, panel: Panel, lane: str = "") -> tuple[str, ...]:
+    """Return what ``panel`` is called while it shows ``layer``, the longest form first.
+
+    ``lane`` is the number of the lane where another table stands beside it. Alone, and with runs side by
+    side, it is marked with the number of the shown one.
+    """
+    group = snapshot.run_group
+    if group.lanes and not lane:
+        lane = f"{panel.look.glyphs.cursor}{group.shown + 1}"
+    other = other_lane(snapshot) if layer is Layer.LANES else None
+    if other is None:
+        title, studied = TITLES[layer], snapshot.answers.studied
+        if layer is Layer.POLICY and studied is not None:
+            title = f"Q of {POLICY_NAMES[studied].of}"
+        captions = panel.captioned(title, _CAPTIONS.get(layer, ""))
+        if layer is Layer.Q and not has_estimates(snapshot):
+            size, captions = NO_TABLE, ()
+        forms = (*(f"{each} · {size}" for each in captions), *captions, f"{title} · {size}", title)
+        return tuple(f"{lane} · {each}" for each in forms) if lane else forms
+    title, own = f"Q − Q of {other.name}", snapshot.run_group.lanes[snapshot.run_group.shown].name
+    number = 1 + next(place for place, lane in enumerate(snapshot.run_group.lanes) if lane is other)
+    return tuple(
+        f"{lane} · {each}"
+        for each in (
+            f"Q of {own} − Q of {other.name} · {size}",
+            f"{title} · {size}",
+            title,
+            f"Q − Q of lane {number}",
+        )
+    )
+
+
+def size_in_words(scene: Scene, form: Form) -> str:
+    """Return how large the table is: ``11 states × 4``, ``5 pairs``."""
+    if isinstance(form, ListForm):
+        return counted(form.entries, "arm" if scene.world.is_bandit else "pair")
+    return f"{form.entries:,} states × {len(scene.world.action_names)}"
+
+
+def footings(layer: Layer, choices: Sequence[Layer], glyphs: Glyphs, *, hides_exact: bool) -> list[str]:
+    """Return the key and the layers that it goes through, then the key and ``layer``, which is shown.
+
+    Behind them stands the key that shows what is exact, where ``hides_exact`` says that this is hidden.
+    """
+    marked = [
+        f"{glyphs.mark_left}{each}{glyphs.mark_right}" if each is layer else f" {each} " for each in choices
+    ]
+    all_layers, one = f"{_KEY}{''.join(marked)}".rstrip(), f"{_KEY} {layer}"
+    return [*(f"{each} · {EXACT_KEY}" for each in (all_layers, one) if hides_exact), all_layers, one]
+
+
+def followed(footings: Sequence[str], *, is_following: bool) -> list[str]:
+    """Return ``footings`` behind whether the table follows the agent."""
+    follow = FOLLOWS if is_following else FOLLOW_HINT
+    return [*(f"{follow} · {each}" for each in footings), follow]
+
+
+def layer_at(footing: str, column: int, choices: Sequence[Layer], glyphs: Glyphs) -> Layer | None:
+    """Return the layer named in ``column`` of ``footing``; None where there is no room for all names."""
+    text = separated(footing, glyphs)
+    end = text.find(_KEY) + len(_KEY)
+    for layer in choices:
+        name = to_ascii(layer, glyphs)
+        start = text.find(name, end)
+        if start < 0:
+            return None  # there is room for one name only: a click is the key
+        end = start + len(name)
+        if start - 1 <= column <= end:
+            return layer
+    return None
+
+
+def no_answer(snapshot: Snapshot, width: int, look: Look) -> list[list[Piece]]:
+    """Return why there is no exact answer, or that it is to come, in lines of ``width`` cells."""
+    palette, refused = look.palette, snapshot.exact_answer.refused
+    text = f"No exact answer: {refused}" if refused else COMPUTING
+    lines = wrapped(text, max(1, width - 2), palette.text if refused else palette.dim, look)
+    return [[Piece(" ", palette.text), *line] for line in lines]

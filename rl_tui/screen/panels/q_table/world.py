@@ -1,0 +1,234 @@
+"""The world as a Q-table shows it: the names of states and actions, and the marks on their cells.
+
+Only states with actions have a row. Both forms of the table, a matrix and a list of pairs, draw from
+this.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from rich.cells import cell_len
+from rich.segment import Segment
+
+from rl_tui.live.pace.until import Breakpoints
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.live.viewport import followed_state
+from rl_tui.live.world_editor import EditorView
+from rl_tui.screen.draw.action_order import shown_order, shown_pairs, shown_place
+from rl_tui.screen.draw.canvas import shortened
+from rl_tui.screen.draw.names import action_name, with_minus
+from rl_tui.screen.draw.number_form import SteadyForms
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.kit.pointing import NOWHERE
+from rl_tui.screen.panels.q_table.layers import Figures, Layer
+from rl_tui.screen.panels.world.edit_marks import marks_of
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.number_names import NumberNames
+from rl_tui.worlds.mdp.space import IntArray
+from rl_tui.worlds.world import World
+
+# States and actions
+
+
+LONGEST_STATE: Final = 14
+NO_ROW: Final = -1
+MOST_MEASURED: Final = 10_000
+_LEADING_ZERO: Final = re.compile(r"(?<![\d.])0(?=\.\d)")
+
+
+class TableWorld:
+    """A world's states and pairs as the table lists them: live states only, in their order.
+
+    ``shown_actions`` are the numbers of all actions in the order of the columns.
+    """
+
+    def __init__(self, world: World, glyphs: Glyphs) -> None:
+        self._world = world
+        self.space = world.space
+        self.glyphs = glyphs
+        self.is_bandit = isinstance(world.drawing, Arms)
+        self.live: IntArray = np.flatnonzero(np.diff(self.space.first_pair))
+        self.state_width = min(LONGEST_STATE, self._longest(str))
+        self.shown_actions = shown_order(world)
+        self.action_names = tuple(
+            to_ascii(action_name(world, action, glyphs), glyphs)
+            for action in range(len(self.space.action_names))
+        )
+        self.action_width = max(map(cell_len, self.action_names))
+
+    @cached_property
+    def brief_width(self) -> int:
+        """The cells that names of states take where they are written close together."""
+        return min(self.state_width, self._longest(_brief))
+
+    @cached_property
+    def least_reward(self) -> float:
+        """The least mean reward of an outcome; 0 where none is less or there is no table."""
+        mdp = self._world.mdp
+        return 0.0 if mdp is None else min(0.0, float(mdp.reward.min()))
+
+    def _longest(self, form: Callable[[str], str]) -> int:
+        """Return the cells of the longest name; of very many states, those of the last and of a sample.
+
+        A name that the sample overlooks is drawn shortened.
+        """
+        names, live = self.space.state_names, self.live
+        if isinstance(names, NumberNames):
+            live = live[-1:]  # they rise
+        if len(live) > MOST_MEASURED:
+            live = np.append(live[:: -(-len(live) // MOST_MEASURED)], live[-1])
+        return max(cell_len(form(names[state])) for state in live.tolist())
+
+    def describes(self, world: World, glyphs: Glyphs) -> bool:
+        """Return whether this is what is known of ``world`` in these characters."""
+        return world is self._world and glyphs is self.glyphs
+
+    @property
+    def is_sparse(self) -> bool:
+        """Whether one row a pair says it better: one state, or half the cells of a matrix would be empty."""
+        cells = len(self.live) * len(self.space.action_names)
+        return len(self.live) == 1 or 2 * self.space.pairs <= cells
+
+    def state_name(self, state: int, width: int) -> str:
+        """Return the name of ``state`` in ``width`` cells: written close together, or shortened."""
+        name = to_ascii(with_minus(self.space.state_names[state], self.glyphs), self.glyphs)
+        return name if cell_len(name) <= width else shortened(_brief(name), width, self.glyphs.ellipsis)
+
+    def action_of(self, pair: int) -> int:
+        """Return the action of ``pair``."""
+        return int(self.space.pair_action[pair])
+
+    def pairs_shown(self, state: int) -> list[int]:
+        """Return the pairs of ``state`` in the order in which their actions are shown."""
+        return shown_pairs(self._world, self.space.pairs_of(state))
+
+    def pair_of_action(self, state: int) -> dict[int, int]:
+        """Return the pair of each action that is legal in ``state``."""
+        return {self.action_of(pair): pair for pair in self.space.pairs_of(state)}
+
+    def row_of(self, state: int) -> int:
+        """Return which of the live states ``state`` is, ``NO_ROW`` if none."""
+        row = int(np.searchsorted(self.live, state))
+        return row if row < len(self.live) and self.live[row] == state else NO_ROW
+
+    def pair_near(self, state: int, action: int) -> int:
+        """Return the pair of ``state`` whose column is nearest to that of ``action``."""
+        column = shown_place(self._world, action)
+        return min(
+            self.pairs_shown(state),
+            key=lambda pair: abs(shown_place(self._world, self.action_of(pair)) - column),
+        )
+
+
+def state_followed(snapshot: Snapshot) -> int:
+    """Return the state that is to be in view: the agent's, or that of its last step where it has none."""
+    return followed_state(snapshot.world.space, snapshot.counters.state, snapshot.counters.last_step)
+
+
+def _brief(name: str) -> str:
+    """Return ``-.03,1.8`` for ``-0.03, 1.8``."""
+    return _LEADING_ZERO.sub("", name.replace(", ", ","))
+
+
+# Cells of both forms
+
+
+Pieces = list[Segment]
+NO_BREAKPOINTS: Final = Breakpoints()
+NOBODY_DRAWS: Final = EditorView()
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """What is drawn: the figures of each layer that can be shown, the agent's state and the cursor's pair.
+
+    ``last_pair`` is the pair taken last. ``cursor`` is None where no cursor is to be seen; ``pointed`` are
+    the pairs on which the cursor of another panel stands, or none. ``hides_means`` says that the means of a
+    bandit are hidden. ``differing`` are the states whose greedy actions are others in the lane beside,
+    ``editor`` knows what a person draws.
+    """
+
+    world: TableWorld
+    figures: dict[Layer, Figures]
+    layer: Layer
+    state: int
+    last_pair: int | None
+    cursor: int | None
+    hides_means: bool
+    look: Look
+    forms: SteadyForms
+    breakpoints: Breakpoints = NO_BREAKPOINTS
+    pointed: range = NOWHERE
+    differing: frozenset[int] = frozenset()
+    editor: EditorView = NOBODY_DRAWS
+
+    @property
+    def shown(self) -> Figures:
+        """The figures of the layer in force."""
+        return self.figures[self.layer]
+
+    def state_mark(self, state: int) -> Segment:
+        """Return the mark before a state: of the agent, of a breakpoint, or of both, or a blank."""
+        palette, glyphs = self.look.palette, self.look.glyphs
+        if state in self.breakpoints.states:
+            return Segment(glyphs.agent if state == self.state else glyphs.breakpoint, palette.breakpoint)
+        return Segment(glyphs.agent, palette.agent) if state == self.state else Segment(" ", palette.text)
+
+    def is_pointed(self, pairs: range) -> bool:
+        """Return whether the cursor of another panel stands on the state that owns ``pairs``, or on one."""
+        return bool(self.pointed) and self.pointed.start in pairs
+
+    def mark_behind(self, state: int) -> Segment | None:
+        """Return the mark behind a state: other greedy actions in the lane beside, else that of an edit."""
+        look = self.look
+        if state in self.differing:
+            return Segment(look.glyphs.differs, look.palette.accent)
+        return next((Segment(*mark) for mark in marks_of(self.editor, state).signs(look)), None)
+
+
+def boxed(scene: Scene, figures: Figures, pair: int, width: int, digits: int, is_greedy: bool) -> Pieces:
+    """Return the cell of ``pair``: a number of up to ``digits`` cells amid ``width`` ones, between marks."""
+    number = figures.text(pair, digits).rjust(figures.cells(digits)).center(width)
+    return framed(scene, figures, pair, number, is_greedy)
+
+
+def framed(scene: Scene, figures: Figures, pair: int, number: str, is_greedy: bool) -> Pieces:
+    """Return the cell of ``pair``: ``number`` between marks.
+
+    Marks stand on the background of the panel, so that they are seen beside every tint; a breakpoint takes
+    the place of the left one.
+    """
+    palette, glyphs = scene.look.palette, scene.look.glyphs
+    if pair == scene.cursor:
+        style = palette.focus
+    else:
+        style = figures.style(pair) if figures.layer is scene.layer else figures.plain_style(pair)
+    left = right = " "
+    if is_greedy:
+        lit = figures.is_lit(pair)
+        left = glyphs.lit_left if lit else glyphs.mark_left
+        right = glyphs.lit_right if lit else glyphs.mark_right
+    if pair == scene.cursor:
+        left = glyphs.cursor
+    mark = Segment(left, palette.greedy)
+    if pair in scene.breakpoints.pairs:
+        mark = Segment(left if pair == scene.cursor else glyphs.breakpoint, palette.breakpoint)
+    return [mark, Segment(number, style), Segment(right, palette.greedy)]
+
+
+def padded(text: str, width: int) -> str:
+    """Return ``text``, which is no wider than ``width`` cells, with blanks after it."""
+    return text + " " * (width - cell_len(text))
+
+
+def aligned_right(text: str, width: int) -> str:
+    """Return ``text``, which is no wider than ``width`` cells, with blanks before it."""
+    return " " * (width - cell_len(text)) + text

@@ -1,0 +1,215 @@
+"""The figures of a study as texts: which are shown, which way each is better, and with how many decimals."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+from rl_tui.runs.history import RECENT
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.kit.snapshot_facts import recent_name
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.studies.many_seeds.figures import Estimate, LaneStudy, PairedDifference, SeedStudy, StudyState
+
+_MOST_DECIMALS: Final = 5
+_LARGEST: Final = 1e7  # from here on numbers are written in short
+_SHORT: Final = 7  # cells of those
+LEAST_SEEDS: Final = 32  # before one of two lanes is called better
+INTERVAL_ERRORS: Final = 3.0
+"""Standard errors on either side of a difference: with 0 beyond them, one of two lanes is called better."""
+
+
+@dataclass(frozen=True, slots=True)
+class StudyFigure:
+    """One figure of a study: its ``id`` in the document of ``train --runs --json``, and its ``name``.
+
+    ``in_full`` is the name where there is room for more. ``is_secret`` says that of a bandit it tells what
+    the agent cannot know.
+    """
+
+    id: str
+    name: str
+    in_full: str
+    is_secret: bool = False
+    lower_is_better: bool = False
+
+
+RETURN: Final = StudyFigure("return_mean", "return", "mean return")
+LAST_100: Final = StudyFigure("return_last_100", "last 100", "last 100")
+WINNINGS: Final = StudyFigure("winnings", "winnings", "winnings")
+REGRET: Final = StudyFigure("regret", "regret", "regret", is_secret=True, lower_is_better=True)
+GREEDY: Final = StudyFigure("expected_return", "greedy", "greedy, exact", is_secret=True)
+BEST_ARM: Final = StudyFigure("best_arm_rate", "best arm %", "best arm pulled, %", is_secret=True)
+FIGURES: Final = (
+    WINNINGS,
+    REGRET,
+    BEST_ARM,
+    LAST_100,
+    GREEDY,
+    RETURN,
+)
+"""In the order in which they are shown; a world that is no bandit has only the last three."""
+
+
+def may_count_again(study: SeedStudy | None) -> bool:
+    """Return whether there is anything to count again: it is over, or tells of other runs."""
+    if study is None:
+        return False
+    settled = (StudyState.STARTING, StudyState.RUNNING, StudyState.REFUSED)
+    return study.is_outdated or study.state not in settled
+
+
+def last_100_of(study: SeedStudy) -> StudyFigure:
+    """Return the mean of the last 100 episodes, named by how many there are."""
+    name = recent_name(RECENT if study.episodes is None else study.episodes)
+    return replace(LAST_100, name=name, in_full=name)
+
+
+def until_of(study: SeedStudy, reached: Iterable[int]) -> str:
+    """Return `` to 500``, the last episode of each seed; empty where the runs have ``reached`` just that."""
+    is_bounded = study.episodes is not None and any(each != study.episodes for each in reached)
+    return f" to {study.episodes:,}" if is_bounded else ""
+
+
+def in_percent(study: SeedStudy) -> SeedStudy:
+    """Return ``study`` with its shares in per cent."""
+    return replace(study, lanes=tuple(map(_lane_in_percent, study.lanes)))
+
+
+def _lane_in_percent(lane: LaneStudy) -> LaneStudy:
+    name = BEST_ARM.id
+    if name not in lane.estimates:
+        return lane
+
+    def hundredfold(found: Estimate) -> Estimate:
+        error = None if found.stderr is None else 100.0 * found.stderr
+        return replace(found, mean=100.0 * found.mean, stderr=error)
+
+    own, differences = lane.this_seed.get(name), dict(lane.differences)
+    if name in differences:
+        differences[name] = replace(differences[name], mean=hundredfold(differences[name].mean))
+    return replace(
+        lane,
+        estimates={**lane.estimates, name: hundredfold(lane.estimates[name])},
+        this_seed={**lane.this_seed, name: None if own is None else 100.0 * own},
+        differences=differences,
+    )
+
+
+def shown_figures(study: SeedStudy, *, secret: bool) -> list[StudyFigure]:
+    """Return the figures that any lane has, but for what must be hidden while ``secret``.
+
+    The mean return says no more than a bandit's winnings, nor than the mean of the last episodes where those
+    are all.
+    """
+    has = {name for lane in study.lanes for name in lane.estimates}
+    are_all = study.episodes is not None and study.episodes <= RECENT and LAST_100.id in has
+    return [
+        last_100_of(study) if figure is LAST_100 else figure
+        for figure in FIGURES
+        if figure.id in has
+        and not (secret and figure.is_secret)
+        and not (figure is RETURN and (are_all or WINNINGS.id in has))
+    ]
+
+
+def estimates_of(figure: StudyFigure, lanes: Iterable[LaneStudy]) -> list[Estimate]:
+    """Return the estimates of ``figure`` in those of ``lanes`` that have it."""
+    return [lane.estimates[figure.id] for lane in lanes if figure.id in lane.estimates]
+
+
+def figure_decimals(figure: StudyFigure, study: SeedStudy) -> int:
+    """Return the decimals of all that is told of ``figure``: differences are those of what is printed."""
+    pairs = [lane.differences[figure.id].mean for lane in study.lanes if figure.id in lane.differences]
+    return decimals_of([*estimates_of(figure, study.lanes), *pairs])
+
+
+def decimals_of(found: Sequence[Estimate]) -> int:
+    """Return the decimals for all estimates ``found`` of a figure: those that the least error needs.
+
+    It has one digit, two where that is a 1; where there is no error to go by, up to three show the means.
+    """
+    errors = [each.stderr for each in found if each.stderr is not None and each.stderr > numbers.NEGLIGIBLE]
+    if errors:
+        return min(_MOST_DECIMALS, max(0, -math.floor(math.log10(min(errors) / 2.0))))
+    return next((d for d in range(3) if all(abs(round(e.mean, d) - e.mean) < 1e-6 for e in found)), 3)
+
+
+def figure_text(x: float | None, decimals: int, glyphs: Glyphs) -> str:
+    """Return ``x`` with so many decimals: ``−47.1``, ``.82``, ``1,213``; a dash for None."""
+    if x is None or not math.isfinite(x):
+        return numbers.missing(glyphs)
+    if abs(x) >= _LARGEST:
+        return numbers.value(x, _SHORT, glyphs)
+    text = f"{abs(x):,.{decimals}f}"
+    text = f".{text.removeprefix('0.')}" if text.startswith("0.") else text
+    return f"{glyphs.minus}{text}" if x < 0.0 and numbers.has_digits(text) else text
+
+
+def estimate_text(estimate: Estimate | None, decimals: int, glyphs: Glyphs) -> str:
+    """Return ``−47.1 ± .5``: a mean and its standard error."""
+    if estimate is None:
+        return figure_text(None, decimals, glyphs)
+    mean = figure_text(estimate.mean, decimals, glyphs)
+    return mean if estimate.stderr is None else f"{mean} ± {error_text(estimate.stderr, decimals, glyphs)}"
+
+
+def error_text(stderr: float, decimals: int, glyphs: Glyphs) -> str:
+    """Return a standard error; 0 where all seeds agree, two digits where so many decimals show none."""
+    if stderr < numbers.NEGLIGIBLE:
+        return "0"
+    text = figure_text(stderr, decimals, glyphs)
+    return text if numbers.has_digits(text) else numbers.scientific(stderr, 1, glyphs)
+
+
+def deviation(figure: StudyFigure, lane: LaneStudy) -> tuple[float, float] | None:
+    """Return by how many standard deviations of the seeds this seed is above the mean, and that deviation.
+
+    None where it is not known, or where all seeds agree.
+    """
+    estimate, own = lane.estimates.get(figure.id), lane.this_seed.get(figure.id)
+    if estimate is None or estimate.stderr is None or own is None:
+        return None
+    spread = estimate.stderr * math.sqrt(estimate.count)
+    if spread < numbers.NEGLIGIBLE or not math.isfinite(own):
+        return None
+    return (own - estimate.mean) / spread, spread
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """Which of two lanes has the better figure so far: the one shown when the study began, or the other.
+
+    ``by`` is how much better it is on average, at least 0, with ``stderr``, and ``better_in`` the seeds in
+    which it is. It ``is_seen`` to be better from 32 seeds on, where 0 lies beyond three standard errors: one
+    looks at a study while it grows, and every look is another chance to be wrong.
+    """
+
+    is_shown_better: bool
+    is_seen: bool
+    by: float
+    stderr: float
+    better_in: int
+    equal: int
+    count: int
+
+
+def verdict_of(figure: StudyFigure, difference: PairedDifference) -> Verdict | None:
+    """Return what the differences say; None for fewer than two seeds."""
+    mean, stderr, count = difference.mean.mean, difference.mean.stderr, difference.mean.count
+    if stderr is None:
+        return None
+    is_shown_better = mean <= 0.0 if figure.lower_is_better else mean >= 0.0
+    is_greater_better = is_shown_better is not figure.lower_is_better
+    lower = count - difference.greater - difference.equal
+    return Verdict(
+        is_shown_better,
+        count >= LEAST_SEEDS and abs(mean) > max(INTERVAL_ERRORS * stderr, numbers.NEGLIGIBLE),
+        abs(mean),
+        stderr,
+        difference.greater if is_greater_better else lower,
+        difference.equal,
+        count,
+    )

@@ -1,0 +1,216 @@
+"""Two lanes side by side: which stands left, what they are called, and where they would act differently."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from rl_tui.agents.catalogue import OWN_PROGRAM
+from rl_tui.live.snapshot import AgentView, Snapshot
+from rl_tui.live.viewport import pairs_of_states
+from rl_tui.runs.timeline.run_names import feature_text
+from rl_tui.screen.kit.counterparts import are_alike, are_same_size, in_common
+from rl_tui.screen.kit.panel import BoardPanel
+from rl_tui.screen.panels.controls.controls import in_force, sliders_of
+from rl_tui.screen.panels.policies.studied import as_studied, studied_kind
+from rl_tui.screen.panels.program.words import name_of
+from rl_tui.screen.panels.q_table.q_table import QTable
+from rl_tui.screen.panels.world.view import WorldView
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.editing.carried import differing_choices
+from rl_tui.worlds.mdp.space import BoolArray, IntArray
+
+DIFFERS: Final = "≠"
+
+
+def sides(snapshot: Snapshot) -> tuple[Snapshot, Snapshot]:
+    """Return the lane with the lower number and the other one, each as the one that is shown.
+
+    Raises ValueError where ``snapshot`` has no lane beside it.
+    """
+    group, beside = snapshot.run_group, snapshot.beside
+    if beside is None or group.beside is None:
+        raise ValueError("there is no lane beside this one")
+    swapped = replace(group, shown=group.beside, beside=group.shown)
+    other = replace(beside, run_group=swapped, beside=snapshot)
+    return (snapshot, other) if group.shown < group.beside else (other, snapshot)
+
+
+@dataclass(frozen=True, slots=True)
+class GreedyDifferences:
+    """Where two lanes have other greedy actions, all ties counted.
+
+    Only states about which both have learned something count: updated, or with estimates that differ. In two
+    worlds these are the states that both have, the same cells or names.
+    """
+
+    states: frozenset[int]
+    """The states of the left lane where the greedy actions differ."""
+    known: int
+    """In how many states both know something."""
+    is_part: bool
+    """Whether only those in view were looked at: of a large world no more is copied."""
+    right: frozenset[int]
+    """The same states by their numbers in the right lane."""
+    is_compared: bool = True
+    """Whether the lanes were compared: not where their maps are of two sizes, or of two large worlds."""
+
+    def words(self, lane: Snapshot) -> tuple[str, ...]:
+        """Return the count as a sentence, the longest form first; empty where nothing is known yet."""
+        if not self.is_compared:
+            return (
+                "other worlds: greedy actions are not compared",
+                "other worlds: not compared",
+                "not compared",
+            )
+        if not self.known:
+            return ()
+        if isinstance(lane.world.drawing, Arms):
+            return (f"{DIFFERS} other greedy arms" if self.states else "the same greedy arms",)
+        count, seen = f"{len(self.states)} of {self.known:,}", " in view" if self.is_part else ""
+        return (
+            f"{DIFFERS} greedy actions differ in {count} states{seen} known to both",
+            f"{DIFFERS} greedy differs in {count} states{seen} known to both",
+            f"{DIFFERS} greedy differs in {count} states{seen}",
+            f"{DIFFERS} differs in {count} states{seen}",
+            f"{DIFFERS} in {count}{seen}",
+        )
+
+
+class Differing(NamedTuple):
+    """States in which lanes differ: in ``greedy`` actions, and in those ``drawn``, a studied policy's."""
+
+    greedy: frozenset[int]
+    drawn: frozenset[int]
+
+
+def differing_states(
+    left: Snapshot, right: Snapshot, differences: GreedyDifferences
+) -> tuple[Differing, Differing]:
+    """Return where ``left`` and ``right``, whose greedy actions have ``differences``, differ: for each."""
+    drawn = differences
+    if studied_kind(left) is not None and studied_kind(right) is not None:
+        drawn = greedy_differences(as_studied(left), as_studied(right))
+    return Differing(differences.states, drawn.states), Differing(differences.right, drawn.right)
+
+
+def name_panels(
+    panels: Iterable[BoardPanel],
+    lane: Snapshot,
+    differing: Differing,
+    *,
+    is_led: bool,
+    look: Look,
+) -> None:
+    """Write on world and table, for their next picture, which ``lane`` they show and where it differs.
+
+    ``is_led`` says that keys and sliders are about this lane.
+    """
+    number = f"{look.glyphs.cursor if is_led else ''}{lane.run_group.shown + 1}"
+    for panel in panels:
+        panel.is_led = not is_led
+        if isinstance(panel, WorldView):
+            panel.lane = lane_titles(lane, number)
+            panel.differing = differing.drawn
+        elif isinstance(panel, QTable):
+            panel.lane, panel.differing = number, differing.greedy
+
+
+def stand_alone(panel: BoardPanel) -> None:
+    """Let ``panel`` be that of the only lane in view."""
+    panel.is_led = False
+    if isinstance(panel, WorldView):
+        panel.lane, panel.note, panel.differing = (), (), frozenset()
+    elif isinstance(panel, QTable):
+        panel.lane, panel.differing = "", frozenset()
+
+
+def lane_titles(lane: Snapshot, number: str) -> tuple[str, ...]:
+    """Return what stands on the border of the world of ``lane``, the longest form first.
+
+    Of somebody's program no setting is said: which ε it explores by, for one, nobody knows.
+    """
+    if lane.program is not None:
+        known = f" · {lane.agent.row.name}" if lane.agent.row is not OWN_PROGRAM else ""
+        return f"{number} {name_of(lane.program)}{known}", f"{number} {name_of(lane.program)}"
+    group, agent = lane.run_group, lane.agent
+    name, algorithm = group.lanes[group.shown].name, agent.row.name
+    is_bandit = isinstance(lane.world.drawing, Arms)
+    settings = []
+    for parameter in sliders_of(agent.algorithm, agent.hyperparameters, is_bandit=is_bandit):
+        value = in_force(agent.hyperparameters, parameter)
+        if parameter.name != "gamma" and f"{parameter.symbol} " not in name:
+            settings.append(feature_text(parameter.name, value))
+    known = "" if algorithm in name else algorithm
+    forms = (" ".join(filter(None, (known, *settings))), known)
+    return (*(f"{number} {name} · {form}" for form in forms if form), f"{number} {name}")
+
+
+def greedy_differences(left: Snapshot, right: Snapshot) -> GreedyDifferences:
+    """Return where ``left`` and ``right`` would act differently."""
+    if not are_alike(left.world, right.world):
+        return _differences_of_worlds(left, right)
+    space = left.world.space
+    states, is_part = _states_held(left, right)
+    pairs = pairs_of_states(space, states)
+    if not len(pairs):
+        return GreedyDifferences(frozenset(), 0, is_part, frozenset())
+    count = np.diff(space.first_pair)[states]
+    first = np.cumsum(count) - count
+    is_greedy, knows = zip(*(_greedy(lane.agent, pairs, first, count) for lane in (left, right)), strict=True)
+    known = knows[0] & knows[1]
+    differs = known & np.logical_or.reduceat(is_greedy[0] != is_greedy[1], first)
+    found = frozenset(states[differs].tolist())
+    return GreedyDifferences(found, int(known.sum()), is_part, found)
+
+
+def _differences_of_worlds(left: Snapshot, right: Snapshot) -> GreedyDifferences:
+    """Return where lanes in two worlds would act differently; nothing of large ones, which are not copied."""
+    is_large = left.agent.part is not None or right.agent.part is not None
+    if is_large or not are_same_size(left.world, right.world):
+        return GreedyDifferences(frozenset(), 0, is_large, frozenset(), is_compared=False)
+    common, choices = in_common(right.world, left.world), []
+    for lane in (left, right):
+        space = lane.world.space
+        states = np.flatnonzero(np.diff(space.first_pair))
+        count = np.diff(space.first_pair)[states]
+        is_greedy, knows = _greedy(lane.agent, np.arange(space.pairs), space.first_pair[states], count)
+        known = np.zeros(space.states, dtype=np.bool_)
+        known[states] = knows
+        choices.append((space, is_greedy, known))
+    (was, was_greedy, was_known), (now, is_greedy, is_known) = choices
+    known = is_known & np.append(was_known, False)[common.states]
+    differs = known & differing_choices((was, was_greedy), (now, is_greedy), common)
+    found = frozenset(common.states[differs].tolist())
+    return GreedyDifferences(found, int(known.sum()), False, frozenset(np.flatnonzero(differs).tolist()))
+
+
+def _states_held(left: Snapshot, right: Snapshot) -> tuple[IntArray, bool]:
+    """Return the states with actions whose estimates both snapshots have, and whether there are more."""
+    first = left.world.space.first_pair
+    parts = [each.agent.part for each in (left, right)]
+    if parts[0] is None or parts[1] is None:
+        return np.flatnonzero(np.diff(first)), False
+    pairs = np.unique(parts[0].pairs)
+    pairs = pairs[parts[1].held[pairs]]
+    states, held = np.unique(np.searchsorted(first, pairs, side="right") - 1, return_counts=True)
+    return states[held == first[states + 1] - first[states]], True
+
+
+def _greedy(
+    agent: AgentView, pairs: IntArray, first: IntArray, count: IntArray
+) -> tuple[BoolArray, BoolArray]:
+    """Return which of ``pairs`` are greedy, and of which of their states anything is known.
+
+    Where policy iteration keeps a policy, they are those of that, as on the map.
+    """
+    q = agent.q[pairs]
+    best = np.maximum.reduceat(q, first)
+    knows = (np.maximum.reduceat(agent.visits[pairs], first) > 0) | (best != np.minimum.reduceat(q, first))
+    knows &= ~np.isnan(best)  # of a program without a table nothing is
+    is_greedy = agent.policy[pairs] > 0.0 if len(agent.policy) else q == np.repeat(best, count)
+    return is_greedy, knows

@@ -1,0 +1,273 @@
+"""The values and actions in a picture of a world, and the policy they belong to.
+
+They are those of the agent, of the policy that a planner keeps, or of the policy being studied (drawn by
+hand, say).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from rich.style import Style
+
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.draw.number_form import NumberForm, SteadyForms
+from rl_tui.screen.kit.numbers_in_common import all_v, ends
+from rl_tui.screen.kit.panel import (
+    GREEDY_IN_FULL,
+    POLICY_IN_FULL,
+    Legend,
+    LegendSign,
+    Panel,
+    no_table_sign,
+    no_value_sign,
+)
+from rl_tui.screen.kit.snapshot_facts import is_new_run
+from rl_tui.screen.panels.policies.studied import studied_kind, study_headings
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
+
+# A drawn policy
+
+
+AT_RANDOM: Final = "?"
+"""In place of an arrow: no action was drawn, so it acts at random."""
+DRAWN_IN_FULL: Final = "drawn: your choice"
+
+
+def drawn_actions(snapshot: Snapshot) -> Mapping[int, int] | None:
+    """Return the action drawn in each state, None where the arrows are not those of the drawn policy."""
+    answers = snapshot.answers
+    return dict(answers.drawn.choices) if answers.studied is PolicyKind.DRAWN else None
+
+
+def drawn_pairs(space: FiniteSpace, snapshot: Snapshot) -> tuple[frozenset[int], frozenset[int]] | None:
+    """Return the pairs drawn, and the states in which none was; None as :func:`drawn_actions`.
+
+    Where a state has a single action, that is its pair.
+    """
+    drawn = drawn_actions(snapshot)
+    if drawn is None:
+        return None
+    pairs, at_random = set(), set()
+    for state in range(space.states):
+        own = space.pairs_of(state)
+        pair = own.start if len(own) == 1 else space.pair_of(state, drawn.get(state, -1))
+        if pair is not None:
+            pairs.add(pair)
+        elif own:
+            at_random.add(state)
+    return frozenset(pairs), frozenset(at_random)
+
+
+def is_off_way(snapshot: Snapshot, state: int) -> bool:
+    """Return whether the drawn policy never comes to ``state``, in which nothing was drawn."""
+    left = snapshot.answers.left_to_chance
+    return left is not None and not left[state]
+
+
+def off_way_style(style: Style, look: Look) -> Style:
+    """Return ``style`` for what need not be drawn, since the policy never comes there."""
+    return style + look.palette.dim + Style(bold=False)
+
+
+def random_signs(look: Look) -> tuple[LegendSign, ...]:
+    """Return how states are marked in which nothing was drawn: those it may come to, and all others."""
+    return (
+        LegendSign(AT_RANDOM, "random", look.palette.strong, "nothing drawn: at random"),
+        LegendSign(AT_RANDOM, "off its way", look.palette.dim, "off its way"),
+    )
+
+
+# A picture with values and actions
+
+
+TITLE: Final = "World"
+
+
+class PolicyPicture(Panel):
+    """A picture with values and actions of states, and what it says of whose they are."""
+
+    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+        super().__init__(look, id=id, classes=classes)
+        self.names_policies_key = True
+        """Whether its border names the key that opens the panel of policies: not while that is open."""
+        self.differing: frozenset[int] = frozenset()
+        """The states whose greedy actions are others in the lane beside; seen when it is drawn again."""
+
+    def begins_anew(self, snapshot: Snapshot) -> bool:
+        """Return whether the numbers of ``snapshot`` have nothing in common with those drawn until now."""
+        before = self.snapshot
+        if before is None or before.answers.studied is snapshot.answers.studied:
+            return is_new_run(before, snapshot)
+        return True
+
+    @staticmethod
+    def waits_for_study(snapshot: Snapshot) -> bool:
+        """Return whether values of a policy are to come in place of those that ``snapshot`` shows."""
+        return snapshot.answers.studied is not None and studied_kind(snapshot) is None
+
+    @property
+    def studied(self) -> PolicyKind | None:
+        """The policy whose values and actions are drawn; None: they are what the agent has learned."""
+        return None if self.snapshot is None else studied_kind(self.snapshot)
+
+    def study_headings(self, what: str) -> tuple[str, ...]:
+        """Return headings that say of which policy ``what`` is, or how to see it; none for the agent's."""
+        if self.snapshot is None:
+            return ()
+        key = self.names_policies_key
+        return study_headings(self.snapshot, self.studied, TITLE, what, names_key=key)
+
+    def random_signs(self) -> Legend:
+        """Return the signs of states in which nothing was drawn; none where no drawing is shown."""
+        return random_signs(self.look) if self.shows_drawing else ()
+
+    def valueless_signs(self) -> Legend:
+        """Return the sign of a state of no value; none where there is no such state."""
+        snapshot = self.snapshot
+        if snapshot is None or self.studied is None or not np.isnan(snapshot.agent.values).any():
+            return ()
+        return (no_value_sign(self.look),)
+
+    def study_signs(self, *, has_numbers: bool, has_actions: bool) -> Legend:
+        """Return the signs of values of the policy that is studied, for cells with their numbers or without.
+
+        Cells that have every action, in place of V, tell of tints themselves. None where none is studied.
+        """
+        if self.studied is None:
+            return ()
+        valueless = self.valueless_signs() if has_numbers or has_actions else ()
+        return valueless if has_actions else (*valueless, *self.value_signs())
+
+    def value_signs(self) -> Legend:
+        """Return the sign of V(s), which is a colour; none where there are no colours.
+
+        Where a program has no table it is that of a value that is missing.
+        """
+        palette, studied = self.look.palette, self.studied is not None
+        if self.lacks_table:
+            return (no_table_sign(self.look),)
+        if not palette.tints:
+            return ()
+        name, in_full = ("Vπ", "value Vπ(s)") if studied else ("V", "value V(s)")
+        return (LegendSign(" tint ", name, palette.value(1.0), in_full),)
+
+    @property
+    def lacks_table(self) -> bool:
+        """Whether a program is watched of which no table is known."""
+        program = None if self.snapshot is None else self.snapshot.program
+        return program is not None and program.table is None and self.studied is None
+
+    @property
+    def shows_kept_policy(self) -> bool:
+        """Whether arrows and values are those of the policy that a planner keeps, not the greedy ones."""
+        return self.snapshot is not None and len(self.snapshot.agent.policy) > 0
+
+    @property
+    def shows_drawing(self) -> bool:
+        """Whether actions are those that a person drew, whether their values are known or not."""
+        return self.snapshot is not None and self.snapshot.answers.studied is PolicyKind.DRAWN
+
+    @property
+    def policy_shown(self) -> str:
+        """What the arrows are, in a word."""
+        if self.shows_drawing:
+            return "drawn"
+        return "policy" if self.shows_kept_policy else "greedy"
+
+    def policy_sign(self, sign: str, style: Style) -> LegendSign:
+        """Return the ``sign`` of the actions that are drawn."""
+        in_full = POLICY_IN_FULL if self.shows_kept_policy else GREEDY_IN_FULL
+        if self.shows_drawing:
+            in_full = DRAWN_IN_FULL
+        return LegendSign(sign, self.policy_shown, style, in_full)
+
+
+# V(s) and actions of all states
+
+
+_DECIMALS: Final = 2
+
+
+@dataclass(frozen=True, slots=True)
+class StateValues:
+    """``value[s]`` is max over a of Q(s, a), None where nothing can be done.
+
+    ``known`` holds the states about which something was learned: updated, or with estimates that differ;
+    ``greedy`` the greedy pairs of those states, all ties. Where policy iteration keeps a policy, value and
+    pairs are those of that. Where a drawn one is studied, the pairs are those drawn, ``at_random`` has the
+    states in which none was, and ``off_way`` those of them to which it never comes. ``numbers`` are all
+    values that have one form and one scale of tints: of two lanes side by side those of both.
+    """
+
+    value: tuple[float | None, ...]
+    known: frozenset[int]
+    greedy: frozenset[int]
+    numbers: FloatArray
+    at_random: frozenset[int] = frozenset()
+    off_way: frozenset[int] = frozenset()
+
+    def number_form(self, width: int, forms: SteadyForms) -> NumberForm:
+        """Return the form of all values in ``width`` cells."""
+        return forms.form("values", self.numbers, width, _DECIMALS)
+
+    def text(self, state: int, form: NumberForm, look: Look) -> str:
+        """Return the value of a state in ``form``: a dash for NaN, nothing where nothing can be done."""
+        value = self.value[state]
+        if value is None:
+            return ""
+        return numbers.missing(look.glyphs) if math.isnan(value) else form.text(value, look.glyphs)
+
+    def flag(self, state: int, differing: frozenset[int], look: Look) -> str:
+        """Return the sign after the name of a state: that it acts at random, or is ``differing``; or none."""
+        if state in self.at_random:
+            return AT_RANDOM
+        return look.glyphs.differs if state in differing else ""
+
+    def flag_style(self, state: int, style: Style, look: Look) -> Style:
+        """Return the style of that sign, which stands on ``style``."""
+        return off_way_style(style, look) if state in self.off_way else style
+
+    def style(self, state: int, look: Look) -> Style:
+        """Return the background of a state, tinted from the least to the greatest value, 0 included."""
+        value = self.value[state]
+        if value is None or math.isnan(value):
+            return look.palette.text
+        if state not in self.known:
+            return look.palette.unvisited
+        low, high = ends(self.numbers)
+        return look.palette.value(fraction(value, min(low, 0.0), max(high, 0.0)))
+
+
+def fraction(value: float, low: float, high: float) -> float:
+    """Return where ``value`` lies between ``low`` (0) and ``high`` (1); 0 where that means nothing."""
+    span = high - low
+    return (value - low) / span if math.isfinite(value) and math.isfinite(span) and span > 0.0 else 0.0
+
+
+def state_values(space: FiniteSpace, snapshot: Snapshot) -> StateValues:
+    """Return the values of ``snapshot``."""
+    values: list[float | None] = []
+    known, greedy = set(), set()
+    agent = snapshot.agent
+    q, visits, policy = agent.q.tolist(), agent.visits.tolist(), agent.policy.tolist()
+    for state in range(space.states):
+        pairs = space.pairs_of(state)
+        if not pairs:
+            values.append(None)
+            continue
+        best = max(q[pairs.start : pairs.stop])
+        values.append(float(agent.values[state]) if policy else best)
+        if any(visits[pairs.start : pairs.stop]) or min(q[pairs.start : pairs.stop]) != best:
+            known.add(state)
+            greedy |= {pair for pair in pairs if (policy[pair] > 0.0 if policy else q[pair] == best)}
+    shown = drawn_pairs(space, snapshot) or (frozenset(greedy), frozenset())
+    off_way = frozenset(state for state in shown[1] if is_off_way(snapshot, state))
+    return StateValues(tuple(values), frozenset(known), shown[0], all_v(snapshot), shown[1], off_way)

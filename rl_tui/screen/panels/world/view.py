@@ -1,0 +1,498 @@
+"""The base of all pictures of a world: its cursor, its places (cells, states or arms), and drawing in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import ClassVar, Final
+
+from textual import events
+from textual.binding import BindingType
+from textual.geometry import Offset
+from textual.strip import Strip
+
+from rl_tui.live.last_step.step_report import story_of
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.live.viewport import Cells
+from rl_tui.screen.draw.canvas import Canvas, shortened
+from rl_tui.screen.draw.names import state_name
+from rl_tui.screen.kit.bindings import binding
+from rl_tui.screen.kit.counterparts import are_alike, state_in
+from rl_tui.screen.kit.panel import AGENT, BoardPanel, Legend, LegendSign, agent_meaning
+from rl_tui.screen.kit.pointing import (
+    NOWHERE,
+    Moved,
+    PartPointed,
+    Pointed,
+    PointerStroke,
+    Wheeled,
+    part_pointed_at,
+)
+from rl_tui.screen.kit.snapshot_facts import passes_too_fast
+from rl_tui.screen.panels.last_step.state_backup_text import backup_text
+from rl_tui.screen.panels.policies.studied import as_studied
+from rl_tui.screen.panels.world.edit_marks import edit_signs, with_signs
+from rl_tui.screen.panels.world.policy_picture import TITLE, PolicyPicture
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.world import World
+
+# Drawing with the pointer
+
+
+_FINE = 0.1  # of a turn of the wheel, with shift
+
+
+class DrawnPicture(PolicyPicture):
+    """A picture of places that tells over which of them the pointer was drawn, while that is wanted."""
+
+    cursor: int | None
+
+    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+        super().__init__(look, id=id, classes=classes)
+        self.is_drawn_on = False
+        """Whether a person draws the world: then the pointer paints, and the wheel changes what is paid."""
+        self._picked: frozenset[int] = frozenset()
+        self._stroke: list[int] = []
+        self._pointer = Offset()  # where it was last, during a stroke
+
+    @property
+    def picked(self) -> frozenset[int]:
+        """The places that are drawn like that of the cursor: a rectangle, or what the pointer was over."""
+        return self._picked.union(self._stroke)
+
+    @picked.setter
+    def picked(self, picked: frozenset[int]) -> None:
+        if picked != self._picked:
+            self._picked = picked
+            self.redraw()
+
+    def place_at(self, x: int, y: int) -> int | None:
+        """Return the place drawn at column ``x`` of row ``y``, None where there is none."""
+        raise NotImplementedError
+
+    def carried(self, place: int, before: Snapshot, now: Snapshot) -> int | None:
+        """Return where the ``place`` of ``before`` is in ``now``, another world; None where it is gone."""
+        return self.place_in(place, before.world, now.world)
+
+    def place_in(self, place: int, world: World, other: World) -> int | None:
+        """Return where the ``place`` of ``world`` is in ``other``; None for nowhere."""
+        return state_in(place, world, other)
+
+    def on_mouse_down(self, event: events.MouseDown) -> None:
+        """Begin a stroke."""
+        place, offset = self._place_under(event), event.get_content_offset(self)
+        if self.is_drawn_on and place is not None and offset is not None:
+            self.capture_mouse()
+            self._stroke, self._pointer = [place], offset
+            self.redraw()
+
+    def on_mouse_move(self, event: events.MouseMove) -> None:
+        """Go on with the stroke, along a straight line: a fast pointer is seen here and there only."""
+        offset = event.get_content_offset(self) if self._stroke else None
+        if offset is None:
+            return
+        before, self._pointer = self._pointer, offset
+        for x, y in _straight(before, offset):
+            place = self.place_at(x, y)
+            if place is not None and place != self._stroke[-1]:
+                self._stroke.append(place)
+                self.redraw()
+
+    def on_mouse_up(self) -> None:
+        """End the stroke, and tell of it."""
+        if self._stroke:
+            self.release_mouse()
+            stroke, self._stroke = tuple(self._stroke), []
+            self.redraw()
+            self.post_message(PointerStroke(self, stroke))
+
+    def turns(self, event: events.MouseEvent, lines: int) -> bool:
+        """Tell that the wheel was turned over a place, if it is drawn on; return whether it is."""
+        place = self._place_under(event) if self.is_drawn_on else None
+        if place is not None:
+            amount = -1.0 if lines > 0 else 1.0
+            self.post_message(Wheeled(self, place, amount * (_FINE if event.shift else 1.0)))
+        return self.is_drawn_on
+
+    def _place_under(self, event: events.MouseEvent) -> int | None:
+        offset = event.get_content_offset(self)
+        return None if offset is None else self.place_at(offset.x, offset.y)
+
+
+def _straight(start: Offset, end: Offset) -> Iterator[tuple[int, int]]:
+    """Yield the cells of the screen on the straight line from ``start``, which is left out, to ``end``."""
+    across = end - start
+    steps = max(abs(across.x), abs(across.y))
+    for step in range(1, steps + 1):
+        yield start.x + round(across.x * step / steps), start.y + round(across.y * step / steps)
+
+
+# The panel
+
+
+WAITING: Final = "the world is being built"
+_WHEEL: Final = 3
+
+
+class WorldView(DrawnPicture, can_focus=True):
+    """A panel with the picture of one world. Before the first snapshot one line says what comes.
+
+    In focus it has a cursor, which stands on a place: a cell of a map, a state of a graph, an arm. Until an
+    arrow key or a click moves it, it stays with the agent; escape takes it back there. ``is_manual``
+    says that a person is the agent: then the cursor is not drawn. While a mode is on that has keys of its
+    own, ``title`` and ``prompt``, the longest forms first, stand in the border. So does the name of a
+    ``lane`` where another one stands beside it, and below it, without focus, a ``note`` about both.
+
+    While a planner works, and its steps can be followed, the Bellman equation of the state backed up last
+    stands below the picture, in place of the legend where that has no rows of its own.
+
+    Subclasses implement :meth:`drawing`, which may set ``heading`` and ``footing`` on the way, and say what
+    the places are.
+    """
+
+    BINDINGS: ClassVar[list[BindingType]] = [
+        binding("up", "move(-1, 0)", "world.up", "Move the cursor up"),
+        binding("down", "move(1, 0)", "world.down", "Move the cursor down"),
+        binding("left", "move(0, -1)", "world.left", "Move the cursor left"),
+        binding("right", "move(0, 1)", "world.right", "Move the cursor right"),
+        binding("pageup", "page(-1, 0)", "world.page_up", "Move the cursor a page up"),
+        binding("pagedown", "page(1, 0)", "world.page_down", "Move the cursor a page down"),
+        binding("shift+left", "page(0, -1)", "world.page_left", "Move the cursor a page to the left"),
+        binding("shift+right", "page(0, 1)", "world.page_right", "Move the cursor a page to the right"),
+        binding("home", "follow", "world.follow", "Follow the agent again"),
+        binding("escape,full_stop", "back", "world.back", "Follow the agent again, where a cursor was put"),
+    ]
+
+    def __init__(
+        self,
+        world: World,
+        look: Look,
+        *,
+        id: str | None = None,  # noqa: A002
+        classes: str | None = None,
+    ) -> None:
+        super().__init__(look, id=id, classes=classes)
+        self.title: tuple[str, ...] = ()
+        self.prompt: tuple[str, ...] = ()
+        self.lane: tuple[str, ...] = ()
+        self.note: tuple[str, ...] = ()
+        self._is_manual = False
+        self._has_equation = False
+        self._is_numbered = False
+        self._shows_actions = False
+        self.enter(world)
+
+    def enter(self, world: World, *, goes_on: bool = False) -> None:
+        """Take ``world`` for the one that is drawn from here on; where it ``goes_on``, the cursor stays.
+
+        Its place is that of :meth:`carried`.
+        """
+        self.world = world
+        if not goes_on:
+            self.cursor: int | None = None  # where the user put it; None while it stays with the agent
+        self._pointed: int | None = None  # where the cursor of another panel stands
+
+    @property
+    def shows_actions(self) -> bool:
+        """Whether the cells of a map show Q of every action, where they have room, in place of V."""
+        return self._shows_actions
+
+    @shows_actions.setter
+    def shows_actions(self, shows_actions: bool) -> None:
+        if shows_actions != self._shows_actions:
+            self._shows_actions = shows_actions
+            self.redraw()
+
+    @property
+    def lacks_room(self) -> bool:
+        """Whether cells are too small for Q of every action, though they are to show it."""
+        return False
+
+    def has_room_in(self, width: int, height: int) -> bool:
+        """Return whether cells have room for what they are to show in a panel of that size."""
+        return True
+
+    @property
+    def is_numbered(self) -> bool:
+        """Whether the cells of a map have the numbers of their states."""
+        return self._is_numbered
+
+    @is_numbered.setter
+    def is_numbered(self, is_numbered: bool) -> None:
+        if is_numbered != self._is_numbered:
+            self._is_numbered = is_numbered
+            self.redraw()
+
+    @property
+    def is_manual(self) -> bool:
+        """Whether a person takes the actions."""
+        return self._is_manual
+
+    @is_manual.setter
+    def is_manual(self, is_manual: bool) -> None:
+        self._is_manual = is_manual
+        self.redraw()
+
+    def show_mode(self, title: tuple[str, ...], prompt: tuple[str, ...], *, has_keys: bool) -> None:
+        """Write on the border what mode is on, and which keys it has; without a title none is.
+
+        A thick border says that it ``has_keys`` here and now.
+        """
+        self.set_class(has_keys, "-manual")
+        if (title, prompt) != (self.title, self.prompt):
+            self.title, self.prompt = title, prompt
+            self.redraw()
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot``; another seed may have made another world of the same kind, or an edit."""
+        if snapshot.world is not self.world:
+            goes_on = not self.begins_anew(snapshot)
+            if goes_on and self.cursor is not None and self.snapshot is not None:
+                self.cursor = self.carried(self.cursor, self.snapshot, snapshot)
+            self.enter(snapshot.world, goes_on=goes_on)
+        super().show(as_studied(snapshot))
+
+    @property
+    def cells(self) -> Cells | None:
+        """The cells of the map in view, None where all of it is or there is no map."""
+        return None
+
+    @property
+    def is_away(self) -> bool:
+        """Whether cursor or view were moved away from the agent, and not back."""
+        return self.cursor is not None
+
+    def legend(self, snapshot: Snapshot) -> Legend:
+        """Return the signs of the world; none where keys or an equation need the border they were on."""
+        is_taken = (bool(self.title) or self._has_equation) and self.free_rows < 1
+        return (
+            () if is_taken else (*self.random_signs(), *edit_signs(snapshot.editor, self.look), *self.signs())
+        )
+
+    def signs(self) -> Legend:
+        """Return the signs that pictures of this world may have, those that matter most first."""
+        raise NotImplementedError
+
+    def agent_sign(self) -> LegendSign:
+        """Return the sign of where the agent is."""
+        who = AGENT if self.snapshot is None else agent_meaning(self.snapshot)
+        return LegendSign(self.look.glyphs.agent, who, self.look.palette.agent)
+
+    # Places
+
+    def agent_place(self, snapshot: Snapshot) -> int:
+        """Return where the agent is."""
+        return snapshot.counters.state
+
+    def moved(self, place: int, rows: int, columns: int) -> int:
+        """Return the place so many rows below and columns to the right, or as far as there is one."""
+        raise NotImplementedError
+
+    def place_at(self, x: int, y: int) -> int | None:
+        """Return the place drawn at column ``x`` of row ``y``, None where there is none."""
+        raise NotImplementedError
+
+    def state_at(self, place: int) -> int | None:
+        """Return the state at ``place``, None where there is none."""
+        return place
+
+    def name_at(self, place: int) -> str:
+        """Return what stands at ``place``, empty where nothing does that has a name."""
+        state = self.state_at(place)
+        return "" if state is None else f"state {state_name(self.world, state, self.look.glyphs)}"
+
+    def pairs_at(self, place: int) -> range:
+        """Return the pairs that ``place`` is about."""
+        state = self.state_at(place)
+        return NOWHERE if state is None else self.world.space.pairs_of(state)
+
+    def place_of(self, pair: int) -> int:
+        """Return the place that ``pair`` is about."""
+        return self.world.space.state_of(pair)
+
+    @property
+    def page_size(self) -> tuple[int, int]:
+        """How many rows and columns a page key moves the cursor."""
+        return 1, 1
+
+    @property
+    def cursor_place(self) -> int | None:
+        """Where the cursor stands: with the agent until it is moved; None before the first snapshot."""
+        if self.cursor is not None or self.snapshot is None:
+            return self.cursor
+        return self.agent_place(self.snapshot)
+
+    @property
+    def shown_cursor(self) -> int | None:
+        """The place at which a cursor is drawn: its own while in focus, else that of another panel."""
+        if self.is_manual:
+            return None
+        return self.cursor_place if self.has_focus else self._pointed
+
+    def put_cursor(self, place: int) -> None:
+        """Put the cursor on ``place``, and scroll so far that it is seen."""
+        self.cursor = place
+        self.keep_in_view(place)
+        self.redraw()
+        self._tell(self.pairs_at(place))
+
+    def point_at(self, pairs: range) -> None:
+        """Show where the cursor of another panel stands; no pairs: it has none."""
+        if pairs:
+            self._pointed = self.place_of(pairs.start)
+            self.keep_in_view(self._pointed)
+        elif self._pointed is not None:
+            self._pointed = None
+            if self.cursor is None:
+                self.follow()
+        self.redraw()
+
+    def keep_in_view(self, place: int) -> None:
+        """Scroll so far that ``place`` is seen."""
+
+    def align_with(self, twin: BoardPanel) -> None:
+        """Take the cursor of the view ``twin``; subclasses take the rest of its stance."""
+        if isinstance(twin, WorldView):
+            at = twin.cursor
+            place = None if at is None else self.place_in(at, twin.world, self.world)
+            if place is not None or self.takes_stance_of(twin):
+                self.cursor = place
+
+    def takes_stance_of(self, twin: WorldView) -> bool:
+        """Return whether all that ``twin`` shows holds here: in another world only where this one is led."""
+        return self.is_led or are_alike(twin.world, self.world)
+
+    def _tell(self, pairs: range) -> None:
+        if self.is_attached:
+            self.post_message(Pointed(self, pairs))
+
+    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return the drawing of ``snapshot``, a moment of a run in this view's world."""
+        if snapshot is not None:
+            strips = self.drawing(snapshot, width, height)
+            self._has_equation = not (self.footing or self.lane or self.is_manual or self.cursor is not None)
+            if self._has_equation:
+                self.footing = self.fitting(self._equation(snapshot), width)
+                self._has_equation = bool(self.footing)
+            if self.lane:
+                self._name_lane(width)
+            if not self.footing and self.has_focus:
+                self.footing = self.fitting(self._about_cursor(), width)
+            if self.title:
+                lacks_legend = self.is_explained and self.free_rows < 1
+                titles = with_signs(self.title, snapshot.editor, self.look) if lacks_legend else self.title
+                self.heading, self.footing = self.fitting(titles, width), self.fitting(self.prompt, width)
+            return strips
+        palette, glyphs = self.look.palette, self.look.glyphs
+        canvas = Canvas(width, height, palette.text)
+        text = shortened(WAITING, width, glyphs.ellipsis)
+        canvas.put((width - len(text)) // 2, (height - 1) // 2, text, palette.dim)
+        return canvas.strips()
+
+    def _name_lane(self, width: int) -> None:
+        """Write the lane in the border, and below it the note, else what the picture shows."""
+        shows, self.heading = self.heading.removeprefix(f"{TITLE} · "), self.fitting(self.lane, width)
+        if not self.has_focus:
+            forms = self.note or (self.footing, "" if self.is_explained else shows)
+            forms = (shows, *forms) if self.studied is not None else forms
+            self.footing = self.fitting(filter(None, forms), width)
+
+    def _equation(self, snapshot: Snapshot) -> Sequence[str]:
+        """Return the Bellman equation of the state that a planner backed up last, the longest form first."""
+        is_followed = self.studied is None and not passes_too_fast(snapshot)
+        story = story_of(snapshot) if is_followed else None
+        if story is None or story.state_backup is None:
+            return ()
+        glyphs = self.look.glyphs
+        return backup_text(snapshot.world, story.state_backup, glyphs).lines(glyphs.arrow_update)
+
+    def _about_cursor(self) -> tuple[str, ...]:
+        """Return where the cursor stands and what may be done there, the longest form first."""
+        if self.cursor is None:
+            usual = "arrows: cursor · k: breakpoint"
+            return f"{usual} · ?: words", usual, "arrows: cursor"
+        name = self.name_at(self.cursor)
+        if not name:
+            return "esc: back to the agent", "esc: back"
+        return f"{name} · k: breakpoint · esc: back", f"{name} · esc: back", name
+
+    def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
+        """Return ``height`` strips of ``width`` cells (both at least 1)."""
+        raise NotImplementedError
+
+    def pan(self, rows: int, columns: int) -> None:
+        """Scroll by hand, so many steps down and to the right, where there is more than fits."""
+
+    def follow(self) -> None:
+        """Undo all scrolling by hand."""
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Leave escape to the screen while there is nothing to go back from; an unseen cursor stays."""
+        if action == "back":
+            return self.is_away
+        return not (self.is_manual and action in ("move", "page"))
+
+    def action_move(self, rows: int, columns: int) -> None:
+        """Move the cursor; the first move starts where the agent is."""
+        place = self.cursor_place
+        if place is not None:
+            self.put_cursor(self.moved(place, rows, columns))
+
+    def action_page(self, rows: int, columns: int) -> None:
+        """Move the cursor by pages."""
+        down, across = self.page_size
+        self.action_move(rows * down, columns * across)
+
+    def action_back(self) -> None:
+        """Follow the agent again."""
+        self.action_follow()
+
+    def action_follow(self) -> None:
+        """Follow the agent again."""
+        self.cursor = None
+        self.follow()
+        self.redraw()
+        self._tell(NOWHERE)
+
+    def on_click(self, event: events.Click) -> None:
+        """Put the cursor where the pointer is."""
+        if self.is_drawn_on:
+            return
+        offset = event.get_content_offset(self)
+        if offset is None or self.snapshot is None or self.is_manual:
+            return
+        place = self.place_at(offset.x, offset.y)
+        if place is None:
+            return
+        was_there = place == self.cursor
+        self.put_cursor(place)
+        if was_there:
+            self.post_message(PartPointed(self, part_pointed_at(self, offset.x, offset.y)))
+
+    def on_resize(self) -> None:
+        """Bring the part that is in view now into view in the lane beside."""
+        if not self.is_led:
+            self.post_message(Moved(self))
+
+    def watch_has_focus(self, has_focus: bool) -> None:
+        """Show or hide the cursor, here and in other panels."""
+        super().watch_has_focus(has_focus)
+        self.redraw()
+        shown = self.cursor if has_focus else None
+        self._tell(NOWHERE if shown is None else self.pairs_at(shown))
+
+    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
+        """Scroll down; to the right with shift or ctrl."""
+        self._turn_wheel(_WHEEL, event)
+
+    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
+        """Scroll up; to the left with shift or ctrl."""
+        self._turn_wheel(-_WHEEL, event)
+
+    def _turn_wheel(self, lines: int, event: events.MouseEvent) -> None:
+        event.stop()
+        if self.turns(event, lines):
+            return
+        sideways = event.shift or event.ctrl
+        self.pan(0 if sideways else lines, lines if sideways else 0)
+        self.redraw()
+        self.post_message(Moved(self))

@@ -1,0 +1,183 @@
+"""Changes to the agent, at any step: algorithm, policy, settings and seed.
+
+Where nothing is learned yet, a dialog explains why and offers what helps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Final
+
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
+from rl_tui.agents.exact.first_update import Remedy
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.common.errors import UserError
+from rl_tui.live.commands import Apply, AskWhy, Restart
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.recipe import Recipe, SetParameter, SwitchAlgorithm, changed_recipe
+from rl_tui.runs.settings import settings_for
+from rl_tui.screen.board.subject import Subject
+from rl_tui.screen.dialogs.choice import algorithm_choice, ask_seed, ask_value, policy_choice
+from rl_tui.screen.dialogs.options import Options
+from rl_tui.screen.dialogs.why import Why
+from rl_tui.screen.draw.action_order import shown_order
+from rl_tui.screen.draw.names import action_name
+from rl_tui.screen.keys.playground_keys import ORDINALS
+from rl_tui.screen.kit.row import CONTROLS
+from rl_tui.screen.panels.controls.slider import Slider
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.worlds.world import World
+
+# Settings of the agent
+
+
+_TIES: Final = {
+    "random": "ties random: one of equal best actions is drawn",
+    "first": "ties first: of equal best actions the first is taken",
+}
+
+
+def _first_in_words(world: World, glyphs: Glyphs) -> str:
+    """Return in which order the first action counts, where the screen shows another one; else nothing."""
+    order = range(len(world.space.action_names))
+    if shown_order(world) == tuple(order):
+        return ""
+    signs = [action_name(world, action, glyphs) for action in order]
+    return f", in the world's own order: {' '.join(signs)}"
+
+
+@dataclass(eq=False)
+class AgentActions(Subject):
+    """Algorithm, policy, hyper-parameters and seed."""
+
+    _waiting: list[SetParameter] = field(default_factory=list)
+
+    @property
+    def recipe(self) -> Recipe:
+        """What a restart would start from."""
+        return self.link.wanted.recipe
+
+    def choose_algorithm(self) -> None:
+        """Choose the algorithm."""
+        if self.snapshot is not None:
+            self.ask(algorithm_choice(self.snapshot.world.space, self.recipe, self.glyphs), self.switch)
+
+    def choose_policy(self) -> None:
+        """Choose the policy."""
+        if not self._counts("policy"):
+            self.screen.tell(f"{BY_ID[self.recipe.algorithm].name} tries every action: it follows no policy")
+        elif self.snapshot is not None:
+            choice = policy_choice(self.snapshot.world.space, self.recipe, self.glyphs)
+            self.ask(choice, partial(self.set_parameter, "policy"))
+
+    def next_ties(self) -> None:
+        """Go to the other way to break ties."""
+        if not self._counts("ties"):
+            self.screen.tell("ties are not broken here: no one action is taken for the best")
+            return
+        ties = "first" if self.recipe.hyperparameters.ties == "random" else "random"
+        self.set_parameter("ties", ties)
+        snapshot = self.snapshot
+        order = "" if snapshot is None or ties != "first" else _first_in_words(snapshot.world, self.glyphs)
+        self.screen.tell(f"{_TIES[ties]}{order}")
+
+    def ask_initial_q(self) -> None:
+        """Ask what every estimate starts from, and start again."""
+        self.ask_parameter("initial_q")
+
+    def ask_seed(self) -> None:
+        """Ask for the seed, and start again."""
+
+        def restart(seed: float | str) -> None:
+            self.link.send(Restart(replace(self.recipe, seed=int(seed))))
+
+        self.ask(ask_seed(self.recipe.seed), restart)
+
+    def show_options(self) -> None:
+        """Show every hyper-parameter."""
+        self.screen.app.push_screen(Options(self.screen.look, lambda: self.recipe, self.ask_parameter))
+
+    def ask_parameter(self, name: str) -> None:
+        """Ask for a value of the hyper-parameter ``name``, then set it."""
+        if name == "policy":
+            self.choose_policy()
+        else:
+            value = self.recipe.hyperparameters.value(name)
+            self.ask(ask_value(name, value, self.glyphs), partial(self.set_parameter, name))
+
+    def set_parameter(self, name: str, value: float | str) -> None:
+        """Set ``name`` of the running learner; say why not where it cannot work. Initial Q starts again."""
+        setting = SetParameter(name, value)
+        if name == "initial_q":
+            self.link.send(Restart(changed_recipe(self.recipe, setting)))
+            return
+        if self.snapshot is None:
+            self._waiting.append(setting)
+            return
+        try:
+            settings = settings_for(self.snapshot.world.space, self.recipe, setting)
+        except UserError as fault:
+            self.screen.tell(str(fault), severity="warning")
+            self.board.show(self.snapshot)  # the sliders go back
+            return
+        if name == "policy" and len(settings) > 1:
+            alpha = Hyperparameters().alpha
+            text = f"{POLICY_BY_ID[str(value)].name} needs a step size: α is {alpha:g} from here on"
+            self.screen.tell(text)
+        if changed_recipe(self.recipe, *settings) != self.recipe:
+            for each in settings:
+                self.link.send(Apply(each))
+
+    def set_what_waits(self) -> None:
+        """Set what was asked for before the first snapshot: only now is known what fits the world."""
+        waiting, self._waiting = self._waiting, []
+        for setting in waiting:
+            self.set_parameter(setting.name, setting.value)
+
+    def focus_slider(self, number: int) -> None:
+        """Put the focus on a slider, counted from 1; say so if there are not so many."""
+        sliders = list(self.board.controls.query(Slider))
+        if number > len(sliders):
+            self.screen.tell(f"there is no {ORDINALS[number - 1]} slider here")
+            return
+        self.board.bring_into_view(CONTROLS)
+        sliders[number - 1].focus()
+
+    def switch(self, algorithm: str) -> None:
+        """Let ``algorithm`` go on with what was learned."""
+        if algorithm != self.recipe.algorithm:
+            self.link.send(Apply(SwitchAlgorithm(algorithm)))
+
+    def _counts(self, name: str) -> bool:
+        return name in parameters_of(self.recipe.algorithm, self.recipe.hyperparameters.policy)
+
+
+# Why nothing is learned yet
+
+
+@dataclass(eq=False)
+class WhyActions(Subject):
+    """The wait for the first update; a remedy is set by the ``agent``."""
+
+    agent: AgentActions
+    _dialog: Why | None = None
+
+    def explain(self) -> None:
+        """Show how long nothing is learned, why, and what would help, until it is closed."""
+        if self.snapshot is None:
+            return
+        self.link.send(AskWhy(is_asked=True))
+        self._dialog = Why(self.screen.look, self.snapshot)
+        self.screen.app.push_screen(self._dialog, self._closed)
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Tell it of ``snapshot``, if that is open."""
+        if self._dialog is not None:
+            self._dialog.show(snapshot)
+
+    def _closed(self, remedy: Remedy | None) -> None:
+        self._dialog = None
+        self.link.send(AskWhy(is_asked=False))
+        if remedy is not None:
+            self.agent.set_parameter(remedy.setting, remedy.value)

@@ -1,0 +1,113 @@
+"""A program of somebody's own: what cannot be done to it, which of its tables learns, and news of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from rl_tui.common.findings import one_line
+from rl_tui.live.commands import ChooseTable
+from rl_tui.live.program_view import ProgramView
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.screen.board.subject import Subject
+from rl_tui.screen.dialogs.choice import Candidate, Choice
+from rl_tui.screen.keys.action import Action
+from rl_tui.screen.keys.playground_keys import DECIDES
+from rl_tui.screen.kit.row import PanelRow
+from rl_tui.screen.panels.program.words import form_text, table_texts
+
+FIRST_KEYS: Final = "space runs your program, s takes one of its steps"
+_ENDED: Final = (Phase.SPENT, Phase.STOPPED)
+_MOVES: Final = frozenset({"run.run_or_pause", "run.step", "run.episode", "run.faster"})
+"""Actions that mean nothing once a program has ended."""
+_LONGEST_NAME: Final = 40
+_LONGEST_NEWS: Final = 300
+_UNTIL_READ: Final = 15.0
+
+
+@dataclass(eq=False)
+class ProgramActions(Subject):
+    """What is special where somebody's own program takes the steps; ``actions`` are those of the screen."""
+
+    actions: Sequence[Action]
+
+    @property
+    def program(self) -> ProgramView | None:
+        """The program that is watched, None where it is an agent of ours that is shown."""
+        return None if self.snapshot is None else self.snapshot.program
+
+    @property
+    def idle_keys(self) -> frozenset[str]:
+        """The ids of the actions that mean nothing here: the key line leaves them out."""
+        is_program = self.program is not None
+        has_ended = is_program and self.snapshot is not None and self.snapshot.playback.phase in _ENDED
+        return frozenset(
+            each.id for each in self.actions if (each.not_for_program if is_program else each.of_program)
+        ) | (_MOVES if has_ended else frozenset())
+
+    def in_order_of_help(self, panels: Sequence[PanelRow]) -> Sequence[PanelRow]:
+        """Return ``panels``, those of programs alone first where one is watched: they are what is new."""
+        return panels if self.program is None else sorted(panels, key=lambda row: not row.of_program)
+
+    def refuses(self, command: str) -> bool:
+        """Say why ``command`` cannot be done to a program, if that is so; return whether it is."""
+        program = self.program
+        why = next(
+            (each.not_for_program for each in self.actions if (each.command or each.id) == command), ""
+        )
+        if program is None or not why:
+            return False
+        self.screen.tell(why.format(file=file_name(program)))
+        return True
+
+    def sets_itself(self) -> bool:
+        """Say that a program sets its own hyper-parameters, if one is watched; return whether that is so."""
+        if self.program is not None:
+            self.screen.tell(DECIDES.format(file=file_name(self.program)))
+        return self.program is not None
+
+    def choose_table(self) -> None:
+        """Choose which of several tables is the one that learns."""
+        program = self.program
+        if program is None:
+            self.screen.tell("this is an agent of ours, with one table; T is for a program of yours")
+        elif program.table is None:
+            self.screen.tell("no table was found in your program: there is none to choose")
+        elif not program.table.others:
+            self.screen.tell(
+                f"{one_line(program.table.name, _LONGEST_NAME)} is the only table of your program"
+            )
+        else:
+            names = (program.table.name, *program.table.others)
+            in_full = table_texts(program.table)[0].partition(": ")[2]
+            forms = (in_full, *map(form_text, program.table.other_forms))
+            candidates = [
+                Candidate(str(place), one_line(name, _LONGEST_NAME), (form,))
+                for place, (name, form) in enumerate(zip(names, forms, strict=True))
+            ]
+            choice = Choice("The table that learns: the program starts again", candidates, "0", self.glyphs)
+            self.ask(choice, lambda place: self._take_table(names[int(place)]))
+
+    def _take_table(self, name: str) -> None:
+        if self.program is not None and self.program.table is not None and self.program.table.name != name:
+            self.link.send(ChooseTable(name))
+
+    def announce(self, before: Snapshot | None, now: Snapshot) -> None:
+        """Say what is new about the program: how to begin, what a saved file changed, that it is over."""
+        program, was = now.program, None if before is None else before.program
+        if program is None or now.playback.phase is Phase.PREPARING:
+            return
+        is_first = was is None or (before is not None and before.playback.phase is Phase.PREPARING)
+        if is_first and not now.counters.step and not program.ended and not program.refused:
+            self.screen.tell(FIRST_KEYS, timeout=_UNTIL_READ)
+        if before is not None and not before.counters.step and now.counters.step:
+            self.screen.app.clear_notifications()  # how to begin
+        if program.reloaded and (was is None or was.reloaded != program.reloaded):
+            self.screen.tell(one_line(program.reloaded, _LONGEST_NEWS), timeout=_UNTIL_READ)
+
+
+def file_name(program: ProgramView) -> str:
+    """Return the name of the program's file, short and with nothing in it that a terminal might obey."""
+    return one_line(Path(program.path).name or program.title, _LONGEST_NAME)

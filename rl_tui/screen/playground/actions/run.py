@@ -1,0 +1,257 @@
+"""Control of the run: start, pause, step, speed, and the change to another scenario.
+
+When the file of the scenario changes on disk, the new world is offered.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar, Final
+
+from rl_tui.agents.catalogue import algorithm_row
+from rl_tui.agents.sweep_phases import SweepPhase
+from rl_tui.common.errors import ScenarioError, UserError
+from rl_tui.common.findings import one_line
+from rl_tui.live.commands import Pause, Play, Restart, RunEpisode, RunSweep, SetSpeed, Step, WatchLearning
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.export.scenario_file import is_on_screen
+from rl_tui.runs.library import recipe_with, reread
+from rl_tui.runs.recipe import Recipe
+from rl_tui.screen.board.subject import Subject
+from rl_tui.screen.dialogs.choice import Candidate, Choice
+from rl_tui.worlds.files.scenario import Scenario
+
+# The scenario and its file
+
+
+_NEW: Final = "new"
+_OLD: Final = "old"
+_LONGEST_NAME: Final = 60
+_UNTIL_READ: Final = 15.0
+
+
+@dataclass(eq=False)
+class ScenarioActions(Subject):
+    """Goes to other scenarios, and offers what the file of this one says now, where that is not on screen.
+
+    ``is_known`` tells whether the world came from that file: a session brings its own copy. In a lesson the
+    world stays as it is. ``take`` opens
+    another recipe in place of the run; ``go_by`` goes to a scenario that stands so many places further in the
+    catalogue.
+    """
+
+    is_known: bool
+    take: Callable[[Recipe], None]
+    go_by: Callable[[int], None]
+    _declined = ""
+
+    def previous(self) -> None:
+        """Go to the previous scenario of the catalogue."""
+        self.go_by(-1)
+
+    def following(self) -> None:
+        """Go to the next scenario of the catalogue."""
+        self.go_by(1)
+
+    def map_settings(self) -> None:
+        """Show how the run would do with other settings; one of those runs may be opened in its place."""
+        # it brings much that the first paint has no need of
+        from rl_tui.screen.atlas.atlas import open_atlas
+
+        open_atlas(self, self.take)
+
+    def begin_with_old_or_new(self, start_again: Callable[[], None]) -> None:
+        """Ask whether the run is to begin anew with the new content, if there is any.
+
+        ``start_again`` starts it with the old content: where there is no other, or that is the answer, or the
+        new one has faults, which are shown.
+        """
+        scenario, fault = None, ""
+        try:
+            if self.is_known and self.link.wanted.lesson is None and not self.screen.in_kiosk:
+                scenario = reread(self.link.wanted.recipe.scenario)
+        except ScenarioError as error:
+            more = f"; and {len(error.faults) - 1} more" if len(error.faults) > 1 else ""
+            fault = f"the file has changed, and the old world stays: {error.faults[0]}{more}"
+        if scenario is not None and scenario.text != self._declined and not self._is_on_screen(scenario):
+            self._ask(scenario, start_again)
+            return
+        start_again()
+        if fault:
+            self._warn(fault)
+
+    def _is_on_screen(self, scenario: Scenario) -> bool:
+        """Return whether the file says no more than what is on screen: it was saved from here."""
+        snapshot = self.snapshot
+        return snapshot is not None and is_on_screen(scenario, snapshot.recipe, snapshot.world.mdp)
+
+    def _ask(self, scenario: Scenario, start_again: Callable[[], None]) -> None:
+        def answer(chosen: str) -> None:
+            if chosen == _OLD:
+                self._declined = scenario.text
+                start_again()
+                return
+            try:
+                self.take(recipe_with(scenario, self.link.wanted.recipe))
+            except UserError as fault:
+                self._warn(str(fault))
+
+        name = one_line(scenario.source.name, _LONGEST_NAME)
+        new = Candidate(_NEW, "as the file is now", ("a new run in the new world; the old run is kept",))
+        old = Candidate(_OLD, "as it was", ("the old world once more; it is not asked again",))
+        self.ask(Choice(f"Start again: {name} has changed", (new, old), "", self.glyphs), answer)
+
+    def _warn(self, text: str) -> None:
+        self.screen.tell(text, severity="warning", timeout=_UNTIL_READ)
+
+
+# The run
+
+
+_UNTIL_SEEN = 3600.0
+_SWEEP_KEYS: Final = frozenset({"run.evaluate"})
+LADDER: Final[tuple[float | None, ...]] = (
+    *(float(digit * 10**power) for power in range(5) for digit in (1, 3)),
+    100_000.0,
+    None,
+)
+"""The speeds that + and − go through, in steps a second; None is as fast as it goes."""
+
+
+@dataclass(eq=False)
+class RunActions(Subject):
+    """The run goes on, stands still, or starts again."""
+
+    scenario: ScenarioActions
+    _told: ClassVar = set[str]()
+    """What this process has said of machine code: once is enough."""
+
+    def announce(self, now: Snapshot) -> None:
+        """Say, the first time, why runs stay interpreted."""
+        why = now.playback.stays_interpreted
+        if why and why not in self._told:
+            self._told.add(why)
+            self.screen.tell(why, severity="warning")
+
+    def run_or_pause(self) -> None:
+        """Run, or pause."""
+        if not self._tell_end():
+            self.link.send(Pause() if self.is_under_way else Play())
+
+    def watch(self) -> None:
+        """Run at a speed that goes by what is learned."""
+        if not self._tell_end():
+            self.link.send(WatchLearning())
+
+    @property
+    def is_under_way(self) -> bool:
+        """Whether there is something to pause."""
+        return self._phase in (Phase.RUNNING, Phase.SEEKING)
+
+    @property
+    def _phase(self) -> Phase:
+        return self.snapshot.playback.phase if self.snapshot else Phase.PREPARING
+
+    def _tell_end(self) -> bool:
+        """Say why the run takes no further step; return whether that is so."""
+        message = self.snapshot.playback.message if self.snapshot else ""
+        match self._phase:
+            case Phase.SPENT if self.snapshot is not None and self.snapshot.program is not None:
+                self.screen.tell("your program has ended; r starts it again, b and g go back in it")
+            case Phase.SPENT:
+                self.screen.tell("the budget is spent; r starts again")
+            case Phase.DONE:
+                self.screen.tell(f"{message}; another γ goes on, r starts again")
+            case Phase.STOPPED:
+                self.screen.tell(f"{message}; r starts again", severity="error")
+            case _:
+                return False
+        return True
+
+    def _tells_end_of_program(self) -> bool:
+        """Say that somebody's program takes no further step; return whether that is so."""
+        return self.snapshot is not None and self.snapshot.program is not None and self._tell_end()
+
+    def rest(self) -> None:
+        """Pause a run that goes on while no key is pressed."""
+        if self.is_under_way:
+            self.link.send(Pause())
+            self.screen.tell("paused: nobody has pressed a key for some minutes", timeout=_UNTIL_SEEN)
+
+    def step(self) -> None:
+        """Take one step."""
+        if not self._tells_end_of_program():
+            self.link.send(Step())
+
+    def episode(self) -> None:
+        """Run to the end of the episode."""
+        if not self._tells_end_of_program():
+            self.link.send(RunEpisode())
+
+    def evaluate(self) -> None:
+        """Run to the end of a sweep that evaluates the policy of policy iteration."""
+        self._run_sweep("evaluation")
+
+    def improve(self) -> None:
+        """Run to the end of a sweep that improves it."""
+        self._run_sweep("improvement")
+
+    @property
+    def idle_keys(self) -> frozenset[str]:
+        """The ids of the actions for sweeps, where there are none to order: the key line leaves them out."""
+        return frozenset() if self.takes_orders else _SWEEP_KEYS
+
+    @property
+    def takes_orders(self) -> bool:
+        """Whether which sweep is next can be ordered, once all that was sent is taken in."""
+        return algorithm_row(self.link.wanted.recipe.algorithm).takes_orders
+
+    def _run_sweep(self, phase: SweepPhase) -> None:
+        if self.takes_orders:
+            self.link.send(RunSweep(phase))
+        elif self.snapshot is not None and self.snapshot.world.mdp is None:
+            self.screen.tell("policy iteration alone has such sweeps, and here nobody knows the model for it")
+        else:
+            does = "E evaluates" if phase == "evaluation" else "I improves"
+            self.screen.tell(f"{does} the policy of policy iteration: a chooses that")
+
+    def faster(self) -> None:
+        """Go to the next higher speed."""
+        self.link.send(SetSpeed(faster(self.link.wanted.speed)))
+
+    def slower(self) -> None:
+        """Go to the next lower speed."""
+        self.link.send(SetSpeed(slower(self.link.wanted.speed)))
+
+    def reset(self) -> None:
+        """Start again with the settings in force and the same seed; ask where the file has changed.
+
+        A program that is watched is started again from its seed.
+        """
+        if self.snapshot is not None and self.snapshot.program is not None:
+            self.screen.tell("your program starts again, from its seed")
+            self.link.send(Restart(self.link.wanted.recipe))
+            return
+        self.scenario.begin_with_old_or_new(self._start_again)
+
+    def _start_again(self) -> None:
+        if self.snapshot is not None and self.snapshot.lesson is not None:
+            self.screen.tell("the run starts again with these settings; N sets up those of the page")
+        elif self.snapshot is not None and self.snapshot.timeline.current.end:
+            kept = "gone: this is a kiosk" if self.screen.in_kiosk else "kept in the catalogue"
+            self.screen.tell(f"the run starts again; the one until now is {kept}")
+        self.link.send(Restart(self.link.wanted.recipe))
+
+
+def faster(speed: float | None) -> float | None:
+    """Return the next higher speed."""
+    if speed is None:
+        return None
+    return next(each for each in LADDER if each is None or each > speed)
+
+
+def slower(speed: float | None) -> float | None:
+    """Return the next lower speed, the lowest again if there is none."""
+    below = [each for each in LADDER if each is not None and (speed is None or each < speed)]
+    return below[-1] if below else LADDER[0]

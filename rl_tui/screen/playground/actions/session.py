@@ -1,0 +1,108 @@
+"""The session of a playground: saved by itself and by name, and compared with what was saved."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line
+from rl_tui.live.sessions.autosave import Autosave
+from rl_tui.live.sessions.document import LONGEST_NAME
+from rl_tui.live.sessions.session import OTHER_BITS, SessionError, StoredSession, digest_of, named_path
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.screen.board.subject import Subject
+from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.panels.status_line import StatusLine
+
+
+@dataclass(eq=False)
+class SessionActions(Subject):
+    """The session keeps itself by ``autosave``, None where none is kept.
+
+    ``resumed`` is what it went on with, until that has come out as it was saved.
+    """
+
+    status: StatusLine
+    autosave: Autosave | None
+    resumed: StoredSession | None
+
+    def show_name(self) -> None:
+        """Show on the ``status`` line what the session is called, if a person gave it a name."""
+        name = "" if self.autosave is None else self.autosave.title
+        self.status.name_session(one_line(name, LONGEST_NAME))
+
+    def listen(self) -> None:
+        """Show from now on what there is to know about the session; it comes from any thread."""
+
+        def listen(notice: str) -> None:
+            self.screen.call_later(self._show_notice, notice)
+
+        if self.autosave is not None:
+            self.autosave.listen(listen)
+
+    def _show_notice(self, notice: str) -> None:
+        self.screen.notify(notice, severity="warning", timeout=15, markup=False)
+
+    def named(self, fault: UserError) -> UserError:
+        """Return ``fault`` with the file of the session where that could not be gone on with."""
+        return fault if self.resumed is None else SessionError(self.resumed.path, str(fault))
+
+    def compare_with_saved(self, snapshot: Snapshot) -> None:
+        """Warn, once the run stands where the session was left, if it came out otherwise than it was saved.
+
+        The file is then left alone, since it holds what was done with other versions.
+        """
+        if self.resumed is None or snapshot.playback.phase in (Phase.PREPARING, Phase.SEEKING):
+            return
+        document, self.resumed = self.resumed.document, None
+        lane = document.lanes[document.shown]
+        left = (document.shown, lane.branch, lane.branches[lane.branch].here)
+        here = (snapshot.run_group.shown, snapshot.timeline.branch, snapshot.counters.step)
+        if here != left or snapshot.agent.part is not None:
+            return
+        if document.digest and digest_of(snapshot.agent.q) != document.digest:
+            if self.autosave is not None:
+                self.autosave.become_copy()
+            self.screen.notify(
+                f"{OTHER_BITS}; what you do here is saved in a copy", severity="warning", timeout=15
+            )
+
+    @property
+    def after_leaving(self) -> str:
+        """What becomes of the run once a person goes back to the catalogue."""
+        if self.snapshot is not None and self.snapshot.program is not None:
+            return "your program then ends"
+        return "this run is then gone" if self.screen.in_kiosk else "this session is kept there"
+
+    def save(self) -> None:
+        """Ask for a name, and save the session."""
+        autosave = self.autosave
+        if autosave is None:
+            reason = ": this is a kiosk" if self.screen.in_kiosk else ""
+            self.screen.tell(f"no session is kept here{reason}")
+            return
+
+        def read(text: str) -> str:
+            try:
+                path = named_path(autosave.folder, text)
+            except UserError as fault:
+                raise ValueError(str(fault)) from fault
+            if path != autosave.path and path.exists():
+                raise ValueError("another session has this name; type another one")
+            return text.strip()
+
+        def save(name: float | str) -> None:
+            self.screen.run_worker(self._save(autosave, str(name)), name="save the session")
+
+        hint = "the session goes on keeping itself under this name; the catalogue lists it"
+        self.ask(Prompt("Save the session as", hint, autosave.title, read, "save"), save)
+
+    async def _save(self, autosave: Autosave, name: str) -> None:
+        try:
+            path = await asyncio.to_thread(autosave.save_as, name)
+        except UserError as fault:
+            self.screen.notify(str(fault), severity="error", timeout=15, markup=False)
+        else:
+            self.screen.notify(f"saved: {path}", timeout=8, markup=False)
+            self.show_name()

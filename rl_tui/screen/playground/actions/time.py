@@ -1,0 +1,120 @@
+"""Going through time: steps and episodes back, any moment, other branches."""
+
+from __future__ import annotations
+
+from rl_tui.live.commands import AddBranch, ChooseBranch, EpisodeBack, GoTo, StepBack
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.screen.board.subject import Subject
+from rl_tui.screen.dialogs.dialog import goto_prompt, parse_goto, unit_of
+from rl_tui.screen.dialogs.journal import JournalScreen, Moment
+from rl_tui.screen.kit.snapshot_facts import episode_shown
+from rl_tui.worlds.drawing import Arms
+
+
+class TimeActions(Subject):
+    """The run goes back and forth, and from branch to branch."""
+
+    _sought_episode: int | None = None
+    """The episode that the run is on its way to, if it is one."""
+    _sought_branch: int | None = None
+    """The branch that the run is on its way to, if it goes to another one as such."""
+
+    def step_back(self) -> None:
+        """Go one step back."""
+        self._go_back(StepBack())
+
+    def episode_back(self) -> None:
+        """Go back to where the episode began."""
+        self._go_back(EpisodeBack())
+
+    def go_to(self) -> None:
+        """Ask for a step or an episode, and go there."""
+
+        def go(text: float | str) -> None:
+            if self.snapshot is not None:
+                command = parse_goto(str(text), self.snapshot)
+                self._sought_episode = command.episode
+                self.link.send(command)
+
+        if self.snapshot is not None:
+            self.ask(goto_prompt(self.snapshot), go)
+
+    def show_branches(self) -> None:
+        """Show the branches of the run."""
+        snapshot = self.snapshot
+        if snapshot is None or (snapshot.playback.phase is Phase.PREPARING and not snapshot.counters.step):
+            self.screen.tell("the run is being prepared: there are no branches yet")
+        else:
+            self.ask(JournalScreen(self.screen.look, snapshot), self._go_to_branch)
+
+    def seek(self, step: int) -> None:
+        """Go where the timeline was pointed at."""
+        self.link.wanted.step = step
+        self.link.send(GoTo(step))
+
+    def announce(self, before: Snapshot | None, now: Snapshot) -> None:
+        """Say where a branch has begun between two snapshots, and where the run has come to."""
+        self._announce_fork(before, now)
+        self._announce_arrival(now)
+
+    def _announce_arrival(self, now: Snapshot) -> None:
+        """Say where the run has come to: on another branch, or not as far as was asked."""
+        if now.playback.phase is Phase.SEEKING or not self.link.wanted.is_taken_in(now):
+            return
+        episode, branch = self._sought_episode, self._sought_branch
+        self._sought_episode = self._sought_branch = None
+        if episode is not None:
+            self._announce_end(episode, now)
+        if branch is not None and branch == now.timeline.branch:
+            self.screen.tell(_arrived_on_branch(now))
+
+    def _announce_end(self, episode: int, now: Snapshot) -> None:
+        """Say so where the run ends before the ``episode`` that was sought: in the past that is not known."""
+        # in the past it was held up, or sent elsewhere: where the run ends is not known there
+        if now.counters.episodes < episode - 1 and not now.timeline.in_past:
+            here = f"{unit_of(now)} {episode_shown(now):,}, step {now.counters.step:,}"
+            self.screen.tell(f"the run ends here so far: {here}; space goes on")
+
+    def _announce_fork(self, before: Snapshot | None, now: Snapshot) -> None:
+        """Say so where another branch begins between two snapshots."""
+        if before is not None and _has_forked(before, now):
+            branch = now.timeline.current
+            parent = now.timeline.branches[branch.parent or 0]
+            self.screen.tell(f"{branch.name} begins here; j goes back to {parent.name}")
+
+    def _go_back(self, command: StepBack | EpisodeBack) -> None:
+        now = self.snapshot
+        if now is not None and self.link.wanted.is_taken_in(now) and now.counters.step == 0:
+            self.screen.tell("this is step 0, where the run begins")
+        else:
+            self.link.send(command)
+
+    def _go_to_branch(self, moment: Moment | AddBranch) -> None:
+        if isinstance(moment, AddBranch):
+            self.link.send(moment)
+            return
+        if self.snapshot is not None and moment.branch != self.snapshot.timeline.branch:
+            self._sought_branch = moment.branch if moment.step is None else None
+            self.link.send(ChooseBranch(moment.branch))
+        if moment.step is not None:
+            self.link.send(GoTo(moment.step))
+
+
+def _arrived_on_branch(now: Snapshot) -> str:
+    """Return which moment of which branch is shown, and why not the one that was shown before."""
+    unit = "pull" if isinstance(now.world.drawing, Arms) else "step"
+    stays = "as before" if now.timeline.in_past else "as far as it has come"
+    return f"{now.timeline.current.name}, {unit} {now.counters.step:,}: {stays}"
+
+
+def _has_forked(before: Snapshot, now: Snapshot) -> bool:
+    """Return whether ``now`` is on a branch that ``before``, a moment of the same run, did not have."""
+    is_same_run = before.recipe == now.recipe and before.run_group.shown == now.run_group.shown
+    old, new = before.timeline, now.timeline
+    return (
+        is_same_run
+        and before.playback.phase is not Phase.PREPARING
+        and len(new.branches) > len(old.branches)
+        and new.current.parent is not None
+        and new.branch >= len(old.branches)
+    )

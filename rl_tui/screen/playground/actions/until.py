@@ -1,0 +1,108 @@
+"""Where the run is to stop by itself."""
+
+from __future__ import annotations
+
+from rl_tui.live.commands import ClearBreakpoints, RunUntil, ToggleBreakpoint
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.screen.board.subject import Subject
+from rl_tui.screen.dialogs.until_options import (
+    Kind,
+    UntilChoice,
+    UntilOption,
+    ask_number,
+    kind_of,
+    until_options,
+)
+from rl_tui.screen.draw.names import breakpoints_text, pair_in_words, state_name
+from rl_tui.screen.panels.arms import ArmsView
+from rl_tui.screen.panels.q_table.q_table import QTable
+from rl_tui.screen.panels.world.view import WorldView
+from rl_tui.worlds.drawing import Arms
+
+
+class UntilActions(Subject):
+    """Running until something happens, and breakpoints."""
+
+    _chosen_last = ""
+    """The id of the option chosen last."""
+
+    def choose(self) -> None:
+        """Choose what to run until."""
+        snapshot = self.snapshot
+        if snapshot is None or snapshot.playback.phase is Phase.PREPARING:
+            return
+        if snapshot.playback.phase in (Phase.SPENT, Phase.DONE, Phase.STOPPED):
+            self.screen.tell("the run has come to its end; r starts again")
+            return
+        glyphs = self.glyphs
+        found = until_options(snapshot, self._pair_under_cursor(), glyphs)
+        listed = breakpoints_text(snapshot.world, snapshot.playback.breakpoints, glyphs)
+        choice = UntilChoice(found, self._chosen_last, listed, self.clear_breakpoints, glyphs)
+        self.ask(choice, self._run_until)
+
+    def toggle_breakpoint(self) -> None:
+        """Set a breakpoint where the cursor is, or take it away."""
+        snapshot = self.snapshot
+        if snapshot is None:
+            return
+        focused = self.screen.focused
+        if isinstance(focused, QTable):
+            self._toggle_pair(snapshot, focused.shown_cursor)
+        elif isinstance(focused, ArmsView):
+            self._toggle_pair(snapshot, focused.cursor_place)
+        elif isinstance(snapshot.world.drawing, Arms):
+            self.screen.tell("a breakpoint of a bandit is on an arm: tab goes to them, the arrows choose one")
+        elif isinstance(focused, WorldView) and focused.cursor_place is not None:
+            self._toggle_state(snapshot, focused.state_at(focused.cursor_place))
+        else:
+            self._toggle_state(snapshot, snapshot.counters.state)
+
+    def clear_breakpoints(self) -> None:
+        """Take all breakpoints away."""
+        if self.snapshot is None or not self.snapshot.playback.breakpoints:
+            self.screen.tell("there are no breakpoints; k sets one where the cursor is")
+            return
+        self.link.send(ClearBreakpoints())
+        self.screen.tell("all breakpoints are taken away")
+
+    def _run_until(self, option: UntilOption) -> None:
+        def run(number: float | str) -> None:
+            self.link.send(RunUntil(option.until(float(number))))
+
+        self._chosen_last = option.id
+        if not option.asks:
+            self.link.send(RunUntil(option.until()))
+        elif self.snapshot is not None:
+            self.ask(ask_number(option, self.snapshot, self.glyphs), run)
+
+    def _pair_under_cursor(self) -> int | None:
+        """Return the pair that a cursor was put on, or stands on in focus; None without one."""
+        table, world = self.board.table, self.board.world
+        if self.screen.focused is table:
+            return table.shown_cursor
+        if isinstance(world, ArmsView) and self.screen.focused is world:
+            return world.cursor_place
+        return table.cursor_pair
+
+    def _toggle_state(self, snapshot: Snapshot, state: int | None) -> None:
+        if state is None:
+            self.screen.tell("here is no state to stop at")
+            return
+        is_set = state in snapshot.playback.breakpoints.states
+        name = f"state {state_name(snapshot.world, state, self.glyphs)}"
+        happens = "is backed up" if kind_of(snapshot) is Kind.PLANNER else "is reached"
+        self.link.send(ToggleBreakpoint(state=state))
+        self._tell_breakpoint(name, f"each time it {happens}", is_set=is_set)
+
+    def _toggle_pair(self, snapshot: Snapshot, pair: int | None) -> None:
+        if pair is None:
+            return
+        is_set = pair in snapshot.playback.breakpoints.pairs
+        name = pair_in_words(snapshot.world, pair, self.glyphs)
+        happens = {Kind.AGENT: "taken", Kind.BANDIT: "pulled", Kind.PLANNER: "backed up"}[kind_of(snapshot)]
+        self.link.send(ToggleBreakpoint(pair=pair))
+        self._tell_breakpoint(name, f"each time it is {happens}", is_set=is_set)
+
+    def _tell_breakpoint(self, name: str, when: str, *, is_set: bool) -> None:
+        text = f"no breakpoint on {name} any more" if is_set else f"breakpoint on {name}: pauses {when}"
+        self.screen.tell(text)

@@ -1,0 +1,132 @@
+"""What is shown: layers of the table, one panel alone, the exact answer, the model."""
+
+from __future__ import annotations
+
+from rl_tui.live.commands import AskCheck, AskFlips, HideAnswer, LookAt
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.answers.flip_answer import FlipState
+from rl_tui.screen.board.subject import Subject
+from rl_tui.screen.dialogs.dialog import ModelScreen
+from rl_tui.screen.kit.panel import BORDERS
+from rl_tui.screen.kit.row import DISCOUNT, WORLD_CHECK
+from rl_tui.screen.kit.snapshot_facts import is_secret
+from rl_tui.screen.panels.controls.controls import GAMMA
+from rl_tui.screen.panels.controls.slider import Slider
+from rl_tui.worlds.drawing import Arms, Grid
+from rl_tui.worlds.world import World
+
+
+class ViewActions(Subject):
+    """Another look at the same snapshot, or at more of the world."""
+
+    _model: ModelScreen | None = None
+    _flips_asked: World | None = None
+    _asks_check: bool = False
+
+    def look_at(self) -> None:
+        """Have those parts of a large world copied that are in view now."""
+        pair = self._model.pair if self._model else None
+        self.link.send(LookAt(self.board.viewport._replace(pair=pair)))
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot`` in the model, if that is open."""
+        if self._model is not None:
+            self._model.show(snapshot)
+
+    def follow_panels(self) -> None:
+        """Ask for what the opened panel is about, and no more once it is closed."""
+        self.follow_flips()
+        is_open = self.board.opened == WORLD_CHECK
+        if is_open != self._asks_check:
+            self._asks_check = is_open
+            self.link.send(AskCheck(is_open))
+
+    def follow_flips(self) -> None:
+        """Ask for the flips of the world shown, where they are wanted and were not asked for yet."""
+        snapshot = self.snapshot
+        if snapshot is None or snapshot.world is self._flips_asked:
+            return
+        is_unknown = snapshot.answers.flips.state is FlipState.NOT_ASKED
+        is_there = snapshot.playback.phase not in (Phase.PREPARING, Phase.SEEKING)
+        if is_unknown and is_there and self._wants_flips(snapshot):
+            self._flips_asked = snapshot.world
+            self.link.send(AskFlips())
+
+    def _wants_flips(self, snapshot: Snapshot) -> bool:
+        """Return whether their panel is open or, unless they are hidden, a person is at the slider of γ.
+
+        Where the run goes on by itself, they are wanted for the slider as soon as it rests.
+        """
+        if self.board.opened == DISCOUNT or is_secret(snapshot):
+            return self.board.opened == DISCOUNT
+        focused = self.screen.focused
+        if isinstance(focused, Slider) and focused.id == GAMMA:
+            return True
+        rests = snapshot.playback.phase is not Phase.RUNNING
+        return self.link.player.is_automatic and rests and self.board.controls.has_slider(GAMMA)
+
+    def next_layer(self) -> None:
+        """Go to the next layer of the table."""
+        self.board.next_layer()
+
+    def turn_actions(self) -> None:
+        """Let the cells of a map show Q of every action, or V and greedy actions again."""
+        view = self.board.world
+        if view is None:
+            return
+        if not isinstance(view.world.drawing, Grid):
+            is_bandit = isinstance(view.world.drawing, Arms)
+            here = "each bar is Q of its arm" if is_bandit else "Q of every action stands in the table"
+            self.screen.tell(f"V is for maps, whose cells it turns to Q; here {here}")
+            return
+        legends = self.board.legends
+        legends.shows_actions = not legends.shows_actions
+        self.board.apply_switches()
+        if view.lacks_room:
+            width, height = self.board.size
+            alone = self.board.zoomed != view.id and view.has_room_in(width - BORDERS, height - BORDERS)
+            room = "f, the world alone, has room" if alone else "a larger terminal has room"
+            self.screen.tell(f"cells too small for Q of every action; {room}")
+
+    def zoom(self) -> None:
+        """Show one panel alone, or all again."""
+        self.board.zoom(None if self.board.zoomed else self.board.panel_of(self.screen.focused))
+
+    def hide_answer(self) -> None:
+        """Hide whatever would give the exact answer away, or show it."""
+        if self.snapshot is None:
+            return
+        if self.snapshot.world.mdp is None:
+            self.screen.tell("there is nothing to hide: this world has no exact answer")
+        elif self.snapshot.playback.phase is Phase.SPENT:
+            self.screen.tell("the budget is spent: nothing is hidden until r starts again")
+        else:
+            self.link.send(HideAnswer(not self.link.wanted.is_hidden))
+
+    def numbers(self) -> None:
+        """Show or hide the numbers of the states in the cells of a map."""
+        if self.snapshot is not None and not isinstance(self.snapshot.world.drawing, Grid):
+            self.screen.tell("# numbers the states of a map, and this world has none")
+            return
+        legends = self.board.legends
+        legends.numbers_states = not legends.numbers_states
+        self.board.apply_switches()
+
+    def model(self) -> None:
+        """Show the model until it is closed."""
+        if self.snapshot is None:
+            return
+        pair, last = self.board.table.cursor_pair, self.snapshot.counters.last_step
+        if pair is None and last is not None and (last.learned or not last.planned):
+            pair = last.updated_pair if last.planned else last.pair
+        self._model = ModelScreen(
+            self.screen.look,
+            self.snapshot,
+            pair,
+            on_scrolled=self.look_at,
+            hide_answer=self.hide_answer,
+        )
+        self.screen.app.push_screen(self._model, self._model_closed)
+
+    def _model_closed(self, _: None) -> None:
+        self._model = None

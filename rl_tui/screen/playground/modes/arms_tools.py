@@ -1,0 +1,142 @@
+"""Drawing bandits: what arms pay, arms more and arms less."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.panels.draw_sheet import WorldNumber
+from rl_tui.screen.playground.modes.numbers import DRIFT, MEAN, SPREAD, SUCCESS
+from rl_tui.screen.playground.modes.rules import Desk, Tool, Toolbox, ask_rules, fault_of, number_of
+from rl_tui.screen.playground.modes.texts import number_in, number_text
+from rl_tui.worlds.editing.arms_draft import ArmsDraft
+from rl_tui.worlds.editing.edit import Edit
+from rl_tui.worlds.world import World
+
+
+class ArmsTools(Toolbox):
+    """Draws the arms of a bandit. It remembers which it has added."""
+
+    def __init__(self) -> None:
+        self._added: tuple[int, int] | None = None  # how many there are with it, and its number
+
+    def about(self, desk: Desk) -> tuple[str, ...]:
+        """Return the arm under the cursor, and its mean."""
+        draft, arm = _arms_of(desk), _arm(desk)
+        mean = number_text(draft.means[arm], 4)
+        since = ", at first: means drift" if number_of(draft, DRIFT.name) else ""
+        return (
+            f"arm {arm} pays {mean} on average{since}",
+            f"arm {arm}: {mean}",
+        )
+
+    def advice(self, desk: Desk) -> tuple[str, ...]:
+        """Return what the pointer does."""
+        return "click: cursor · wheel: what an arm pays", "wheel: what an arm pays"
+
+    def numbers(self, desk: Desk) -> tuple[WorldNumber, ...]:
+        """Return the mean of the arm under the cursor, and how rewards spread and drift."""
+        draft = _arms_of(desk)
+        mean = WorldNumber(SUCCESS if draft.is_bernoulli else MEAN, draft.means[_arm(desk)])
+        if draft.is_bernoulli:
+            return (mean,)
+        return mean, *(WorldNumber(each, number_of(draft, each.name)) for each in (SPREAD, DRIFT))
+
+    def number_edits(self, desk: Desk, name: str, value: float) -> Sequence[Edit]:
+        """Return the edits that set one of them. Raises ValueError, in words, where it cannot be that."""
+        if name == MEAN.name:
+            return (self._edit(desk, _arm(desk), value),)
+        edits = (Edit(name, (), repr(value)),)
+        fault = fault_of(desk.draft, edits, name)
+        if fault:
+            raise ValueError(fault)
+        return edits
+
+    def turn(self, desk: Desk, place: int, amount: float) -> None:
+        """Let an arm pay so many tenths more on average."""
+        desk.view.put_cursor(place)
+        self.pay(amount / 10, desk)
+
+    def pay(self, amount: float, desk: Desk) -> None:
+        """Let the arm under the cursor pay so much more on average."""
+        draft, arm = _arms_of(desk), _arm(desk)
+        mean = round(draft.means[arm] + amount, 10)
+        desk.draw((self._edit(desk, arm, min(max(mean, 0.0), 1.0) if draft.is_bernoulli else mean),))
+
+    def ask_mean(self, desk: Desk) -> None:
+        """Type the mean of the arm under the cursor."""
+        draft, arm = _arms_of(desk), _arm(desk)
+        hint = "A probability from 0 to 1." if draft.is_bernoulli else "What it pays on average."
+        dialog = Prompt(f"Mean of arm {arm}", hint, repr(draft.means[arm]), partial(_mean, draft))
+        desk.ask(dialog, lambda value: desk.draw((self._edit(desk, arm, float(value)),)))
+
+    def place_added(self, world: World) -> int | None:
+        """Return the arm that was added, once it is there."""
+        if self._added is None or self._added[0] != world.space.pairs:
+            return None
+        (_, place), self._added = self._added, None
+        return place
+
+    def resize(self, count: int, desk: Desk, *, at_end: bool = False) -> None:
+        """Add an arm before the cursor, or ``at_end``, or take away the one under it."""
+        arms = len(_arms_of(desk).means)
+        at = arms if at_end else _arm(desk)
+        if count > 0 and not at_end:
+            self._added = arms + count, at
+        desk.draw((Edit("arms", (), f"{count:+d}@{at}"),))
+
+    def paint(self, desk: Desk, places: Sequence[int]) -> None:
+        """Put the cursor where it was clicked: there is nothing to paint."""
+        desk.view.put_cursor(places[-1])
+
+    def _edit(self, desk: Desk, arm: int, mean: float) -> Edit:
+        return Edit("arm", (str(arm),), repr(mean))
+
+    tools = (
+        Tool(
+            "plus",
+            "+",
+            "more",
+            "Let the arm pay 0.1 more on average.",
+            lambda box, desk: box.pay(0.1, desk),
+            0,
+        ),
+        Tool(
+            "minus",
+            "−",
+            "less",
+            "Let the arm pay 0.1 less on average.",
+            lambda box, desk: box.pay(-0.1, desk),
+            1,
+        ),
+        Tool("equals_sign", "=", "mean", "Type the mean of the arm.", ask_mean, 2),
+        Tool("i", "i", "arm +", "Add an arm here.", lambda box, desk: box.resize(1, desk), 3),
+        Tool("u", "u", "arm −", "Take this arm away.", lambda box, desk: box.resize(-1, desk), 4),
+        Tool(
+            "R",
+            "R",
+            "arm last",
+            "Add an arm behind all others.",
+            lambda box, desk: box.resize(1, desk, at_end=True),
+            6,
+        ),
+        Tool("o", "o", "rules", "The rules of the bandit: spread and drift.", ask_rules, 5),
+    )
+
+
+def _arms_of(desk: Desk) -> ArmsDraft:
+    draft = desk.draft
+    assert isinstance(draft, ArmsDraft)
+    return draft
+
+
+def _arm(desk: Desk) -> int:
+    return min(desk.view.cursor_place or 0, len(_arms_of(desk).means) - 1)
+
+
+def _mean(draft: ArmsDraft, text: str) -> float:
+    mean = number_in(text)
+    if draft.is_bernoulli and not 0 <= mean <= 1:
+        raise ValueError("expected a probability from 0 to 1")
+    return mean

@@ -1,0 +1,192 @@
+"""What is painted on maps: brushes, jumps, and the edits by which cells come to be what they are to be."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from itertools import groupby
+from typing import Final, NamedTuple
+
+from rl_tui.worlds.drawing import CellKind
+from rl_tui.worlds.editing.edit import Edit, as_json
+from rl_tui.worlds.editing.grid_draft import GridDraft
+from rl_tui.worlds.grid.map import FLOOR, START, LegendEntry
+
+Cell = tuple[int, int]
+"""Row and column."""
+_FREE: Final = "abcdefghijklmnopqrstuwxyz"
+
+
+class Brush(NamedTuple):
+    """What a key paints: a ``character`` of the map, and what it means where no legend says it.
+
+    ``word``, ``sentence`` and ``name`` are those of its tool.
+    """
+
+    key: str
+    character: str
+    word: str
+    entry: LegendEntry | None = None
+    sentence: str = ""
+    name: str = ""
+
+
+BRUSHES: Final = (
+    Brush("full_stop", FLOOR, "floor", sentence="Paint floor: it is free to walk on."),
+    Brush("number_sign", "#", "wall", sentence="Paint wall: nobody enters it."),
+    Brush("H", "H", "hole", sentence="Paint a hole: a trap, in which the episode ends."),
+    Brush("G", "G", "goal", sentence="Paint a goal: it pays 1, and the episode ends."),
+    Brush("S", START, "start", sentence="Let episodes start here."),
+    Brush(
+        "C",
+        "C",
+        "cliff",
+        LegendEntry(kind=CellKind.CLIFF, back=True, reward=-100.0),
+        "Paint a cliff: it costs 100 and leads back to the start.",
+    ),
+    Brush(
+        "X",
+        "X",
+        "exit",
+        LegendEntry(kind=CellKind.GOAL, exit=True),
+        "Paint an exit: whatever is done there next pays 1 and ends the episode.",
+    ),
+    Brush(
+        "less_than_sign", "<", "one-way", sentence="Paint a cell that is left left only.", name="one-way left"
+    ),
+    Brush(
+        "greater_than_sign",
+        ">",
+        "one-way",
+        sentence="Paint a cell that is left right only.",
+        name="one-way right",
+    ),
+    Brush(
+        "circumflex_accent", "^", "one-way", sentence="Paint a cell that is left up only.", name="one-way up"
+    ),
+    Brush("V", "v", "one-way", sentence="Paint a cell that is left down only.", name="one-way down"),
+)
+
+
+def painted(draft: GridDraft, brush: Brush, cells: Sequence[Cell]) -> tuple[Edit, ...]:
+    """Return the edits that paint ``brush`` on ``cells``."""
+    character = character_of(draft, brush)
+    return (*before_painting(draft, brush, cells), *runs(cells, lambda _: character))
+
+
+def character_of(draft: GridDraft, brush: Brush) -> str:
+    """Return what ``brush`` paints: a character that means that already, else its own."""
+    if brush.entry is None:
+        return brush.character
+    same = (
+        character
+        for character, entry in draft.legend.items()
+        if (entry.kind, entry.exit, entry.back) == (brush.entry.kind, brush.entry.exit, brush.entry.back)
+    )
+    return next(same, brush.character)
+
+
+def before_painting(draft: GridDraft, brush: Brush, cells: Sequence[Cell]) -> Iterator[Edit]:
+    """Yield what has to be done first: a legend for the character, the start moved away."""
+    legend, character = draft.legend, character_of(draft, brush)
+    if brush.entry is not None and character not in legend:
+        raw = brush.entry.model_dump(mode="json", exclude_defaults=True)
+        yield Edit("legend", (character,), as_json(raw))
+    starts = {each for each, entry in legend.items() if entry.kind is CellKind.START}
+    if character in starts:
+        inside = frozenset(cells)
+        for row, line in enumerate(draft.lines):
+            for column, there in enumerate(line):
+                if there in starts and (row, column) not in inside:
+                    yield Edit("cell", at(row, column), FLOOR)
+
+
+def called(entry: LegendEntry | None) -> str:
+    """Return what a cell of that ``entry`` is called."""
+    if entry is None:
+        return "unknown"
+    if entry.jump is not None:
+        return f"{entry.kind}, jumps to {entry.jump}"
+    if entry.only:
+        return f"only {' or '.join(entry.only)}"
+    return "exit" if entry.exit else str(entry.kind)
+
+
+def jump(draft: GridDraft, source: Cell, target: Cell) -> tuple[Edit, ...]:
+    """Return the edits by which every action in ``source``, which pays as before, leads to ``target``.
+
+    Raises ValueError where nothing can jump there.
+    """
+    if source == target:
+        raise ValueError("a jump leads to another cell")
+    legend = draft.legend
+    from_, there = (draft.lines[row][column] for row, column in (source, target))
+    if from_ not in legend or there not in legend or legend[from_].is_wall or legend[there].is_wall:
+        raise ValueError("a jump leads from a cell that is no wall to another one")
+    taken = {*legend, *"".join(draft.lines)}
+    free = [each for each in _FREE if each not in taken]
+    if len(free) < 2:
+        raise ValueError("there is no character left for a jump")
+    edits, landing = list[Edit](), there
+    if sum(line.count(there) for line in draft.lines) != 1:
+        landing = free.pop()
+        entry = legend[there].model_dump(mode="json", exclude_defaults=True)
+        edits += [Edit("legend", (landing,), as_json(entry)), Edit("cell", at(*target), landing)]
+    leaping = legend[from_]
+    kept: dict[str, object] = {"kind": str(leaping.kind), "jump": landing}
+    if leaping.reward is not None:
+        kept["reward"] = leaping.reward
+    if leaping.kind in (CellKind.GOAL, CellKind.HOLE):
+        kept["terminal"] = False
+    jumper = free.pop()
+    edits.append(Edit("legend", (jumper,), as_json(kept)))
+    return (*edits, Edit("cell", at(*source), jumper))
+
+
+def region(draft: GridDraft, start: Cell) -> list[Cell]:
+    """Return the cells of the same character that hang together with ``start``."""
+    lines, found, left = draft.lines, {start}, [start]
+    wanted = lines[start[0]][start[1]]
+    while left:
+        row, column = left.pop()
+        for cell in ((row + 1, column), (row - 1, column), (row, column + 1), (row, column - 1)):
+            inside = 0 <= cell[0] < draft.rows and 0 <= cell[1] < draft.columns
+            if inside and cell not in found and lines[cell[0]][cell[1]] == wanted:
+                found.add(cell)
+                left.append(cell)
+    return sorted(found)
+
+
+def paying_more(draft: GridDraft, cells: Sequence[Cell], amount: float) -> list[Edit]:
+    """Return the edits by which ``cells`` pay so much more than now; walls pay nothing."""
+    legend, pay = draft.legend, dict[Cell, str]()
+    for row, column in cells:
+        entry = legend.get(draft.lines[row][column])
+        if entry is not None and not entry.is_wall:
+            pay[row, column] = repr(round(entry.pays + amount, 10))
+    return list(runs(list(pay), pay.__getitem__, "reward"))
+
+
+def pays(draft: GridDraft, rows: range, columns: range) -> bool:
+    """Return whether there is a cell in those rows and columns that pays something: a wall is none."""
+    there = {character for row in rows for character in draft.lines[row][columns.start : columns.stop]}
+    return any(entry is not None and not entry.is_wall for entry in map(draft.legend.get, there))
+
+
+def runs(cells: Sequence[Cell], value: Callable[[Cell], str], name: str = "cell") -> Iterator[Edit]:
+    """Yield the edits called ``name`` of ``cells``, one for each stretch of the same value in a row."""
+    ordered = sorted(set(cells))
+    for (row, _, what), group in groupby(
+        enumerate(ordered), key=lambda each: (each[1][0], each[1][1] - each[0], value(each[1]))
+    ):
+        columns = [column for _, (_, column) in group]
+        yield Edit(name, (str(row), span(range(columns[0], columns[-1] + 1))), what)
+
+
+def at(row: int, column: int) -> tuple[str, str]:
+    """Return where an edit of one cell is."""
+    return str(row), str(column)
+
+
+def span(lines: range) -> str:
+    """Return some rows, or columns, as an edit names them."""
+    return str(lines.start) if len(lines) == 1 else f"{lines.start}:{lines.stop}"

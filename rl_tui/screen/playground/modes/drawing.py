@@ -1,0 +1,345 @@
+"""Draw policy (key D): the mode in which a person chooses an action for each state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+import numpy as np
+
+from rl_tui.common.words import counted
+from rl_tui.live.commands import ClearDrawing, Command, DrawAction, StudyPolicy
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.screen.dialogs.dialog import Confirm
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.frame.key_line import Hints
+from rl_tui.screen.kit.row import POLICIES, WORLD
+from rl_tui.screen.kit.snapshot_facts import shown_by
+from rl_tui.screen.panels.arms import ArmsView
+from rl_tui.screen.panels.policies.studied import is_kept_back
+from rl_tui.screen.panels.world.policy_picture import AT_RANDOM
+from rl_tui.screen.panels.world.view import WorldView
+from rl_tui.screen.playground.modes.action_keys import (
+    DIGITS,
+    action_towards,
+    actions_in_a_line,
+    acts_in,
+    digit_keys,
+    digits_in_words,
+    has_directions,
+)
+from rl_tui.screen.playground.modes.mode import CLEAR, LEAVE, STEPS, WITH_SHIFT, KeyMode
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.worlds.drawing import Arms, Grid
+from rl_tui.worlds.world import World
+
+# Texts on the screen
+
+
+NOTHING_TO_CHOOSE: Final = "nothing to choose"
+
+_END = "D: end"
+_FIGURE = 8  # cells of a return, as in the table of policies
+
+
+def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
+    """Return what the world is called while a policy is drawn on it, the longest form first."""
+    figures = tuple(_figures(snapshot, glyphs))
+    if not figures:
+        return "You draw a policy", "You draw"
+    together = [" · ".join(each) for each in _forms(figures)]
+    return (
+        f"You draw a policy · {together[0]}",
+        *(f"{start} · {each}" for each in together for start in ("You draw", "Drawn")),
+        *(f"You draw · {form}" for each in figures for form in each),
+        "You draw",
+    )
+
+
+def _forms(figures: Sequence[Sequence[str]]) -> Iterator[tuple[str, ...]]:
+    """Yield all figures, from the longest forms of each to the shortest ones."""
+    for place in range(max(map(len, figures))):
+        yield tuple(each[min(place, len(each) - 1)] for each in figures)
+
+
+def _figures(snapshot: Snapshot, glyphs: Glyphs) -> Iterator[tuple[str, ...]]:
+    """Yield what the drawn policy earns, then what of it is open, each the longest form first."""
+    world, answers = snapshot.world, snapshot.answers
+    if not answers.drawn.choices:
+        yield (f"all at random ({AT_RANDOM})", "all at random")
+        return
+    worth = answers.policies.get(PolicyKind.DRAWN)
+    if is_kept_back(snapshot, PolicyKind.DRAWN):
+        yield f"its return is hidden ({shown_by(snapshot)})", "its return is hidden", "return hidden"
+    elif worth is not None and worth.expected_return is not None:
+        yield (f"return {_amount(worth.expected_return, glyphs)}",)
+    elif worth is not None and (worth.is_known or worth.refused):
+        yield (f"no return: {worth.refused or 'it may never end'}",)
+    left = answers.left_to_chance
+    if left is not None and not isinstance(world.drawing, Arms):
+        yield _left(int(left.sum()))
+
+
+def _amount(x: float, glyphs: Glyphs) -> str:
+    """Return ``x`` as briefly as it is, else as the table of policies writes it: ``1``, ``−131,546``."""
+    exact = numbers.brief(x, glyphs, decimals=numbers.DECIMALS)
+    return exact if len(exact) < _FIGURE - 1 and abs(x) < 1_000.0 else numbers.figure(x, _FIGURE, glyphs)
+
+
+def _left(count: int) -> tuple[str, ...]:
+    """Return in how many states it may come to act at random; elsewhere it may, but is never there."""
+    if not count:
+        return "all on its way drawn", "its way is drawn", "way drawn"
+    return (
+        f"{counted(count, 'state')} on its way at random ({AT_RANDOM})",
+        f"{count:,} on its way at random ({AT_RANDOM})",
+        f"{count:,} at random ({AT_RANDOM})",
+        f"{count:,} at random",
+        f"{count:,} random",
+    )
+
+
+def prompts(world: World, state: int | None, glyphs: Glyphs) -> tuple[str, ...]:
+    """Return the keys for ``state``, under the cursor, the longest form first; None: nothing to choose."""
+    if state is None:
+        return f"{NOTHING_TO_CHOOSE} here · {_END}", _END
+    forms = actions_in_a_line(world, state, glyphs) or (f"{digits_in_words(world, state)}: arm",)
+    in_full = (f"{form} · del: none · C: clear · {_END}" for form in forms[:2])
+    return (*in_full, *(f"{form} · {_END}" for form in forms), *forms, _END)
+
+
+def hints(world: World) -> Hints:
+    """Return the keys for the key line, with what they do in a word; the last but one goes first."""
+    moves = (("arrows", "cursor"),)
+    if isinstance(world.drawing, Arms):
+        draws: Hints = (("enter", "draw"),)
+    elif has_directions(world):
+        draws = (("shift+arrow", "draw"),)
+    else:
+        draws = ()
+    return (*draws, ("digits", "draw"), ("D", "end"), ("del", "none"), ("C", "clear"), *moves, ("?", "help"))
+
+
+# The mode
+
+
+_DRAWS: Final = {f"{WITH_SHIFT}{key}": step for key, step in STEPS.items()}
+_NONE: Final = ("delete", "backspace")
+
+
+class PolicyDrawing(KeyMode):
+    """Drawing a policy under the cursor of the world, which has the focus; the run goes on as it does."""
+
+    way_back = "click or tab here to draw on · D: end", "tab here to draw on · D: end", "D: end"
+    _studied_before: PolicyKind | None = None
+
+    def takes(self, key: str) -> bool:
+        """Return whether ``key`` draws or leaves."""
+        view = self._view
+        if view is None:
+            return False
+        if key in _DRAWS:
+            return has_directions(view.world)
+        return key in (*DIGITS, *_NONE, CLEAR, LEAVE) or (key == "enter" and isinstance(view, ArmsView))
+
+    def press(self, key: str) -> None:
+        """Draw what ``key`` means in the state under the cursor."""
+        view = self._view
+        if key == LEAVE:
+            self.toggle()
+        elif key == CLEAR:
+            self._ask_to_clear()
+        elif view is not None and key in _DRAWS:
+            self._draw_towards(view, _DRAWS[key])
+        elif view is not None and key in _NONE:
+            self._draw_nothing(view)
+        elif isinstance(view, ArmsView) and key == "enter":
+            self._draw_arm(view)
+        elif view is not None:
+            self._draw_numbered(view, key)
+
+    def point(self, step: tuple[int, int] | None) -> None:
+        """Draw the action towards a side of the cell under the cursor; of a bandit the arm there."""
+        view = self._view
+        if isinstance(view, ArmsView):
+            self._draw_arm(view)
+        elif view is not None and step is not None and has_directions(view.world):
+            self._draw_towards(view, step, moves=False)
+
+    def toggle(self) -> None:
+        """Begin to draw, or end it."""
+        snapshot = self.snapshot
+        if self.is_on:
+            self._end()
+            return
+        if snapshot is None or snapshot.playback.phase is Phase.PREPARING:
+            return
+        refused = _refused(snapshot.world)
+        if refused:
+            self.screen.tell(refused)
+            return
+        self._studied_before = None if self._has_panel else self.link.wanted.studied
+        self.board.bring_into_view(WORLD)
+        self.enter()
+        self.link.send(StudyPolicy(PolicyKind.DRAWN))
+        view = self.board.world
+        if view is not None:
+            place = self._first_place(view, snapshot)
+            if place is not None:
+                view.put_cursor(place)  # it stays there while the agent goes on
+        self.show(snapshot)
+        self.screen.tell(_first_words(snapshot.world))
+
+    def leave(self) -> None:
+        """Give the keys back; what was drawn stays."""
+        if self.is_on:
+            super().leave()
+            if not self._has_panel:
+                self.link.send(StudyPolicy(self._studied_before))
+            if self.board.world is not None:
+                self.board.world.action_follow()
+
+    def note(self, command: Command) -> None:
+        """End it where the world is to show another policy."""
+        if isinstance(command, StudyPolicy) and command.kind not in (None, PolicyKind.DRAWN):
+            self._end()
+
+    def _end(self) -> None:
+        self.leave()
+        self.screen.tell("what you drew is kept; D goes on drawing")
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Show what is drawn, and what can be done under the cursor."""
+        if self.link.wanted.studied is None:
+            self.link.send(StudyPolicy(PolicyKind.DRAWN))  # a panel that was closed ended it
+        view, world, glyphs = self._view, snapshot.world, self.glyphs
+        state = None if view is None else self._state_under(view)
+        self._write(title(snapshot, glyphs), prompts(world, state, glyphs), hints(world))
+
+    @property
+    def _has_panel(self) -> bool:
+        """Whether the panel is open that says which policy is studied."""
+        return self.board.opened == POLICIES
+
+    @property
+    def _view(self) -> WorldView | None:
+        """The world in focus."""
+        focused = self.screen.focused
+        return focused if isinstance(focused, WorldView) else None
+
+    def _first_place(self, view: WorldView, snapshot: Snapshot) -> int | None:
+        """Return where the cursor begins: where it was put, else with the agent.
+
+        Where the agent has nothing to choose, as at the end of an episode, that is where the next one starts,
+        else the first state with a choice.
+        """
+        if view.cursor is not None or self._state_under(view) is not None:
+            return view.cursor_place
+        space = snapshot.world.space
+        states = acts_in(snapshot), *np.flatnonzero(np.diff(space.first_pair) > 1)[:1]
+        chosen = next(int(each) for each in states if len(space.pairs_of(int(each))) > 1)
+        return view.place_of(space.pairs_of(chosen).start)
+
+    def _state_under(self, view: WorldView) -> int | None:
+        """Return the state under the cursor of ``view``, None where nothing can be chosen there."""
+        place = view.cursor_place
+        pairs = range(0) if place is None else view.pairs_at(place)
+        if not pairs:
+            return None
+        state = view.world.space.state_of(pairs.start)
+        return state if len(view.world.space.pairs_of(state)) > 1 else None
+
+    def _state_to_draw_in(self, view: WorldView) -> int | None:
+        """Return the state under the cursor; say so where there is nothing to choose."""
+        state = self._state_under(view)
+        if state is None:
+            place = view.cursor_place
+            is_only_one = place is not None and bool(view.pairs_at(place))
+            why = "there is only one action" if is_only_one else "no action is taken here"
+            self.screen.tell(f"{NOTHING_TO_CHOOSE}: {why}")
+        return state
+
+    def _draw_towards(self, view: WorldView, step: tuple[int, int], *, moves: bool = True) -> None:
+        state = self._state_to_draw_in(view)
+        if state is None:
+            return
+        action = action_towards(view.world, state, step)
+        if action is None:
+            self._tell_no_action(view.world, state, self.glyphs.direction(step))
+            return
+        self.link.send(DrawAction(state, action))
+        if moves:
+            view.put_cursor(likely_cell(view.world, state, action))
+
+    def _draw_numbered(self, view: WorldView, key: str) -> None:
+        state = self._state_to_draw_in(view)
+        if state is None:
+            return
+        action = digit_keys(view.world, state).get(key)
+        if action is None:
+            self._tell_no_action(view.world, state, key)
+        else:
+            self.link.send(DrawAction(state, action))
+
+    def _draw_arm(self, view: ArmsView) -> None:
+        state, place = self._state_to_draw_in(view), view.cursor_place
+        if state is not None and place is not None:
+            self.link.send(DrawAction(state, int(view.world.space.pair_action[place])))
+
+    def _draw_nothing(self, view: WorldView) -> None:
+        state = self._state_to_draw_in(view)
+        if state is not None:
+            self.link.send(DrawAction(state, None))
+
+    def _tell_no_action(self, world: World, state: int, key: str) -> None:
+        text = f"{key} is no action here: draw with {digits_in_words(world, state)}"
+        self.screen.tell(text, severity="warning")
+
+    def _ask_to_clear(self) -> None:
+        count = 0 if self.snapshot is None else len(self.snapshot.answers.drawn.choices)
+        if not count:
+            self.screen.tell("nothing is drawn yet")
+            return
+        question = f"You have drawn an action in {counted(count, 'state')}; this cannot be undone."
+        self.ask(Confirm("Draw afresh?", question, "clear all", self.glyphs), self._clear)
+
+    def _clear(self, _: bool) -> None:
+        self.link.send(ClearDrawing())
+        self.screen.tell("all that was drawn is gone")
+
+
+def likely_cell(world: World, state: int, action: int) -> int:
+    """Return the cell of a map to which ``action`` most likely leads from ``state``.
+
+    Where several are as likely, it is the one in which the action happens as meant, if that is among them.
+    """
+    mdp, grid, pair = world.mdp, world.drawing, world.space.pair_of(state, action)
+    if mdp is None or pair is None or not isinstance(grid, Grid):
+        raise ValueError("only maps with a table have a cell that an action leads to")
+    own = mdp.outcomes_of(pair)
+    next_states, actions = mdp.next_state[own.start : own.stop], mdp.outcome_action[own.start : own.stop]
+    chances = np.bincount(next_states, mdp.probability[own.start : own.stop], minlength=mdp.states)
+    likely = chances[next_states] >= chances.max() - 1e-9
+    meant = likely & (actions == action)
+    chosen = next_states[meant if meant.any() else likely][0]
+    return grid.cell_of_state[int(chosen)]
+
+
+def _refused(world: World) -> str:
+    """Return why nothing can be drawn in ``world``, empty if something can be."""
+    if world.mdp is None:
+        return "what actions lead to is not known here: a drawn policy could not be evaluated"
+    if not (np.diff(world.space.first_pair) > 1).any():
+        return "nothing to draw: no state has more than one action"
+    return ""
+
+
+def _first_words(world: World) -> str:
+    if has_directions(world):
+        how = "shift and an arrow draw and move on; digits draw, and a second click at a side of the cell"
+    elif isinstance(world.drawing, Arms):
+        how = "arrows move; digits draw, and a second click on an arm"
+    else:
+        how = "arrows move, digits draw"
+    return f"you draw a policy: {how}; undrawn states (?) act at random; D ends"

@@ -1,0 +1,426 @@
+"""Edit world (key C): the mode in which a person changes the world while the agent learns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Final
+
+from rl_tui.common.errors import UserError
+from rl_tui.live.commands import DrawWorld, HideAnswer, OpenEditor, RedoStroke, UndoStroke
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.live.world_editor import IN_LESSON
+from rl_tui.runs.edited_world import edited_draft
+from rl_tui.screen.frame.key_line import Hints
+from rl_tui.screen.keys.action import Action, Group
+from rl_tui.screen.keys.playground_keys import DRAW_KEY
+from rl_tui.screen.kit.pointing import PointerStroke, Touched, Wheeled
+from rl_tui.screen.kit.row import DRAW, WORLD
+from rl_tui.screen.kit.snapshot_facts import is_secret
+from rl_tui.screen.panels.controls.slider import Slider
+from rl_tui.screen.panels.draw_sheet import LinePressed, ToolCell, ToolPressed, ToolSheet
+from rl_tui.screen.panels.world.view import WorldView
+from rl_tui.screen.playground.modes.action_keys import DIGITS
+from rl_tui.screen.playground.modes.arms_tools import ArmsTools
+from rl_tui.screen.playground.modes.graph_tools import GraphTools
+from rl_tui.screen.playground.modes.map_tools import MapTools
+from rl_tui.screen.playground.modes.mode import LEAVE, STEPS, WITH_SHIFT, KeyMode
+from rl_tui.screen.playground.modes.rules import Desk, Tool, Toolbox
+from rl_tui.screen.playground.modes.saving import ScenarioSaving
+from rl_tui.screen.playground.modes.texts import hints, prompts, title
+from rl_tui.worlds.drawing import Arms, Graph, Grid
+from rl_tui.worlds.editing.arms_draft import Draft
+from rl_tui.worlds.editing.edit import Edit
+from rl_tui.worlds.files.scenario import Scenario
+
+# Edits not yet applied
+
+
+class PendingStrokes:
+    """Strokes that were sent: two quick keys are two steps, though no picture came between them."""
+
+    def __init__(self) -> None:
+        self._sent: list[tuple[int, tuple[Edit, ...]]] = []
+        # A draft, the first stroke beyond it, how many are drawn, and what comes of them
+        self._drawn: tuple[Draft, int | None, int, Draft] | None = None
+
+    def __bool__(self) -> bool:
+        """Whether there are any."""
+        return bool(self._sent)
+
+    def note(self, number: int, edits: Sequence[Edit]) -> None:
+        """Keep ``edits``, which were sent as command ``number``."""
+        self._sent.append((number, tuple(edits)))
+
+    def forget(self) -> None:
+        """Wait for the next picture: what comes next undoes, or makes again, something else."""
+        self._sent.clear()
+
+    def draft(self, snapshot: Snapshot) -> Draft | None:
+        """Return the draft of ``snapshot`` with all that it does not have yet; None where there is none.
+
+        Each stroke is drawn once for a snapshot, however often this is asked for: a wheel sends hundreds.
+        """
+        self._sent = [each for each in self._sent if each[0] > snapshot.playback.handled]
+        base = snapshot.editor.draft
+        if base is None:
+            return None
+        first = self._sent[0][0] if self._sent else None
+        if self._drawn is None or self._drawn[:2] != (base, first):
+            self._drawn = base, first, 0, base
+        _, _, count, draft = self._drawn
+        try:
+            for _, edits in self._sent[count:]:
+                draft = edited_draft(draft, edits)
+        except UserError:
+            return base
+        self._drawn = base, first, len(self._sent), draft
+        return draft
+
+
+# The mode
+
+
+TOOLBOXES: Final[Mapping[type, Callable[[], Toolbox]]] = {
+    Grid: MapTools,
+    Graph: GraphTools,
+    Arms: ArmsTools,
+}
+"""What there is to draw with, by how a world is drawn."""
+UNDO, REDO, SAVE = "z", "Z", "w"
+ALWAYS: Final = (
+    Tool(
+        UNDO,
+        "z",
+        "undo",
+        "Undo the last stroke.",
+        lambda editing, _: editing.undo(),
+        name="undo the stroke",
+    ),
+    Tool(
+        REDO,
+        "Z",
+        "redo",
+        "Make the stroke again that was undone.",
+        lambda editing, _: editing.redo(),
+        name="redo the stroke",
+    ),
+    Tool(
+        SAVE,
+        "w",
+        "save",
+        "Save the world as a scenario file.",
+        lambda editing, _: editing.saving.save(),
+        name="save the world",
+    ),
+    Tool(
+        LEAVE,
+        "esc",
+        "end",
+        "End drawing; the world stays as it is.",
+        lambda editing, _: editing.end(),
+        name="end drawing",
+    ),
+)
+"""Tools of every kind of world; they belong to the mode."""
+_ALONG: Final = {f"{WITH_SHIFT}{key}": step for key, step in STEPS.items()}
+_TOGGLE: Final = "editing.toggle"
+_SAVING_OFF: Final = "saving is off here: this is a kiosk"
+
+
+class WorldEditing(KeyMode):
+    """Drawing the world with the tools of its kind; the world in view has the focus, and the run goes on.
+
+    The panel of tools is there as long as it is on.
+    """
+
+    way_back = "click or tab here to draw on", "tab here to draw on"
+    toolbox: Toolbox | None = None
+    _looked_at: tuple[Scenario, str] | None = None
+
+    @cached_property
+    def saving(self) -> ScenarioSaving:
+        """What knows the file of the world."""
+        return ScenarioSaving(self.screen, self.board, self.link)
+
+    @cached_property
+    def _pending(self) -> PendingStrokes:
+        return PendingStrokes()
+
+    # What can be done
+
+    @property
+    def refused(self) -> str:
+        """Why this world cannot be drawn, as far as a look tells; empty where it can, or is not there yet."""
+        snapshot = self.snapshot
+        if snapshot is None or snapshot.playback.phase is Phase.PREPARING or snapshot.program is not None:
+            return ""
+        if snapshot.lesson is not None:
+            return IN_LESSON
+        scenario = snapshot.recipe.scenario
+        if self._looked_at is None or self._looked_at[0] is not scenario:
+            from rl_tui.worlds.editing.drafts import seen_refusal
+
+            self._looked_at = scenario, seen_refusal(scenario, snapshot.world)
+        return self._looked_at[1]
+
+    @property
+    def idle_keys(self) -> frozenset[str]:
+        """The ids of the actions that can do nothing here: the key line leaves them out."""
+        return frozenset({_TOGGLE} if self.refused else ())
+
+    @property
+    def offered(self) -> tuple[Hints, ...]:
+        """What stands first on the key line while the world has the focus, the longest form first."""
+        can_begin = self.modes.current is None and isinstance(self.screen.focused, WorldView)
+        snapshot = self.snapshot
+        if not can_begin or self.refused or snapshot is None or snapshot.program is not None:
+            return ()
+        return tuple(((DRAW_KEY, form),) for form in ("draw the world", "draw"))
+
+    def marked(self, action: Action) -> Action:
+        """Return ``action``, with the reason where it is to draw a world that cannot be drawn."""
+        return replace(action, refused=self.refused) if action.id in self.idle_keys else action
+
+    @property
+    def actions(self) -> tuple[Action, ...]:
+        """What there is to draw with, for palette and help; nothing while the mode is off."""
+        return () if self.toolbox is None else tuple(map(action_of, (*self.toolbox.tools, *ALWAYS)))
+
+    def takes(self, key: str) -> bool:
+        """Return whether ``key`` draws, undoes, saves, leaves or goes to a slider."""
+        is_slider = key in DIGITS and self._slider(key) is not None
+        return self.toolbox is not None and (is_slider or key in _ALONG or self._tool(key) is not None)
+
+    def has_on_a_page(self, key: str) -> bool:
+        """Return whether ``key`` goes from one slider of the panel to another."""
+        focused = self.screen.focused
+        is_slider = isinstance(focused, Slider) and not focused.is_typing
+        return key in DIGITS and is_slider and self.board.panel_of(focused) == DRAW
+
+    def _slider(self, key: str) -> Slider | None:
+        sliders = self.board.tools.sliders if self.board.shows(DRAW) else ()
+        return next((each for number, each in enumerate(sliders, start=1) if str(number) == key), None)
+
+    def _tool(self, name: str) -> Tool | None:
+        tools = () if self.toolbox is None else (*self.toolbox.tools, *ALWAYS)
+        return next((each for each in tools if each.id == name), None)
+
+    # What is done
+
+    def press(self, key: str) -> None:
+        """Do what ``key`` means."""
+        if key in _ALONG:
+            desk = self._hand()
+            if desk is not None and self.toolbox is not None:
+                self.toolbox.go_along(desk, _ALONG[key])
+                self._show_picked()
+        elif (slider := self._slider(key) if key in DIGITS else None) is not None:
+            slider.focus()
+        else:
+            self.use(key)
+
+    def use(self, name: str, *, is_clicked: bool = False) -> None:
+        """Use the tool with the id ``name``, or say why it can do nothing now."""
+        desk, tool = self._hand(), self._tool(name)
+        if desk is None or tool is None or self.toolbox is None:
+            return
+        refused = self._cell(tool, desk).refused
+        if refused:
+            self.screen.tell(refused)
+            return
+        use = tool.click if is_clicked and tool.click is not None else tool.use
+        use(self if tool in ALWAYS else self.toolbox, desk)
+        self._show_picked()
+
+    def draw(self, event: Touched) -> None:
+        """Paint where the pointer was drawn, change what is paid under it, or use what was clicked."""
+        desk = self._hand()
+        if desk is None or self.toolbox is None:
+            return
+        match event:
+            case PointerStroke(places=places):
+                self.toolbox.paint(desk, places)
+            case Wheeled(place=place, amount=amount):
+                self.toolbox.turn(desk, place, amount)
+            case LinePressed(line):
+                self.toolbox.choose_line(desk, line)
+            case ToolPressed(name):
+                self.screen.set_focus(self.board.world)
+                self.use(name, is_clicked=True)
+        self._show_picked()
+
+    def set_number(self, name: str, value: float | str) -> bool:
+        """Set the number of the slider ``name``, if it is one of the world; return whether it is.
+
+        What cannot be is refused in words, and the slider goes back.
+        """
+        desk = self._hand()
+        if desk is None or self.toolbox is None or isinstance(value, str):
+            return False
+        number = next((each for each in self.toolbox.numbers(desk) if each.parameter.name == name), None)
+        if number is None:
+            return False
+        try:
+            self._draw(self.toolbox.number_edits(desk, name, value))
+        except ValueError as fault:
+            self.screen.tell(f"{number.parameter.symbol} stays {number.value:g}: {fault}", severity="warning")
+        self._show_picked()
+        return True
+
+    def undo(self) -> None:
+        """Undo the last stroke."""
+        self._pending.forget()
+        self.link.send(UndoStroke())
+
+    def redo(self) -> None:
+        """Make the stroke again that was undone last."""
+        self._pending.forget()
+        self.link.send(RedoStroke())
+
+    def end(self) -> None:
+        """Drop what was begun, else leave."""
+        if self.toolbox is not None and not self.toolbox.cancel():
+            self._end()
+
+    def toggle(self) -> None:
+        """Begin to draw, or end it."""
+        snapshot = self.snapshot
+        if self.is_on:
+            self._end()
+        elif snapshot is not None and snapshot.playback.phase is not Phase.PREPARING:
+            self._begin(snapshot)
+
+    def _begin(self, snapshot: Snapshot) -> None:
+        from rl_tui.worlds.editing.drafts import refusal
+
+        refused = self.refused or refusal(snapshot.recipe.scenario, snapshot.recipe.seed)
+        if refused:
+            self.screen.tell(refused)
+            return
+        if isinstance(snapshot.world.drawing, Arms) and is_secret(snapshot):
+            self.link.send(HideAnswer(is_hidden=False))
+            self.screen.tell("what the arms truly pay is shown now: h hides it again")
+        self.toolbox = TOOLBOXES[type(snapshot.world.drawing)]()
+        self.board.bring_into_view(WORLD)
+        self.link.send(OpenEditor(is_open=True))
+        self.board.reshape(is_drawn=True)
+        self.board.controls.give_away(frozenset(each.shown for each in self.toolbox.tools))
+        self.enter()
+        view = self.board.world
+        if view is not None:
+            view.is_drawn_on = True
+            if view.cursor_place is not None:
+                view.put_cursor(view.cursor_place)  # it stays there while the agent goes on
+        self.show(snapshot)
+
+    def leave(self) -> None:
+        """Give the keys back; what was drawn stays."""
+        if not self.is_on:
+            return
+        if self.board.panel_of(self.screen.focused) == DRAW:
+            self.screen.set_focus(self.board.world)
+        super().leave()
+        self.toolbox = None
+        self._pending.forget()
+        self.board.reshape(is_drawn=False)
+        self.board.controls.give_away(frozenset())
+        self.link.send(OpenEditor(is_open=False))
+        view = self.board.world
+        if view is not None:
+            view.is_drawn_on = False
+            view.picked = frozenset()
+            view.action_follow()
+
+    def _end(self) -> None:
+        self.leave()
+        self.screen.tell("the world stays as you drew it; C goes on drawing")
+
+    # What is shown
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Show what is drawn, what is unfinished in it, and what there is to draw with."""
+        view, box = self.board.world, self.toolbox
+        if view is None or box is None:
+            return
+        if snapshot.world is not view.world:  # it is drawn next, and then all of this is shown
+            self.screen.call_later(self._land, box.place_added(snapshot.world))
+            return
+        desk = self._hand()
+        about = () if desk is None else box.about(desk)
+        with_brush = tuple(f"{each} · {box.in_hand}" for each in about[:2] if box.in_hand)
+        self._write(title(snapshot), prompts(snapshot, (*with_brush, *about)), hints(box.hints()))
+        if desk is not None:
+            self.board.tools.show_sheet(self._sheet(box, desk, about))
+
+    def _sheet(self, box: Toolbox, desk: Desk, about: tuple[str, ...]) -> ToolSheet:
+        tools = (each for each in (*box.tools, *ALWAYS) if each.in_panel)
+        return ToolSheet(
+            about=tuple(filter(None, (about, box.advice(desk)))),
+            lines=box.lines(desk),
+            cells=tuple(self._cell(each, desk) for each in tools),
+            numbers=box.numbers(desk),
+        )
+
+    def _cell(self, tool: Tool, desk: Desk) -> ToolCell:
+        """Return how the panel shows ``tool`` now."""
+        if tool not in ALWAYS:
+            assert self.toolbox is not None
+            return self.toolbox.cell(tool, desk)
+        editor, is_waiting = desk.snapshot.editor, bool(self._pending)
+        refused = {
+            UNDO: "" if editor.can_undo or is_waiting else "nothing that was drawn is left to undo",
+            REDO: "" if editor.can_redo or is_waiting else "nothing was undone: there is nothing to redo",
+            SAVE: _SAVING_OFF if self.screen.in_kiosk else "",
+        }.get(tool.id, "")
+        return ToolCell(tool.id, tool.shown, tool.word, refused=refused)
+
+    def _hand(self) -> Desk | None:
+        """Return what tools work with; None while there is no draft yet."""
+        view, snapshot = self.board.world, self.snapshot
+        draft = None if snapshot is None else self._pending.draft(snapshot)
+        if view is None or snapshot is None or draft is None:
+            return None
+        return Desk(view, snapshot, draft, self.glyphs, self._draw, self.screen.tell, self.ask)
+
+    def _draw(self, edits: Sequence[Edit]) -> None:
+        """Make ``edits`` as one stroke, or say why they cannot be made."""
+        draft = None if self.snapshot is None else self._pending.draft(self.snapshot)
+        if not edits or draft is None:
+            return
+        try:
+            edited_draft(draft, edits)
+        except UserError as fault:
+            self.screen.tell(str(fault))
+            return
+        self.link.send(DrawWorld(tuple(edits)))
+        self._pending.note(self.link.wanted.sent, edits)
+
+    def _land(self, place: int | None) -> None:
+        """Put the cursor on what was added to another world, which is drawn now; else it has its place."""
+        view = self.board.world
+        if self.is_on and view is not None:
+            # without one, where its own place is gone, it would go along with the agent
+            stays = view.cursor if place is None else place
+            view.put_cursor((view.cursor_place or 0) if stays is None else stays)
+        self._show_picked()
+
+    def _show_picked(self) -> None:
+        desk = self._hand()
+        if self.toolbox is not None and desk is not None:
+            desk.view.picked = self.toolbox.picked(desk)
+            self.show(desk.snapshot)
+
+
+def action_of(tool: Tool) -> Action:
+    """Return ``tool`` as the palette, the help and the docs list it."""
+    return Action(
+        f"editing.{tool.id}",
+        tool.key,
+        tool.label,
+        tool.help,
+        Group.DRAWING,
+        symbol=tool.shown,
+        command=f"editing.use({tool.id!r})",
+    )

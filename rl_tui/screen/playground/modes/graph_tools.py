@@ -1,0 +1,403 @@
+"""Tools to edit a graph: its states, the outcomes of their actions, and the start.
+
+The tools work on one outcome at a time, the one last chosen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from typing import Any, Final
+
+from rl_tui.screen.dialogs.choice import Candidate, Choice
+from rl_tui.screen.dialogs.dialog import Prompt
+from rl_tui.screen.panels.draw_sheet import SheetLine, ToolCell, WorldNumber
+from rl_tui.screen.playground.modes.numbers import CHANCE, LIMIT, PAYS
+from rl_tui.screen.playground.modes.outcomes import (
+    FORM,
+    ActionOutcome,
+    actions_in,
+    outcomes_in,
+    paying,
+    read_name,
+    read_outcomes,
+    written,
+)
+from rl_tui.screen.playground.modes.rules import Desk, Tool, Toolbox, ask_rules, fault_of, number_of
+from rl_tui.screen.playground.modes.texts import number_in, number_text
+from rl_tui.worlds.drawing import Graph
+from rl_tui.worlds.editing.edit import Edit, as_json
+from rl_tui.worlds.editing.graph_draft import GraphDraft, transition_edit, with_chance
+from rl_tui.worlds.world import World
+
+# The tools, one row each
+
+
+NEEDS_OUTCOME: Final = frozenset({"plus", "minus", "equals_sign", "delete"})
+"""Tools that are about the outcome chosen."""
+
+GRAPH_TOOLS: Final = (
+    Tool(
+        "enter",
+        "enter",
+        "actions",
+        "What can be done in the state, and what comes of it; a new action too.",
+        lambda box, desk: box.choose_action(desk),
+        0,
+    ),
+    Tool(
+        "plus",
+        "+",
+        "likelier",
+        "Let the outcome chosen be likelier by .05; the others share the rest.",
+        lambda box, desk: box.shift(desk, 0.05),
+        2,
+    ),
+    Tool(
+        "minus",
+        "−",
+        "less likely",
+        "Let the outcome chosen be less likely by .05; the others share the rest.",
+        lambda box, desk: box.shift(desk, -0.05),
+        3,
+    ),
+    Tool(
+        "equals_sign",
+        "=",
+        "reward",
+        "Type what the action chosen pays.",
+        lambda box, desk: box.ask_reward(desk),
+        9,
+    ),
+    Tool(
+        "delete",
+        "del",
+        "action −",
+        "Take the action chosen away.",
+        lambda box, desk: box.take_action_away(desk),
+        10,
+    ),
+    Tool("S", "S", "start", "Let every episode start here.", lambda box, desk: box.begin_here(desk), 1),
+    Tool(
+        "i",
+        "i",
+        "state +",
+        "Add a state, and an action that leads there from this one.",
+        lambda box, desk: box.add_state(desk),
+        5,
+    ),
+    Tool(
+        "u",
+        "u",
+        "state −",
+        "Take this state away, and what leads there.",
+        lambda box, desk: box.remove_state(desk),
+        6,
+    ),
+    Tool(
+        "comma",
+        ",",
+        "next state",
+        "Go to the next state: to one that no arrow key leads to as well.",
+        lambda box, desk: box.go_on(desk),
+        15,
+    ),
+    Tool(
+        "less_than_sign",
+        "<",
+        "move left",
+        "Draw the state one place to the left.",
+        lambda box, desk: box.move(desk, -1, 0),
+        11,
+    ),
+    Tool(
+        "greater_than_sign",
+        ">",
+        "move right",
+        "Draw the state one place to the right.",
+        lambda box, desk: box.move(desk, 1, 0),
+        12,
+    ),
+    Tool(
+        "circumflex_accent",
+        "^",
+        "move up",
+        "Draw the state one place higher.",
+        lambda box, desk: box.move(desk, 0, -1),
+        13,
+    ),
+    Tool(
+        "V",
+        "V",
+        "move down",
+        "Draw the state one place lower.",
+        lambda box, desk: box.move(desk, 0, 1),
+        14,
+    ),
+    Tool("o", "o", "rules", "The rules of the graph: start and time limit.", ask_rules, 4),
+)
+
+
+# What they do
+
+
+_NEW: Final = "+ an action"
+_NOTHING: Final = "nothing can be done here: enter adds an action"
+
+
+class GraphTools(Toolbox):
+    """Draws the graph of an MDP: one line says what an action does. It remembers the outcome chosen."""
+
+    tools = GRAPH_TOOLS
+
+    def __init__(self) -> None:
+        self._chosen: tuple[str, int] | None = None
+        self._added: str | None = None
+
+    # What is shown
+
+    def about(self, desk: Desk) -> tuple[str, ...]:
+        """Return the state under the cursor, and what can be done there."""
+        state = _state(desk)
+        actions = actions_in(_graph_of(desk), state)
+        return (
+            f"{state}: {', '.join(actions) or 'terminal'} · enter: what they do",
+            f"{state} · enter: actions",
+        )
+
+    def advice(self, desk: Desk) -> tuple[str, ...]:
+        """Return how an outcome is chosen."""
+        return "shift+↑ ↓ or a click chooses an outcome", "shift+↑ ↓: another outcome"
+
+    def lines(self, desk: Desk) -> tuple[SheetLine, ...]:
+        """Return a line for each outcome in the state under the cursor."""
+        outcomes = outcomes_in(_graph_of(desk), _state(desk))
+        chosen = self._number(desk, outcomes)
+        return tuple(
+            SheetLine(
+                f"{each.action} → {each.to} {each.chance:.4g} pays {number_text(each.pays)}",
+                is_on=number == chosen,
+            )
+            for number, each in enumerate(outcomes)
+        )
+
+    def choose_line(self, desk: Desk, line: int) -> None:
+        """Choose the outcome of that line."""
+        self._chosen = _state(desk), line
+
+    def go_along(self, desk: Desk, step: tuple[int, int]) -> None:
+        """Choose the next outcome, or the one before."""
+        outcomes = outcomes_in(_graph_of(desk), _state(desk))
+        if outcomes:
+            self.choose_line(desk, (self._number(desk, outcomes) + sum(step)) % len(outcomes))
+
+    def cell(self, tool: Tool, desk: Desk) -> ToolCell:
+        """Return how the panel shows ``tool``: where nothing can be done, nothing is to be changed."""
+        is_idle = tool.id in NEEDS_OUTCOME and self._outcome(desk) is None
+        return ToolCell(tool.id, tool.shown, tool.word, refused=_NOTHING if is_idle else "")
+
+    def numbers(self, desk: Desk) -> tuple[WorldNumber, ...]:
+        """Return chance and reward of the outcome chosen, and the time limit."""
+        outcome = self._outcome(desk)
+        return (
+            WorldNumber(CHANCE, 0.0 if outcome is None else outcome.chance),
+            WorldNumber(PAYS, 0.0 if outcome is None else outcome.pays),
+            WorldNumber(LIMIT, number_of(desk.draft, LIMIT.name)),
+        )
+
+    def number_edits(self, desk: Desk, name: str, value: float) -> Sequence[Edit]:
+        """Return the edits that set one of them. Raises ValueError, in words, where it cannot be that."""
+        if name == LIMIT.name:
+            edits = (Edit(name, (), str(int(value))),)
+            fault = fault_of(desk.draft, edits, name)
+            if fault:
+                raise ValueError(fault)
+            return edits
+        outcome = self._outcome(desk)
+        if outcome is None:
+            raise ValueError(_NOTHING)
+        entry = paying(outcome, value) if name == PAYS.name else _as_likely(outcome, value)
+        return (transition_edit(_state(desk), outcome.action, entry),)
+
+    def place_added(self, world: World) -> int | None:
+        """Return the state that was added, once it is there."""
+        names = world.space.state_names
+        if self._added not in names:
+            return None
+        name, self._added = self._added, None
+        return names.index(name)
+
+    # What actions do
+
+    def choose_action(self, desk: Desk) -> None:
+        """Choose an action of the state under the cursor, or a new one, and type what it does."""
+        draft, state = _graph_of(desk), _state(desk)
+        candidates = [
+            *(Candidate(each, each, (written(draft, state, each),)) for each in actions_in(draft, state)),
+            Candidate(_NEW, _NEW, ("type its name, then what it does",)),
+        ]
+        outcome = self._outcome(desk)
+        current = "" if outcome is None else outcome.action
+        desk.ask(
+            Choice(f"What can be done in {state}", candidates, current, desk.glyphs),
+            partial(self._chosen_action, desk, state),
+        )
+
+    def _chosen_action(self, desk: Desk, state: str, action: str) -> None:
+        if action != _NEW:
+            self._ask_outcomes(desk, state, action)
+            return
+        prompt = Prompt("A new action", f"Its name, in {state}.", "", read_name)
+        desk.ask(prompt, lambda name: self._ask_outcomes(desk, state, str(name)))
+
+    def _ask_outcomes(self, desk: Desk, state: str, action: str) -> None:
+        draft = _graph_of(desk)
+        hint = (
+            f"States and chances: {FORM}. A new name makes a new state; an empty line takes the action away."
+        )
+        was = written(draft, state, action)
+        prompt = Prompt(f"{action} in {state}", hint, was, partial(read_outcomes, draft, state, action))
+
+        def answered(text: object) -> None:
+            if prompt.typed != was:
+                desk.draw((Edit("transition", (state, action), str(text)),))
+
+        desk.ask(prompt, answered)
+
+    def take_action_away(self, desk: Desk) -> None:
+        """Take the action chosen away."""
+        outcome = self._outcome(desk)
+        if outcome is None:
+            desk.tell(_NOTHING)
+        else:
+            desk.draw((transition_edit(_state(desk), outcome.action, None),))
+
+    def shift(self, desk: Desk, chance: float) -> None:
+        """Let the outcome chosen be so much likelier."""
+        outcome = self._outcome(desk)
+        try:
+            if outcome is None:
+                raise ValueError(_NOTHING)
+            entry = _as_likely(outcome, round(outcome.chance + chance, 10))
+        except ValueError as fault:
+            desk.tell(str(fault))
+        else:
+            desk.draw((transition_edit(_state(desk), outcome.action, entry),))
+
+    def ask_reward(self, desk: Desk) -> None:
+        """Type what the action chosen pays."""
+        outcome, state = self._outcome(desk), _state(desk)
+        if outcome is None:
+            desk.tell(_NOTHING)
+            return
+        title = f"Reward of {outcome.action} in {state}"
+        desk.ask(
+            Prompt(title, "A number.", f"{outcome.pays:g}", number_in),
+            lambda value: desk.draw((transition_edit(state, outcome.action, paying(outcome, float(value))),)),
+        )
+
+    # States
+
+    def begin_here(self, desk: Desk) -> None:
+        """Let every episode start in the state under the cursor."""
+        desk.draw((Edit("start", (), as_json(_state(desk))),))
+
+    def add_state(self, desk: Desk) -> None:
+        """Type the name of a new state; an action from the one under the cursor leads there."""
+        draft, state = _graph_of(desk), _state(desk)
+
+        def read(text: str) -> str:
+            name = read_name(text)
+            if name in draft.states:
+                raise ValueError("there is a state of that name: enter says what leads there")
+            return read_outcomes(draft, state, f"to {name}", as_json({"reward": 0.0, "to": name})) and name
+
+        def answered(name: object) -> None:
+            self._added = str(name)
+            desk.draw((transition_edit(state, f"to {name}", {"reward": 0.0, "to": str(name)}),))
+
+        hint = f"Its name. An action leads there from {state}; enter says what it is."
+        desk.ask(Prompt("A new state", hint, "", read, "add"), answered)
+
+    def remove_state(self, desk: Desk) -> None:
+        """Take the state under the cursor away, and what leads there."""
+        desk.draw((Edit("state", (_state(desk),), "null"),))
+
+    def go_on(self, desk: Desk) -> None:
+        """Put the cursor on the next state, after the last on the first."""
+        desk.view.put_cursor(((desk.view.cursor_place or 0) + 1) % desk.snapshot.world.space.states)
+
+    def move(self, desk: Desk, columns: int, rows: int) -> None:
+        """Draw the state under the cursor a place further; what stands there changes places with it.
+
+        Where the file has no place for a state, those of the picture are put into it.
+        """
+        draft, state = _graph_of(desk), _state(desk)
+        place = _places(desk, draft)
+        missing = [
+            Edit("place", (name,), as_json(list(at)))
+            for name, at in place.items()
+            if name not in (draft.rules.get("place") or {})
+        ]
+        column, row = place[state]
+        new = [column + columns, row + rows]
+        if min(new) < 0:
+            desk.tell("there is nothing further in that direction: move the others away from it")
+            return
+        desk.draw((*missing, Edit("place", (state,), as_json(new))))
+
+    # The pointer
+
+    def paint(self, desk: Desk, places: Sequence[int]) -> None:
+        """Put the cursor where it was clicked; there again, ask what is done there."""
+        was_there = desk.view.cursor == places[-1]
+        desk.view.put_cursor(places[-1])
+        if was_there:
+            self.choose_action(desk)
+
+    def turn(self, desk: Desk, place: int, amount: float) -> None:
+        """Let the outcome chosen in a state be likelier, or less."""
+        desk.view.put_cursor(place)
+        self.shift(desk, amount / 20)
+
+    def _outcome(self, desk: Desk) -> ActionOutcome | None:
+        """Return the outcome chosen in the state under the cursor, None where there is none."""
+        outcomes = outcomes_in(_graph_of(desk), _state(desk))
+        return outcomes[self._number(desk, outcomes)] if outcomes else None
+
+    def _number(self, desk: Desk, outcomes: Sequence[ActionOutcome]) -> int:
+        """Return which of ``outcomes`` is chosen; at first it is one whose chance can be changed."""
+        if self._chosen is not None and self._chosen[0] == _state(desk):
+            return min(self._chosen[1], max(0, len(outcomes) - 1))
+        return next((number for number, each in enumerate(outcomes) if not each.is_alone), 0)
+
+
+def _as_likely(outcome: ActionOutcome, chance: float) -> Mapping[str, Any]:
+    """Return the entry in which ``outcome`` has that chance. Raises ValueError, in words.
+
+    It never becomes certain or impossible: the others would forget how they shared the rest.
+    """
+    if outcome.is_alone:
+        raise ValueError(f"nothing but {outcome.to} comes of {outcome.action}: enter adds outcomes")
+    if not 0.0 < chance < 1.0:
+        raise ValueError(f"{outcome.to} would be certain or impossible: enter takes outcomes away")
+    return with_chance(outcome.entry, outcome.to, chance)
+
+
+def _graph_of(desk: Desk) -> GraphDraft:
+    draft = desk.draft
+    assert isinstance(draft, GraphDraft)
+    return draft
+
+
+def _state(desk: Desk) -> str:
+    names = desk.snapshot.world.space.state_names
+    return names[min(desk.view.cursor_place or 0, len(names) - 1)]
+
+
+def _places(desk: Desk, draft: GraphDraft) -> dict[str, Sequence[int]]:
+    """Return where each state stands: as it is drawn, as the draft says where that is known."""
+    world = desk.snapshot.world
+    assert isinstance(world.drawing, Graph)
+    seen = dict(zip(world.space.state_names, world.drawing.places, strict=True))
+    return {**seen, **(draft.rules.get("place") or {})}

@@ -1,0 +1,175 @@
+"""A person in place of the agent."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rl_tui.live.commands import Command, Pause, Play, Restart, RunEpisode, RunUntil, Take, WatchLearning
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.screen.draw.names import state_name
+from rl_tui.screen.kit.row import WORLD
+from rl_tui.screen.panels.status_line import StatusLine
+from rl_tui.screen.playground.modes.action_keys import (
+    DIGITS,
+    acting_keys,
+    action_towards,
+    actions_in_a_line,
+    acts_in,
+    digit_keys,
+    has_directions,
+)
+from rl_tui.screen.playground.modes.mode import LEAVE, STEPS, KeyMode
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.worlds.drawing import Arms
+
+MANUAL_TITLE: Final = "You are the agent"
+_HAND_BACK: Final = " · y: hand back"
+
+
+class ManualControl(KeyMode):
+    """Taking over, acting, and handing back; while it is on, a person is the agent."""
+
+    way_back = "click or tab here to act · y: hand back", "tab here to act · y: hand back", "y: hand back"
+    needs_focus = False
+    _has_resumed = False
+
+    def takes(self, key: str) -> bool:
+        """Return whether ``key`` acts or hands back."""
+        snapshot = self.snapshot
+        if key in STEPS:
+            return snapshot is not None and has_directions(snapshot.world)
+        return key in DIGITS or key == LEAVE
+
+    def has_on_a_page(self, key: str) -> bool:
+        """Return whether ``key`` is a digit and a lesson's page has the focus: "now press `1`", it says."""
+        return key in DIGITS and self.screen.focused is self.board.lesson.panel
+
+    def press(self, key: str) -> None:
+        """Take the action of ``key``, in view; escape hands back."""
+        snapshot = self.snapshot
+        if not self.board.lesson.is_docked:
+            self.board.lesson.reads = False
+        if key == LEAVE:
+            self.toggle()
+        elif snapshot is not None and key in STEPS:
+            step = STEPS[key]
+            action = action_towards(snapshot.world, acts_in(snapshot), step)
+            self._take(snapshot, action, self.glyphs.direction(step))
+        elif snapshot is not None:
+            self._take(snapshot, digit_keys(snapshot.world, acts_in(snapshot)).get(key), key)
+
+    def toggle(self) -> None:
+        """Take over, or hand back."""
+        if self.is_on:
+            self.leave()
+            self.screen.tell("the agent acts again")
+            return
+        snapshot = self.snapshot
+        if snapshot is None or snapshot.playback.phase is Phase.PREPARING:
+            return
+        refused = _refused(snapshot)
+        if refused:
+            self.screen.tell(refused)
+            return
+        if snapshot.playback.phase is not Phase.PAUSED:
+            self.link.send(Pause())
+        self.board.bring_into_view(WORLD)
+        self.enter()
+        self.board.table.action_follow()
+        self.show(snapshot)
+        if self.board.world is not None:
+            self.board.world.action_follow()
+        text = f"you are the agent: act with {_keys(snapshot)}; y hands back"
+        self.screen.tell(text)
+
+    def resume(self, snapshot: Snapshot) -> None:
+        """Take over again where a lesson goes on behind a step that a person took; only at its beginning."""
+        if self._has_resumed or snapshot.playback.phase in (Phase.PREPARING, Phase.SEEKING):
+            return
+        self._has_resumed = True
+        last = snapshot.counters.last_step
+        if last is not None and last.by_hand and not self.is_on and not _refused(snapshot):
+            self.enter()
+            self.show(snapshot)
+
+    def enter(self) -> None:
+        """Let a person be the agent."""
+        super().enter()
+        self._show(is_on=True)
+
+    def leave(self) -> None:
+        """Let the agent act again."""
+        if self.is_on:
+            super().leave()
+            self._show(is_on=False)
+
+    def note(self, command: Command) -> None:
+        """Hand back where the agent is asked to go on by itself, or the run starts again."""
+        if isinstance(command, Play | WatchLearning | RunEpisode | RunUntil | Restart):
+            self.leave()
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Show what can be done in ``snapshot``; hand back where nothing can be done any more."""
+        refused = _refused(snapshot)
+        if refused:
+            self.leave()
+            self.screen.tell(refused)
+            return
+        glyphs = self.glyphs
+        self._write(title(snapshot, glyphs), prompts(snapshot, glyphs), ((_keys(snapshot), "act"), *_HINTS))
+
+    def _take(self, snapshot: Snapshot, action: int | None, key: str) -> None:
+        if action is not None:
+            self.link.send(Take(action))
+            return
+        text = f"{key} is no action here: act with {_keys(snapshot)}"
+        self.screen.tell(text, severity="warning")
+
+    def _show(self, *, is_on: bool) -> None:
+        if self.board.world is not None:
+            self.board.world.is_manual = is_on
+        for each in (self.screen.query_one(StatusLine), self.board.lesson.panel):
+            each.is_manual = is_on
+            each.redraw()
+
+
+_HINTS: Final = (
+    ("y", "hand back"),
+    ("s", "agent's step"),
+    ("space", "run"),
+    ("?", "help"),
+)
+
+
+def _refused(snapshot: Snapshot) -> str:
+    """Return why a person cannot act in place of the agent, empty if that is possible."""
+    name = snapshot.agent.row.name
+    if snapshot.agent.row.planner:
+        return f"{name} takes no actions: it plans with the model; a chooses an agent"
+    if snapshot.playback.phase is Phase.SPENT:
+        return "the budget is spent; r starts again"
+    return "the run has stopped; r starts again" if snapshot.playback.phase is Phase.STOPPED else ""
+
+
+def title(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
+    """Return what a panel is called while a person acts in it, the longest form first.
+
+    After an episode it tells where the next one starts: the agent is still seen where the last one ended.
+    """
+    state = acts_in(snapshot)
+    if isinstance(snapshot.world.drawing, Arms) or state == snapshot.counters.state:
+        return (MANUAL_TITLE,)
+    start = f"starts at {state_name(snapshot.world, state, glyphs)}"
+    return f"{MANUAL_TITLE} · {start}", f"You act · {start}", MANUAL_TITLE
+
+
+def prompts(snapshot: Snapshot, glyphs: Glyphs) -> tuple[str, ...]:
+    """Return the legal actions with their digits, and how to hand back, the longest form first."""
+    keys = _keys(snapshot)
+    brief = (f"{keys}: act{_HAND_BACK}", f"{keys}: act", "y: hand back")
+    forms = actions_in_a_line(snapshot.world, acts_in(snapshot), glyphs)
+    return (*(f"{form}{_HAND_BACK}" for form in forms[:2]), *forms[:1], *forms[1:], *brief)
+
+
+def _keys(snapshot: Snapshot) -> str:
+    return acting_keys(snapshot.world, acts_in(snapshot))

@@ -1,0 +1,86 @@
+"""Saving what was drawn as a scenario file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.runs.export.scenario_file import ScenarioFile, file_of, offered_name, path_named
+from rl_tui.screen.board.subject import Subject
+from rl_tui.screen.dialogs.choice import Candidate, Choice
+from rl_tui.screen.dialogs.dialog import Prompt
+
+_OVER: Final = "over"
+_ELSEWHERE: Final = "elsewhere"
+_LONGEST_NAME: Final = 60
+_HINT: Final = "a name, for one of your own scenarios, or a path such as ./my-maze.toml"
+
+
+@dataclass(eq=False)
+class ScenarioSaving(Subject):
+    """Asks under which name, and never writes over what somebody else has changed.
+
+    It knows the file that was read or written last: that one is written over, and no other.
+    """
+
+    _file: ScenarioFile | None = None
+
+    def save(self) -> None:
+        """Save the world as it is drawn."""
+        snapshot = self.snapshot
+        if snapshot is None or snapshot.editor.draft is None:
+            return
+        file = self._file or file_of(snapshot.recipe.scenario)
+        try:
+            text = file.text_with(snapshot.editor.draft)
+        except UserError as reason:
+            self._complain(f"not saved: {reason}")
+            return
+        name = str(file.path) if file.path is not None else offered_name(snapshot.recipe.scenario)
+        self._ask_name(snapshot, file, text, name)
+
+    def _ask_name(self, snapshot: Snapshot, file: ScenarioFile, text: str, name: str) -> None:
+        def read(typed: str) -> str:
+            try:
+                return str(path_named(typed, file))
+            except UserError as fault:
+                raise ValueError(str(fault)) from fault
+
+        def write(chosen: float | str) -> None:
+            path = Path(str(chosen))
+            if path == file.path and file.has_changed:
+                self._ask_over(snapshot, file, text)
+            else:
+                self._write(file, path, text)
+
+        self.ask(Prompt("Save the world as a scenario", _HINT, name, read, "save"), write)
+
+    def _ask_over(self, snapshot: Snapshot, file: ScenarioFile, text: str) -> None:
+        assert file.path is not None
+        path = file.path
+
+        def answer(chosen: str) -> None:
+            if chosen == _OVER:
+                self._write(file, path, text)
+            else:
+                self._ask_name(snapshot, file, text, offered_name(snapshot.recipe.scenario))
+
+        elsewhere = Candidate(_ELSEWHERE, "under another name", ("that file stays as it is",))
+        over = Candidate(_OVER, "over it", ("what was changed there is lost",))
+        name = one_line(path.name, _LONGEST_NAME)
+        self.ask(Choice(f"Save: {name} has changed meanwhile", (elsewhere, over), "", self.glyphs), answer)
+
+    def _write(self, file: ScenarioFile, path: Path, text: str) -> None:
+        try:
+            self._file = file.written(path, text)
+        except UserError as fault:
+            self._complain(str(fault))
+        else:
+            self.screen.notify(f"saved: {path}", markup=False)
+
+    def _complain(self, fault: str) -> None:
+        self.screen.notify(fault, severity="error", timeout=15, markup=False)

@@ -1,0 +1,401 @@
+"""The playground: one run on screen. It draws what the player publishes and sends it commands."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Final, Self
+
+from textual import on
+from textual.binding import BindingType
+from textual.events import DescendantBlur, DescendantFocus, Key
+from textual.message import Message
+from textual.widget import Widget
+
+from rl_tui.common.errors import UserError
+from rl_tui.lessons.file.view import LessonRecord
+from rl_tui.live.commands import Command
+from rl_tui.live.player import Player
+from rl_tui.live.sessions.autosave import Autosave
+from rl_tui.live.sessions.session import StoredSession
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.recipe import Recipe
+from rl_tui.screen.board.board import Board
+from rl_tui.screen.board.frames import Frames
+from rl_tui.screen.board.player_link import PlayerLink
+from rl_tui.screen.board.settling import Settling
+from rl_tui.screen.board.wanted import Wanted
+from rl_tui.screen.frame.action_screen import ActionScreen
+from rl_tui.screen.frame.arrangement import Shape
+from rl_tui.screen.frame.early_keys import EarlyKeys
+from rl_tui.screen.frame.help import HelpScreen
+from rl_tui.screen.frame.key_line import KeyLine
+from rl_tui.screen.frame.legend_switch import LegendSwitch
+from rl_tui.screen.keys.action import Action, Place
+from rl_tui.screen.keys.bindings import bindings_of
+from rl_tui.screen.keys.registry import actions_of
+from rl_tui.screen.kit.pointing import Touched
+from rl_tui.screen.kit.row import PanelRow
+from rl_tui.screen.panels.catalogue import PANELS
+from rl_tui.screen.panels.controls.slider import Slider, key_hints
+from rl_tui.screen.panels.discount import DiscountPanel
+from rl_tui.screen.panels.policies.policies import PolicyChosen
+from rl_tui.screen.panels.program.findings import FindingsPanel
+from rl_tui.screen.panels.q_table.q_table import QTable
+from rl_tui.screen.panels.status_line import StatusLine
+from rl_tui.screen.panels.timeline import TimelineBar
+from rl_tui.screen.playground.actions.agent import AgentActions, WhyActions
+from rl_tui.screen.playground.actions.export import ExportActions
+from rl_tui.screen.playground.actions.kept_back import KeptBack
+from rl_tui.screen.playground.actions.lanes import LaneActions
+from rl_tui.screen.playground.actions.lesson import LessonActions
+from rl_tui.screen.playground.actions.microscope import MicroscopeActions
+from rl_tui.screen.playground.actions.policies import PolicyActions
+from rl_tui.screen.playground.actions.program import ProgramActions
+from rl_tui.screen.playground.actions.run import RunActions, ScenarioActions
+from rl_tui.screen.playground.actions.seeds import SeedActions
+from rl_tui.screen.playground.actions.session import SessionActions
+from rl_tui.screen.playground.actions.time import TimeActions
+from rl_tui.screen.playground.actions.until import UntilActions
+from rl_tui.screen.playground.actions.view import ViewActions
+from rl_tui.screen.playground.modes.drawing import PolicyDrawing
+from rl_tui.screen.playground.modes.editing import WorldEditing
+from rl_tui.screen.playground.modes.manual import ManualControl
+from rl_tui.screen.playground.modes.mode import LEAVE, MODE_BINDINGS, Modes
+from rl_tui.screen.theme.look import Look
+
+_CHECKS_ENVIRONMENT: Final = 0.5  # seconds
+
+
+class Playground(ActionScreen):
+    """One run: what it looks like and what may be done with it.
+
+    What may be done is with the objects made in the constructor, one for each subject: a row of the registry
+    names one of them and its method. What is kept besides the newest snapshot is all in ``wanted``. Where it
+    ``watches``, the run begins by itself, at a speed that goes by what is learned.
+    """
+
+    CSS_PATH = "playground.tcss"
+    BINDINGS: ClassVar[list[BindingType]] = [*bindings_of(actions_of(Place.PLAYGROUND)), *MODE_BINDINGS]
+    AUTO_FOCUS = ""
+    place = Place.PLAYGROUND
+
+    @dataclass
+    class Left(Message):
+        """The user goes back to the catalogue, or a fault ended the run."""
+
+        recipe: Recipe
+        fault: UserError | None = None
+
+    @dataclass
+    class NeighbourWanted(Message):
+        """The user wants the scenario that stands ``offset`` places further in the catalogue."""
+
+        recipe: Recipe
+        offset: int
+
+    @dataclass
+    class Reopened(Message):
+        """The user wants a run of ``recipe``, whose scenario is another, in place of this one; as fast."""
+
+        recipe: Recipe
+        speed: float | None
+
+    @dataclass
+    class SetupWanted(Message):
+        """The learner turns to a page of a lesson whose run has another setup."""
+
+        record: LessonRecord
+
+    def __init__(
+        self,
+        look: Look,
+        recipe: Recipe,
+        player: Player,
+        fps: float,
+        speed: float | None,
+        panels: Sequence[PanelRow],
+        autosave: Autosave | None,
+        resumed: StoredSession | None,
+        lesson: LessonRecord | None,
+        legends: LegendSwitch,
+        shape: Shape,
+        *,
+        watches: bool,
+    ) -> None:
+        super().__init__(look, panels)
+        self.legends = legends
+        self.player = player
+        self.wanted = Wanted(recipe, speed, lesson)
+        self.status = StatusLine(look, id="status")
+        self.status.begin_with(recipe.scenario.title if lesson is None else lesson.lesson.title)
+        self.board = Board(look, self.wanted, self.legends, shape, panels)
+        self.link = PlayerLink(player, self.wanted, self._note_sent)
+        of = self, self.board, self.link
+        self.scenario = ScenarioActions(*of, resumed is None, self._reopen, self._go_by)
+        self.run = RunActions(*of, self.scenario)
+        self.time = TimeActions(*of)
+        self.until = UntilActions(*of)
+        self.agent = AgentActions(*of)
+        self.why = WhyActions(*of, self.agent)
+        self.modes = Modes()
+        self.manual = ManualControl(*of, self.modes)
+        self.drawing = PolicyDrawing(*of, self.modes)
+        self.editing = WorldEditing(*of, self.modes)
+        self.lanes = LaneActions(*of)
+        self.view = ViewActions(*of)
+        self.microscope = MicroscopeActions(*of)
+        self.seeds = SeedActions(*of)
+        self.policies = PolicyActions(*of)
+        self.session = SessionActions(*of, self.status, autosave, resumed)
+        self.export = ExportActions(*of)
+        self.program = ProgramActions(*of, self.known_actions)
+        self.kept_back = KeptBack(*of)
+        self.lesson = LessonActions(*of, self.kept_back, self._set_out, self.manual.resume)
+        self._left_after: int | None = None  # the last deed when escape was pressed, None where it was not
+        self._watches = watches
+        self.frames = Frames(self, fps)
+        self._settling = Settling(
+            self.link, self.board, self.view.look_at, self.session.named, self.frames.painted
+        )
+        needing_world = (action for action in self.known_actions if action.needs_world)
+        self.early_keys = EarlyKeys(key for action in needing_world for key in action.keys)
+
+    @classmethod
+    def with_keys_of(cls, panels: Sequence[PanelRow]) -> type[Self]:
+        """Return the class with the keys that open ``panels``: Textual binds keys class by class."""
+        if panels is PANELS:
+            return cls
+        keys = bindings_of(actions_of(cls.place, panels))
+        return type(cls.__name__, (cls,), {"BINDINGS": keys, "__module__": cls.__module__})
+
+    @property
+    def snapshot(self) -> Snapshot | None:
+        """The newest snapshot, None before the first."""
+        return self.link.snapshot
+
+    @property
+    def actions(self) -> tuple[Action, ...]:
+        """What a person can do here now: what is of a lesson only with one, tools while drawing."""
+        lesson = self.wanted.lesson
+        usual = (each for each in self.known_actions if lesson or not each.of_lesson)
+        return *self.editing.actions, *map(self.editing.marked, usual)
+
+    @property
+    def _has_world(self) -> bool:
+        return self.snapshot is not None and self.snapshot.playback.phase is not Phase.PREPARING
+
+    @property
+    def recipe(self) -> Recipe:
+        """What a restart would start from."""
+        return self.wanted.recipe
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Leave arrows, digits and the like to the panels unless a mode takes them."""
+        if action == "mode_key":
+            return self.modes.takes(str(parameters[0])) and not (LEAVE in parameters and self.lesson.is_over)
+        return super().check_action(action, parameters)
+
+    def action_do(self, command: str) -> None:
+        """Do what ``command`` says, unless it cannot be done to a program, or a lesson keeps it back."""
+        if not self.program.refuses(command) and not self.kept_back.refuses(command):
+            super().action_do(command)
+
+    def action_mode_key(self, key: str) -> None:
+        """Do what ``key`` means in the mode that is on."""
+        if self.modes.current is not self.manual or key == LEAVE or not self.kept_back.refuses_to_act():
+            self.modes.press(key)
+
+    @on(Touched)
+    def tell_mode(self, event: Touched) -> None:
+        """Let the mode that is on know what is pointed at, or drawn."""
+        self.modes.point(event, self.snapshot)
+
+    @on(Slider.Changed)
+    def set_parameter(self, event: Slider.Changed) -> None:
+        """Set the hyper-parameter of the slider in the running learner, or the number in the world."""
+        if not self.editing.set_number(event.name, event.value):
+            self.agent.set_parameter(event.name, event.value)
+
+    @on(DiscountPanel.GammaWanted)
+    def set_gamma(self, event: DiscountPanel.GammaWanted) -> None:
+        """Set γ on the other side of a flip, where that is ours to set."""
+        if not self.program.sets_itself():
+            self.agent.set_parameter("gamma", event.gamma)
+
+    @on(Slider.Refused)
+    def tell_refusal(self, event: Slider.Refused) -> None:
+        """Say why what was typed on a slider is no value."""
+        self.tell(event.reason, severity="warning")
+
+    @on(Slider.Released)
+    def leave_slider(self) -> None:
+        """Give the focus back to the board."""
+        self.board.leave_slider()
+
+    @on(Slider.TypingChanged)
+    @on(DescendantFocus)
+    @on(DescendantBlur)
+    def show_key_hints(self) -> None:
+        """Show on the key line what keys do now: those of a mode, else first those of the slider in focus."""
+        if self.snapshot is not None:
+            self.modes.show(self.snapshot)
+        keys = self.query_one(KeyLine)
+        keys.first = key_hints(self.focused) or self.editing.offered
+        keys.is_running = self.run.is_under_way
+        idle = self.program.idle_keys | self.run.idle_keys | self.lesson.idle_keys
+        keys.idle = idle | self.kept_back.idle_keys | self.editing.idle_keys
+
+    @on(DescendantFocus)
+    def ask_for_flips(self) -> None:
+        """Have the marks on the slider of γ worked out, where it has the focus."""
+        self.view.follow_flips()
+
+    @on(PolicyChosen)
+    def study(self, event: PolicyChosen) -> None:
+        """Study the policy that was clicked."""
+        self.policies.study(event.kind)
+
+    @on(TimelineBar.Sought)
+    @on(FindingsPanel.StepWanted)
+    def seek(self, event: TimelineBar.Sought | FindingsPanel.StepWanted) -> None:
+        """Go where the timeline was pointed at, or where a finding was first seen."""
+        self.time.seek(event.step)
+
+    @on(QTable.CursorMoved)
+    def follow_cursor(self) -> None:
+        """Show under the microscope the cell that the cursor of the table went to."""
+        self.microscope.follow_cursor()
+
+    def content(self) -> Iterable[Widget]:
+        """Yield the status line and the board."""
+        yield from (self.status, self.board)
+
+    def _go_by(self, offset: int) -> None:
+        self.post_message(self.NeighbourWanted(self.recipe, offset))
+
+    def _set_out(self, record: LessonRecord) -> None:
+        self.post_message(self.SetupWanted(record))
+
+    def _reopen(self, recipe: Recipe) -> None:
+        self.post_message(self.Reopened(recipe, self.wanted.speed))
+
+    def on_mount(self) -> None:
+        """Draw whatever the player publishes; it starts to load once the first paint is done."""
+        self.show_key_hints()
+        self.call_after_refresh(self._start_to_follow)
+        self.set_interval(_CHECKS_ENVIRONMENT, lambda: self.status.show_unanswered(self.player.unanswered))
+        self.session.listen()
+
+    def on_unmount(self) -> None:
+        """Let the player's thread end, without waiting for it."""
+        self.player.close()
+        self._settling.end()
+
+    def send(self, command: Command) -> None:
+        """Ask the player for something; its answer is drawn without waiting for the next frame."""
+        self.link.send(command)
+
+    def _note_sent(self, command: Command) -> None:
+        self.modes.note(command)
+        self.frames.hurry()
+
+    def _start_to_follow(self) -> None:
+        if self._watches:
+            self.run.watch()
+        self.run_worker(self._follow(), name="follow the player")
+
+    async def _follow(self) -> None:
+        try:
+            await self.frames.follow(self.player.snapshots(), self._draw, self._settling.note_frame)
+        except UserError as fault:
+            self.post_message(self.Left(self.recipe, self.session.named(fault)))
+        finally:
+            self._settling.end()
+
+    def _draw(self, snapshot: Snapshot) -> None:
+        before = self.snapshot
+        self.link.receive(snapshot)
+        if before is None:
+            self.agent.set_what_waits()
+        self.run.announce(snapshot)
+        self.time.announce(before, snapshot)
+        self.program.announce(before, snapshot)
+        self.lesson.announce(before, snapshot)
+        self.session.compare_with_saved(snapshot)
+        self.redraw()
+        if self._has_world:
+            self.early_keys.release(self.app)
+
+    @on(Board.Toggled)
+    def redraw(self) -> None:
+        """Draw the newest snapshot on every panel; each refreshes only what came out different."""
+        snapshot = self.snapshot
+        if snapshot is None:
+            return
+        self.microscope.follow_update()
+        self.seeds.follow_panel()
+        self.view.follow_panels()
+        self.policies.follow_panel()
+        with self.app.batch_update():
+            self.session.show_name()
+            self.status.show(snapshot)
+            self.show_key_hints()
+            self.board.show(snapshot)
+            self.view.show(snapshot)
+            self.why.show(snapshot)
+
+    def on_scrolled(self) -> None:
+        """Have the parts of a large world copied that are in view now."""
+        self.view.look_at()
+
+    async def settled(self) -> None:
+        """Wait until all that was asked for is done and on screen, the exact answer included."""
+        await self._settling.settled()
+
+    @property
+    def focus_chain(self) -> list[Widget]:
+        """The order of the tab key: that of the panels in view, wherever they stand."""
+        panels = [panel.id for panel in self.board.children]
+        seen = [each for each in super().focus_chain if self.board.shows(self.board.panel_of(each))]
+        return sorted(seen, key=lambda widget: panels.index(self.board.panel_of(widget)))
+
+    def on_key(self, event: Key) -> None:
+        """Hold back what needs a world; let a second escape leave only if nothing came between."""
+        if self.early_keys.take(event):
+            event.stop()
+        if event.key != "escape":
+            self._left_after = None
+
+    def on_mouse_down(self) -> None:
+        """Let a click come between them too."""
+        self._left_after = None
+
+    def help_screen(self, *, at_keys: bool = False) -> HelpScreen:
+        """Return the help, with the notes of the scenario, which tell answers."""
+        panels = self.lesson.rows(tuple(self.program.in_order_of_help(self.panel_rows)))
+        notes = self.kept_back.notes or self.recipe.scenario.notes
+        return HelpScreen(self.look, self.actions, panels, notes, at_keys=at_keys)
+
+    def action_turn_legends(self) -> None:
+        """Hide captions and legends, or show them again."""
+        self.legends.turn()
+        self.board.apply_switches()
+        self.redraw()
+
+    def action_back(self) -> None:
+        """Leave the zoom or the panel that is open, or go back to the catalogue."""
+        if self.board.zoomed:
+            self.board.zoom(None)
+        elif self.board.opened is not None:
+            self.board.close()
+        elif self.lesson.is_over:
+            self.post_message(self.Left(self.recipe))
+        elif self.modes.current is not None:
+            self.modes.current.toggle()
+        elif self.wanted.was_used(self.snapshot) and self._left_after != self.wanted.last_deed:
+            self._left_after = self.wanted.last_deed
+            where = "the catalogue" if self.wanted.lesson is None else "the lessons"
+            self.tell(f"esc again goes to {where}; {self.session.after_leaving}")
+        else:
+            self.post_message(self.Left(self.recipe))

@@ -1,0 +1,226 @@
+"""An app that sends its terminal differences only, and no more than arrives."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from functools import partial
+from typing import Any, Final, Protocol, TypeVar, runtime_checkable
+
+from rich.color import ColorSystem
+from rich.console import COLOR_SYSTEMS, RenderableType
+from textual import events
+from textual.app import App
+from textual.driver import Driver
+from textual.geometry import Region, Size
+from textual.message import Message
+from textual.screen import Screen
+from textual.strip import Strip
+from textual.timer import Timer
+
+from rl_tui.common.limits import LARGEST_SCREEN
+from rl_tui.screen.terminal.output import Output
+
+_ARRANGING: Final = 0.1  # seconds after a change of size in which panels find their places
+ReturnType = TypeVar("ReturnType")
+
+
+@runtime_checkable
+class _Lines(Protocol):
+    """What Textual draws of a region: the strips of each of its lines."""
+
+    strips: list[Iterable[Strip]]
+    region: Region
+
+
+@runtime_checkable
+class _Pieces(Protocol):
+    """What Textual draws where little has changed: by line, strips by the columns they begin in."""
+
+    chops: Sequence[Mapping[int, Strip | None]]
+    chop_ends: list[list[int]]
+    spans: list[tuple[int, int, int]]
+
+
+class LinkedApp(App[ReturnType]):
+    """Puts an :class:`Output` between the compositor and the driver, if that leads to a terminal.
+
+    Of a terminal that says it is larger than any screen only a part is drawn on, and beside it is said so.
+    What stands between them has private names in Textual. One that draws in a way that is not known here
+    draws by itself: a method that it does not call is not missed.
+    """
+
+    def __init__(self, driver_class: type[Driver] | None = None, *, ansi_color: bool = False) -> None:
+        super().__init__(driver_class, ansi_color=ansi_color)
+        self.stops: Collection[str] = ()
+        """The keys that end something, and so count in a flood of others."""
+        self.synchronises = False
+        """Whether the terminal can hold back what is unfinished."""
+        self._output: Output | None = None
+        self._claimed = Size(0, 0)  # what the terminal says it is
+        self._draws = True
+        self._arranging: Timer | None = None
+        self._drawn: Screen[object] | None = None
+        self._in_front = range(0)  # the lines of the dialog that was open when it was drawn
+        self._painted = asyncio.Event()
+
+    def set_timer(self, delay: float, callback: Callable[[], object] | None = None, **options: Any) -> Timer:
+        """Have ``callback`` called once after ``delay`` seconds, or later where the machine is busy.
+
+        Textual leaves out what comes too late, be it all that there is: a change of size that it held back
+        for milliseconds could be lost, and every later one then waited for it.
+        """
+        timer = super().set_timer(delay, callback, **options)
+        timer._skip = False
+        return timer
+
+    @property
+    def size(self) -> Size:
+        """Columns and lines that are drawn."""
+        return _bounded(super().size)
+
+    @property
+    def has_slow_link(self) -> bool:
+        """Whether what changes on screen takes its time to arrive, so that it should be little."""
+        return self._output is not None and self._output.link.is_slow
+
+    async def painted(self) -> None:
+        """Wait until something was drawn, where there is a terminal: what is slow begins after that.
+
+        Textual's ``call_after_refresh`` comes before it where widgets are still being mounted.
+        """
+        if self._draws and not self.is_headless and not self.is_inline:
+            await self._painted.wait()
+
+    async def arrived(self) -> None:
+        """Wait until the terminal shows what was drawn until now."""
+        if self._output is not None:
+            await self._output.arrived()
+
+    async def rest(self) -> None:
+        """Draw nothing more until the terminal is taken again, and wait for its last answer."""
+        if self._output is not None:
+            await self._output.rest()
+
+    async def go_to_shell(self) -> bool:
+        """Stop until the shell says go on; False where there is no shell to go to."""
+        driver = self._terminal
+        suspend = getattr(driver, "suspend", None)
+        return driver is not None and suspend is not None and driver.can_suspend and bool(await suspend())
+
+    def give_back_terminal(self) -> None:
+        """Leave the terminal in order right before the process ends; from any thread."""
+        give_back = getattr(self._terminal, "give_back", None)
+        if give_back is not None:
+            give_back()
+
+    def action_redraw(self) -> None:
+        """Draw everything again: something else may have written over it."""
+        if self._output is not None:
+            self._output.draw_again()
+
+    def on_resize(self, event: events.Resize) -> None:
+        """Draw everything again: after a change of size, or a pause, the terminal may show anything."""
+        if self._output is not None:
+            self._output.resize(*event.size)
+            self._tell_of_rest(self._output)
+            if self._arranging is not None:
+                self._arranging.stop()
+            self._arranging = self.set_timer(_ARRANGING, self._output.wake)
+
+    def on_terminal_supports_synchronized_output(self) -> None:
+        """Have unfinished frames held back from now on."""
+        self.synchronises = True
+
+    def _display(self, screen: Screen[object], renderable: RenderableType | None) -> None:
+        driver = self._terminal
+        if self._draws and driver is not None and not self.is_headless and not self.is_inline:
+            if renderable is None or isinstance(renderable, _Lines | _Pieces):
+                if renderable is not None and self.is_running and not getattr(self, "_batch_count", 0):
+                    self._draw_on(self._output_of(driver), screen, renderable)
+                self.post_display_hook()
+                return
+            self._draws = False  # this Textual draws in another way, and then has to draw everything
+            self._painted.set()
+            if self._output is not None:
+                self._output.stop()
+                self._output = None
+                self.refresh(layout=True)
+        super()._display(screen, renderable)
+
+    @property
+    def _terminal(self) -> Driver | None:
+        driver: Driver | None = getattr(self, "_driver", None)
+        return driver
+
+    def _output_of(self, driver: Driver) -> Output:
+        if self._output is None:
+            system = COLOR_SYSTEMS.get(self.console.color_system or "", ColorSystem.TRUECOLOR)
+            self._output = Output(driver.write, system, partial(getattr, driver, "waiting", 0))
+            self._output.resize(*self.size)
+            self._tell_of_rest(self._output)
+            self._output.wake()
+        return self._output
+
+    def _tell_of_rest(self, output: Output) -> None:
+        """Say below what is drawn, or right of it, that the terminal is larger than that."""
+        (width, height), claimed = _bounded(self._claimed), self._claimed
+        words = f"no more than {width} columns and {height} lines are drawn"
+        if claimed.height > height:
+            output.write_beside(0, height, words[: claimed.width])
+        else:
+            output.write_beside(width, 0, f" {words}"[: claimed.width - width])
+
+    def _draw_on(self, output: Output, screen: Screen[object], update: _Lines | _Pieces) -> None:
+        buffer, lines = output.buffer, _lines_of_dialog(screen)
+        if screen is not self._drawn:  # a dialog has come or gone: that is what was asked for
+            buffer.begin_with(lines or self._in_front)
+        self._drawn, self._in_front = screen, lines
+        output.synchronises = self.synchronises
+        output.cursor = self.screen.outer_size.clamp_offset(self.cursor_position)
+        if isinstance(update, _Lines):
+            for y, strips in enumerate(update.strips, update.region.y):
+                buffer.put(update.region.x, y, (segment for strip in strips for segment in strip))
+        else:
+            for y, start, end in update.spans:
+                # what Textual would write: pieces that begin in the span, cut at its end
+                for (x, strip), piece_end in zip(update.chops[y].items(), update.chop_ends[y], strict=True):
+                    if strip is not None and x <= end and piece_end > start:
+                        is_inside = start <= x and piece_end <= end
+                        buffer.put(x, y, strip if is_inside else strip.crop(0, min(piece_end, end) - x))
+        output.send()
+        self._painted.set()
+
+    def post_message(self, message: Message) -> bool:
+        """Put ``message`` into the queue, unless it is an answer of the terminal."""
+        if isinstance(message, events.Resize):
+            self._claimed = message.size
+            if (size := _bounded(message.size)) != message.size:
+                message = events.Resize(size, size)
+        if self._output is not None:
+            if isinstance(message, events.CursorPosition):
+                # not one more message in the queue: others need not wait to be dealt with
+                self._output.answer(message.x, message.y)
+                return True
+            if isinstance(message, events.Key | events.MouseDown):
+                self._output.link.hurry()
+        return super().post_message(message)
+
+    async def _process_messages_loop(self) -> None:
+        try:
+            await super()._process_messages_loop()
+        finally:
+            if self._output is not None:
+                await self._output.rest()
+
+
+def _bounded(size: Size) -> Size:
+    return Size(*map(min, size, LARGEST_SCREEN))
+
+
+def _lines_of_dialog(screen: Screen[object]) -> range:
+    """Return the lines of the box that lies over another screen, none of a screen that fills the terminal."""
+    if not screen.is_modal:
+        return range(0)
+    box = Region.from_union([child.region for child in screen.children] or [Region()])
+    return range(box.y, box.bottom)

@@ -1,0 +1,149 @@
+"""The colours of borders, lists and boxes: a dark and a light theme for each colour depth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, Final
+
+from rich.terminal_theme import TerminalTheme
+from textual.theme import BUILTIN_THEMES, Theme
+
+from rl_tui.screen.theme.look import Depth
+
+
+def _dark_and_light(
+    *, variables: Mapping[str, tuple[str, str]], ansi: bool = False, **colours: tuple[str, str]
+) -> tuple[Theme, Theme]:
+    """Return the two themes out of rows that have the colour of the dark one, then that of the light one.
+
+    Borders have the primary colour. Colours that are ``ansi`` are those of the terminal, by their names.
+    """
+
+    def theme(name: str, column: int) -> Theme:
+        chosen: dict[str, Any] = {role: row[column] for role, row in colours.items()}
+        own = {variable: row[column] for variable, row in variables.items()}
+        usual = BUILTIN_THEMES[f"ansi-{name}"].variables if ansi else {}
+        own_and_usual = usual | {"border": chosen["primary"]} | own
+        return Theme(name=name, dark=name == "dark", ansi=ansi, variables=own_and_usual, **chosen)
+
+    return theme("dark", 0), theme("light", 1)
+
+
+DARK, LIGHT = _dark_and_light(
+    primary=("#6cb6eb", "#00629b"),
+    secondary=("#8fb8b0", "#3d6b64"),
+    accent=("#f0b45f", "#9a5b00"),
+    foreground=("#dde3e8", "#1d242a"),
+    background=("#0e1318", "#fbfbf9"),
+    surface=("#151c23", "#f2f2ee"),
+    panel=("#1f2932", "#e4e5e0"),
+    success=("#7fc8a9", "#1c7a52"),
+    warning=("#e8c267", "#8a6400"),
+    error=("#f08a7a", "#b3261e"),
+    variables={
+        "border-blurred": ("#3d4a56", "#a8b0b6"),
+        "scrollbar": ("#4a5a68", "#a8b0b6"),
+        "scrollbar-background": ("#151c23", "#e9eae5"),
+    },
+)
+
+DARK_256, LIGHT_256 = _dark_and_light(
+    primary=("#5fafff", "#005faf"),
+    secondary=("#87afaf", "#005f5f"),
+    accent=("#ffaf5f", "#875f00"),
+    foreground=("#ffffff", "#000000"),
+    background=("#121212", "#ffffff"),
+    surface=("#1c1c1c", "#eeeeee"),
+    panel=("#262626", "#dadada"),
+    success=("#5fd7af", "#005f5f"),
+    warning=("#ffd75f", "#875f00"),
+    error=("#ff875f", "#af0000"),
+    variables={
+        "border-blurred": ("#585858", "#949494"),
+        "scrollbar": ("#626262", "#949494"),
+        "scrollbar-background": ("#1c1c1c", "#eeeeee"),
+    },
+)
+
+DARK_16, LIGHT_16 = _dark_and_light(
+    ansi=True,
+    primary=("ansi_bright_cyan", "ansi_blue"),
+    secondary=("ansi_cyan", "ansi_blue"),
+    accent=("ansi_bright_yellow", "ansi_magenta"),
+    foreground=("ansi_default", "ansi_default"),
+    background=("ansi_default", "ansi_default"),
+    surface=("ansi_default", "ansi_default"),
+    panel=("ansi_default", "ansi_default"),
+    boost=("ansi_default", "ansi_default"),
+    success=("ansi_bright_green", "ansi_blue"),
+    warning=("ansi_bright_yellow", "ansi_magenta"),
+    error=("ansi_bright_red", "ansi_red"),
+    variables={
+        "border-blurred": ("ansi_white", "ansi_bright_black"),
+        "text-muted": ("ansi_default", "ansi_default"),
+        "block-cursor-foreground": ("ansi_black", "ansi_black"),
+        "block-cursor-background": ("ansi_bright_yellow", "ansi_bright_yellow"),
+        "input-cursor-foreground": ("ansi_black", "ansi_bright_white"),
+        "input-cursor-background": ("ansi_white", "ansi_black"),
+        "input-selection-foreground": ("ansi_black", "ansi_bright_white"),
+        "input-selection-background": ("ansi_cyan", "ansi_blue"),
+        "scrollbar": ("ansi_white", "ansi_bright_black"),
+        "scrollbar-background": ("ansi_default", "ansi_default"),
+    },
+)
+
+_NAMES: Final = ("black", "red", "green", "yellow", "blue", "magenta", "cyan", "white")
+_NORMAL: Final = (
+    (0, 0, 0),
+    (205, 0, 0),
+    (0, 205, 0),
+    (205, 205, 0),
+    (0, 0, 238),
+    (205, 0, 205),
+    (0, 205, 205),
+    (229, 229, 229),
+)
+_BRIGHT: Final = (
+    (127, 127, 127),
+    (255, 0, 0),
+    (0, 255, 0),
+    (255, 255, 0),
+    (92, 92, 255),
+    (255, 0, 255),
+    (0, 255, 255),
+    (255, 255, 255),
+)
+
+# what xterm makes of the 16 colours
+PICTURE_DARK: Final = TerminalTheme((0, 0, 0), (229, 229, 229), list(_NORMAL), list(_BRIGHT))
+PICTURE_LIGHT: Final = TerminalTheme((255, 255, 255), (0, 0, 0), list(_NORMAL), list(_BRIGHT))
+
+
+def themes_for(depth: Depth, *, picture: bool = False) -> tuple[Theme, Theme]:
+    """Return the dark and the light theme of ``depth``; for a ``picture`` all of their colours are RGB."""
+    if depth == "truecolor":
+        return DARK, LIGHT
+    if depth == "256":
+        return DARK_256, LIGHT_256
+    if picture:
+        return _in_rgb(DARK_16, PICTURE_DARK), _in_rgb(LIGHT_16, PICTURE_LIGHT)
+    return DARK_16, LIGHT_16
+
+
+def _in_rgb(theme: Theme, terminal: TerminalTheme) -> Theme:
+    colours, background = _rgb_of_names(terminal), terminal.background_color.hex
+    drawn = ("primary", "secondary", "accent", "foreground", "success", "warning", "error")
+    replaced: dict[str, Any] = {role: colours[getattr(theme, role)] for role in drawn}
+    replaced |= dict.fromkeys(("background", "surface", "panel", "boost"), background)
+    variables = {name: colours.get(value, value) for name, value in theme.variables.items()}
+    variables["scrollbar-background"] = background
+    return replace(theme, ansi=False, variables=variables, **replaced)
+
+
+def _rgb_of_names(terminal: TerminalTheme) -> Mapping[str, str]:
+    colours = {f"ansi_{name}": terminal.ansi_colors[index].hex for index, name in enumerate(_NAMES)}
+    colours |= {
+        f"ansi_bright_{name}": terminal.ansi_colors[index + 8].hex for index, name in enumerate(_NAMES)
+    }
+    return colours | {"ansi_default": terminal.foreground_color.hex}

@@ -1,0 +1,182 @@
+"""The work of an atlas: a small sweep, of which is told what is new as it goes on."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from itertools import product
+from statistics import median
+from typing import Any, Final
+
+from rl_tui.agents.compiling.background import BACKGROUND
+from rl_tui.agents.compiling.cache_folder import was_compiled
+from rl_tui.runs.background.child import let_others_go_first
+from rl_tui.runs.recipe import begin
+from rl_tui.runs.run import Run
+from rl_tui.studies.atlas.figures import Atlas, AtlasCell, AtlasStandings, AtlasState
+from rl_tui.studies.atlas.request import AtlasRequest
+from rl_tui.studies.sweeps.cell import Cell, SkippedCell
+from rl_tui.studies.sweeps.measures import MEASURES, SweepMeasure
+from rl_tui.studies.sweeps.plan import SweepPlan
+from rl_tui.studies.sweeps.ranking import standings_of
+from rl_tui.studies.sweeps.runs import RunRow, summarized
+from rl_tui.studies.sweeps.store import Store
+from rl_tui.studies.sweeps.sweep import SweepProgress, run_sweep
+
+MOST_SECONDS: Final = 120.0
+"""Seconds of processor time of a whole atlas."""
+MOST_STEPS: Final = 60_000_000
+"""Steps of all runs together, as far as first steps tell: some seconds."""
+FIRST_STEPS: Final = 10_000
+"""First steps of the run in force and of the corners; by them it is judged how long episodes are."""
+_FIGURES: Final = ("mean", "median", "low", "high", "count", "arrived", "restricted_mean")
+Tell = Callable[[Atlas], None]
+
+
+def work(request: AtlasRequest, tell: Callable[[Atlas, float], None]) -> None:
+    """Tell what is known, at the lowest priority once there is a cell to look at."""
+    has_cells = False
+
+    def tell_atlas(atlas: Atlas) -> None:
+        nonlocal has_cells
+        tell(atlas, atlas.done / atlas.planned)
+        if atlas.cells and not has_cells and not request.is_awaited:
+            let_others_go_first()
+        has_cells = bool(atlas.cells)
+
+    AtlasWork(request, tell_atlas).run()
+
+
+class AtlasWork:
+    """Works out what ``request`` asks for, and tells by ``tell`` what is known, the last time at the end.
+
+    ``clock`` gives seconds of processor time.
+    """
+
+    def __init__(
+        self, request: AtlasRequest, tell: Tell, clock: Callable[[], float] = time.process_time
+    ) -> None:
+        self._request = request
+        self._tell = tell
+        self._clock = clock
+        self._atlas = request.nothing_yet
+        self._changed = dict[int, Cell]()
+
+    def run(self) -> None:
+        """Have all cells. Raises UserError where the plan cannot work."""
+        end = self._clock() + MOST_SECONDS
+        plan = self._request.plan(self._episodes())
+        self._atlas = replace(self._atlas, episodes=plan.episodes, impossible=_impossible(plan))
+        self._tell(self._atlas)
+        with Store.without_file() as store:
+            run_sweep(
+                plan,
+                store,
+                on_rows=self._note,
+                on_progress=lambda progress: self._report(plan, store, progress),
+                is_over=lambda: self._clock() >= end,
+            )
+            is_done = self._atlas.done == self._atlas.planned
+            self._end(plan, store, AtlasState.DONE if is_done else AtlasState.OUT_OF_TIME)
+
+    def _episodes(self) -> int:
+        """Return how many episodes each run has: those asked for, or as many as there is time for."""
+        request = self._request
+        corners = (
+            request.cells.index(corner)
+            for corner in product(*({0, count - 1} for count in request.cells.counts))
+        )
+        lengths = [self._steps_an_episode(index) for index in sorted({request.in_force, *corners})]
+        there_is_time_for = MOST_STEPS / (self._atlas.planned * median(lengths))
+        return request.episodes if request.episodes <= there_is_time_for else _round_number(there_is_time_for)
+
+    def _steps_an_episode(self, index: int) -> float:
+        """Return how many steps the first episodes of cell ``index`` take, each at least one."""
+        recipe = self._request.recipe_of(index, self._request.recipe.seed)
+        run = Run(recipe, begin(recipe), evaluate=False)
+        if was_compiled(run.learner.loop):
+            BACKGROUND.read(run.learner.loop)
+        run.advance(FIRST_STEPS, self._request.episodes)
+        return max(1.0, run.step / max(1, run.learner.episodes))
+
+    def _note(self, cell: Cell, rows: Sequence[RunRow]) -> None:
+        self._changed[cell.index] = cell
+
+    def _report(self, plan: SweepPlan, store: Store, progress: SweepProgress) -> None:
+        self._atlas = replace(self._atlas, done=progress.done, steps=progress.steps)
+        if not self._changed:
+            return
+        self._take_in(plan, store)
+        self._tell(self._atlas)
+
+    def _take_in(self, plan: SweepPlan, store: Store) -> None:
+        """Summarise anew the cells that have got rows."""
+        changed = {index: cell_of(store.rows(cell.key, plan.seeds)) for index, cell in self._changed.items()}
+        self._changed.clear()
+        cells = {**self._atlas.cells, **changed}
+        self._atlas = replace(self._atlas, state=AtlasState.RUNNING, cells=cells)
+
+    def _end(self, plan: SweepPlan, store: Store, state: AtlasState) -> None:
+        """Compare the cells, now that there are no more runs to come, and tell the last of it."""
+        self._take_in(plan, store)
+        self._atlas = replace(
+            self._atlas, standings=settled(standings(plan, store), self._atlas.cells, self._request.runs)
+        )
+        message = "" if state is AtlasState.DONE else f"{MOST_SECONDS:.0f} s of processor time are used up"
+        self._atlas = replace(self._atlas, state=state, message=message)
+        self._tell(self._atlas)
+
+
+def standings(plan: SweepPlan, store: Store) -> dict[str, AtlasStandings]:
+    """Return how the cells of ``plan``, all in one world, compare by each measure that can be better."""
+    found = {}
+    for name, measure in MEASURES.items():
+        if measure.larger_is_better is None:
+            continue
+        for ranking in standings_of(plan, store, measure).rankings.values():
+            if ranking.best is not None:
+                alike = frozenset(map(int, ranking.indexes[ranking.alike]))
+                found[name] = AtlasStandings(ranking.best.index, alike)
+    return found
+
+
+def settled(
+    found: Mapping[str, AtlasStandings], cells: Mapping[int, AtlasCell], runs: int
+) -> dict[str, AtlasStandings]:
+    """Return those of ``found``, by measure, whose best is as good as any cell with fewer than ``runs``."""
+    unfinished = [cell for cell in cells.values() if cell.runs < runs]
+    return {
+        name: each
+        for name, each in found.items()
+        if not any(_is_better(MEASURES[name], cell, cells[each.best]) for cell in unfinished)
+    }
+
+
+def cell_of(rows: Iterable[RunRow]) -> AtlasCell:
+    """Return what ``rows``, those of one cell, say together."""
+    summary = summarized(rows)
+    figures: dict[str, dict[str, Any]] = {
+        name: {each: value for each, value in found.items() if each in _FIGURES}
+        for name, found in summary.figures.items()
+        if found["count"]
+    }
+    return AtlasCell(summary.runs, summary.failed, figures, summary.first_failure)
+
+
+def _is_better(measure: SweepMeasure, one: AtlasCell, other: AtlasCell) -> bool:
+    first, second = one.value(measure), other.value(measure)
+    if first is None or second is None:
+        return False
+    return first > second if measure.larger_is_better else first < second
+
+
+def _impossible(plan: SweepPlan) -> dict[int, str]:
+    cells = (plan.cell(index) for index in range(plan.count))
+    return {cell.index: cell.reason for cell in cells if isinstance(cell, SkippedCell)}
+
+
+def _round_number(number: float) -> int:
+    """Return the largest of 1, 2, 5, 10, 20 … that is not above ``number``, at least 1."""
+    digits = len(str(int(max(1.0, number)))) - 1
+    return max(int(each * 10**digits) for each in (1, 2, 5) if each == 1 or each * 10**digits <= number)

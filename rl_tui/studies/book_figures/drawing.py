@@ -1,0 +1,44 @@
+"""Charts of measured curves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from rl_tui.studies.book_figures.figure import BookComparison, MeasuredCurve
+from rl_tui.studies.pictures.picture import ChartCurve, number_text
+
+BAND: Final = "Bands: the 95 % interval of the mean, 1.96 standard errors to either side."
+_HALF_WIDTH: Final = 1.96
+
+
+def summary_of_comparisons(what: str, table: Sequence[BookComparison]) -> str:
+    """Return ``what`` a picture shows, and the numbers of ``table``, for those who cannot see it."""
+    figures = (f"{each.what}: {'none' if each.ours is None else number_text(each.ours)}" for each in table)
+    return f"{what} {'; '.join(figures)}."
+
+
+def drawn(curve: MeasuredCurve, colour: int, *, dashed: bool = False) -> ChartCurve:
+    """Return ``curve`` with the band of the 95 % interval of its means."""
+    return ChartCurve(
+        curve.name,
+        tuple(curve.x),
+        tuple(curve.mean),
+        low=_edge(curve, -_HALF_WIDTH),
+        high=_edge(curve, _HALF_WIDTH),
+        colour=colour,
+        dashed=dashed,
+    )
+
+
+def _edge(curve: MeasuredCurve, errors: float) -> tuple[float | None, ...]:
+    return tuple(
+        None if error is None else mean + errors * error
+        for mean, error in zip(curve.mean, curve.stderr, strict=True)
+    )
+
+
+def panel_of(curves: Sequence[MeasuredCurve], name: str) -> tuple[ChartCurve, ...]:
+    """Return those of ``curves`` that stand in the panel of that ``name``, each in a colour of its own."""
+    inside = [curve for curve in curves if curve.panel == name]
+    return tuple(drawn(curve, place) for place, curve in enumerate(inside))

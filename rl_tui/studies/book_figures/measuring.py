@@ -1,0 +1,81 @@
+"""Training for a figure: the shipped scenarios, settings that are all said, seeds in common."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from rl_tui.runs.library import recipe_for
+from rl_tui.runs.recipe import Recipe
+from rl_tui.runs.training.many_runs import many_runs
+from rl_tui.runs.training.seeded_runs import Goal, OnProgress, no_compiling, no_progress
+from rl_tui.worlds.files.scenario import read_scenario
+from rl_tui.worlds.files.shipped import SUFFIX, shipped_folder
+from rl_tui.worlds.mdp.space import FloatArray
+
+SETTINGS: Final = {"initial_q": 0.0, "ties": "random", "epsilon_decay": 0.0, "alpha_decay": 0.0}
+"""What all figures have in common: the book says nothing else of them."""
+MOST_BINS: Final = 1_000
+
+
+class Measuring:
+    """Trains for one figure after the other, with the seeds from ``seed`` on in each."""
+
+    def __init__(
+        self,
+        seed: int = 0,
+        on_progress: OnProgress = no_progress,
+        on_compiling: Callable[[], None] = no_compiling,
+    ) -> None:
+        self._seed = seed
+        self._on_progress = on_progress
+        self._on_compiling = on_compiling
+        self._episodes = 0
+        self._done = 0
+
+    def expect(self, episodes: int) -> None:
+        """Note that so many more episodes are to be trained in all, for the progress that is shown."""
+        self._episodes += episodes
+
+    def train(self, scenario: str, runs: int, episodes: int, **settings: object) -> dict[str, Any]:
+        """Train the shipped ``scenario`` and return the document of ``train --runs --json``.
+
+        Its curve has a bin for each episode, up to a thousand of them. Raises UserError as training does.
+        """
+        recipe = recipe_of(scenario, self._seed, **settings)
+        before = self._done
+
+        def on_progress(done: int, wanted: int) -> None:
+            self._on_progress(before + done, self._episodes)
+
+        document = many_runs(
+            recipe,
+            runs,
+            Goal(episodes=episodes),
+            on_progress=on_progress,
+            on_compiling=self._on_compiling,
+            most_bins=MOST_BINS,
+        )
+        self._done += runs * episodes
+        return document
+
+
+def recipe_of(scenario: str, seed: int = 0, **settings: object) -> Recipe:
+    """Return the recipe of the shipped ``scenario``, whatever others of that name a person has."""
+    file = shipped_folder() / f"{scenario}{SUFFIX}"
+    return recipe_for(read_scenario(file), {**SETTINGS, **settings}, seed)
+
+
+def of_runs(document: dict[str, Any], name: str) -> FloatArray:
+    """Return the figure ``name`` of each run, [runs]."""
+    return np.array([row[name] for row in document["runs"]], dtype=np.float64)
+
+
+def mean_and_error(values: FloatArray | Sequence[float]) -> tuple[float, float | None]:
+    """Return the mean of ``values``, [n], and its standard error; None for one value."""
+    count = len(values)
+    error = float(np.std(values, ddof=1)) / math.sqrt(count) if count > 1 else None
+    return float(np.mean(values)), error

@@ -1,0 +1,311 @@
+"""The work of a study of many seeds: train every run under one seed after another, and average.
+
+Results are reported block by block. The study stops when it has used its processor time.
+"""
+
+from __future__ import annotations
+
+import gc
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+import numpy as np
+
+from rl_tui.agents.compiling.cache_folder import was_compiled
+from rl_tui.common.words import counted
+from rl_tui.runs.background.child import let_others_go_first
+from rl_tui.runs.figures import finite, summary
+from rl_tui.runs.run import Run
+from rl_tui.runs.training.batched_runs import BatchedRuns, runs_at_once
+from rl_tui.runs.training.seeded_runs import (
+    CurvePoints,
+    Goal,
+    RunCurve,
+    SeededRuns,
+    first_of,
+    mean_curve,
+    no_compiling,
+)
+from rl_tui.studies.many_seeds.figures import (
+    Estimate,
+    LaneStudy,
+    PairedDifference,
+    SeedCurve,
+    SeedStudy,
+    StudyState,
+)
+from rl_tui.studies.many_seeds.request import FIRST_BLOCK, MOST_STEPS, StudiedRun, StudyRequest
+from rl_tui.worlds.world import World
+
+# Means and paired differences
+
+
+Row = Mapping[str, Any]
+
+
+def estimate_of(values: Iterable[float | None]) -> Estimate | None:
+    """Return the mean of the values that are there, as ``train --runs --json`` has it; None without any."""
+    found = summary(list(values))
+    mean, count = found["mean"], found["count"]
+    return None if mean is None or count is None else Estimate(mean, found["stderr"], int(count))
+
+
+def difference_of(shown: Sequence[float | None], other: Sequence[float | None]) -> PairedDifference | None:
+    """Return ``shown`` less ``other``, seed by seed; None where no seed has both."""
+    pairs = [(a, b) for a, b in zip(shown, other, strict=True) if a is not None and b is not None]
+    mean = estimate_of(a - b for a, b in pairs)
+    if mean is None:
+        return None
+    return PairedDifference(mean, sum(a > b for a, b in pairs), sum(a == b for a, b in pairs))
+
+
+def estimates_of(rows: Sequence[Row], names: Iterable[str]) -> dict[str, Estimate]:
+    """Return the mean over ``rows`` of each figure that any of them has."""
+    found = {name: estimate_of(row[name] for row in rows) for name in names}
+    return {name: estimate for name, estimate in found.items() if estimate is not None}
+
+
+def differences_of(
+    shown: Sequence[Row], other: Sequence[Row], names: Iterable[str]
+) -> dict[str, PairedDifference]:
+    """Return the rows of the lane shown less those of another one, for each figure that both have."""
+    found = {
+        name: difference_of([row[name] for row in shown], [row[name] for row in other]) for name in names
+    }
+    return {name: difference for name, difference in found.items() if difference is not None}
+
+
+# The training
+
+
+MOST_SECONDS: Final = 60.0
+"""Seconds of processor time of a whole study, compiling left out."""
+BATCHED_BELOW: Final = 100_000
+"""Steps of a seed above which nothing is gained by training several at once."""
+COLLECTED_ABOVE: Final = 10_000
+"""Pairs above which the memory of a finished run is freed at once: its parts refer to each other."""
+
+
+class _TooLongError(Exception):
+    """A seed comes to more steps than it may take before it has finished its episodes."""
+
+
+class _OutOfTimeError(Exception):
+    """The study has taken all the processor time that it may."""
+
+
+def work(request: StudyRequest, tell: Callable[[SeedStudy, float], None]) -> None:
+    """Tell what is known, block by block, at the lowest priority as soon as there is machine code."""
+    study = Study(request)
+    if study.has_machine_code and not request.is_awaited:
+        let_others_go_first()
+    study.get_machine_code()
+    if not request.is_awaited:
+        let_others_go_first()
+    for report in study.reports():
+        tell(report, report.seeds / report.most)
+
+
+class Study:
+    """Works out what ``request`` asks for. ``clock`` gives seconds of processor time.
+
+    Raises UserError where a world cannot be built.
+    """
+
+    def __init__(self, request: StudyRequest, clock: Callable[[], float] = time.process_time) -> None:
+        start = clock()
+        self._clock = clock
+        self._request = request
+        self._goal = Goal(steps=request.steps, episodes=request.episodes)
+        self._lanes: list[_Lane] = []
+        for lane in request.lanes:
+            known = self._lanes[0].runs.first.world if self._lanes else None
+            self._lanes.append(_Lane(lane, known))
+        self._study = request.nothing_yet
+        self._spent = clock() - start
+
+    @property
+    def has_machine_code(self) -> bool:
+        """Whether all machine code that runs begin with is in the cache."""
+        return all(was_compiled(lane.runs.first.learner.loop) for lane in self._lanes)
+
+    def get_machine_code(self) -> None:
+        """Have machine code for what is long enough to need it; it may take a while."""
+        for lane in self._lanes:
+            lane.runs.get_machine_code(self._request.most, self._goal, no_compiling)
+
+    def reports(self) -> Iterator[SeedStudy]:
+        """Yield what is known after 8 seeds, 16, 32 …; the last one says why it ends.
+
+        With the worlds, but without machine code, it takes 60 s. Raises UserError where a run breaks down.
+        """
+        end = self._clock() + MOST_SECONDS - self._spent
+
+        def check() -> None:
+            if self._clock() >= end:
+                raise _OutOfTimeError
+
+        try:
+            yield from self._blocks(check)
+        except _OutOfTimeError:
+            yield self._ended_early()
+
+    def _blocks(self, check: Callable[[], None]) -> Iterator[SeedStudy]:
+        try:
+            yield from self._blocks_of_goal(check)
+        except _TooLongError:
+            self._goal = Goal(steps=MOST_STEPS)
+            episodes = counted(self._request.episodes or 0, "episode")
+            why = f"each seed ends after {MOST_STEPS:,} steps: {episodes} would take one of them more"
+            self._study = replace(
+                self._study,
+                state=StudyState.RUNNING,
+                lanes=(),
+                seeds=0,
+                episodes=None,
+                steps=MOST_STEPS,
+                message="; ".join(filter(None, (self._request.message, why))),
+            )
+            yield self._study
+            for lane in self._lanes:
+                lane.begin_anew()
+            yield from self._blocks_of_goal(check)
+
+    def _blocks_of_goal(self, check: Callable[[], None]) -> Iterator[SeedStudy]:
+        """Yield what is known after each block, every seed trained to the same goal."""
+        seeds, block = 0, FIRST_BLOCK
+        while seeds < self._request.most:
+            while seeds < block:
+                at_once = min(block - seeds, *(lane.seeds_at_once for lane in self._lanes))
+                for lane in self._lanes:
+                    lane.add_seeds(at_once, self._goal, check)
+                seeds += at_once
+            for lane in self._lanes:
+                lane.complete_curve(self._goal, check)
+            block = min(2 * block, self._request.most)
+            is_last = seeds == self._request.most
+            yield self._tell(seeds, StudyState.DONE if is_last else StudyState.RUNNING)
+
+    def _ended_early(self) -> SeedStudy:
+        """Return the last whole block; before the first one, what as many seeds of every lane say."""
+        seeds = min(len(lane.rows) for lane in self._lanes)
+        if seeds < 2:
+            return replace(
+                self._study,
+                state=StudyState.OUT_OF_TIME,
+                message=f"{MOST_SECONDS:.0f} s of processor time are not enough for 2 seeds",
+            )
+        if self._study.seeds:
+            return replace(self._study, state=StudyState.OUT_OF_TIME)
+        return self._tell(seeds, StudyState.OUT_OF_TIME)
+
+    def _tell(self, seeds: int, state: StudyState) -> SeedStudy:
+        shown = self._lanes[self._request.shown]
+        self._study = replace(
+            self._study,
+            state=state,
+            seeds=seeds,
+            lanes=tuple(lane.study(seeds, None if lane is shown else shown) for lane in self._lanes),
+        )
+        return self._study
+
+
+class _Lane:
+    """One of the runs on screen under seed after seed."""
+
+    def __init__(self, lane: StudiedRun, known: World | None) -> None:
+        self.runs = SeededRuns(lane.recipe, lane.journal, known)
+        self.rows: list[Row] = []
+        self._curves: list[CurvePoints] = []
+        self._curve_episodes = 0
+        self._plans = lane.plans
+
+    def begin_anew(self) -> None:
+        """Forget all seeds."""
+        self.rows, self._curves, self._curve_episodes = [], [], 0
+
+    @property
+    def seeds_at_once(self) -> int:
+        """How many seeds may be trained at once: one until it is known that none takes long."""
+        is_quick = bool(self.rows) and self.rows[0]["steps"] <= BATCHED_BELOW
+        return max(1, runs_at_once(self.runs)) if is_quick else 1
+
+    def add_seeds(self, count: int, goal: Goal, check: Callable[[], None]) -> None:
+        """Train the next seeds to ``goal``; raises what ``check`` does, which is called now and then."""
+        if goal.episodes is not None and not self._plans:
+            self._curve_episodes = goal.episodes
+        if count > 1:
+            self._add_batch(count, goal, check)
+            return
+        curve = RunCurve(self._curve_episodes) if self._curve_episodes else None
+        run = self._trained(len(self.rows), goal, check, curve)
+        self.rows.append(self.runs.row(run, check))
+        if curve is not None:
+            self._curves.append(curve.points)
+        if run.world.space.pairs > COLLECTED_ABOVE:
+            del run
+            gc.collect()
+        check()
+
+    def _add_batch(self, count: int, goal: Goal, check: Callable[[], None]) -> None:
+        first = self.runs.recipe.seed + len(self.rows)
+        seeds = range(first, first + count)
+        runs = BatchedRuns(self.runs, seeds, goal, curve_episodes=self._curve_episodes)
+
+        def on_progress(done: int, wanted: int) -> None:
+            check()
+            if runs.batch.longest > MOST_STEPS:
+                raise _TooLongError
+
+        runs.train(on_progress)
+        self.rows += runs.rows(check)
+        if self._curve_episodes:
+            self._curves.append(runs.curves)
+
+    def complete_curve(self, goal: Goal, check: Callable[[], None]) -> None:
+        """Have the curve where a number of steps ends each seed: how wide its bins are shows only now.
+
+        The first block is simply trained once more, to the fewest episodes of its seeds: later ones have
+        bins of that width.
+        """
+        if self._curve_episodes or goal.episodes is not None or self._plans:
+            return
+        self._curve_episodes = min(row["episodes"] for row in self.rows)
+        if self._curve_episodes:
+            for index in range(len(self.rows)):
+                curve = RunCurve(self._curve_episodes)
+                self._trained(index, Goal(episodes=self._curve_episodes), check, curve)
+                self._curves.append(curve.points)
+
+    def _trained(self, index: int, goal: Goal, check: Callable[[], None], curve: RunCurve | None) -> Run:
+        run = self.runs.new_run(self.runs.recipe.seed + index, curve)
+
+        def on_progress(done: int, wanted: int) -> None:
+            check()
+            if run.step > MOST_STEPS or (run.step == MOST_STEPS and done < wanted and not run.over):
+                raise _TooLongError
+
+        self.runs.train(run, goal, on_progress)
+        return run
+
+    def study(self, seeds: int, shown: _Lane | None) -> LaneStudy:
+        """Return what so many seeds say, with the differences from the lane ``shown``, if that is another."""
+        rows, names = self.rows[:seeds], self.runs.figures
+        common = [] if shown is None else [name for name in names if name in shown.runs.figures]
+        return LaneStudy(
+            estimates=estimates_of(rows, names),
+            this_seed={name: finite(rows[0][name]) for name in names},
+            differences=differences_of(shown.rows[:seeds] if shown else rows, rows, common),
+            curve=self._mean_curve(rows),
+        )
+
+    def _mean_curve(self, rows: Sequence[Row]) -> SeedCurve:
+        if sum(len(points.returns) for points in self._curves) < len(rows):
+            return SeedCurve()
+        curve = mean_curve(first_of(self._curves, len(rows)), self.runs.is_bandit)
+        episode = np.array(curve["episode"], np.int64)
+        whole = episode <= min(row["episodes"] for row in rows)  # a later seed may have finished fewer
+        mean, stderr = np.array(curve["return_mean"]), np.array(curve["return_stderr"])
+        return SeedCurve(episode[whole], mean[whole], stderr[whole])

@@ -1,0 +1,293 @@
+"""The picture of given results: learning curves, or a metric of a sweep against its settings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line
+from rl_tui.common.words import counted
+from rl_tui.studies.pictures.curves import curve_picture
+from rl_tui.studies.pictures.picture import (
+    AtlasChart,
+    Chart,
+    ChartAxis,
+    ChartCurve,
+    Picture,
+    axis_with_cut,
+    close_axis,
+    kept_range,
+    number_text,
+    round_axis,
+    word_axis,
+    words_of_cut,
+)
+from rl_tui.studies.pictures.tables import CurveTable, SweepCell, SweepTable, Value
+
+# Pictures of a sweep
+
+
+MOST_LINES: Final = 14
+MOST_PANELS: Final = 12
+_NAME_DIGITS: Final = 3
+_LONGEST_WORD: Final = 40  # characters of a word on an axis, or in the name of a line
+_APART: Final = 0.3  # of the way from one word to the next, between the first and the last of its points
+_INTERVAL: Final = "the interval of the mean that the sweep gives."
+_RESTRICTED: Final = "Runs that had not arrived when training ended count with the episodes that they had."
+_PARTIAL: Final = "Some means are those of the runs alone that have a value: see count in the results."
+Settings = tuple[Value, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Wanted:
+    """What is drawn of a sweep: a measure against ``x``, or over ``x`` and ``y``."""
+
+    table: SweepTable
+    measure: str
+    x: str
+    y: str | None
+
+    @property
+    def others(self) -> tuple[str, ...]:
+        """The settings that are neither."""
+        return tuple(name for name in self.table.names if name not in (self.x, self.y))
+
+    @property
+    def title(self) -> str:
+        """What of, and the measure in words."""
+        return f"{self.table.scenario}: {self.table.measures[self.measure]}".removeprefix(": ")
+
+    def groups(self) -> dict[Settings, list[SweepCell]]:
+        """Return the cells by their values of the other settings, in the order of the sweep."""
+        groups: dict[Settings, list[SweepCell]] = {}
+        for cell in self.table.cells:
+            groups.setdefault(tuple(cell.settings[name] for name in self.others), []).append(cell)
+        return groups
+
+    def mean(self, cell: SweepCell) -> float | None:
+        """Return the measure of ``cell``."""
+        return cell.spreads[self.measure].mean
+
+    def notes(self, cut: str) -> tuple[str, ...]:
+        """Return what to say below: ``cut``, and where means are not those of all runs."""
+        there = [cell.spreads[self.measure] for cell in self.table.cells]
+        is_partial = any(each.mean is not None and not each.is_of_all for each in there)
+        is_restricted = any(each.is_restricted for each in there)
+        said = cut, _PARTIAL if is_partial else "", _RESTRICTED if is_restricted else ""
+        return tuple(filter(None, said))
+
+    def means(self) -> list[float]:
+        """Return the measure of all cells that have it. Raises UserError where none has."""
+        means = [mean for cell in self.table.cells if (mean := self.mean(cell)) is not None]
+        if not means:
+            raise UserError(f"no cell has a value of {self.measure}: choose another --measure")
+        return means
+
+
+def sweep_picture(
+    table: SweepTable, measure: str | None = None, x: str | None = None, y: str | None = None
+) -> Picture:
+    """Return a chart of ``measure`` against the setting ``x``, or where there is ``y`` an atlas.
+
+    Where nothing is said, x is the first setting with numbers, y the second if there is one, and the measure
+    the one by which the sweep judges. Raises UserError where a name is none of the sweep's, or there would be
+    too many lines or panels.
+    """
+    named = (("--measure", measure, tuple(table.measures)), ("--x", x, table.names), ("--y", y, table.names))
+    for option, name, names in named:
+        if name is not None and name not in names:
+            raise UserError(f"{option} {name} is not in these results: choose {' or '.join(names)}")
+    if x is not None and x == y:
+        raise UserError(f"--x and --y are both {x}: choose two settings")
+    numbers = [name for name in table.names if _is_numeric(table, name) and name != y]
+    chosen = x or next(iter(numbers), next(name for name in table.names if name != y))
+    if x is None and y is None and len(numbers) > 1:
+        y = numbers[1]
+    wanted = _Wanted(table, measure or table.judged_by, chosen, y)
+    return _chart(wanted) if y is None else _atlases(wanted)
+
+
+def _is_numeric(table: SweepTable, name: str) -> bool:
+    values = {cell.settings[name] for cell in table.cells}
+    return len(values) > 1 and not any(isinstance(value, bool | str) for value in values)
+
+
+def _values(table: SweepTable, name: str) -> list[Value]:
+    """Return the values of a setting: numbers ascend, words are in the order of the sweep."""
+    values = list(dict.fromkeys(cell.settings[name] for cell in table.cells))
+    if any(isinstance(value, bool | str) for value in values):
+        return values
+    return sorted(values, key=float)
+
+
+def value_text(value: Value, digits: int = 4) -> str:
+    """Return how a value of a setting is written, a number with at most so many digits after zeros."""
+    return number_text(value, digits) if not isinstance(value, bool | str) else _word(value)
+
+
+def _word(value: bool | str) -> str:
+    return one_line(str(value).lower(), _LONGEST_WORD)
+
+
+def setting_label(name: str) -> str:
+    """Return how a setting is called on an axis: its sign and its name."""
+    parameter = PARAMETERS.get(name)
+    if parameter is None or parameter.symbol == name:
+        return one_line(name.replace("_", " "), _LONGEST_WORD)
+    return f"{parameter.symbol} ({name.replace('_', ' ')})"
+
+
+def _said(names: Sequence[str], values: Settings) -> str:
+    """Return settings as people read them: words alone, numbers with their names."""
+    return ", ".join(
+        one_line(value, _LONGEST_WORD) if isinstance(value, str) else f"{_sign(name)} = {value_text(value)}"
+        for name, value in zip(names, values, strict=True)
+    )
+
+
+def _sign(name: str) -> str:
+    return PARAMETERS[name].symbol if name in PARAMETERS else one_line(name, _LONGEST_WORD)
+
+
+def _chart(wanted: _Wanted) -> Picture:
+    table, groups = wanted.table, wanted.groups()
+    if len(groups) > MOST_LINES:
+        others = " or ".join(f"--y {name}" for name in wanted.others)
+        raise UserError(f"{len(groups)} lines are too many for one chart: draw an atlas by {others}")
+    means = wanted.means()
+    values = _values(table, wanted.x)
+    if _is_numeric(table, wanted.x):
+        numbers = [float(value) for value in values]
+        axis = close_axis(setting_label(wanted.x), numbers, logarithmic=wanted.x in table.logarithmic)
+        places = dict(zip(values, numbers, strict=True))
+    else:
+        axis = word_axis(setting_label(wanted.x), [value_text(value) for value in values])
+        places = {value: float(place) for place, value in enumerate(values)}
+    is_line = _is_numeric(table, wanted.x)
+    # Words stand apart, and so do the points of one word
+    apart = 0.0 if is_line else _APART / max(1, len(groups) - 1)
+    curves = tuple(
+        _curve(
+            wanted,
+            _said(wanted.others, key),
+            cells,
+            places,
+            place,
+            place * apart,
+        )
+        for place, (key, cells) in enumerate(groups.items())
+    )
+    y, cut = axis_with_cut("", curves)
+    has_bands = any(value is not None for curve in curves for value in curve.low)
+    return Picture(
+        title=wanted.title,
+        summary=_summary(wanted, means, f"against {wanted.x}, {counted(len(curves), 'line')}"),
+        panels=(Chart("", axis, y, curves, connected=is_line),),
+        notes=wanted.notes(cut),
+        band=f"{'Bands' if is_line else 'Bars'}: {_INTERVAL}" if has_bands else "",
+    )
+
+
+def _curve(
+    wanted: _Wanted,
+    name: str,
+    cells: Iterable[SweepCell],
+    places: Mapping[Value, float],
+    colour: int,
+    moved: float,
+) -> ChartCurve:
+    ordered = sorted(cells, key=lambda cell: places[cell.settings[wanted.x]])
+    spreads = [cell.spreads[wanted.measure] for cell in ordered]
+    return ChartCurve(
+        name,
+        tuple(places[cell.settings[wanted.x]] + moved for cell in ordered),
+        tuple(spread.mean for spread in spreads),
+        low=tuple(spread.low for spread in spreads),
+        high=tuple(spread.high for spread in spreads),
+        colour=colour,
+    )
+
+
+def _atlases(wanted: _Wanted) -> Picture:
+    groups, means = wanted.groups(), wanted.means()
+    if len(groups) > MOST_PANELS:
+        raise UserError(
+            f"{len(groups)} atlases are too many for one picture: "
+            f"vary fewer values of {' and '.join(wanted.others)}"
+        )
+    scale = round_axis("", kept_range(means))
+    cut = words_of_cut(means, scale).replace("is cut", "has the colour of that end")
+    return Picture(
+        title=wanted.title,
+        summary=_summary(wanted, means, f"over {wanted.x} and {wanted.y}, {counted(len(groups), 'panel')}"),
+        panels=tuple(_atlas(wanted, key, cells, scale) for key, cells in groups.items()),
+        notes=wanted.notes(cut),
+    )
+
+
+def _atlas(wanted: _Wanted, key: Settings, cells: Sequence[SweepCell], scale: ChartAxis) -> AtlasChart:
+    table, y_name = wanted.table, wanted.y or ""
+    columns, rows = _values(table, wanted.x), _values(table, y_name)
+    there = {(cell.settings[y_name], cell.settings[wanted.x]): cell for cell in cells}
+    is_judged = wanted.measure == table.judged_by
+    grid = [[there.get((row, column)) for column in columns] for row in rows]
+    bests = table.bests if is_judged else ()
+    return AtlasChart(
+        title=_said(wanted.others, key),
+        x_label=setting_label(wanted.x),
+        y_label=setting_label(y_name),
+        columns=tuple(value_text(value, _NAME_DIGITS) for value in columns),
+        rows=tuple(value_text(value, _NAME_DIGITS) for value in rows),
+        values=tuple(tuple(None if cell is None else wanted.mean(cell) for cell in row) for row in grid),
+        scale=scale,
+        alike=tuple(
+            tuple(is_judged and cell is not None and bool(cell.like_best) for cell in row) for row in grid
+        ),
+        best=next(
+            (
+                (place, column)
+                for place, row in enumerate(grid)
+                for column, cell in enumerate(row)
+                if cell is not None and cell.settings in bests
+            ),
+            None,
+        ),
+    )
+
+
+def _summary(wanted: _Wanted, means: Sequence[float], how: str) -> str:
+    names, bests = wanted.table.names, wanted.table.bests
+    found = f" Best: {_said(names, tuple(bests[0].values()))}." if len(bests) == 1 else ""
+    return (
+        f"{wanted.table.measures[wanted.measure]} {how}; means from {number_text(min(means))} to "
+        f"{number_text(max(means))}.{found}"
+    )
+
+
+# Pictures of any results
+
+
+def picture_of(
+    tables: Sequence[CurveTable | SweepTable],
+    measure: str | None = None,
+    x: str | None = None,
+    y: str | None = None,
+) -> Picture:
+    """Return a picture of curves side by side, or of one sweep.
+
+    Raises UserError where ``tables`` are neither, or have not what is asked for.
+    """
+    curves = [table for table in tables if isinstance(table, CurveTable)]
+    if len(curves) == len(tables):
+        if x is not None or y is not None:
+            raise UserError("--x and --y are for sweeps: a curve is drawn over its episodes")
+        if len(curves) > MOST_LINES:
+            raise UserError(f"{len(curves)} curves are too many for one chart: give {MOST_LINES} or fewer")
+        return curve_picture(curves, measure)
+    sweeps = [table for table in tables if isinstance(table, SweepTable)]
+    if len(tables) > 1:
+        raise UserError("a sweep is drawn alone: give one file, or several of curves")
+    return sweep_picture(sweeps[0], measure, x, y)

@@ -1,0 +1,188 @@
+"""What batches are on their way: the order that is sent to a worker, and the answer that comes back.
+
+All of it is data, so that a worker needs no file of a scenario.
+"""
+
+from __future__ import annotations
+
+import pickle
+import threading
+import time
+from collections import OrderedDict
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Final
+
+from rl_tui.agents.compiling.cache_key import cache_key
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line
+from rl_tui.runs.recipe import Recipe
+from rl_tui.runs.training.seeded_runs import Goal
+from rl_tui.studies.sweeps.cell import Cell
+from rl_tui.studies.sweeps.cells.content import MOST_WORLDS, WorldContent, Worlds
+from rl_tui.studies.sweeps.cluster.versions import difference, versions_here
+from rl_tui.studies.sweeps.machine import this_machine
+from rl_tui.studies.sweeps.runs import RunRow, run_rows
+from rl_tui.worlds.files.scenario import Scenario
+
+HAND_OVER_AFTER: Final = 2.0
+"""Seconds after which a worker hands over what it has: so much a kill costs, or one run."""
+_LONGEST_REASON: Final = 300
+
+
+@dataclass(frozen=True)
+class OrderPart:
+    """Some seeds of one cell."""
+
+    recipe: Recipe
+    goal: Goal
+    digest: str
+    """The digest of the cell's world: what the worker builds has to be the same."""
+    seeds: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Order:
+    """What a worker is to train at a time."""
+
+    sweep: str
+    """A name of the sweep, by which all of its orders can be broken off."""
+    parts: tuple[OrderPart, ...]
+    versions: Mapping[str, str]
+    """The versions that rows have to be made with."""
+    kernels: str
+    """What the kernels are: of one version they may differ where somebody develops rl-tui."""
+    modules: tuple[str, ...] = ()
+    """Modules that the person who started the sweep allowed environments to import."""
+
+
+@dataclass(frozen=True)
+class TaskAnswer:
+    """What came of an order: rows of the first seeds of its first parts, and why there are no more.
+
+    ``refusal`` says why this worker can make none of the rest; without one there was no more time.
+    """
+
+    rows: tuple[tuple[RunRow, ...], ...] = ()
+    refusal: str = ""
+    seconds: float = 0.0
+
+
+class TaskEndedError(Exception):
+    """Nobody waits for the rows any more."""
+
+
+class RefusedError(Exception):
+    """The rows that are wanted cannot be made in this process."""
+
+
+class Call:
+    """A call, pickled: to unpickle it is to make it.
+
+    So a scheduler passes on bytes, and needs neither rl-tui nor the Python of its workers.
+    """
+
+    def __init__(self, function: Callable[..., object], *arguments: object) -> None:
+        self._call = function, arguments
+
+    def __reduce__(self) -> tuple[Callable[..., object], tuple[object, ...]]:
+        return self._call
+
+    @property
+    def pickled(self) -> bytes:
+        """It as bytes, for :func:`pickle.loads`."""
+        return pickle.dumps(self, protocol=pickle.HIGHEST_PROTOCOL)
+
+
+def order_of(parts: Iterable[tuple[Cell, tuple[int, ...]]], sweep: str, versions: Mapping[str, str]) -> Order:
+    """Return the order for some seeds each of some cells."""
+    from rl_tui.worlds.gym.modules import ALLOWED
+
+    wanted = tuple(OrderPart(cell.recipe, cell.goal, cell.content.digest, seeds) for cell, seeds in parts)
+    return Order(sweep, wanted, versions, _kernels(), tuple(sorted(ALLOWED)))
+
+
+def train(order: Order) -> TaskAnswer:
+    """Train the runs of ``order``, until it has taken a while; at least one. It runs on a worker."""
+    start = time.monotonic()
+    rows: list[tuple[RunRow, ...]] = []
+    try:
+        if said := difference(versions_here(), order.versions):
+            raise RefusedError(said)
+        if order.kernels != _kernels():
+            raise RefusedError("has kernels of rl-tui whose sources are not those here")
+        for part in order.parts:
+            rows.append(_rows(_cell(part, order.modules), part.seeds, order.sweep, start + HAND_OVER_AFTER))
+            if len(rows[-1]) < len(part.seeds) or time.monotonic() - start >= HAND_OVER_AFTER:
+                break
+    except RefusedError as refusal:
+        return TaskAnswer(tuple(rows), str(refusal))
+    return TaskAnswer(tuple(rows), seconds=time.monotonic() - start)
+
+
+def break_off(sweep: str) -> None:
+    """End the orders of ``sweep`` that run in this process, soon."""
+    _BROKEN_OFF.add(sweep)
+
+
+@cache
+def _kernels() -> str:
+    return cache_key()
+
+
+def _cell(part: OrderPart, modules: tuple[str, ...]) -> Cell:
+    """Return the cell of ``part``. Raises RefusedError where its world is another one here."""
+    name = part.recipe.scenario.id
+    try:
+        content = _CONTENTS.of(part, modules)
+    except UserError as reason:
+        said = one_line(str(reason), _LONGEST_REASON)
+        raise RefusedError(f"cannot build the world of {name}: {said}") from reason
+    if content.digest != part.digest:
+        raise RefusedError(f"builds another world of {name}: another version of the environment?")
+    return Cell(0, {}, replace(part.recipe, scenario=content.scenario), part.goal, content)
+
+
+def _rows(cell: Cell, seeds: tuple[int, ...], sweep: str, end: float) -> tuple[RunRow, ...]:
+    """Return the rows of ``seeds``, or of the first of them, if they take until ``end``; at least one."""
+
+    def check() -> None:
+        if sweep in _BROKEN_OFF:
+            raise TaskEndedError
+
+    rows = list[RunRow]()
+    with suppress(TaskEndedError):
+        for row in run_rows(cell, seeds, check):
+            rows.append(replace(row, machine=this_machine()))
+            if time.monotonic() >= end:
+                break
+    return tuple(rows)
+
+
+class _Contents:
+    """The worlds that orders asked this process for; the orders' own copies of a scenario are many."""
+
+    def __init__(self) -> None:
+        self._scenarios = OrderedDict[str, Scenario]()
+        self._worlds = Worlds()
+        self._lock = threading.Lock()
+
+    def of(self, part: OrderPart, modules: tuple[str, ...]) -> WorldContent:
+        """Return the world of ``part``. Raises UserError where it cannot be built here."""
+        with self._lock:
+            scenario = self._scenarios.setdefault(part.digest, part.recipe.scenario)
+            self._scenarios.move_to_end(part.digest)
+            if len(self._scenarios) > MOST_WORLDS:
+                self._scenarios.popitem(last=False)
+        if modules:
+            from rl_tui.worlds.gym.modules import allow_module
+
+            for name in modules:
+                allow_module(name)
+        return self._worlds.of(scenario, {}, part.recipe.seed)
+
+
+_CONTENTS: Final = _Contents()
+_BROKEN_OFF: Final = set[str]()

@@ -1,0 +1,326 @@
+"""The runs of a cell: train every seed, and summarize the results. All training of a sweep is here.
+
+A loop runs interpreted until that has cost enough time to justify machine code. A run that breaks down
+gives a row too, with the reason.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Final
+
+import numpy as np
+
+from rl_tui.agents.compiling.background import BACKGROUND
+from rl_tui.agents.compiling.cache_folder import was_compiled
+from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, Loop
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import one_line
+from rl_tui.runs.figures import greedy_figures
+from rl_tui.runs.recipe import begin
+from rl_tui.runs.run import Run
+from rl_tui.runs.training.batched_runs import runs_at_once
+from rl_tui.runs.training.seeded_runs import TIME_BUDGET
+from rl_tui.studies.statistics.censored import arrivals_of
+from rl_tui.studies.statistics.intervals import interquartile_mean, summary_of
+from rl_tui.studies.sweeps.cell import Cell, batched_figures, loop_in_batches, runs_in_batches
+from rl_tui.studies.sweeps.cells.content import ExactFacts
+from rl_tui.studies.sweeps.measures import ARRIVED, MEASURES, NEAR, SweepMeasure
+from rl_tui.worlds.mdp.space import FloatArray
+
+# When to get machine code
+
+
+# To rent until it costs as much as to buy is never worse than twice the best that can be done
+WORTH_READING: Final = 0.3
+WORTH_COMPILING: Final = 2.0
+
+
+class MachineCodeDemand:
+    """Adds up for how long each loop ran interpreted, whichever run it was, and gets machine code in time.
+
+    What is in the cache is read by the thread that asks; what is not is compiled beside the runs. Safe to be
+    called from several threads.
+    """
+
+    def __init__(self) -> None:
+        self._seconds: defaultdict[Loop, float] = defaultdict(float)
+        self._compiled = list[Loop]()
+        self._read = set[Loop]()
+        self._lock = threading.Lock()
+
+    def ran(self, loop: Loop, seconds: float) -> None:
+        """Note that ``loop`` ran interpreted for so many ``seconds``, and get its machine code if due."""
+        if loop in COMPILED_LOOPS or loop in BACKGROUND.failed:
+            return
+        with self._lock:
+            self._seconds[loop] += seconds
+            if self._seconds[loop] >= WORTH_READING and loop not in self._read and was_compiled(loop):
+                self._read.add(loop)
+                if BACKGROUND.read(loop):
+                    return
+            if self._seconds[loop] >= WORTH_COMPILING and loop not in self._compiled:
+                self._compiled.append(loop)
+                BACKGROUND.want(self._compiled)
+
+
+DEMAND: Final = MachineCodeDemand()
+"""The one of this process."""
+
+
+# One row per seed
+
+
+GROWTH: Final = 2.0**0.25
+LONGEST_REASON: Final = 200
+# So often at least it is asked whether to go on: some 0.1 s
+_CHUNK: Final = 2_000_000
+_CHUNK_INTERPRETED: Final = 10_000
+
+Figures = Mapping[str, float | int | None]
+GoOn = Callable[[], None]
+
+
+@dataclass(frozen=True, slots=True)
+class RunRow:
+    """What one seed of a cell came to.
+
+    ``figures`` has every measure by its id, and ``arrived``; they are all None where the run broke down, and
+    ``failed`` then says why. ``seconds`` are those of its training and its figures.
+    """
+
+    seed: int
+    figures: Figures
+    failed: str | None = None
+    seconds: float = 0.0
+    machine: str | None = field(default=None, compare=False)
+    """Where it was made; None: here."""
+
+
+NO_FIGURES: Final[Figures] = dict.fromkeys((*MEASURES, ARRIVED))
+
+
+def go_on() -> None:
+    """Let training go on."""
+
+
+def run_rows(cell: Cell, seeds: Sequence[int], check: GoOn = go_on) -> Iterator[RunRow]:
+    """Yield the row of each of ``seeds`` in ``cell``, in their order.
+
+    A run that breaks down is a row too. ``check`` is called now and then, and may raise to end it.
+    """
+    waiting, marks = list(seeds), tuple(marks_up_to(cell.goal.episodes or 0))
+    while waiting:
+        seeded = runs_in_batches(cell) if len(waiting) > 1 else None
+        at_once = waiting[: 1 if seeded is None else max(1, runs_at_once(seeded, len(marks)))]
+        waiting = waiting[len(at_once) :]
+        if seeded is None or len(at_once) == 1:
+            yield _row(cell, at_once[0], check)
+            continue
+        start = time.perf_counter()
+        found = batched_figures(cell, seeded, at_once, marks, _arrival_line(cell.content.facts), check)
+        seconds = (time.perf_counter() - start) / len(at_once)
+        for seed, figures in zip(at_once, found, strict=True):
+            # One that broke down has to say by itself why
+            yield _row(cell, seed, check) if figures is None else RunRow(seed, figures, None, seconds)
+
+
+def _row(cell: Cell, seed: int, check: GoOn) -> RunRow:
+    start = time.perf_counter()
+    try:
+        figures, failed = _figures(cell, seed, check), None
+    except UserError as reason:
+        figures, failed = NO_FIGURES, one_line(str(reason), LONGEST_REASON)
+    seconds = time.perf_counter() - start
+    loop = loop_in_batches(cell)
+    if loop is not None:
+        DEMAND.ran(loop, seconds)
+    return RunRow(seed, figures, failed, seconds)
+
+
+def marks_up_to(episodes: int) -> Iterator[int]:
+    """Yield after which episodes a run is looked at: 1, 2, 3 …, growing by 2^(1/4), and the last."""
+    mark = 1
+    while mark < episodes:
+        yield mark
+        mark = max(mark + 1, int(mark * GROWTH))
+    yield episodes
+
+
+def _figures(cell: Cell, seed: int, check: GoOn) -> Figures:
+    recipe = replace(cell.recipe, seed=seed)
+    run = Run(recipe, begin(recipe, cell.content.shared), evaluate=False)
+    run.learner.set_time_budget(TIME_BUDGET)
+    facts = cell.content.facts if cell.content.shared is not None else ExactFacts(run.world.mdp)
+    wanted = cell.goal.episodes or 0
+    line = None if run.learner.drifted is not None else _arrival_line(facts)
+    arrival = _train(run, wanted, line, check)
+    if run.learner.drifted is not None:  # each run came to means of its own
+        facts = ExactFacts(run.learner.mdp)
+    check()
+    exact = greedy_figures(run, facts.optimum(recipe.hyperparameters.gamma)) if facts.mdp else None
+    return {
+        "expected_return": exact.expected_return if exact else None,
+        "value_at_start": exact.value_at_start if exact else None,
+        "max_error": exact.max_error if exact else None,
+        "area": run.mean_return,
+        "arrival": arrival,
+        "regret": _regret(run, facts),
+        "steps": run.step,
+        "episodes": run.learner.episodes,
+        "return_last_100": run.history.last_100[0],
+        ARRIVED: None if line is None else int(arrival is not None),
+    }
+
+
+def _arrival_line(facts: ExactFacts) -> float | None:
+    """Return what the greedy policy has to earn to have arrived; None where nobody can say."""
+    if facts.mdp is None or facts.best is None or facts.random is None:
+        return None
+    return facts.best - NEAR * (facts.best - facts.random)
+
+
+def _train(run: Run, episodes: int, line: float | None, check: GoOn) -> int | None:
+    """Train ``run`` for so many ``episodes``; return after which mark its greedy policy reached ``line``.
+
+    None where it did at none, or there is no such line. Raises UserError where the run breaks down.
+    """
+    arrival = None if line is None else _arrival(run, episodes, line, check)
+    _advance(run, episodes, check)
+    return arrival
+
+
+def _arrival(run: Run, episodes: int, line: float, check: GoOn) -> int | None:
+    for mark in marks_up_to(episodes):
+        _advance(run, mark, check)
+        earned = run.greedy_return(run.learner.q, run.recipe.hyperparameters.ties)
+        if earned is not None and earned >= line:
+            return run.learner.episodes
+    return None
+
+
+def _advance(run: Run, episodes: int, check: GoOn) -> None:
+    """Advance ``run`` until it has finished so many ``episodes``. Raises UserError where it breaks down."""
+    learner = run.learner
+    while learner.episodes < episodes and not run.over:
+        check()
+        start, was_interpreted = time.perf_counter(), not learner.is_compiled
+        run.advance(_CHUNK_INTERPRETED if was_interpreted else _CHUNK, episodes - learner.episodes)
+        if was_interpreted:
+            DEMAND.ran(learner.loop, time.perf_counter() - start)
+    if run.stop_reason:
+        raise UserError(run.stop_reason)
+
+
+def _regret(run: Run, facts: ExactFacts) -> float | None:
+    """Return what the episodes of ``run`` lost against the best policy; of a bandit by true means."""
+    if run.bandit is not None:
+        return None if run.learner.plans else run.bandit.regret
+    if facts.best is None or run.mean_return is None:
+        return None
+    regret = run.learner.episodes * facts.best - run.history.total_return
+    return regret if math.isfinite(regret) else None
+
+
+# Summary of a cell
+
+
+_EMPTY: Final = dict.fromkeys(("mean", "median", "iqm", "low", "high"))
+_NO_ARRIVALS: Final = dict.fromkeys(
+    ("share_low", "share_high", "restricted_mean", "restricted_low", "restricted_high")
+)
+
+
+@dataclass(frozen=True)
+class CellSummary:
+    """The rows of one cell in numbers."""
+
+    runs: int
+    """How many there are, those that broke down among them."""
+    failed: int
+    """How many broke down."""
+    figures: dict[str, dict[str, Any]] = field(default_factory=dict)
+    """For each measure its mean, median, iqm, low, high and count, in that order."""
+    first_failure: str = ""
+    """Why the first of them broke down."""
+
+
+def values_by_seed(
+    rows: Iterable[RunRow], measure: SweepMeasure, seeds: range
+) -> tuple[FloatArray | None, bool]:
+    """Return ``measure`` of each of ``seeds``, [N], NaN where there is none, and whether every row has it.
+
+    None where there is no row. Runs that never arrive have the number of episodes that they had.
+    """
+    values, count = np.full(len(seeds), np.nan), 0
+    for row in rows:
+        count += 1
+        value = _restricted(row) if measure.may_never_arrive else row.figures[measure.id]
+        if value is not None and math.isfinite(value):
+            values[row.seed - seeds.start] = value
+    return (values if count else None), int((~np.isnan(values)).sum()) == count
+
+
+def summarized(rows: Iterable[RunRow]) -> CellSummary:
+    """Return what ``rows``, those of one cell, say together."""
+    kept = list(rows)
+    sound = [row for row in kept if row.failed is None]
+    failures = [row.failed for row in kept if row.failed is not None]
+    figures = {
+        each.id: _arrivals(sound) if each.may_never_arrive else _figure(_values(sound, each.id))
+        for each in MEASURES.values()
+    }
+    return CellSummary(len(kept), len(failures), figures, failures[0] if failures else "")
+
+
+def _values(rows: Sequence[RunRow], name: str) -> list[float]:
+    there = (row.figures[name] for row in rows)
+    return [float(value) for value in there if value is not None and math.isfinite(value)]
+
+
+def _figure(values: Sequence[float]) -> dict[str, Any]:
+    found = summary_of(values)
+    if found is None:
+        return {**_EMPTY, "count": 0}
+    return {name: getattr(found, name) for name in (*_EMPTY, "count")}
+
+
+def _arrivals(rows: Sequence[RunRow]) -> dict[str, Any]:
+    """Return the summary of arrivals, of which some are only known to be later than the end of training.
+
+    Mean, iqm and interval are there only where all have arrived. ``restricted_mean`` is the mean of
+    min(arrival, episodes), with its interval.
+    """
+    watched = [row for row in rows if row.figures[ARRIVED] is not None]
+    times = np.array([row.figures["arrival"] if row.figures[ARRIVED] else np.nan for row in watched], float)
+    found = arrivals_of(times, np.array([row.figures["episodes"] for row in watched], float))
+    if found is None:
+        return {**_EMPTY, "count": 0, "arrived": 0, **_NO_ARRIVALS}
+    arrived = times[~np.isnan(times)]
+    have_all = len(arrived) == len(times)
+    return {
+        "mean": found.restricted_mean if have_all else None,
+        "median": found.median,
+        "iqm": interquartile_mean(arrived) if have_all else None,
+        "low": found.low if have_all else None,
+        "high": found.high if have_all else None,
+        "count": found.count,
+        "arrived": len(arrived),
+        "share_low": found.share_low,
+        "share_high": found.share_high,
+        "restricted_mean": found.restricted_mean,
+        "restricted_low": found.low,
+        "restricted_high": found.high,
+    }
+
+
+def _restricted(row: RunRow) -> float | None:
+    """Return min(arrival, episodes) of ``row``; None where nobody can say."""
+    if row.figures[ARRIVED] is None:
+        return None
+    return row.figures["arrival"] if row.figures[ARRIVED] else row.figures["episodes"]

@@ -1,0 +1,110 @@
+"""The tables of a store, and whether a database has these and nothing else."""
+
+from __future__ import annotations
+
+import re
+import sqlite3
+from functools import cache
+from typing import Final
+
+from rl_tui.common.errors import UserError
+from rl_tui.common.findings import shown
+from rl_tui.studies.sweeps.measures import ARRIVED, MEASURES
+
+FORMAT: Final = 1
+"""Raised when the tables become others."""
+APPLICATION: Final = 0x524C5453
+"""What SQLite keeps in the head of the file to tell what it is: RLTS."""
+
+_WHOLE: Final = ("arrival", "steps", "episodes")
+FIGURES: Final = (*MEASURES, ARRIVED)
+"""The columns of figures, in their order."""
+
+
+def _figure_columns() -> str:
+    lines = []
+    for name in MEASURES:
+        kind = "INTEGER" if name in _WHOLE else "REAL"
+        lines.append(f"    {name} {kind}, -- {MEASURES[name].title}, in {MEASURES[name].unit}")
+    return "\n".join(lines)
+
+
+SCHEMA: Final = f"""
+CREATE TABLE meta ( -- what the file is
+    name TEXT PRIMARY KEY, -- format, created
+    value TEXT NOT NULL -- its number, and when, in UTC
+);
+CREATE TABLE machines ( -- where rows were made
+    id INTEGER PRIMARY KEY, -- counted
+    machine TEXT NOT NULL UNIQUE -- JSON: system, processor, C library, versions
+);
+CREATE TABLE cells ( -- what was trained, once for all of its seeds
+    key TEXT PRIMARY KEY, -- sha256 of identity
+    identity TEXT NOT NULL, -- JSON: all that a run comes from but for its seed
+    scenario TEXT NOT NULL, -- the id of its scenario when it was first trained; not part of the key
+    settings TEXT NOT NULL -- JSON: what varied when it was first trained; not part of the key
+) WITHOUT ROWID;
+CREATE TABLE plans ( -- what was asked for; rows do not depend on it
+    plan TEXT PRIMARY KEY, -- JSON: scenario with the text of its file, vary, settings, runs, seeds
+    created TEXT NOT NULL -- when it was begun, in UTC
+) WITHOUT ROWID;
+CREATE TABLE rows ( -- one run each
+    key TEXT NOT NULL REFERENCES cells (key), -- its cell
+    seed INTEGER NOT NULL, -- its seed
+{_figure_columns()}
+    {ARRIVED} INTEGER, -- 1: arrival is known; 0: training ended before; null: no exact answer
+    failed TEXT, -- why the run broke down; all figures are null then
+    machine INTEGER NOT NULL REFERENCES machines (id), -- where it was made
+    seconds REAL NOT NULL, -- training and figures
+    PRIMARY KEY (key, seed)
+) WITHOUT ROWID;
+"""
+
+_OBJECTS: Final = "SELECT type, name, tbl_name, coalesce(sql, '') FROM sqlite_master"
+_COMMENT: Final = re.compile(r"--[^\n]*")
+_NUMBER: Final = re.compile(r"[0-9]{1,9}", re.ASCII)
+_Object = tuple[str, str, str, str]
+
+
+def check_schema(database: sqlite3.Connection, name: str) -> None:
+    """Raise UserError where the database of that ``name`` is not a store of this format, or more than that.
+
+    A view may never end, and a trigger may change what is written. So nothing but the schema is read before
+    all of it is known to be ours.
+    """
+    if database.execute("PRAGMA application_id").fetchone()[0] != APPLICATION:
+        raise UserError(f"{name}: is a database, but no store of a sweep; give another --store")
+    found, expected = _objects(database), _expected()
+    meta = next(each for each in expected if each[1] == "meta" and each[0] == "table")
+    if meta not in found:
+        raise UserError(f"{name}: is damaged (it has no table meta); go on from a copy, or in a new file")
+    said = database.execute("SELECT value FROM meta WHERE name = 'format'").fetchone()
+    if said is None or not (isinstance(said[0], str) and _NUMBER.fullmatch(said[0])):
+        what = "is missing" if said is None else f"is {shown(said[0])}"
+        raise UserError(f"{name}: is damaged (its format {what}); go on from a copy, or in a new file")
+    if int(said[0]) != FORMAT:
+        older = "a newer" if int(said[0]) > FORMAT else "an older"
+        raise UserError(f"{name}: was written by {older} rl-tui (format {said[0]}, this one has {FORMAT})")
+    for kind, of, *_ in sorted(found ^ expected):
+        raise UserError(
+            f"{name}: the {kind} {shown(of)} is not as rl-tui makes it; "
+            "use a copy that no other program has changed"
+        )
+
+
+def _objects(database: sqlite3.Connection) -> frozenset[_Object]:
+    """Return all that the schema of ``database`` defines, without comments: they name titles of measures."""
+    return frozenset(
+        (str(kind), str(name), str(table), " ".join(_COMMENT.sub("", str(sql)).split()))
+        for kind, name, table, sql in database.execute(_OBJECTS)
+    )
+
+
+@cache
+def _expected() -> frozenset[_Object]:
+    database = sqlite3.connect(":memory:")
+    try:
+        database.executescript(SCHEMA)
+        return _objects(database)
+    finally:
+        database.close()

@@ -1,0 +1,229 @@
+"""The whole check of one world: exact figures, and what short trainings of each algorithm come to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.exact.first_update import Wait, first_wait
+from rl_tui.agents.exact.policy_evaluation import NoExactAnswer
+from rl_tui.agents.exact.policy_figures import expected_return, uniform_policy
+from rl_tui.agents.exact.solve import (
+    best_expected_return,
+    never_reached,
+    shortest_way,
+    solve,
+    states_without_end,
+)
+from rl_tui.agents.hyperparameters import Hyperparameters
+from rl_tui.common.errors import UserError
+from rl_tui.common.words import counted
+from rl_tui.runs.answers.first_update_words import wait_in_words
+from rl_tui.runs.background.child import bound_processor_time
+from rl_tui.runs.exact_answers import NO_TABLE
+from rl_tui.runs.figures import MOST_STATES
+from rl_tui.runs.training.endless import REMEDY, endless_warning_in
+from rl_tui.studies.world_check.greedy_trials import (
+    MOST_EPISODES,
+    MOST_STEPS,
+    SEEDS,
+    GreedyTrial,
+    is_tried,
+    may_stay,
+    suitable,
+    trials,
+)
+from rl_tui.studies.world_check.report import CheckStage, TrialsMade, WorldReport
+from rl_tui.studies.world_check.words import names
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+MOST_SECONDS: Final = 300
+"""Of a processor. The dearest of the shipped worlds takes a minute where nothing is compiled yet."""
+_MOST_NAMED: Final = 3
+TOO_LARGE: Final = f"not worked out above {MOST_STATES:,} states"
+
+
+class Question(NamedTuple):
+    """The world to check, and the agent with whose settings; ``episodes`` are those of a whole training."""
+
+    mdp: TabularMDP
+    algorithm: str
+    hyperparameters: Hyperparameters
+    episodes: int
+
+
+def work(asked: Question, tell: Callable[[WorldReport, float], None]) -> None:
+    """Tell the report as it grows; what a process of its own does."""
+    bound_processor_time(MOST_SECONDS)
+    for report in reports(asked):
+        tell(report, list(BY_ID).index(report.trying) / len(BY_ID) if report.trying else 0.0)
+
+
+def without_table() -> WorldReport:
+    """Return the report on a world that is stepped: nothing is known of it."""
+    return WorldReport(warnings=(f"nothing can be told: {NO_TABLE}",))
+
+
+def deep_check(asked: Question) -> WorldReport:
+    """Return the whole report on the world of ``asked``.
+
+    All is exact but for ``endless``, which rests on trainings of limited length: see :class:`TrialsMade`.
+    Equal questions have equal answers, however long they take.
+    """
+    *_, report = reports(asked)
+    return report
+
+
+def reports(asked: Question) -> Iterator[WorldReport]:
+    """Yield the report as it grows: figures, flips, then algorithm by algorithm; the last one is whole."""
+    report = _figures(asked)
+    yield report
+    report = _with_flips(report, asked.mdp)
+    yield report
+    yield from _with_trials(report, asked)
+
+
+def _figures(asked: Question) -> WorldReport:
+    """Return all that is exact but for flips."""
+    mdp, unknown = asked.mdp, dict[str, str]()
+    random_return, best_return = _returns(mdp, unknown)
+    first = _first_wait(asked, unknown)
+    return WorldReport(
+        CheckStage.FLIPS,
+        warnings=_wait_warnings(first, asked.episodes),
+        random_return=random_return,
+        best_return=best_return,
+        shortest_way=_shortest_way(mdp, asked.hyperparameters.gamma, unknown),
+        first_update=first,
+        never_reached=tuple(never_reached(mdp).tolist()),
+        endless_states=tuple(np.flatnonzero(states_without_end(mdp)).tolist()),
+        unknown=unknown,
+    )
+
+
+def _returns(mdp: TabularMDP, unknown: dict[str, str]) -> tuple[float | None, float | None]:
+    """Return what the random and the best policy earn; say of either why it is not known."""
+    if mdp.states > MOST_STATES:
+        unknown |= {"random_return": TOO_LARGE, "best_return": TOO_LARGE}
+        return None, None
+    by_chance, best = expected_return(mdp, uniform_policy(mdp)), best_expected_return(mdp)
+    if by_chance is None:
+        unknown["random_return"] = "there is none, for it may go on being paid for ever"
+    if best is None:
+        unknown["best_return"] = "there is none at γ 1; rl-tui solve --gamma 1 says why"
+    return by_chance, best
+
+
+def _shortest_way(mdp: TabularMDP, gamma: float, unknown: dict[str, str]) -> int | None:
+    name = "shortest_way"
+    if mdp.states > MOST_STATES:
+        unknown[name] = TOO_LARGE
+        return None
+    try:
+        steps = shortest_way(mdp, solve(mdp, gamma).greedy)
+    except NoExactAnswer as reason:
+        unknown[name] = str(reason)
+        return None
+    if steps is None:
+        unknown[name] = "the best policy never comes to an end"
+    elif mdp.time_limit and steps > mdp.time_limit:
+        limit = counted(mdp.time_limit, "step")
+        unknown[name] = f"its end is {steps:,} steps away, an episode has {limit}"
+        return None
+    return steps
+
+
+def _first_wait(asked: Question, unknown: dict[str, str]) -> Wait | None:
+    if asked.mdp.states > MOST_STATES:
+        unknown["first_update"] = TOO_LARGE
+        return None
+    try:
+        return first_wait(asked.mdp, asked.algorithm, asked.hyperparameters)
+    except NoExactAnswer as reason:
+        unknown["first_update"] = str(reason)
+        return None
+
+
+def _wait_warnings(wait: Wait | None, episodes: int) -> tuple[str, ...]:
+    """Return that nothing is learned in a whole training of so many ``episodes``, where that is likely."""
+    if wait is not None and wait.chance == 0.0:
+        return ("nothing is ever learned: no episode can come to anything that moves an estimate",)
+    if wait is None or wait.median_episodes is None or wait.median_episodes <= episodes:
+        return ()
+    training = f"and a training has {counted(episodes, 'episode')}"
+    return (f"{wait_in_words(wait)}, {training}: rl-tui why says what helps",)
+
+
+def _with_flips(report: WorldReport, mdp: TabularMDP) -> WorldReport:
+    from rl_tui.agents.exact.flips import flips
+
+    try:
+        return replace(report, stage=CheckStage.TRIALS, flips=flips(mdp))
+    except NoExactAnswer as reason:
+        return replace(report, stage=CheckStage.TRIALS, unknown={**report.unknown, "flips": str(reason)})
+
+
+def _with_trials(report: WorldReport, asked: Question) -> Iterator[WorldReport]:
+    """Yield ``report`` before each algorithm, with those that may learn never to end, and at the end."""
+    mdp, settings, episodes = asked.mdp, asked.hyperparameters, min(MOST_EPISODES, asked.episodes)
+    warning = endless_warning_in(mdp, settings, asked.episodes)
+    known = (*report.warnings, *([warning] if warning else []))
+    report = replace(report, warnings=known)
+    if not is_tried(mdp):
+        unknown = {**report.unknown, "endless": "the world is too large for short trainings to tell anything"}
+        yield replace(report, stage=CheckStage.DONE, unknown=unknown)
+        return
+    if not may_stay(mdp):
+        yield replace(report, stage=CheckStage.DONE, endless=(), tried=TrialsMade((), 0, 0))
+        return
+    made: list[GreedyTrial] = []
+    try:
+        for algorithm in suitable(mdp, settings):
+            yield replace(report, trying=algorithm, endless=_may_never_end(made))
+            made += trials(mdp, algorithm, settings, episodes)
+    except UserError as reason:
+        yield replace(report, stage=CheckStage.DONE, unknown={**report.unknown, "endless": str(reason)})
+        return
+    is_said = mdp.time_limit or report.endless_states
+    in_part = dict.fromkeys(trial.algorithm for trial in made if trial.is_cut_short)
+    yield replace(
+        report,
+        stage=CheckStage.DONE,
+        endless=_may_never_end(made),
+        tried=TrialsMade(SEEDS, episodes, MOST_STEPS, tuple(in_part)),
+        warnings=(*known, *([] if is_said else _warnings(made, mdp, episodes))),
+    )
+
+
+def _may_never_end(made: Sequence[GreedyTrial]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(trial.algorithm for trial in made if trial.may_never_end))
+
+
+def _warnings(made: Sequence[GreedyTrial], mdp: TabularMDP, episodes: int) -> list[str]:
+    """Return what ``made`` gives cause to warn of, and what to do.
+
+    A time limit has done it already; and from a state without a way out nothing else is to be expected.
+    """
+    said = []
+    greedy = [trial for trial in made if trial.endless_at is not None]
+    if greedy:
+        place = mdp.state_names[greedy[0].endless_at or 0]
+        said.append(
+            f"a greedy policy of {_names(greedy)} may never end, as at {place} "
+            f"(up to {counted(episodes, 'episode')}, seeds {SEEDS[0]}–{SEEDS[-1]}): {REMEDY}"
+        )
+    long = [trial for trial in made if trial.long_episode is not None]
+    if long:
+        said.append(f"with {_names(long)} an episode of training may take very long, or never end: {REMEDY}")
+    return said
+
+
+def _names(made: Sequence[GreedyTrial]) -> str:
+    """Return what the algorithms of ``made`` are called; where there are many, how many."""
+    found = tuple(dict.fromkeys(trial.algorithm for trial in made))
+    is_short = len(found) <= _MOST_NAMED or len(found) == len(BY_ID)
+    return names(found) if is_short else f"{len(found)} of {len(BY_ID)} algorithms"

@@ -1,0 +1,145 @@
+"""The check of the world on screen: while a person wants it, for the world and the settings in force."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final
+
+from rl_tui.common.kiosk import in_kiosk
+from rl_tui.runs.background.background import AnsweringProcess, Background
+from rl_tui.runs.exact_answers import LIVE_STATES, NO_TABLE
+from rl_tui.runs.library import episodes_of
+from rl_tui.studies.world_check.report import CheckStage, WorldReport
+
+if TYPE_CHECKING:
+    from rl_tui.runs.run import Run
+    from rl_tui.studies.world_check.deep_check import Question
+    from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+    from rl_tui.worlds.world import World
+
+    _Process = AnsweringProcess[Question, WorldReport | None]
+
+WORK: Final = "rl_tui.studies.world_check.deep_check:work"
+"""What runs in its process: it trains every algorithm there is."""
+KEPT: Final = 4
+"""Whole reports that are kept: of worlds and settings that a person goes back to."""
+IN_KIOSK: Final = "worlds are not checked in a kiosk"
+TOO_LARGE: Final = f"more than {LIVE_STATES:,} states: rl-tui check --deep tells what can be told"
+NO_PROCESS: Final = "no process can be started"
+BROKEN_OFF: Final = "the rest took too long, or its process was ended"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WorldCheckView:
+    """What is known of the world by now: nothing yet, a part of the report, or all of it."""
+
+    report: WorldReport | None = None
+    """The report; None: nothing is known yet, or ever, where it is ``refused``."""
+    world: World | None = None
+    """The world that was checked; None where there is no report."""
+    gamma: float = 0.0
+    """The γ with which it was."""
+    refused: str = ""
+    """Why there will be none, or no more than there is; empty where all is well."""
+    how_long: str = ""
+    """How long the rest takes, or that the machine is busy; empty where neither is known."""
+    is_outdated: bool = False
+    """Whether it is of the world, or of the settings, before a change."""
+
+
+class WorldChecks:
+    """Has one world at a time checked, in a process of its own.
+
+    A check of what is no longer in force is ended for the newest once its figures are known: they come in
+    moments, so that not each of many strokes begins one. ``on_news`` is called, from any thread, when there
+    is more to tell. With ``automatic`` off each is waited for, so that what is known does not depend on the
+    time.
+    """
+
+    def __init__(self, on_news: Callable[[], None], *, automatic: bool) -> None:
+        self._automatic = automatic
+        self._background = Background["Question", "WorldReport | None"](WORK, on_news)
+        self._world: World | None = None
+        self._known: list[tuple[Question, WorldCheckView]] = []
+        self._last = WorldCheckView()
+
+    def of(self, run: Run) -> WorldCheckView:
+        """Return what is known by now of the world of ``run``, and see to it that more will be."""
+        mdp = run.world.mdp
+        if mdp is None or mdp.states > LIVE_STATES or in_kiosk():
+            self.end()
+            return WorldCheckView(refused=IN_KIOSK if in_kiosk() else TOO_LARGE if mdp else NO_TABLE)
+        self._last = self._of(_question(run, mdp), run.world)
+        return self._last
+
+    def _of(self, asked: Question, world: World) -> WorldCheckView:
+        process = self._background.process
+        if process is None or (_has_figures(process) and not _is_same(process.request, asked)):
+            self.end()
+            known = next((view for each, view in self._known if _is_same(each, asked)), None)
+            if known is not None:
+                return known
+            process = self._begin(asked, world)
+        if process is None:
+            return WorldCheckView(refused=NO_PROCESS)
+        if _is_same(process.request, asked) and _has_figures(process):
+            return self._view(process)
+        last = self._last
+        if last.report is None:
+            return WorldCheckView(how_long=process.how_long)
+        return replace(last, refused="", is_outdated=True)
+
+    def _begin(self, asked: Question, world: World) -> _Process | None:
+        """Begin to work ``asked`` out; None where no process can be started."""
+        self._world = world
+        try:
+            process = self._background.begin(asked, None)
+        except OSError:
+            return None
+        if process is not None and not self._automatic:
+            process.wait()
+        return process
+
+    def end(self) -> None:
+        """Keep what the process has found, if it has come to its end, and end it if not."""
+        process = self._background.process
+        if process is not None and (process.failed or _is_whole(process.known)):
+            self._known = [*self._known, (process.request, self._view(process))][-KEPT:]
+        self._background.end()
+
+    def close(self) -> None:
+        """End what is under way, from any thread, and begin nothing any more."""
+        self._background.close()
+
+    def _view(self, process: _Process) -> WorldCheckView:
+        gamma = process.request.hyperparameters.gamma
+        view = WorldCheckView(process.known, self._world, gamma)
+        if _is_whole(process.known):
+            return view
+        if process.failed:
+            return replace(view, refused=BROKEN_OFF)
+        return replace(view, how_long=process.how_long)
+
+
+def _has_figures(process: _Process) -> bool:
+    """Return whether there is something to show, be it that there will be nothing."""
+    return process.known is not None or bool(process.failed)
+
+
+def _is_whole(report: WorldReport | None) -> bool:
+    return report is not None and report.stage is CheckStage.DONE
+
+
+def _question(run: Run, mdp: TabularMDP) -> Question:
+    """Return what is asked of the world of ``run``: with the settings in force, as if it began with them."""
+    from rl_tui.studies.world_check.deep_check import Question
+
+    learner, recipe = run.learner, run.recipe
+    # estimates start from what the recipe says, whatever is set later
+    values = replace(learner.hyperparameters, initial_q=recipe.hyperparameters.initial_q)
+    return Question(mdp, learner.algorithm, values, episodes_of(recipe.scenario))
+
+
+def _is_same(one: Question, other: Question) -> bool:
+    return one.mdp is other.mdp and one[1:] == other[1:]

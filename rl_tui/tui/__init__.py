@@ -1,1 +1,0 @@
-"""Screens and widgets: the only room that imports Textual."""

@@ -1,1 +1,0 @@
-"""What γ decides: Q*(γ), and where the optimal actions change."""

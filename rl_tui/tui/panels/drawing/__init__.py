@@ -1,1 +1,0 @@
-"""The panel of tools while a person draws the world."""

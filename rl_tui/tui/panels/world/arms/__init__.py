@@ -1,1 +1,0 @@
-"""The arms of a bandit."""

@@ -1,1 +1,0 @@
-"""What an author wants to know of the world in force."""

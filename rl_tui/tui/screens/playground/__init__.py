@@ -1,1 +1,0 @@
-"""The playground: one run on screen."""

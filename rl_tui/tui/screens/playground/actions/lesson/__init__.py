@@ -1,1 +1,0 @@
-"""What a learner does with a lesson, and what it keeps back."""

@@ -1,1 +1,0 @@
-"""Drawing the world: which keys and clicks change what in it."""

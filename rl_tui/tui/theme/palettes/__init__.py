@@ -1,1 +1,0 @@
-"""A palette for each depth of colours."""

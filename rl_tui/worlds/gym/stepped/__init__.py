@@ -1,1 +1,0 @@
-"""Environments without a transition table, stepped for real."""

@@ -1,0 +1,156 @@
+"""The drawing of a Gymnasium environment: its grid of states, and the names on it.
+
+The names of known environments are written here, since Gymnasium has them only in its documentation. An
+environment is recognized by the name of its class, so nothing of Gymnasium need be imported.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from rl_tui.common.limits import MOST_STATES
+from rl_tui.worlds.drawing import CellKind, Grid
+
+if TYPE_CHECKING:
+    from rl_tui.worlds.gym.section import GymnasiumSection
+
+
+# Names and grid of states
+
+
+# Gymnasium numbers actions and observations and names them only in its documentation. A class is known by its
+# name, so that nothing of Gymnasium need be imported.
+_ACTIONS: Final[Mapping[str, tuple[str, ...]]] = {
+    "BlackjackEnv": ("stick", "hit"),
+    "CartPoleEnv": ("left", "right"),
+    "MountainCarEnv": ("left", "coast", "right"),
+    "AcrobotEnv": ("-1", "0", "+1"),
+}
+# by part of an observation; empty: the part's own numbers
+_PARTS: Final[Mapping[str, tuple[tuple[str, ...], ...]]] = {"BlackjackEnv": ((), (), ("no", "yes"))}
+_TERMS: Final[Mapping[str, tuple[str, ...]]] = {
+    "BlackjackEnv": ("sum", "dealer", "usable ace"),
+    "CartPoleEnv": ("position", "velocity", "angle", "angular velocity"),
+    "MountainCarEnv": ("position", "velocity"),
+}
+
+
+def action_names(environment: Any, first: int, actions: int) -> tuple[str, ...]:
+    """Return the names of the ``actions`` of an unwrapped environment; their numbers if it is unknown."""
+    names = _ACTIONS.get(type(environment).__name__, ())
+    return names if len(names) == actions else tuple(str(first + action) for action in range(actions))
+
+
+def known_part_names(environment: Any, sizes: Sequence[int]) -> Sequence[Sequence[str]]:
+    """Return names for the parts of an observation, of so many values each; empty where none are known."""
+    names = _PARTS.get(type(environment).__name__, ())
+    fits = len(names) == len(sizes) and all(
+        not part or len(part) == size for part, size in zip(names, sizes, strict=True)
+    )
+    return names if fits else [()] * len(sizes)
+
+
+def part_terms(environment: Any) -> Sequence[str]:
+    """Return what the parts of an observation are; empty where that is not known."""
+    return _TERMS.get(type(environment).__name__, ())
+
+
+def product_grid(sizes: Sequence[int], actions: int, terms: Sequence[str] = ()) -> Grid:
+    """Return the grid of states that are all combinations of parts with so many values each.
+
+    One part lies in the squarest grid. The first two of several give the rows and columns; with every
+    combination of the others begins a new block of those, set apart by a wall. Parts of one value do not
+    count. No action is a direction. ``terms`` are what the parts are called in the legend, where that is
+    known; else they are numbered.
+    """
+    there = _that_count(sizes)
+    shape = product_shape(sizes)
+    cell = np.arange(there[0]) if len(there) == 1 else _cells(there, shape[1])
+    kinds = np.full(shape[0] * shape[1], CellKind.WALL, dtype=object)
+    kinds[cell] = CellKind.FLOOR
+    return Grid(
+        rows=shape[0],
+        columns=shape[1],
+        kinds=tuple(kinds.tolist()),
+        cell_of_state=tuple(cell.tolist()),
+        directions=(None,) * actions,
+        legend=_legend(sizes, terms),
+    )
+
+
+def product_shape(sizes: Sequence[int]) -> tuple[int, int]:
+    """Return the rows and columns of :func:`product_grid`."""
+    there = _that_count(sizes)
+    if len(there) == 1:
+        columns = math.ceil(math.sqrt(there[0]))
+        return math.ceil(there[0] / columns), columns
+    rows, columns, blocks = there[0], there[1], math.prod(there[2:])
+    across = min(max(round(math.sqrt(blocks * rows / columns)), 1), blocks)
+    return math.ceil(blocks / across) * (rows + 1) - 1, across * (columns + 1) - 1
+
+
+def _that_count(sizes: Sequence[int]) -> list[int]:
+    return [size for size in sizes if size > 1] or [1]
+
+
+def _legend(sizes: Sequence[int], terms: Sequence[str]) -> str:
+    """Return ``angle down, angular velocity across``; empty for one part, which just fills the rows."""
+    count = sum(size > 1 for size in sizes)
+    known = [term for term, size in zip(terms, sizes, strict=False) if size > 1]
+    names = known if len(known) == count else [f"part {place}" for place in range(1, count + 1)]
+    if count < 2:
+        return ""
+    blocks = f", blocks: {' and '.join(names[2:])}" if count > 2 else ""
+    return f"{names[0]} down, {names[1]} across{blocks}"
+
+
+def _cells(sizes: Sequence[int], width: int) -> np.ndarray:
+    """Return the cell of each state, [product of ``sizes``], on a grid of ``width`` columns."""
+    rows, columns, blocks = sizes[0], sizes[1], math.prod(sizes[2:])
+    across = (width + 1) // (columns + 1)
+    row, column, block = np.unravel_index(np.arange(rows * columns * blocks), (rows, columns, blocks))
+    block_row, block_column = np.divmod(block, across)
+    cell: np.ndarray = (block_row * (rows + 1) + row) * width + block_column * (columns + 1) + column
+    return cell
+
+
+# Sizes known before Gymnasium is imported
+
+
+_BY_TABLE: Final[Mapping[str, tuple[int, int]]] = {
+    "FrozenLake": (4, 4),
+    "FrozenLake8x8": (8, 8),
+    "CliffWalking": (4, 12),
+    "Taxi": (29, 23),
+}
+"""By id, without its version."""
+_BLACKJACK: Final = "Blackjack"
+_BLACKJACK_TABLE: Final = (19, 21)
+_BLACKJACK_PARTS: Final = (32, 11, 2)  # sums, cards of the dealer, usable ace or not
+
+
+def known_shape(section: GymnasiumSection) -> tuple[int, int] | None:
+    """Return rows and columns of the drawing of ``section``, None if they are not known."""
+    if section.bins is not None:
+        sizes = section.bins.sizes
+        return product_shape(sizes) if math.prod(sizes) <= MOST_STATES else None  # the world will be refused
+    name = re.sub(r"-v\d+$", "", section.id)
+    if name == _BLACKJACK:
+        return _BLACKJACK_TABLE if section.table else product_shape(_BLACKJACK_PARTS)
+    if section.table is False or name not in _BY_TABLE:
+        return None
+    return _map_shape(section.kwargs) or _BY_TABLE[name]
+
+
+def _map_shape(kwargs: Mapping[str, Any]) -> tuple[int, int] | None:
+    """Return the shape of the lake that ``kwargs`` ask for; None if they ask for none."""
+    lines, name = kwargs.get("desc"), kwargs.get("map_name")
+    if isinstance(lines, list) and lines and isinstance(lines[0], str):
+        return len(lines), len(lines[0])
+    found = re.fullmatch(r"(\d{1,2})x(\d{1,2})", name) if isinstance(name, str) else None
+    return None if found is None else (int(found[1]), int(found[2]))

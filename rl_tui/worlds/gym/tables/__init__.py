@@ -1,1 +1,0 @@
-"""Environments whose transition table is known."""
