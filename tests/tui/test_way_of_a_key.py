@@ -1,0 +1,72 @@
+"""How many functions of the program run from a key to the last cell that is drawn for it."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import Final
+
+import pytest
+from seams import app_at, on_screen, press, slider
+
+import rl_tui
+from rl_tui.runs.library import find, recipe_for
+
+PACKAGE: Final = Path(rl_tui.__file__).parent
+COMPILED: Final = tuple(str(PACKAGE / "agents" / each) for each in ("algorithms", "kernels", "policies"))
+"""What runs as machine code, but for a few tests."""
+
+
+class Way:
+    """The functions that ran, as (file, name); lambdas and comprehensions do not count."""
+
+    def __init__(self) -> None:
+        self.functions = set[tuple[str, str]]()
+        self.is_counting = False
+
+    @property
+    def files(self) -> set[str]:
+        return {file for file, _ in self.functions}
+
+    def note(self, frame: FrameType, event: str, _: object) -> None:
+        code = frame.f_code
+        is_ours = code.co_filename.startswith(str(PACKAGE)) and not code.co_filename.startswith(COMPILED)
+        if self.is_counting and event == "call" and is_ours and not code.co_name.startswith("<"):
+            self.functions.add((code.co_filename, code.co_qualname))
+
+
+@contextmanager
+def noted_way() -> Iterator[Way]:
+    """Note what runs in this thread, and in those that begin meanwhile."""
+    way, before = Way(), sys.getprofile()
+    threading.setprofile(way.note)
+    sys.setprofile(way.note)
+    try:
+        yield way
+    finally:
+        threading.setprofile(None)
+        sys.setprofile(before)
+
+
+@pytest.mark.parametrize(
+    ("key", "functions", "files"),
+    [("s", 705, 126), ("b", 742, 126), ("right", 750, 129)],
+    ids=["step", "back", "slider"],
+)
+async def test_few_functions_run_for_a_key(key: str, functions: int, files: int) -> None:
+    """Who lengthens the way of a key has to raise these numbers."""
+    with noted_way() as way:
+        async with on_screen(app_at(recipe_for(find("frozenlake"))), (120, 40)) as pilot:
+            await press(pilot, *"ssssssssssss")
+            if key == "right":
+                slider(pilot.app, "alpha").focus()
+            await press(pilot, key, key)  # whatever is read or built at first does not count
+            way.is_counting = True
+            await press(pilot, key)
+            way.is_counting = False
+    assert len(way.functions) <= functions
+    assert len(way.files) <= files
