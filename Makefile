@@ -32,7 +32,7 @@ test-quick: $(VENV)/ready
 # Look at every picture that changed before you keep it: CONTRIBUTING.md says how.
 # Only one process alone deletes pictures that no test draws any more
 snapshots: $(VENV)/ready
-	$(BIN)/python -m pytest tests/tui --all --snapshot-update -n 0
+	$(BIN)/python -m pytest tests/screen --all --snapshot-update -n 0
 
 # What the documentation takes from the program: keys, commands, scenarios, agents
 docs: $(VENV)/ready

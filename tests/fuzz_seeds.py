@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-sys.path += [str(Path(__file__).parent / "lab"), str(Path(__file__).parent / "lab" / "lessons")]
+sys.path.append(str(Path(__file__).parent / "lessons"))
 
 from lesson_samples import SOUND
 from lesson_sessions import TEXT as EVENING

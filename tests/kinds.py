@@ -40,7 +40,7 @@ def kind_of(item: pytest.Item) -> str:
     if room in ("browser", "terminals", item.path.name):  # the last: at the top there is no room
         return "process"
     plays = "snap_compare" in item.fixturenames or inspect.iscoroutinefunction(item.function)
-    return "screen" if room == "tui" and plays else "unit"
+    return "screen" if room == "screen" and plays else "unit"
 
 
 def may_be_about(path: Path, subject: str) -> bool:

@@ -15,7 +15,7 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple
 
-sys.path.insert(0, str(Path(__file__).parent / "lab" / "programs"))
+sys.path.insert(0, str(Path(__file__).parent / "programs"))
 
 from corpus import CORRECT, FAULTY, expected, line_of, watched
 

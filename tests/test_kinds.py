@@ -31,7 +31,7 @@ def test_a_file_is_chosen_by_its_text_or_by_the_catalogue_that_it_goes_through(
     subject: str, file: str
 ) -> None:
     assert may_be_about(TESTS / file, subject)
-    assert not may_be_about(TESTS / "lab" / "statistics" / "test_comparison.py", subject)
+    assert not may_be_about(TESTS / "studies" / "statistics" / "test_comparison.py", subject)
 
 
 def test_a_module_has_the_tests_that_import_it(request: pytest.FixtureRequest) -> None:

@@ -29,7 +29,7 @@ CROSS_REFERENCE: Final = re.compile(r":(?:mod|class|func|meth|data):`~?(rl_tui[\
 GLOB: Final = re.compile(r"[\w/]*\*[\w/*]*\.\w+")
 
 
-SCRIPTS: Final = ROOT / "tests" / "lab" / "programs" / "scripts"
+SCRIPTS: Final = ROOT / "tests" / "programs" / "scripts"
 """Programs to be watched: some are no Python, but notebooks."""
 
 

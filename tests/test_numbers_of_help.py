@@ -24,14 +24,14 @@ from rl_tui.screen.panels.catalogue import PANELS
 TESTS: Final = Path(__file__).parent
 AGENTS: Final = (TESTS.parent / "docs/agents.md").read_text(encoding="utf-8")
 README: Final = (TESTS.parent / "README.md").read_text(encoding="utf-8")
-NEIGHBOURS: Final = (TESTS / "cli/test_readme.py", TESTS / "lab/test_figures_of_notes.py")
+NEIGHBOURS: Final = (TESTS / "commands/test_readme.py", TESTS / "lessons/test_figures_of_notes.py")
 ELSEWHERE: Final = (
     "Python 3.11 or newer",  # below
     "after some 1,300 steps the panel says so",  # test_watched_lake.py
     "exact to 1e-9.",  # test_exact.py
-    "2.2 is the ten-armed testbed,",  # tests/lab/book_figures, as the next
+    "2.2 is the ten-armed testbed,",  # tests/studies/book_figures, as the next
     "by their step size, 8.2 planning in the Dyna maze.",
-    "the 95 % interval of the mean;",  # tests/lab/statistics
+    "the 95 % interval of the mean;",  # tests/studies/statistics
     "An example: rl-tui train cliff --runs 50 --json > cliff.json",  # a choice
     "rl-tui sweep cliff --vary alpha=0.05:1:8 --vary algorithm=q-learning,sarsa --runs 30",  # a choice
     "under the same 30 seeds",  # that one

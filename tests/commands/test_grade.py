@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner, Result
-from lab.programs.course_agents import BERKELEY, UDACITY, agent_in
+from programs.course_agents import BERKELEY, UDACITY, agent_in
 
 from rl_tui.commands.main import program
 from rl_tui.programs.diagnosis.diagnosis import verdict_of

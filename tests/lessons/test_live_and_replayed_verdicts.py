@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from lab.lessons.task_samples import condition, recipe_in
+from lessons.task_samples import condition, recipe_in
 
 from rl_tui.common.errors import UserError
 from rl_tui.lessons.judging.journal_reader import entries_before, run_digest

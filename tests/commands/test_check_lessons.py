@@ -7,8 +7,8 @@ from typing import Final
 
 import pytest
 from click.testing import CliRunner
-from lab.lessons.lesson_samples import SOUND, changed, written
-from lab.lessons.task_samples import HEAD
+from lessons.lesson_samples import SOUND, changed, written
+from lessons.task_samples import HEAD
 
 from rl_tui.commands.main import program
 from rl_tui.lessons.check import check_lesson

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lab.programs.course_agents import (
+from programs.course_agents import (
     BERKELEY,
     FUNCTION,
     GYMNASIUM,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from lab.lessons.task_samples import attempt, condition, lesson_with, recipe_in
+from lessons.task_samples import attempt, condition, lesson_with, recipe_in
 
 from rl_tui.common.errors import UserError
 from rl_tui.lessons.file.view import Passed, TaskView

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from lab.lessons.task_samples import condition, lesson_with, recipe_in
+from lessons.task_samples import condition, lesson_with, recipe_in
 
 from rl_tui.common.kiosk import VARIABLE
 from rl_tui.lessons.file.view import LessonView, TaskView, begun

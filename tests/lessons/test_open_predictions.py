@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from lab.lessons.lesson_sessions import lesson, run_of, setup
-from lab.playing import begin, do
+from lessons.lesson_sessions import lesson, run_of, setup
+from playing import begin, do
 
 from rl_tui.lessons.file.view import LessonRecord, begun
 from rl_tui.live.commands import Apply, Command, KeepLesson, Play, RunEpisode, Step, Take, Train

@@ -15,9 +15,9 @@ import gymnasium
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from lab.programs.course_agents import OF_STYLE, agent_in
-from lab.programs.watched_scripts import lines_of, script_in, watched
 from policy_worth import evaluate
+from programs.course_agents import OF_STYLE, agent_in
+from programs.watched_scripts import lines_of, script_in, watched
 
 from rl_tui.agents.exact.policy_figures import greedy_policy
 from rl_tui.commands.main import program

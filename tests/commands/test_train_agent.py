@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
-from lab.programs.course_agents import FUNCTION, GYMNASIUM, OF_STYLE, RL_GLUE, UDACITY, agent_in
+from programs.course_agents import FUNCTION, GYMNASIUM, OF_STYLE, RL_GLUE, UDACITY, agent_in
 
 from rl_tui.commands.main import program
 

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from lab.lessons.program_tasks import SKELETON, program_lesson, updating
+from lessons.program_tasks import SKELETON, program_lesson, updating
 from seams import notes, on_screen, order, press, screen_text, snapshot
 from textual.pilot import Pilot
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner, Result
-from lab.programs.course_agents import UPDATES
+from programs.course_agents import UPDATES
 
 from rl_tui.commands.main import program
 from rl_tui.programs.own_agents.binding import Style

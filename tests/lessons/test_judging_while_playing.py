@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from lab.lessons.task_samples import lesson_with
-from lab.playing import begin, do
+from lessons.task_samples import lesson_with
+from playing import begin, do
 
 from rl_tui.lessons.file.view import LessonRecord, Passed, TaskView, begun
 from rl_tui.lessons.judging.conditions import judged_task

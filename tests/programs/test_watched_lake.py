@@ -12,7 +12,7 @@ from rl_tui.live import commands
 
 pytestmark = pytest.mark.process
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 README = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from lab.lessons.task_samples import condition, measured, recipe_in
+from lessons.task_samples import condition, measured, recipe_in
 
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.lessons.judging.condition_faults import FIRST_EPISODES

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from lab.lessons.lesson_sessions import run_of, write
-from lab.lessons.program_tasks import SKELETON, program_lesson, program_text, updating
+from lessons.lesson_sessions import run_of, write
+from lessons.program_tasks import SKELETON, program_lesson, program_text, updating
 
 from rl_tui.commands.main import program
 from rl_tui.common.errors import UserError

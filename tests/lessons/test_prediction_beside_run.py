@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from lab.playing import begin, do
+from playing import begin, do
 
 from rl_tui.common.errors import ScenarioError
 from rl_tui.lessons.file.setups import recipe_of

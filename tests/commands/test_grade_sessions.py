@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner, Result
-from lab.lessons.lesson_sessions import TEXT, all_done, lesson, write
+from lessons.lesson_sessions import TEXT, all_done, lesson, write
 
 from rl_tui.commands.main import program
 from rl_tui.lessons.file.view import begun

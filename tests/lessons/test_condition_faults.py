@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from lab.lessons.lesson_sessions import TEXT
-from lab.lessons.task_samples import inline, task_text
+from lessons.lesson_sessions import TEXT
+from lessons.task_samples import inline, task_text
 
 from rl_tui.common.errors import ScenarioError
 from rl_tui.lessons.judging.world_faults import reference_faults
