@@ -99,10 +99,9 @@ class Look:
 # and takes its palette from ``palette_for(depth, self.current_theme.dark)``, again when the theme changes.
 #
 # Rich exports SVG in truecolor whatever the console says, and draws default colours on a dark background of
-# its
-# own. So for pictures everything must be RGB already: ``ansi_color=False``, ``themes_for(depth,
-# picture=True)``, and ``self.ansi_theme_dark, self.ansi_theme_light = PICTURE_DARK, PICTURE_LIGHT``. There
-# ``auto`` is truecolor, for no terminal is asked.
+# its own. So for pictures everything must be RGB already: ``ansi_color=False``,
+# ``themes_for(depth, picture=True)``, and ``self.ansi_theme_dark, self.ansi_theme_light = PICTURE_DARK,
+# PICTURE_LIGHT``. There ``auto`` is truecolor, for no terminal is asked.
 
 
 _TRUECOLOR_TERMS: Final = ("alacritty", "foot", "xterm-ghostty", "xterm-kitty", "wezterm")
