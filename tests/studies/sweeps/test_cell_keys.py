@@ -130,6 +130,16 @@ def test_an_environment_that_is_stepped_is_known_by_its_version(monkeypatch: pyt
     assert key("gym:Blackjack-v1", "world.table=false") != before
 
 
+def test_every_shipped_scenario_has_a_key_of_its_own() -> None:
+    scenarios = [path.stem for path in shipped_folder().glob("*.toml")]
+    assert len({key(each, "gamma=0.5") for each in scenarios}) == len(scenarios)
+
+
+def test_what_the_agent_sees_of_a_table_is_swept_as_well() -> None:
+    rows = list(run_rows(cell_of("egg", "alpha=0.5", episodes=20), (0, 1)))
+    assert [row.figures["episodes"] for row in rows] == [20, 20]
+
+
 def test_identity_is_plain_json() -> None:
     cell = cell_of("maze", "alpha=0.1")
     assert json.loads(json.dumps(cell.identity)) == cell.identity

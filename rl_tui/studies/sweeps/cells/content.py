@@ -290,21 +290,24 @@ def _digest(scenario: Scenario, world: World) -> str:
     elif world.mdp is not None:
         said["table"] = table_digest(world.mdp)
     else:
-        said |= {"stepped": section.model_dump(mode="json", by_alias=True), **_environment(scenario)}
+        said |= {"stepped": section.model_dump(mode="json", by_alias=True), **_environment(section)}
         said["time_limit"] = world.space.time_limit
     text = json.dumps(said, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _environment(scenario: Scenario) -> dict[str, str]:
-    """Return the version of Gymnasium, and what identifies the code of an environment that is not its own."""
+def _environment(section: WorldSection) -> dict[str, str]:
+    """Return the version of Gymnasium, and what identifies the code of an environment that is not its own.
+
+    Nothing for a world that is stepped but not one of Gymnasium's.
+    """
     import gymnasium
 
     from rl_tui.worlds.gym.registered import looked_at
     from rl_tui.worlds.gym.section import GymnasiumSection
 
-    section = scenario.section
-    assert isinstance(section, GymnasiumSection)
+    if not isinstance(section, GymnasiumSection):
+        return {}
     said = {"gymnasium": gymnasium.__version__}
     with looked_at(section.id, section.kwargs) as environment:
         module = type(environment.unwrapped).__module__
