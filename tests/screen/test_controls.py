@@ -6,15 +6,18 @@ from dataclasses import replace
 from itertools import pairwise
 
 import pytest
-from samples import bandit, lake
+from recipes import recipe
+from samples import bandit, lake, look
 from snapshots import changed
+from textual.app import App, ComposeResult
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.keys.registry import ACTIONS
-from rl_tui.screen.panels.controls.controls import in_force, sliders_of
+from rl_tui.screen.panels.controls.controls import Controls, in_force, sliders_of
 from rl_tui.screen.panels.controls.settings import laid_out, settings_of
+from rl_tui.screen.panels.controls.slider import Slider
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE, Glyphs
 
 LAKE = lake()
@@ -102,6 +105,22 @@ def test_a_click_on_a_setting_does_what_its_key_does() -> None:
     for algorithm, policy in EVERY:
         clicked = {each.action for each in settings_of(told(algorithm, policy)) if each.action}
         assert clicked <= known
+
+
+async def test_a_slider_that_stays_shows_its_value_though_others_come_and_go() -> None:
+    class Alone(App[None]):
+        def compose(self) -> ComposeResult:
+            yield controls
+
+    controls = Controls(look())
+    controls.begin_with(recipe("frozenlake", algorithm="sarsa-lambda", gamma=0.9))
+    async with Alone().run_test() as pilot:
+        controls.wanted = Hyperparameters(gamma=0.5)
+        controls.show(told("q-learning", "epsilon-greedy", gamma=0.5))
+        await pilot.pause()
+        await pilot.app.workers.wait_for_complete()
+        values = {each.id: each.value for each in controls.query(Slider)}
+        assert values == {"alpha": 0.1, "gamma": 0.5, "epsilon": 0.1}
 
 
 def test_where_a_run_is_over_it_can_start_again() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Final
 
 from textual.app import ComposeResult
@@ -85,6 +84,7 @@ class Controls(Container, BoardPanel):
         self.marks_all_flips = False
         """Whether the slider of γ marks every flip, not only those that turn the way from the start."""
         self._parameters: tuple[Parameter, ...] = ()
+        self._sliders: dict[str, Slider] = {}  # by name; some are still to be mounted
         self._has_marks = False
 
     def has_slider(self, name: str) -> bool:
@@ -138,7 +138,8 @@ class Controls(Container, BoardPanel):
 
     def compose(self) -> ComposeResult:
         """Yield sliders and settings."""
-        yield Container(*self._sliders(), id="sliders")
+        self._sliders = self._new_sliders()
+        yield Container(*self._sliders.values(), id="sliders")
         yield AgentSettings(self._look, id="settings")
 
     def show(self, snapshot: Snapshot) -> None:
@@ -149,9 +150,11 @@ class Controls(Container, BoardPanel):
         if parameters != self._parameters:
             self._parameters = parameters
             self._write_border()
-            self.run_worker(self._replace_sliders(), exclusive=True)
-            return
-        for slider in self.query(Slider):
+            new = self._new_sliders()
+            # a value may be being typed on a slider that stays
+            self._sliders = new | {name: slider for name, slider in self._sliders.items() if name in new}
+            self.run_worker(self._mount_sliders(), exclusive=True)
+        for slider in self._sliders.values():
             slider.set_value(in_force(self.wanted, slider.parameter))
             if slider.parameter.name == GAMMA:
                 self._mark_flips(slider, snapshot)
@@ -163,21 +166,21 @@ class Controls(Container, BoardPanel):
             self._has_marks = bool(marks)
             self._write_border()
 
-    def _sliders(self) -> Iterable[Slider]:
-        for parameter in self._parameters:
-            yield Slider(self._look, parameter, in_force(self.wanted, parameter))
+    def _new_sliders(self) -> dict[str, Slider]:
+        return {
+            parameter.name: Slider(self._look, parameter, in_force(self.wanted, parameter))
+            for parameter in self._parameters
+        }
 
-    async def _replace_sliders(self) -> None:
-        """Mount and remove what differs: a value may be being typed on a slider that stays."""
-        box = self.query_one("#sliders")
-        wanted = {slider.id: slider for slider in self._sliders()}
-        leaving = [slider for slider in box.query(Slider) if slider.id not in wanted]
+    async def _mount_sliders(self) -> None:
+        """Mount those that are new, and remove those that are not there any more."""
+        box, kept = self.query_one("#sliders"), set(self._sliders.values())
+        leaving = [slider for slider in box.query(Slider) if slider not in kept]
         with self.app.batch_update():
             if any(slider.has_focus for slider in leaving):
                 self.screen.set_focus(None)
                 self.screen.post_message(Slider.Released())
             await box.remove_children(leaving)
-            staying = {slider.id for slider in box.query(Slider)}
-            for place, (name, slider) in enumerate(wanted.items()):
-                if name not in staying:
+            for place, slider in enumerate(self._sliders.values()):
+                if slider.parent is None:
                     await box.mount(slider, before=place if place < len(box.children) else None)
