@@ -1,4 +1,4 @@
-"""Recipes that the tests of the lab share."""
+"""Recipes that tests share."""
 
 from __future__ import annotations
 

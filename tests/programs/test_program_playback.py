@@ -398,7 +398,7 @@ def test_a_breakpoint_set_on_the_way_does_not_change_what_is_counted(tmp_path: P
         assert watcher.do().counters.episodes == begun + 901
 
 
-def test_what_the_detective_stumbles_over_is_said_and_ends_nothing(
+def test_what_the_diagnosis_stumbles_over_is_said_and_ends_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def stumbles(_: object) -> object:

@@ -1,4 +1,4 @@
-"""The detective looks at a program that goes on meanwhile."""
+"""A program is diagnosed while it goes on."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_a_verdict_on_an_earlier_run_counts_no_more(log: ProgramLog, monkeypatch
     newest.forget()
     may_end.set()
     assert has_ended.wait(PATIENCE)
-    wait_until(lambda: not any(each.name == "the detective" for each in threading.enumerate()))
+    wait_until(lambda: not any(each.name == "diagnosis" for each in threading.enumerate()))
     assert not newest.newest.notes
     newest.look(log, is_still=True)
     wait_until(lambda: bool(news))

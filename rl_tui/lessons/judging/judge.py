@@ -27,7 +27,7 @@ from rl_tui.lessons.judging.verdicts import (
 from rl_tui.runs.background.background import AnsweringProcess, Background
 
 if TYPE_CHECKING:
-    from rl_tui.lessons.file.schema import Measured, Task
+    from rl_tui.lessons.file.schema import Condition, Measured, Task
     from rl_tui.lessons.file.view import Passed
     from rl_tui.lessons.judging.moment import Kept
     from rl_tui.lessons.lesson import Lesson
@@ -99,13 +99,10 @@ def _measured(
         return str(reason)
 
 
-# Conditions over many seeds
+# Many seeds beside a live run
 
 
 if TYPE_CHECKING:
-    from rl_tui.lessons.file.schema import Condition
-    from rl_tui.runs.recipe import Recipe
-
     _Process = AnsweringProcess[PanelRequest, PanelProgress]
 
 WORK: Final = "rl_tui.lessons.judging.seed_panel:work"
@@ -146,18 +143,20 @@ class LivePanels:
     def waits(self) -> str:
         """How many seeds are done of those under way, and how long the rest takes; empty where none are."""
         process = self._background.process
-        if process is None or process.known.verdicts is not None or process.failed:
+        if process is None or (known := process.known).verdicts is not None or process.failed:
             return ""
-        done, wanted = len(process.known.seeds), process.known.wanted
+        done, wanted = len(known.seeds), known.wanted
         said = f"{done} of {wanted} seeds" if wanted else f"{done} seeds so far"
         return " · ".join(filter(None, (f"judging: {said}", process.how_long)))
 
     def end(self) -> None:
         """End what is being worked out; what is known is remembered, so that it may go on from there."""
         process = self._background.process
-        if process is not None and process.known.verdicts is None:
-            self._known.keep_seeds(*_panel(process), process.known.seeds)
         self._background.end()
+        if process is not None and (verdicts := process.known.verdicts) is not None:
+            self._known.keep(*_panel(process), verdicts)
+        elif process is not None:
+            self._known.keep_seeds(*_panel(process), process.known.seeds)
 
     def close(self) -> None:
         """End it, from any thread, and begin nothing any more."""

@@ -113,7 +113,7 @@ def _step_after(entry: JournalEntry) -> int:
     return entry.step + isinstance(entry.change, TakeAction | OrderSweep)
 
 
-# Conditions over many seeds
+# Judging over many seeds
 
 
 MOST_SECONDS: Final = 300

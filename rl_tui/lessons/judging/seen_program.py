@@ -32,7 +32,7 @@ _MOST_REMARKS: Final = 8
 
 @dataclass(frozen=True, slots=True)
 class SeenProgram:
-    """What was seen of a program: the ``verdict`` of the detective, and how far it went.
+    """What was seen of a program: the ``verdict`` of the diagnosis, and how far it went.
 
     ``environment`` is the id of the one that its table belongs to, empty without one. ``expected_return`` is
     what the greedy policy of its table earns, undiscounted; None where that is not known. ``error`` is what

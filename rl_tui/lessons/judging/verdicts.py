@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from rl_tui.runs.recipe import Recipe
 
 
-# Conditions over many seeds
+# What is asked of many seeds, and what is known of them
 
 
 KEPT: Final = 64

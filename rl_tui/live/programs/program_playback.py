@@ -230,9 +230,7 @@ class Verdicts:
         elif is_still or time.monotonic() >= self._next:
             self._judged = known
             arguments = (log.frozen(), self._generation)
-            self._thread = threading.Thread(
-                target=self._work, args=arguments, name="the detective", daemon=True
-            )
+            self._thread = threading.Thread(target=self._work, args=arguments, name="diagnosis", daemon=True)
             try:
                 self._thread.start()
             except RuntimeError:  # what the program started may leave no room for a thread
@@ -288,8 +286,8 @@ class ProgramPlayback:
         self.restarts = Restarts(ProgramFile(program.request.path, clock), self._go_over_to)
         """Starts it again."""
         self.verdicts = Verdicts(on_exact, automatic=automatic)
+        """What the diagnosis says of it."""
         self._traced: set[CodeFault] = set()  # for which the lines were asked for again
-        """What the detective says of it."""
         self._is_closed = False
         self._set_up()
 

@@ -15,7 +15,7 @@ from rl_tui.runs.answers.flip_answer import (
     refused,
     worked_out,
 )
-from rl_tui.runs.background.background import ENDED_BY_ITSELF, AnsweringProcess, Background
+from rl_tui.runs.background.background import AnsweringProcess, Background
 from rl_tui.runs.exact_answers import NO_TABLE
 
 if TYPE_CHECKING:
@@ -49,8 +49,9 @@ class FlipAnswers:
             self._keep(mdp, known or worked_out(mdp))
             return
         before = self._background.process
-        if before is not None and (found := _answer_of(before)).state is not FlipState.PENDING:
-            self._keep(before.request, found)
+        self._background.end()
+        if before is not None and before.known is not PENDING:
+            self._keep(before.request, before.known)
         try:
             self._background.begin(mdp, PENDING)
         except OSError as error:
@@ -89,5 +90,5 @@ def _answer_of(process: AnsweringProcess[TabularMDP, FlipAnswer]) -> FlipAnswer:
     if process.known is not PENDING:
         return process.known
     if process.failed:
-        return refused(TOO_LONG if process.failed == ENDED_BY_ITSELF else process.failed)
+        return refused(process.why_failed(TOO_LONG))
     return HELD_UP if process.is_held_up else PENDING

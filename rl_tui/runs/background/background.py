@@ -11,15 +11,14 @@ from typing import IO, Any, Final, Generic, TypeVar
 
 from rl_tui.agents.compiling.base_folder import base_folder
 from rl_tui.common.child_process import python_process
-from rl_tui.runs.background.child import LENGTH
+from rl_tui.common.findings import one_line
+from rl_tui.runs.background.child import LENGTH, LONGEST, LONGEST_REASON
 from rl_tui.runs.background.pace import Pace, how_long
 from rl_tui.worlds.gym import modules
 
 Asked = TypeVar("Asked")
 Known = TypeVar("Known")
 
-LONGEST: Final = 4_000_000
-"""Bytes of one answer. The curves of four lanes are a tenth of it, Q*(γ) of all pairs is the longest."""
 ENDED_BY_ITSELF: Final = "its process ended by itself"
 _LOOKS: Final = 1.0  # seconds from one look to the next at whether it gets on
 
@@ -43,7 +42,8 @@ class Background(Generic[Asked, Known]):
     def begin(self, request: Asked, known: Known) -> AnsweringProcess[Asked, Known] | None:
         """Begin to answer ``request``, in place of any other; None once this is closed.
 
-        ``known`` is the answer until the first one comes. Raises OSError where no process can be started.
+        ``known`` is the answer until the first one comes. To be called from one thread. Raises OSError where
+        no process can be started.
         """
         self.end()
         with self._lock:
@@ -104,6 +104,10 @@ class AnsweringProcess(Generic[Asked, Known]):
         """Whether a busy machine keeps it waiting."""
         return self.pace.is_held_up and not self._over.is_set()
 
+    def why_failed(self, ended: str) -> str:
+        """Return why no more answers come, ``ended`` where the process ended by itself; empty if they may."""
+        return ended if self.failed == ENDED_BY_ITSELF else self.failed
+
     @property
     def how_long(self) -> str:
         """How long the rest takes, or that the machine is busy; empty where neither is known."""
@@ -123,23 +127,24 @@ class AnsweringProcess(Generic[Asked, Known]):
         assert stdin is not None
         assert stdout is not None
         failed = ENDED_BY_ITSELF
-        try:
-            with open(stdout.fileno(), "rb", closefd=False) as answers, stdout, stdin:
+        with open(stdout.fileno(), "rb", closefd=False) as answers, stdout, stdin:
+            try:
                 with suppress(OSError):  # it has ended already
                     _send(stdin, pickle.dumps((frozenset(modules.ALLOWED), self.request)))
-                with suppress(OSError):
-                    for message in _messages(answers):
-                        if isinstance(message, str):
-                            failed = message
-                            break
-                        self.known, share = message
-                        self.pace.note(share)
-                        self._on_news()
+                for message in _messages(answers):
+                    if isinstance(message, str):
+                        failed = message
+                        break
+                    self.known, share = message
+                    self.pace.note(share)
+                    self._on_news()
+            except Exception as error:  # an environment may have written to the pipe
+                failed = one_line(f"{type(error).__name__}: {error}", LONGEST_REASON)
+            finally:
                 self._process.kill()
                 self._process.wait()
-        finally:
-            self.failed = failed
-            self._over.set()
+                self.failed = failed
+                self._over.set()
         self._on_news()
 
     def _watch(self) -> None:
@@ -163,8 +168,4 @@ def _messages(stdout: IO[bytes]) -> Iterator[Any]:
         sent = stdout.read(length)
         if len(sent) < length:
             return
-        try:
-            message = pickle.loads(sent)  # our own program wrote it
-        except Exception:  # another version was installed meanwhile, or an environment wrote to the pipe
-            return
-        yield message
+        yield pickle.loads(sent)  # our own program wrote it

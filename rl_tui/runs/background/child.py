@@ -20,7 +20,10 @@ SESSION_NICENESS: Final = 10
 """That of its session, where Linux shares processors out among sessions: it gets some tenth of one."""
 LENGTH: Final = 8
 """Bytes before each message that say how long it is."""
-_LONGEST_REASON: Final = 200
+LONGEST: Final = 4_000_000
+"""Bytes of one answer. The curves of four lanes are a tenth of it, Q*(γ) of all pairs is the longest."""
+LONGEST_REASON: Final = 200
+"""Characters of a text that says why the work failed."""
 
 
 def main(work: str) -> None:
@@ -37,6 +40,8 @@ def main(work: str) -> None:
 
     def send(message: object) -> None:
         sent = pickle.dumps(message)
+        if len(sent) > LONGEST:
+            raise ValueError(f"an answer of {len(sent):,} bytes, of which {LONGEST:,} are the most")
         stdout.write(len(sent).to_bytes(LENGTH, "big") + sent)
         stdout.flush()
 
@@ -59,7 +64,7 @@ def _failure_of(
         pkgutil.resolve_name(work)(request, tell)
     except Exception as error:  # whatever a world may do to this process
         name = "" if isinstance(error, UserError) else f"{type(error).__name__}: "
-        return one_line(f"{name}{error}", _LONGEST_REASON)
+        return one_line(f"{name}{error}", LONGEST_REASON)
     return ""
 
 

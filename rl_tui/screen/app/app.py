@@ -197,7 +197,8 @@ class RlTuiApp(LinkedApp[UserError]):
 
     def on_type_first(self, message: TypeFirst) -> None:
         """Take keys that were held back as typed before all that waits."""
-        self._key_queue.take_first(message.keys)
+        if not getattr(self, "_exit", False):
+            self._key_queue.take_first(message.keys)
 
     def on_notify(self, event: Notify) -> None:
         """Spell what is told in the characters of the terminal; remember what is of the moment."""

@@ -1,4 +1,4 @@
-"""How a world is drawn: one file for each kind of drawing."""
+"""The choice of the view that draws a world."""
 
 from __future__ import annotations
 

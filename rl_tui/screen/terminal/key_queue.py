@@ -70,7 +70,7 @@ class KeyQueue:
         self._stops = stops
         self._held: deque[Event] = deque()
         self._held_size = 0
-        self._first: deque[Callable[[], Sequence[Key]]] = deque()
+        self._first: list[Callable[[], Sequence[Key]]] = []
         self._settling: asyncio.Task[None] | None = None
         self._has_rest = asyncio.Event()
         self._has_rest.set()
@@ -140,7 +140,7 @@ class KeyQueue:
                 if self._held and _is_key("enter", self._held[0]):
                     await self._find_entries()
         while self._first:
-            self._hold(self._first.popleft()())
+            self._hold(self._first.pop()())  # those that came first are in front in the end
         if not (self._held and self._app.call_later(self._type_next)):
             self._settling = None
             self._has_rest.set()

@@ -1,4 +1,4 @@
-"""The request for a settings map: settings around those of a run, and the process that trains them.
+"""The request for a settings map: settings around those of a run.
 
 The map varies one or two settings that matter most for the algorithm, within 11 columns and 7 rows. The
 current value is always one of those tried.

@@ -115,10 +115,10 @@ class WorldChecks:
     def _view(self, process: _Process) -> WorldCheckView:
         gamma = process.request.hyperparameters.gamma
         view = WorldCheckView(process.known, self._world, gamma)
-        if _is_whole(process.known):
+        if _is_whole(view.report):
             return view
         if process.failed:
-            return replace(view, refused=BROKEN_OFF)
+            return replace(view, refused=process.why_failed(BROKEN_OFF))
         return replace(view, how_long=process.how_long)
 
 
