@@ -8,10 +8,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import Final
+from typing import Any, Final
 
 import pytest
 from seams import app_at, on_screen, press, slider
+from textual.pilot import Pilot
 
 import rl_tui
 from rl_tui.runs.library import find, recipe_for
@@ -22,20 +23,22 @@ COMPILED: Final = tuple(str(PACKAGE / "agents" / each) for each in ("algorithms"
 
 
 class Way:
-    """The functions that ran, as (file, name); lambdas and comprehensions do not count."""
+    """The functions that run for a key, as (file, name); lambdas and comprehensions do not count."""
 
     def __init__(self) -> None:
-        self.functions = set[tuple[str, str]]()
-        self.is_counting = False
+        self.functions: set[tuple[str, str]] | None = None
 
-    @property
-    def files(self) -> set[str]:
-        return {file for file, _ in self.functions}
+    async def of(self, pilot: Pilot[Any], key: str) -> set[tuple[str, str]]:
+        """Press ``key``, and return what ran for it until it was drawn."""
+        found = self.functions = set[tuple[str, str]]()
+        await press(pilot, key)
+        self.functions = None
+        return found
 
     def note(self, frame: FrameType, event: str, _: object) -> None:
         code = frame.f_code
         is_ours = code.co_filename.startswith(str(PACKAGE)) and not code.co_filename.startswith(COMPILED)
-        if self.is_counting and event == "call" and is_ours and not code.co_name.startswith("<"):
+        if self.functions is not None and event == "call" and is_ours and not code.co_name.startswith("<"):
             self.functions.add((code.co_filename, code.co_qualname))
 
 
@@ -59,20 +62,16 @@ def noted_way() -> Iterator[Way]:
 )
 async def test_few_functions_run_for_a_key(key: str, functions: int, files: int) -> None:
     """Who lengthens the way of a key has to raise these numbers."""
+    seen = "Slider.set_value" if key == "right" else "Playback.snapshot"
     with noted_way() as way:
         async with on_screen(app_at(recipe_for(find("frozenlake"))), (120, 40)) as pilot:
             await press(pilot, *"ssssssssssss")
             if key == "right":
                 slider(pilot.app, "alpha").focus()
             await press(pilot, key, key)  # whatever is read or built at first does not count
-            way.is_counting = True
-            await press(pilot, key)
-            way.is_counting = False
-    names = {name for _, name in way.functions}
-    assert {
-        "Board.show",
-        "Playground.redraw",
-        "Playback.snapshot" if key != "right" else "Slider.set_value",
-    } <= names
-    assert 0.5 * functions < len(way.functions) <= functions
-    assert len(way.files) <= files
+            ran = min(
+                [await way.of(pilot, key) for _ in range(3)], key=len
+            )  # a slow machine does more now and then
+    assert {"Playground.redraw", "Board.show", seen} <= {name for _, name in ran}
+    assert len(ran) <= functions
+    assert len({file for file, _ in ran}) <= files
