@@ -23,7 +23,7 @@ from rl_tui.lessons.file.spotlights import SPOTLIGHTS
 from rl_tui.lessons.file.variants import readable, variants_of
 from rl_tui.lessons.judging.world_faults import reference_faults
 from rl_tui.lessons.lesson import Lesson, is_lesson_text, read_lesson
-from rl_tui.lessons.tasks import TaskCheck
+from rl_tui.lessons.task_check import TaskCheck
 from rl_tui.runs.changes import read_change
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.files.toml_file import tables_in

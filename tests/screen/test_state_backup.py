@@ -21,7 +21,7 @@ from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.panels.last_step.last_step import LastStepPanel
 from rl_tui.screen.panels.last_step.state_backup_text import BackupText, backup_text
 from rl_tui.screen.panels.microscope.microscope import Microscope
-from rl_tui.screen.panels.world.policy_picture import state_values
+from rl_tui.screen.panels.world.shown_policy import state_values
 from rl_tui.screen.panels.world_views import make_world_view
 from rl_tui.screen.theme.glyphs import UNICODE
 

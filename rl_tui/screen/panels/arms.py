@@ -27,7 +27,7 @@ from rl_tui.screen.kit.numbers_in_common import all_q
 from rl_tui.screen.kit.panel import GREEDY_IN_FULL, BoardPanel, Legend, LegendSign
 from rl_tui.screen.kit.scrolling import scrolled_to
 from rl_tui.screen.kit.snapshot_facts import is_new_run, is_secret
-from rl_tui.screen.panels.world.policy_picture import drawn_pairs
+from rl_tui.screen.panels.world.shown_policy import drawn_pairs
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look

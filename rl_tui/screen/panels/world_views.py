@@ -9,7 +9,7 @@ from rl_tui.screen.kit.panel import BoardPanel
 from rl_tui.screen.panels.arms import ARMS, ArmsView
 from rl_tui.screen.panels.graph.graph import GraphView
 from rl_tui.screen.panels.grid.grid import GridView
-from rl_tui.screen.panels.world.policy_picture import TITLE
+from rl_tui.screen.panels.world.shown_policy import TITLE
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms, Drawing, Graph, Grid

@@ -35,7 +35,7 @@ from rl_tui.screen.panels.graph.shape import (
     on_grid,
 )
 from rl_tui.screen.panels.world.edit_marks import marks_of
-from rl_tui.screen.panels.world.policy_picture import TITLE, StateValues, state_values
+from rl_tui.screen.panels.world.shown_policy import TITLE, StateValues, state_values
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look

@@ -19,7 +19,7 @@ from rl_tui.screen.draw.names import DEPENDS
 from rl_tui.screen.draw.number_form import NumberForm
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.panels.world.edit_marks import marks_of
-from rl_tui.screen.panels.world.policy_picture import StateValues
+from rl_tui.screen.panels.world.shown_policy import StateValues
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Graph

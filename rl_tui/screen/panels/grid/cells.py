@@ -19,7 +19,7 @@ from rl_tui.screen.panels.grid.map import PLAIN, CellContent, CellExtra, Sign
 from rl_tui.screen.panels.grid.rewards import CellReward
 from rl_tui.screen.panels.grid.trail import put_trace
 from rl_tui.screen.panels.world.edit_marks import put_marks
-from rl_tui.screen.panels.world.policy_picture import fraction, off_way_style
+from rl_tui.screen.panels.world.shown_policy import fraction, off_way_style
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
 

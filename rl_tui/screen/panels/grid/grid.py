@@ -47,7 +47,7 @@ from rl_tui.screen.panels.grid.signs import (
     wind_line,
     wind_strip,
 )
-from rl_tui.screen.panels.world.policy_picture import TITLE
+from rl_tui.screen.panels.world.shown_policy import TITLE
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.editing.grid_draft import GridDraft

@@ -7,7 +7,7 @@ from typing import Final
 from rl_tui.screen.panels.grid.action_form import ActionForm, Places
 from rl_tui.screen.panels.grid.form import LEAST_ARROWS, CellForm
 from rl_tui.screen.panels.grid.map import MapPart
-from rl_tui.screen.panels.world.policy_picture import TITLE
+from rl_tui.screen.panels.world.shown_policy import TITLE
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Grid
 

@@ -17,7 +17,7 @@ from rl_tui.screen.panels.grid.draft_cells import DraftCell, draft_cells
 from rl_tui.screen.panels.grid.rewards import CellReward, cell_rewards
 from rl_tui.screen.panels.grid.trail import Trace, traces
 from rl_tui.screen.panels.world.edit_marks import UNMARKED, EditMarks, marks_of
-from rl_tui.screen.panels.world.policy_picture import AT_RANDOM, drawn_actions, is_off_way
+from rl_tui.screen.panels.world.shown_policy import AT_RANDOM, drawn_actions, is_off_way
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.mdp.space import FiniteSpace, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP

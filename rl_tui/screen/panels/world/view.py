@@ -31,7 +31,7 @@ from rl_tui.screen.kit.snapshot_facts import passes_too_fast
 from rl_tui.screen.panels.last_step.state_backup_text import backup_text
 from rl_tui.screen.panels.policies.studied import as_studied
 from rl_tui.screen.panels.world.edit_marks import edit_signs, with_signs
-from rl_tui.screen.panels.world.policy_picture import TITLE, PolicyPicture
+from rl_tui.screen.panels.world.shown_policy import TITLE, PolicyPicture
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.world import World
 

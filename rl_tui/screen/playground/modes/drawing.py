@@ -18,7 +18,7 @@ from rl_tui.screen.kit.row import POLICIES, WORLD
 from rl_tui.screen.kit.snapshot_facts import shown_by
 from rl_tui.screen.panels.arms import ArmsView
 from rl_tui.screen.panels.policies.studied import is_kept_back
-from rl_tui.screen.panels.world.policy_picture import AT_RANDOM
+from rl_tui.screen.panels.world.shown_policy import AT_RANDOM
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.playground.modes.action_keys import (
     DIGITS,
