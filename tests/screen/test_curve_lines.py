@@ -10,16 +10,15 @@ from snapshots import changed
 
 from rl_tui.runs.timeline.branches import Branch, Timeline
 from rl_tui.screen.draw import braille
-from rl_tui.screen.draw.axes import draw_value_axis
+from rl_tui.screen.draw.axes import apart, draw_value_axis
 from rl_tui.screen.draw.braille import Steps
 from rl_tui.screen.draw.canvas import Canvas
 from rl_tui.screen.draw.chart_plot import Plot
-from rl_tui.screen.draw.label_rows import apart
 from rl_tui.screen.draw.scale import Scale, round_range, round_scale, settled, tick_label, tick_step
 from rl_tui.screen.panels.curve.chart import taking_turns
 from rl_tui.screen.panels.curve.curve import ReturnCurve
 from rl_tui.screen.panels.curve.data import curve_data
-from rl_tui.screen.panels.curve.smoothing import smoothed
+from rl_tui.screen.panels.curve.seed_band import smoothed
 from rl_tui.screen.panels.curve.words import OPTIMUM
 
 # Axes

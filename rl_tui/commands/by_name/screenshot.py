@@ -125,7 +125,7 @@ def _write(svg: str, out: str) -> None:
     if out == "-":
         click.echo(svg, nl=False)
     else:
-        from rl_tui.common.whole_file import whole_file
+        from rl_tui.common.files import whole_file
 
         with whole_file(Path(out)) as stream:
             stream.write(svg)

@@ -93,7 +93,7 @@ def command(
             "--change and --agent exclude each other: what changes is in your agent",
             click.get_current_context(),
         )
-    from rl_tui.common.whole_file import file_or_stream
+    from rl_tui.common.files import file_or_stream
     from rl_tui.runs.library import episodes_of, recipe_named
     from rl_tui.runs.training.seeded_runs import Goal
 
@@ -134,7 +134,7 @@ def _train_agent(
     from rl_tui.commands.line.screen import refuse_where_served
     from rl_tui.commands.reports.own_agent import update_in_words
     from rl_tui.commands.reports.training import agent_run, several_runs
-    from rl_tui.common.whole_file import file_or_stream
+    from rl_tui.common.files import file_or_stream
     from rl_tui.programs.grading.agent_training import (
         AgentRuns,
         place_of_agent,

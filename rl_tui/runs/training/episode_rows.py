@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Final, TextIO
 
-from rl_tui.common.whole_file import file_or_stream
+from rl_tui.common.files import file_or_stream
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 HEADER: Final = "run,episode,return,length\n"

@@ -14,7 +14,7 @@ from shutil import copyfileobj
 from tempfile import TemporaryDirectory
 from typing import Any, Final, Generic, Protocol, TextIO, TypeVar
 
-from rl_tui.common.whole_file import whole_file
+from rl_tui.common.files import whole_file
 from rl_tui.runs.figures import finite, head, summary
 from rl_tui.runs.recipe import JournalEntry, Recipe
 from rl_tui.runs.run import OnEpisodes

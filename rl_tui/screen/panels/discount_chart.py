@@ -14,11 +14,10 @@ from textual.strip import Strip
 from rl_tui.runs.answers.flip_answer import OptimalValueCurves
 from rl_tui.screen.draw import braille
 from rl_tui.screen.draw.action_order import shown_pairs
-from rl_tui.screen.draw.axes import draw_count_axis, draw_value_axis, value_axis_columns
+from rl_tui.screen.draw.axes import apart, draw_count_axis, draw_value_axis, value_axis_columns
 from rl_tui.screen.draw.braille import Steps
 from rl_tui.screen.draw.canvas import Canvas, shortened
 from rl_tui.screen.draw.chart_plot import Plot
-from rl_tui.screen.draw.label_rows import apart
 from rl_tui.screen.draw.names import action_name
 from rl_tui.screen.draw.numbers import NEGLIGIBLE
 from rl_tui.screen.draw.scale import round_scale

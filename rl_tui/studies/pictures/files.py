@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
-from rl_tui.common.whole_file import whole_file
+from rl_tui.common.files import whole_file
 from rl_tui.studies.pictures.picture import Picture
 from rl_tui.studies.pictures.png import check_matplotlib, png_of
 from rl_tui.studies.pictures.svg import svg_of

@@ -49,7 +49,7 @@ def command(
     rl-tui figure 8.2 --out maze.svg
     """
     check_targets({"--csv": csv, "--out": out}, as_json)
-    from rl_tui.common.whole_file import file_or_stream
+    from rl_tui.common.files import file_or_stream
     from rl_tui.studies.book_figures.catalogue import measure
     from rl_tui.studies.book_figures.files import document_of, write_csv
     from rl_tui.studies.book_figures.measuring import Measuring

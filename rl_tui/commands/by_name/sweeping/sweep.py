@@ -259,7 +259,7 @@ def _report(
     as_json: bool,
 ) -> None:
     """Train the best cell once more, and print what came of the whole."""
-    from rl_tui.common.whole_file import file_or_stream
+    from rl_tui.common.files import file_or_stream
     from rl_tui.studies.sweeps.csv_rows import write_csv
     from rl_tui.studies.sweeps.document import best_documents, json_pieces
     from rl_tui.studies.sweeps.ranking import standings_of

@@ -16,8 +16,7 @@ from rl_tui.screen.draw.scale import Scale, settled
 from rl_tui.screen.draw.to_ascii import separated
 from rl_tui.screen.kit.panel import Legend, LegendSign, Panel, legend_text
 from rl_tui.screen.kit.snapshot_facts import is_new_run, passes_too_fast
-from rl_tui.screen.panels.curve.chart import draw_chart, plot_columns, plot_of
-from rl_tui.screen.panels.curve.chart_band import band_signs
+from rl_tui.screen.panels.curve.chart import band_signs, draw_chart, plot_columns, plot_of
 from rl_tui.screen.panels.curve.data import CurveData, curve_data, unit_of
 from rl_tui.screen.panels.curve.lane_text import lane_remark, lane_titles, steps_note
 from rl_tui.screen.panels.curve.seed_band import seed_bands, seed_sign, with_room_for

@@ -15,8 +15,7 @@ from rl_tui.runs.run import WorldChanged
 from rl_tui.runs.timeline.lane_view import LaneView
 from rl_tui.screen.draw.braille import NO_STEPS, Steps
 from rl_tui.screen.kit.snapshot_facts import has_estimates, hides_greedy, is_secret, keeps_back
-from rl_tui.screen.panels.curve.seed_band import SeedBand, seed_bands
-from rl_tui.screen.panels.curve.smoothing import smoothed
+from rl_tui.screen.panels.curve.seed_band import SeedBand, seed_bands, smoothed
 from rl_tui.screen.panels.model.reward_range import reward_range
 from rl_tui.screen.panels.policies.names import POLICY_NAMES
 from rl_tui.screen.panels.policies.studied import studied_answer

@@ -14,11 +14,24 @@ from rl_tui.screen.draw.braille import Steps
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.kit.panel import LegendSign
 from rl_tui.screen.kit.snapshot_facts import current_study, episodes_reached
-from rl_tui.screen.panels.curve.smoothing import smoothed
 from rl_tui.screen.panels.seed_figures import LAST_100, decimals_of, estimate_text, last_100_of, until_of
 from rl_tui.screen.theme.look import Look
 from rl_tui.studies.many_seeds.figures import Estimate
-from rl_tui.worlds.mdp.space import IntArray
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
+
+_SMOOTHED_SHARE: Final = 24  # a mean is taken over one in so many of the bins
+
+
+def smoothed(values: FloatArray) -> FloatArray:
+    """Return the mean of each of ``values`` and its neighbours, one in 24 of all, fewer at the ends."""
+    reach = len(values) // _SMOOTHED_SHARE // 2
+    if reach == 0:
+        return values
+    sums = np.concatenate(([0.0], np.cumsum(values)))
+    places = np.arange(len(values))
+    first, behind = np.maximum(places - reach, 0), np.minimum(places + reach + 1, len(values))
+    return np.asarray((sums[behind] - sums[first]) / (behind - first))
+
 
 _ERRORS: Final = 2.0
 """Standard errors on either side of the mean."""
