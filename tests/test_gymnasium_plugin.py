@@ -26,6 +26,7 @@ def in_a_fresh_process(code: str) -> str:
     return done.stdout
 
 
+@pytest.mark.exhaustive("starts Python in every order", but=["import rl_tui, gymnasium"])
 @pytest.mark.parametrize(
     "imports",
     [

@@ -53,6 +53,7 @@ def test_a_shape_is_told_by_its_methods(style: str, tmp_path: Path) -> None:
     assert [found for _, found in style_in(OF_STYLE[style], tmp_path)] == [style]
 
 
+@pytest.mark.exhaustive("learns in every style", but=["function", "berkeley"])
 @pytest.mark.parametrize("name", TEXTS)
 def test_an_agent_of_a_course_learns_and_is_understood(name: str, tmp_path: Path) -> None:
     log = learned(agent_in(tmp_path, TEXTS[name]))

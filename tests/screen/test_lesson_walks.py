@@ -22,7 +22,7 @@ from rl_tui.screen.theme.glyphs import UNICODE
 
 WIDE = (120, 40)
 SMALL = (80, 24)
-WALKED_SMALL = ("loop", "q-by-hand")
+WALKED_SMALL, EVERY_DAY = ("loop", "q-by-hand"), "loop"
 LESSONS = {lesson.id: lesson for lesson in shipped_lessons()}
 WITH_WRONG_ATTEMPTS = pytest.mark.exhaustive("every lesson, with all that a task must not accept")
 
@@ -32,7 +32,7 @@ def walks() -> Iterator[Any]:
     for name, lesson in LESSONS.items():
         for size in (WIDE, SMALL) if name in WALKED_SMALL else (WIDE,):
             group = pytest.mark.xdist_group(f"{name} {size[0]}")
-            marks = [group, WITH_WRONG_ATTEMPTS] if size == WIDE else [group]
+            marks = [group] if (name, size) == (EVERY_DAY, SMALL) else [group, WITH_WRONG_ATTEMPTS]
             yield pytest.param(lesson, size, id=f"{name}-{size[0]}", marks=marks)
 
 

@@ -30,9 +30,12 @@ class Way:
 
     async def of(self, pilot: Pilot[Any], key: str) -> set[tuple[str, str]]:
         """Press ``key``, and return what ran for it until it was drawn."""
-        found = self.functions = set[tuple[str, str]]()
+        found, before = set[tuple[str, str]](), sys.getprofile()
+        sys.setprofile(self.note)
+        self.functions = found
         await press(pilot, key)
         self.functions = None
+        sys.setprofile(before)
         return found
 
     def note(self, frame: FrameType, event: str, _: object) -> None:
@@ -44,15 +47,13 @@ class Way:
 
 @contextmanager
 def noted_way() -> Iterator[Way]:
-    """Note what runs in this thread, and in those that begin meanwhile."""
-    way, before = Way(), sys.getprofile()
+    """Note what runs in threads that begin meanwhile; in this one :meth:`Way.of` does."""
+    way = Way()
     threading.setprofile(way.note)
-    sys.setprofile(way.note)
     try:
         yield way
     finally:
         threading.setprofile(None)
-        sys.setprofile(before)
 
 
 @pytest.mark.parametrize(

@@ -67,6 +67,7 @@ def test_figure_2_2_what_the_last_hundred_pulls_pay(values: dict[str, Any], book
     assert abs(paid["mean"] - book) < 3 * paid["stderr"]
 
 
+@pytest.mark.exhaustive("trains 2,000 bandits of its own")
 def test_figure_2_2_exploring_pays_in_the_end() -> None:
     greedy, hardly, tenth = (
         column(of_runs(400, **values), "return_last_100") for values in (GREEDY, HARDLY, TENTH)

@@ -136,6 +136,7 @@ def test_16_colours_on_a_light_background_in_ascii() -> None:
         leave(terminal)
 
 
+@pytest.mark.exhaustive("one more kind of colours")
 def test_no_colours_where_none_are_wanted_but_one_sees_where_one_is() -> None:
     with PseudoTerminal(PLAY, {"NO_COLOR": "1", "COLORTERM": "truecolor"}, (100, 30)) as terminal:
         begin(terminal)

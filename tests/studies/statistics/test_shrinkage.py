@@ -53,6 +53,7 @@ def test_another_unit_scales_it_and_another_zero_does_not_matter(
     assert [moved.shrunk, moved.low, moved.high] == pytest.approx(wanted, abs=1e-7)
 
 
+@pytest.mark.exhaustive("counts how often over many samples", but=["normal"])
 @pytest.mark.parametrize("kind", HELD)
 def test_its_interval_covers_the_true_difference(kind: str) -> None:
     trials = 500
