@@ -72,7 +72,7 @@ def test_version_and_help_load_nothing_slow() -> None:
     loaded = loaded_by("".join(COMMAND_LINE.format(args=args) for args in asked))
     assert "click" in loaded
     assert {f"rl_tui.commands.by_name.{name}" for name in ("list", "train")} <= loaded
-    assert not loaded & {*SLOW, "numpy", "pydantic"}
+    assert not loaded & {*SLOW, "numpy", "pydantic", "rl_tui.screen.keys.registry"}
 
 
 def test_a_short_training_loads_neither_a_screen_nor_a_compiler() -> None:

@@ -17,7 +17,7 @@ from click.testing import CliRunner, Result
 from rl_tui import __version__
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.commands.line import program as program_module
-from rl_tui.commands.line.program import key_on_screen
+from rl_tui.commands.line.key_on_screen import key_on_screen
 from rl_tui.commands.main import RlTui, program
 from rl_tui.common.packages import NEEDED
 from rl_tui.live.record import Record
