@@ -1,6 +1,23 @@
-"""Start the program by ``python -m rl_tui``."""
+"""Where the program starts: ``rl-tui``, and ``python -m rl_tui`` where that is not on the path.
 
-from rl_tui.commands.__main__ import main
+It imports nothing before it looks out for ctrl+C: the rest takes a tenth of a second to import.
+"""
+
+import os
+
+
+def main() -> None:
+    """Run rl-tui and exit."""
+    try:
+        from rl_tui.common.interrupts import leave_when_interrupted
+
+        leave_when_interrupted()
+    except KeyboardInterrupt:
+        os._exit(130)
+    from rl_tui.commands.main import main as run
+
+    run()
+
 
 if __name__ == "__main__":
     main()

@@ -7,7 +7,6 @@ import re
 import signal
 import subprocess
 import sys
-from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -114,7 +113,7 @@ def test_few_open_files_are_raised_or_refused(monkeypatch: pytest.MonkeyPatch) -
 
 @pytest.mark.process
 def test_a_picture_for_a_stdout_that_is_closed_is_refused_in_a_sentence() -> None:
-    command = f"exec {sys.executable} -m rl_tui.commands screenshot --size 40x10 --out - >&-"
+    command = f"exec {sys.executable} -m rl_tui screenshot --size 40x10 --out - >&-"
     ended = subprocess.run(["sh", "-c", command], stderr=subprocess.PIPE, text=True, check=False)
     assert (ended.returncode, ended.stderr.count("\n")) == (1, 1)
     assert "unexpected" not in ended.stderr
@@ -186,7 +185,3 @@ def test_ctrl_c_that_another_error_comes_of_gives_the_usual_status_without_a_wor
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler) and None,
     )
     assert (ended.returncode, ended.stderr) == (130, "")
-
-
-def test_python_m_rl_tui_starts_what_rl_tui_does() -> None:
-    assert import_module("rl_tui.__main__").main is import_module("rl_tui.commands.__main__").main
