@@ -49,9 +49,8 @@ class FlipAnswers:
             self._keep(mdp, known or worked_out(mdp))
             return
         before = self._background.process
-        self._background.end()
-        if before is not None and before.known is not PENDING:
-            self._keep(before.request, before.known)
+        if before is not None and (found := _answer_of(before)).state is not FlipState.PENDING:
+            self._keep(before.request, found)
         try:
             self._background.begin(mdp, PENDING)
         except OSError as error:
