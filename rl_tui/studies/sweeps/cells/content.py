@@ -301,13 +301,14 @@ def _environment(section: WorldSection) -> dict[str, str]:
 
     Nothing for a world that is stepped but not one of Gymnasium's.
     """
-    import gymnasium
-
-    from rl_tui.worlds.gym.registered import looked_at
     from rl_tui.worlds.gym.section import GymnasiumSection
 
     if not isinstance(section, GymnasiumSection):
         return {}
+    import gymnasium
+
+    from rl_tui.worlds.gym.registered import looked_at
+
     said = {"gymnasium": gymnasium.__version__}
     with looked_at(section.id, section.kwargs) as environment:
         module = type(environment.unwrapped).__module__
