@@ -17,7 +17,7 @@ from contextlib import suppress
 from itertools import count
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Final, NoReturn
+from typing import Any, Final, NoReturn
 
 import pytest
 from kinds import (
@@ -42,6 +42,7 @@ from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, SHARED, Loop
 from rl_tui.agents.kernels.stop import Stop
 from rl_tui.agents.learner import UNLIMITED, Learner
 from rl_tui.live.pace import interpreter
+from rl_tui.runs.background import background
 
 _TESTS = count()
 _INTERPRETED = Counter[Loop]()
@@ -183,6 +184,20 @@ def _what_is_loaded_stays_frozen(request: pytest.FixtureRequest, monkeypatch: py
     if "real_collections" not in request.fixturenames:
         nothing = SimpleNamespace(unfreeze=bool, collect=bool, freeze=bool)
         monkeypatch.setattr(interpreter, "gc", nothing)
+
+
+@pytest.fixture
+def processes(monkeypatch: pytest.MonkeyPatch) -> list[subprocess.Popen[bytes]]:
+    """The processes that answer background questions, noted as they begin."""
+    started: list[subprocess.Popen[bytes]] = []
+    start = background.python_process
+
+    def noted(*args: Any) -> subprocess.Popen[bytes]:
+        started.append(start(*args))
+        return started[-1]
+
+    monkeypatch.setattr(background, "python_process", noted)
+    return started
 
 
 @pytest.fixture

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import fields
+from functools import partial
 from pathlib import Path
 from types import FrameType
 from typing import Any, Final
@@ -50,21 +51,21 @@ def do(playback: Playback, *commands: Command) -> Snapshot:
     return playback.snapshot()
 
 
-def functions_of(playback: Playback, command: Command) -> set[tuple[str, str]]:
-    """Return the functions of the program that ``command`` and its snapshot run, as (file, name).
+def note_function(found: set[tuple[str, str]], frame: FrameType, event: str, _: object = None) -> None:
+    """Add the function of the program that is called, as (file, name).
 
     Lambdas, comprehensions and what dataclasses generate do not count.
     """
+    code = frame.f_code
+    if event == "call" and code.co_filename.startswith(_PACKAGE) and not code.co_name.startswith("<"):
+        found.add((code.co_filename, code.co_qualname))
+
+
+def functions_of(playback: Playback, command: Command) -> set[tuple[str, str]]:
+    """Return the functions of the program that ``command`` and its snapshot run."""
     found = set[tuple[str, str]]()
-
-    def note(frame: FrameType, event: str, _: object) -> None:
-        code = frame.f_code
-        is_ours = code.co_filename.startswith(_PACKAGE) and not code.co_name.startswith("<")
-        if event == "call" and is_ours:
-            found.add((code.co_filename, code.co_qualname))
-
     before = sys.getprofile()
-    sys.setprofile(note)
+    sys.setprofile(partial(note_function, found))
     try:
         do(playback, command)
     finally:

@@ -16,7 +16,7 @@ from typing import Any, Final
 from rl_tui.live.commands import Play, StudySeeds
 from rl_tui.live.player import Player
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.runs.background import background as answering_process
+from rl_tui.runs.background import background
 from rl_tui.runs.library import recipe_named
 from rl_tui.studies.many_seeds.figures import StudyState
 
@@ -73,13 +73,13 @@ async def seed_study_cost(rounds: int) -> list[tuple[float, float]]:
     The second leaves out what others took away, and shows what is lost in the caches.
     """
     processes: list[subprocess.Popen[bytes]] = []
-    start_process = answering_process.python_process
+    start_process = background.python_process
 
     def noted(*args: Any) -> subprocess.Popen[bytes]:
         processes.append(start_process(*args))
         return processes[-1]
 
-    answering_process.python_process = noted
+    background.python_process = noted
     live, ratios = _LiveRun(), list[tuple[float, float]]()
     reading = asyncio.create_task(live.read())
     await live.is_at_full_speed()

@@ -18,7 +18,7 @@ from rl_tui.lessons.judging.judge import LivePanels, TaskJudge
 from rl_tui.lessons.judging.seed_panel import PanelsAtOnce, evidence_holds, worked_out
 from rl_tui.lessons.judging.verdicts import PanelProgress, PanelRequest, SeedValues
 from rl_tui.lessons.lesson import Lesson
-from rl_tui.runs.background import background as answering_process
+from rl_tui.runs.background import background
 from rl_tui.runs.recipe import SetParameter
 from rl_tui.runs.run import Run
 
@@ -116,9 +116,9 @@ def test_what_is_known_of_settings_is_not_worked_out_again(
     asked = (asked[0].model_copy(update={"equals": None}),)
     panels.of(recipe, asked)
     news.until(lambda: panels.of(recipe, asked)[0].holds is not None)
-    start = answering_process.python_process
+    start = background.python_process
     monkeypatch.setattr(
-        answering_process, "python_process", lambda module, *others: start("there.is.no.such.module", *others)
+        background, "python_process", lambda module, *others: start("there.is.no.such.module", *others)
     )
     again = panels.of(recipe_in("student", seed=9), asked)
     assert again[0].holds is True

@@ -7,7 +7,7 @@ import pickle
 import subprocess
 import threading
 from collections.abc import Iterator
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ from rl_tui.live.commands import AskFlips
 from rl_tui.runs.answers import flip_answers
 from rl_tui.runs.answers.flip_answer import FlipAnswer, FlipState, beyond, optimal_value_curves, worked_out
 from rl_tui.runs.answers.flip_answers import FlipAnswers, at_once
-from rl_tui.runs.background import background as answering_process
+from rl_tui.runs.background import background
 from rl_tui.runs.recipe import begin as begin_run
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp
 
@@ -78,7 +78,7 @@ def test_of_very_many_actions_q_by_gamma_still_fits_into_a_message() -> None:
     )
     assert curves.q.shape == (51, pairs)
     answer = FlipAnswer(FlipState.KNOWN, curves=curves)
-    assert len(pickle.dumps(answer)) < answering_process.LONGEST
+    assert len(pickle.dumps(answer)) < background.LONGEST
 
 
 def test_beyond_a_flip_its_other_actions_are_best(known: dict[str, tuple[TabularMDP, FlipAnswer]]) -> None:
@@ -129,17 +129,10 @@ def test_without_a_table_there_are_none() -> None:
 class Beside:
     """Flips that are worked out in processes, which are noted, with an event for each answer."""
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        self.processes: list[subprocess.Popen[bytes]] = []
+    def __init__(self, processes: list[subprocess.Popen[bytes]]) -> None:
+        self.processes = processes
         self.has_news = threading.Event()
         self.answers = FlipAnswers(self.has_news.set, automatic=True)
-        start = answering_process.python_process
-
-        def noted(*args: Any) -> subprocess.Popen[bytes]:
-            self.processes.append(start(*args))
-            return self.processes[-1]
-
-        monkeypatch.setattr(answering_process, "python_process", noted)
 
     def work_out(self, mdp: TabularMDP) -> FlipAnswer:
         self.has_news.clear()
@@ -151,8 +144,8 @@ class Beside:
 
 
 @pytest.fixture
-def beside(monkeypatch: pytest.MonkeyPatch) -> Iterator[Beside]:
-    made = Beside(monkeypatch)
+def beside(processes: list[subprocess.Popen[bytes]]) -> Iterator[Beside]:
+    made = Beside(processes)
     yield made
     made.answers.close()
 
@@ -191,7 +184,7 @@ def test_where_no_process_can_be_started_the_reason_is_told(
     def fails(*_: object) -> None:
         raise OSError("none left")
 
-    monkeypatch.setattr(answering_process, "python_process", fails)
+    monkeypatch.setattr(background, "python_process", fails)
     mdp = table("student")
     beside.answers.begin(mdp)
     assert beside.answers.of(mdp).state is FlipState.REFUSED

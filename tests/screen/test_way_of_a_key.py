@@ -11,6 +11,7 @@ from types import FrameType
 from typing import Any, Final
 
 import pytest
+from playing import note_function
 from seams import app_at, on_screen, press, slider
 from textual.pilot import Pilot
 
@@ -23,7 +24,7 @@ COMPILED: Final = tuple(str(PACKAGE / "agents" / each) for each in ("algorithms"
 
 
 class Way:
-    """The functions that run for a key, as (file, name); lambdas and comprehensions do not count."""
+    """The functions that run for a key, as (file, name)."""
 
     def __init__(self) -> None:
         self.functions: set[tuple[str, str]] | None = None
@@ -39,10 +40,8 @@ class Way:
         return found
 
     def note(self, frame: FrameType, event: str, _: object) -> None:
-        code = frame.f_code
-        is_ours = code.co_filename.startswith(str(PACKAGE)) and not code.co_filename.startswith(COMPILED)
-        if self.functions is not None and event == "call" and is_ours and not code.co_name.startswith("<"):
-            self.functions.add((code.co_filename, code.co_qualname))
+        if self.functions is not None and not frame.f_code.co_filename.startswith(COMPILED):
+            note_function(self.functions, frame, event)
 
 
 @contextmanager

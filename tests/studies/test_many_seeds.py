@@ -42,7 +42,7 @@ from rl_tui.live.commands import (
 from rl_tui.live.playback import Playback
 from rl_tui.live.player import Player
 from rl_tui.live.snapshot import Phase
-from rl_tui.runs.background import background as answering_process
+from rl_tui.runs.background import background
 from rl_tui.runs.figures import training_figures
 from rl_tui.runs.recipe import Recipe, SetParameter, SwitchAlgorithm
 from rl_tui.runs.run import Run
@@ -373,7 +373,7 @@ class ToldAtOnce:
 
 
 def test_it_is_outdated_where_runs_were_changed_and_only_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(answering_process, "AnsweringProcess", ToldAtOnce)
+    monkeypatch.setattr(background, "AnsweringProcess", ToldAtOnce)
     playback = begin(recipe("student"))
 
     def is_outdated(*commands: Command) -> bool:
@@ -395,20 +395,6 @@ def test_it_is_outdated_where_runs_were_changed_and_only_there(monkeypatch: pyte
 
 
 # Its process
-
-
-@pytest.fixture
-def processes(monkeypatch: pytest.MonkeyPatch) -> list[subprocess.Popen[bytes]]:
-    """All that were started."""
-    started: list[subprocess.Popen[bytes]] = []
-    start = answering_process.python_process
-
-    def noted(*args: Any, **named: Any) -> subprocess.Popen[bytes]:
-        started.append(start(*args, **named))
-        return started[-1]
-
-    monkeypatch.setattr(answering_process, "python_process", noted)
-    return started
 
 
 def until(holds: Callable[[], bool]) -> None:

@@ -6,7 +6,7 @@ import json
 import subprocess
 import threading
 from collections.abc import Callable, Iterator
-from typing import Any, Final
+from typing import Final
 
 import pytest
 from click.testing import CliRunner
@@ -17,7 +17,7 @@ from rl_tui.commands.main import program
 from rl_tui.commands.reports.flip_points import check_document
 from rl_tui.common.kiosk import VARIABLE
 from rl_tui.live.commands import Apply, AskCheck, Step
-from rl_tui.runs.background import background as answering_process
+from rl_tui.runs.background import background
 from rl_tui.runs.recipe import EditWorld, SetParameter
 from rl_tui.runs.run import Run
 from rl_tui.studies.world_check import world_checks
@@ -82,17 +82,10 @@ def test_it_is_about_the_world_and_the_settings_in_force() -> None:
 class Beside:
     """Checks that are worked out in processes, which are noted, with an event for each piece of news."""
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        self.processes: list[subprocess.Popen[bytes]] = []
+    def __init__(self, processes: list[subprocess.Popen[bytes]]) -> None:
+        self.processes = processes
         self.has_news = threading.Event()
         self.checks = WorldChecks(self.has_news.set, automatic=True)
-        start = answering_process.python_process
-
-        def noted(*args: Any) -> subprocess.Popen[bytes]:
-            self.processes.append(start(*args))
-            return self.processes[-1]
-
-        monkeypatch.setattr(answering_process, "python_process", noted)
 
     def until(self, run: Run, holds: Callable[[WorldCheckView], bool]) -> WorldCheckView:
         """Look at each piece of news until what is known of ``run`` is as wanted."""
@@ -113,8 +106,8 @@ def has_figures(view: WorldCheckView) -> bool:
 
 
 @pytest.fixture
-def beside(monkeypatch: pytest.MonkeyPatch) -> Iterator[Beside]:
-    made = Beside(monkeypatch)
+def beside(processes: list[subprocess.Popen[bytes]]) -> Iterator[Beside]:
+    made = Beside(processes)
     yield made
     made.checks.close()
 
@@ -195,5 +188,5 @@ def test_where_no_process_can_be_started_the_reason_is_told(
     def fails(*_: object) -> None:
         raise OSError("none left")
 
-    monkeypatch.setattr(answering_process, "python_process", fails)
+    monkeypatch.setattr(background, "python_process", fails)
     assert beside.checks.of(run_of("student")).refused == NO_PROCESS
