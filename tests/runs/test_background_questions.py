@@ -1,4 +1,4 @@
-"""Questions answered in the background: what comes back, how a failure is told, and what is too long."""
+"""Questions answered in the background: their answers, failures, and answers that are too long."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def says_much(length, tell):
 
 def writes(text, tell):
     tell("a part", 0.0)
-    for descriptor in range(3, 10):  # that of the answers is among them
+    for descriptor in range(3, 10):  # the pipe of the answers is one of these
         with suppress(OSError):
             os.write(descriptor, text.encode())
 

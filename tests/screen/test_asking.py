@@ -175,7 +175,7 @@ async def test_the_help_begins_at_its_beginning_with_the_panels_and_titles_stand
             assert [line for line in lines if line[:2] == "  " and line[13:14].strip()] == []
             await press(pilot, "escape")
         screen, notes = playground(pilot), "\n\n".join(["A paragraph of notes."] * 40)
-        page = HelpScreen(screen.look, screen.actions[:2], (), notes)  # the notes alone make it scroll
+        page = HelpScreen(screen.look, screen.actions[:2], (), notes)  # only the notes make it scroll
         await pilot.app.push_screen(page)
         await settle(pilot)
         while not page.query("Markdown"):

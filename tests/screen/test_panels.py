@@ -74,7 +74,7 @@ async def test_its_key_opens_and_closes_it_where_its_row_says(size: tuple[int, i
         assert board.shows(CURVE)
         assert not board.shows("step_count")
         assert board.table.has_focus
-        await press(pilot, "d", "f9")  # one of them is open at a time
+        await press(pilot, "d", "f9")  # only one panel is open at a time
         assert board.opened == "step_count"
         assert not board.microscope.display
         await press(pilot, "d")

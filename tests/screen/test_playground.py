@@ -43,7 +43,7 @@ async def test_it_starts_paused_s_takes_a_step_e_ends_the_episode_and_space_runs
         ties = await press(pilot, "t")
         assert ties.agent.hyperparameters.ties == "first"
         assert ties.counters.step == here
-        again = await press(pilot, "r")  # with what is in force
+        again = await press(pilot, "r")  # with the current settings
         assert again.counters.step == 0
         assert again.playback.phase is Phase.PAUSED
         assert again.recipe.hyperparameters.ties == "first"
