@@ -109,7 +109,7 @@ def _choice_findings(ask: Ask, where: Location) -> Iterator[Finding]:
 
 # Numbers in texts
 #
-# Each has to be a figure, ``{name}``, or to stand in what the page itself is made of: settings of its setup,
+# Each has to be a figure, ``{name}``, or to come from what the page is made of: settings of its setup,
 # rewards and chances of its world, its conditions, answers and attempts. 0 and 1 are always there.
 
 

@@ -318,7 +318,7 @@ def _stored_entry(entry: JournalEntry) -> dict[str, Any]:
             return {"step": entry.step, "sweep": phase}
 
 
-# And back. ``place`` is where it stands in the document
+# And back. ``place`` is its position in the document
 
 
 def scenario_from(stored: StoredScenario) -> Scenario:

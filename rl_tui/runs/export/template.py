@@ -15,7 +15,7 @@ from typing import Final
 
 # Sections and places
 #
-# ``# [tables]`` begins a section. A line that ends in ``#: ties first, not time limit`` stands only where the
+# ``# [tables]`` begins a section. A line that ends in ``#: ties first, not time limit`` is kept only if the
 # first of these flags is set and the second is not. ``$name`` is a place for a piece, a line ``# $name`` one
 # for a piece of several lines.
 

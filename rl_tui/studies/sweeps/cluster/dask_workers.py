@@ -30,10 +30,9 @@ from rl_tui.studies.sweeps.sweep import Batch
 # A worker that knows its batches to be short has several at a time, since each message costs some
 # milliseconds.
 #
-# Nobody sees which of the runs on a worker killed it. So all that it had not handed over come under
-# suspicion
-# and go out again, in small pieces. The runs of a piece whose worker dies too are sent one by one, each to a
-# worker that has nothing else to do. If that one dies as well, it was the run.
+# It is not known which of the runs on a worker killed it. So all that it had not handed over come under
+# suspicion and go out again, in small pieces. The runs of a piece whose worker dies too are sent one by one,
+# each to a worker that has nothing else to do. If that one dies as well, it was the run.
 
 
 AHEAD: Final = 2
