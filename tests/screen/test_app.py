@@ -9,6 +9,7 @@ import pytest
 from conftest import MakeApp
 from seams import notes, on_screen, screen_text, tap
 from textual.command import CommandPalette
+from textual.widgets import LoadingIndicator
 
 from rl_tui.common.errors import UserError
 from rl_tui.live.player import Player
@@ -135,6 +136,13 @@ async def test_in_ascii_no_character_is_left_over(make_app: MakeApp) -> None:
     async with on_screen(app) as pilot:
         assert "v:[Q] visits - h: Q*" in screen_text(app)
         assert screen_text(app).isascii()
+        await pilot.press("ctrl+p", *"xyzzy")  # few are found: the dots have room below them
+        indicator = app.screen.query_one(LoadingIndicator).add_class("--visible")
+        while indicator.styles.visibility != "visible":  # as where a search takes half a second
+            await pilot.pause()
+        await settle(pilot)
+        assert screen_text(app).isascii()
+        await pilot.press("escape")
         await pilot.resize_terminal(50, 15)
         while "is 50x15, needs 60x18" not in screen_text(app):  # styles follow a size when the app is idle
             await pilot.pause()
