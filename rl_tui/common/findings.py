@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from itertools import islice
@@ -16,6 +17,7 @@ _LONGEST_COMPARED: Final = 200
 _MOST_COMPARED: Final = 200
 # Python refuses to write out whole numbers of more than some thousand digits
 _MOST_BITS: Final = 10_000
+_BIDIRECTIONAL: Final = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 
 
 class Finding(NamedTuple):
@@ -79,6 +81,24 @@ def one_line(text: str, longest: int) -> str:
 def printable(text: str) -> str:
     """Return a text in which characters that a terminal might obey are written out as numbers."""
     return "".join(letter if letter.isprintable() else f"\\u{ord(letter):04x}" for letter in text)
+
+
+def is_plain(text: str, also: str = "") -> bool:
+    """Return whether a text has no control character but those in ``also``: none may reach a terminal."""
+    return not control_character(text, also)
+
+
+def control_character(text: str, also: str = "") -> str:
+    """Return the first control character of a text besides those in ``also``, as U+001B; empty if none.
+
+    What turns the direction of writing or ends a line counts as one, and so does half a character.
+    """
+    for letter in dict.fromkeys(text):  # each character once: notes are long
+        if letter not in also and (
+            unicodedata.category(letter) in ("Cc", "Cs", "Zl", "Zp") or letter in _BIDIRECTIONAL
+        ):
+            return f"U+{ord(letter):04X}"
+    return ""
 
 
 def near(name: str, names: Iterable[str]) -> str:

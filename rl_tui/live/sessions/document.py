@@ -12,7 +12,7 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.common.errors import UserError
-from rl_tui.common.findings import near, shown
+from rl_tui.common.findings import control_character, near, shown
 from rl_tui.common.limits import LONGEST_EDIT
 from rl_tui.lessons.file.schema import LONGEST_LESSON, LONGEST_PROGRAM
 from rl_tui.runs.changes import read_world, written_world
@@ -29,7 +29,6 @@ from rl_tui.runs.recipe import (
     UndoEdit,
 )
 from rl_tui.worlds.files.scenario import PREFIX, Scenario, environment_scenario, scenario_of
-from rl_tui.worlds.sections.schema import control_character
 
 # Fields and their limits
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from rl_tui.common.errors import UserError
-from rl_tui.runs.export.files import new_file
+from rl_tui.common.files import new_file
 from rl_tui.runs.recipe import JournalEntry, Recipe, begin
 from rl_tui.runs.run import Run
 from rl_tui.runs.training.episode_rows import HEADER, EpisodeRows
@@ -27,8 +27,8 @@ def q_array(space: FiniteSpace, q: FloatArray) -> FloatArray:
 
 def write_q_array(path: Path, space: FiniteSpace, q: FloatArray) -> None:
     """Write :func:`q_array` as a new .npy file. Raises UserError where that cannot be."""
-    with new_file(path, binary=True) as stream:
-        np.save(stream, q_array(space, q), allow_pickle=False)
+    with new_file(path) as stream:
+        np.save(stream.buffer, q_array(space, q), allow_pickle=False)
 
 
 def write_q_csv(path: Path, space: FiniteSpace, q: FloatArray, visits: IntArray) -> None:
