@@ -24,7 +24,7 @@ from rl_tui.lessons.file.variants import readable, variants_of
 from rl_tui.lessons.judging.world_faults import reference_faults
 from rl_tui.lessons.lesson import Lesson, is_lesson_text, read_lesson
 from rl_tui.lessons.task_check import TaskCheck
-from rl_tui.runs.changes import read_change
+from rl_tui.runs.changes import name_and_value, read_change
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.files.toml_file import tables_in
 
@@ -258,9 +258,10 @@ def _in_text(text: str) -> Iterator[float]:
 def _changed(changes: tuple[str, ...]) -> Iterator[float | str]:
     for text in changes:
         try:
-            yield read_change(text).value
+            _, value = name_and_value(read_change(text).change)
         except ValueError:
             continue  # told where the attempt is replayed
+        yield value
 
 
 # The whole check

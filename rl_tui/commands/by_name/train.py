@@ -29,8 +29,7 @@ from rl_tui.common.words import counted
 
 if TYPE_CHECKING:
     from rl_tui.programs.own_agents.loading import AgentName
-    from rl_tui.runs.changes import ChangeText
-    from rl_tui.runs.recipe import Recipe
+    from rl_tui.runs.recipe import JournalEntry, Recipe
     from rl_tui.runs.run import Run
     from rl_tui.runs.training.seeded_runs import Goal
 
@@ -68,7 +67,7 @@ def command(
     runs: int | None,
     csv: CsvTarget,
     curve: CsvTarget,
-    changes: tuple[ChangeText, ...],
+    changes: tuple[JournalEntry, ...],
     agent: AgentName | None,
     overrides: dict[str, object],
     seed: int,
@@ -83,7 +82,10 @@ def command(
     if episodes is not None and steps is not None:
         raise click.UsageError("--episodes and --steps exclude each other", click.get_current_context())
     check_targets({"--csv": csv, "--curve": curve}, as_json)
-    if runs is not None and any(change.name == "take" for change in changes):
+    from rl_tui.runs.changes import ALGORITHM, TAKE, name_and_value
+
+    changed = {name_and_value(entry.change)[0] for entry in changes}
+    if runs is not None and TAKE in changed:
         raise click.UsageError(
             "take and --runs exclude each other: where an agent stands after so many steps is one run's",
             click.get_current_context(),
@@ -102,7 +104,7 @@ def command(
     if agent is not None:
         _train_agent(agent, recipe, overrides, goal, runs, csv, curve, as_json)
         return
-    if not any(change.name in ("algorithm", "policy") for change in changes):
+    if not changed & {ALGORITHM, "policy"}:
         warn_of_no_effect(recipe, overrides)  # what the first algorithm does not use may be for a later one
     _warn_beyond_budget(recipe, goal)
     with nullcontext() if curve is None else file_or_stream(curve) as points:
@@ -185,7 +187,7 @@ def _train_once(
     goal: Goal,
     csv: CsvTarget,
     points: TextIO | None,
-    changes: tuple[ChangeText, ...],
+    changes: tuple[JournalEntry, ...],
 ) -> tuple[Run, dict[str, Any]]:
     from rl_tui.runs.changes import as_json, journal_of, written_change
     from rl_tui.runs.figures import training_figures
@@ -223,7 +225,7 @@ def _train_many(
     goal: Goal,
     csv: CsvTarget,
     points: TextIO | None,
-    changes: tuple[ChangeText, ...],
+    changes: tuple[JournalEntry, ...],
 ) -> dict[str, Any]:
     from rl_tui.runs.changes import as_json, journal_of
     from rl_tui.runs.training.curve_file import write_curve

@@ -21,8 +21,7 @@ from rl_tui.common.errors import UserError
 
 if TYPE_CHECKING:
     from rl_tui.live.sessions.session import StoredSession
-    from rl_tui.runs.changes import ChangeText
-    from rl_tui.runs.recipe import Recipe
+    from rl_tui.runs.recipe import JournalEntry, Recipe
 
 
 # Numbers as option values
@@ -94,11 +93,14 @@ class ChangeValue(OptionValue):
 
     name = "STEP:NAME=VALUE"
 
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> ChangeText:
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> JournalEntry:
         """Return the change; fails naming what is expected."""
-        from rl_tui.runs.changes import ChangeText, read_change
+        from rl_tui.runs.changes import read_change
+        from rl_tui.runs.recipe import JournalEntry
 
-        if isinstance(value, ChangeText):
+        if isinstance(value, JournalEntry):
             return value
         try:
             return read_change(str(value))

@@ -15,19 +15,8 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import control_character, near, shown
 from rl_tui.common.limits import LONGEST_EDIT
 from rl_tui.lessons.file.schema import LONGEST_LESSON, LONGEST_PROGRAM
-from rl_tui.runs.changes import read_world, written_world
-from rl_tui.runs.recipe import (
-    Change,
-    EditWorld,
-    JournalEntry,
-    OrderSweep,
-    Recipe,
-    RedoEdit,
-    SetParameter,
-    SwitchAlgorithm,
-    TakeAction,
-    UndoEdit,
-)
+from rl_tui.runs.changes import ALGORITHM, SWEEP, TAKE, WORLD, change_of, name_and_value
+from rl_tui.runs.recipe import Change, JournalEntry, Recipe, SetParameter
 from rl_tui.worlds.files.scenario import PREFIX, Scenario, environment_scenario, scenario_of
 
 # Fields and their limits
@@ -304,17 +293,10 @@ def stored_journal(journal: Iterable[JournalEntry]) -> list[dict[str, Any]]:
 
 
 def _stored_entry(entry: JournalEntry) -> dict[str, Any]:
-    match entry.change:
-        case SetParameter(name, value):
-            return {"step": entry.step, "set": name, "to": value}
-        case SwitchAlgorithm(algorithm):
-            return {"step": entry.step, "algorithm": algorithm}
-        case TakeAction(action):
-            return {"step": entry.step, "take": action}
-        case EditWorld() | UndoEdit() | RedoEdit():
-            return {"step": entry.step, "world": written_world(entry.change)}
-        case OrderSweep(phase):
-            return {"step": entry.step, "sweep": phase}
+    name, value = name_and_value(entry.change)
+    if isinstance(entry.change, SetParameter):
+        return {"step": entry.step, "set": name, "to": value}
+    return {"step": entry.step, name: value}
 
 
 # And back. ``place`` is its position in the document
@@ -360,24 +342,18 @@ def _check_order(before: int, step: int, end: int, place: str) -> None:
 
 
 def _change(entry: Entry, place: str) -> Change:
-    kinds = ("set", "algorithm", "take", "sweep", "world")
-    given = [key for key in kinds if getattr(entry, key) is not None]
-    if len(given) != 1 or (entry.to is None) == (entry.set is not None):
-        raise UserError(f"{place} is no change; expected set and to, algorithm, take, sweep, or world")
-    if entry.set is not None and entry.to is not None:
-        values = _changed(Hyperparameters(), entry.set, entry.to, place)
-        return SetParameter(entry.set, values.value(entry.set))
-    if entry.algorithm is not None:
-        _check_algorithm(entry.algorithm, f"{place}.algorithm")
-        return SwitchAlgorithm(entry.algorithm)
-    if entry.sweep is not None:
-        return OrderSweep(entry.sweep)
-    if entry.world is not None:
-        try:
-            return read_world(entry.world)
-        except ValueError as fault:
-            raise UserError(f"{place}.world: {fault}") from fault
-    return TakeAction(0 if entry.take is None else entry.take)
+    keys = ("set", "to", ALGORITHM, TAKE, SWEEP, WORLD)
+    match [(key, value) for key in keys if (value := getattr(entry, key)) is not None]:
+        case [("set", name), ("to", value)]:
+            return SetParameter(name, _changed(Hyperparameters(), name, value, place).value(name))
+        case [(name, value)] if name not in ("set", "to"):
+            if name == ALGORITHM:
+                _check_algorithm(value, f"{place}.{name}")
+            try:
+                return change_of(name, value)
+            except ValueError as fault:
+                raise UserError(f"{place}.{name}: {fault}") from fault
+    raise UserError(f"{place} is no change; expected set and to, algorithm, take, sweep, or world")
 
 
 def _check_algorithm(algorithm: str, place: str) -> None:
