@@ -177,10 +177,15 @@ class RlTuiApp(LinkedApp[UserError]):
             end_on_signal(self._end, self.give_back_terminal)
         return driver
 
+    @property
+    def _is_ending(self) -> bool:
+        """Whether it was told to end: an attribute of Textual's, which another version may not have."""
+        return getattr(self, "_exit", False)
+
     async def on_event(self, event: Event) -> None:
         """Take keys one at a time, and everything else as it comes."""
         if isinstance(event, InputEvent):
-            if getattr(self, "_exit", False):
+            if self._is_ending:
                 return  # the end shall not wait for what was typed before it
             self._idleness.stir()
             await asyncio.sleep(0)  # or a flood of it would let nothing else happen, not even an end
@@ -197,7 +202,7 @@ class RlTuiApp(LinkedApp[UserError]):
 
     def on_type_first(self, message: TypeFirst) -> None:
         """Take keys that were held back as typed before all that waits."""
-        if not getattr(self, "_exit", False):
+        if not self._is_ending:
             self._key_queue.take_first(message.keys)
 
     def on_notify(self, event: Notify) -> None:
@@ -379,7 +384,7 @@ class RlTuiApp(LinkedApp[UserError]):
 
     def _handle_exception(self, error: Exception) -> None:
         fault = error.error if isinstance(error, WorkerFailed) else error
-        if getattr(self, "_exit", False) and isinstance(fault, _GONE):
+        if self._is_ending and isinstance(fault, _GONE):
             return  # of a screen that opens while the program ends, the widgets may be gone already
         super()._handle_exception(error)
 
