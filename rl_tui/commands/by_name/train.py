@@ -134,8 +134,7 @@ def _train_agent(
 ) -> None:
     """Let the agent ``name`` learn, and print what came of it."""
     from rl_tui.commands.line.screen import refuse_where_served
-    from rl_tui.commands.reports.own_agent import update_in_words
-    from rl_tui.commands.reports.training import agent_run, several_runs
+    from rl_tui.commands.reports.training import agent_run, several_runs, update_in_words
     from rl_tui.common.files import file_or_stream
     from rl_tui.programs.grading.agent_training import (
         AgentRuns,

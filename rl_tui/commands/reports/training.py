@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
 from rl_tui.agents.exact.solve import best_expected_return
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.commands.line.output import alike, columns, number
 from rl_tui.commands.reports.policy_map import policy_map
+from rl_tui.common.findings import printable
 from rl_tui.common.words import counted
 from rl_tui.runs.bandit import BanditFigures
 from rl_tui.runs.exact_answers import NO_TABLE
@@ -18,6 +19,9 @@ from rl_tui.runs.recipe import Recipe
 from rl_tui.runs.run import Run
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
+
+if TYPE_CHECKING:
+    from rl_tui.programs.evidence.verdict import ProgramVerdict
 
 Figures = Mapping[str, Any]
 Row = tuple[str, str, str]
@@ -57,6 +61,23 @@ def _changes(journal: Sequence[Figures]) -> str:
     return columns([("step", "changed", "to"), *rows[:MOST_CHANGES]]) + (
         f"\n... and {len(rows) - MOST_CHANGES:,} more: --json has all" if len(rows) > MOST_CHANGES else ""
     )
+
+
+def update_in_words(verdict: ProgramVerdict) -> str:
+    """Return which update was found, and what is wrong with it, a line each."""
+    from rl_tui.programs.evidence.verdict import Rule  # our own agents do without it
+
+    update = verdict.update
+    known = [
+        f"{symbol} {number(value, '.6g')}"
+        for symbol, value in (("α", update.alpha), ("γ", update.gamma))
+        if value is not None
+    ]
+    is_known = update.rule != Rule.UNKNOWN
+    what = f"its update is {update.rule.value}" if is_known else "which update it makes is not known"
+    settings = f"{' with' if is_known else ';'} {', '.join(known)}" if known else ""
+    faults = (f"{each.kind}: {each.fault.value}: {each.text}" for each in verdict.findings)
+    return "\n".join((f"{what}{settings}", *map(printable, faults)))
 
 
 def agent_run(world: World, mdp: TabularMDP | None, title: str, figures: Figures, found: str) -> str:
