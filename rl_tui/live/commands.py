@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rl_tui.live.viewport import Viewport
     from rl_tui.runs.answers.policy_kind import PolicyKind
     from rl_tui.runs.recipe import Change, Recipe, Setting
-    from rl_tui.runs.timeline.seek import Seek
+    from rl_tui.runs.timeline.checkpoints import Seek
     from rl_tui.worlds.editing.edit import Edit
 
 

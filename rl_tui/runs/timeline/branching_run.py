@@ -21,8 +21,7 @@ from rl_tui.runs.recipe import (
 )
 from rl_tui.runs.run import Run, RunState
 from rl_tui.runs.timeline.branches import Branch, RunRecord, Timeline
-from rl_tui.runs.timeline.checkpoints import Checkpoints, limits
-from rl_tui.runs.timeline.seek import Seek, Target
+from rl_tui.runs.timeline.checkpoints import Checkpoints, Seek, Target, limits
 from rl_tui.runs.timeline.table_samples import CellHistory, TableSamples
 from rl_tui.runs.timeline.trail import (
     FEW_STEPS,
