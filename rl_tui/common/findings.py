@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-import unicodedata
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from itertools import islice
@@ -17,7 +17,10 @@ _LONGEST_COMPARED: Final = 200
 _MOST_COMPARED: Final = 200
 # Python refuses to write out whole numbers of more than some thousand digits
 _MOST_BITS: Final = 10_000
-_BIDIRECTIONAL: Final = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
+_CONTROL: Final = re.compile(
+    "[\\x00-\\x1f\\x7f-\\x9f\\ud800-\\udfff\\u2028\\u2029"  # categories Cc, Cs, Zl and Zp of Unicode
+    "\\u061c\\u200e\\u200f\\u202a-\\u202e\\u2066-\\u2069]"  # these turn the direction of writing
+)
 
 
 class Finding(NamedTuple):
@@ -93,12 +96,8 @@ def control_character(text: str, also: str = "") -> str:
 
     What turns the direction of writing or ends a line counts as one, and so does half a character.
     """
-    for letter in dict.fromkeys(text):  # each character once: notes are long
-        if letter not in also and (
-            unicodedata.category(letter) in ("Cc", "Cs", "Zl", "Zp") or letter in _BIDIRECTIONAL
-        ):
-            return f"U+{ord(letter):04X}"
-    return ""
+    found = (each[0] for each in _CONTROL.finditer(text) if each[0] not in also)
+    return next((f"U+{ord(each):04X}" for each in found), "")
 
 
 def near(name: str, names: Iterable[str]) -> str:

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any, Final
 
 from rl_tui.common.errors import UserError
-from rl_tui.common.files import write_new
 from rl_tui.common.findings import one_line, shown
 
 # Shapes of an agent
@@ -310,6 +309,8 @@ def skeleton(style: Style) -> str:
 
 def write_skeleton(path: Path, style: Style) -> None:
     """Write an agent in ``style`` to the new file ``path``. Raises UserError where that cannot be."""
+    from rl_tui.common.files import write_new
+
     if path.suffix != ".py":
         raise UserError(f"{shown(str(path))}: expected the name of a Python file, one that ends in .py")
     write_new(path, skeleton(style))
