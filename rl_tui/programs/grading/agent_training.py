@@ -23,9 +23,8 @@ from rl_tui.programs.grading.watch_report import error_of
 from rl_tui.programs.own_agents.loading import AgentName, AgentPlace, runs_when_imported, the_agent
 from rl_tui.programs.watched.child.script import read_script
 from rl_tui.programs.watched.program_log import ProgramError, ProgramLog
-from rl_tui.programs.watched.program_process import ProgramRequest
+from rl_tui.programs.watched.program_process import ProgramRequest, watched_to_the_end
 from rl_tui.programs.watched.recording import Recording
-from rl_tui.programs.watched.to_the_end import watched_to_the_end
 from rl_tui.runs.figures import (
     MOST_STATES,
     GreedyFigures,
