@@ -21,7 +21,7 @@ import click
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
 from rl_tui.commands.main import program
-from rl_tui.commands.options.help_sections import OPTIONS, SOME, TITLES, section_of
+from rl_tui.commands.options.run import OPTIONS, SOME, TITLES, section_of
 from rl_tui.lessons.catalogue import shipped_lessons
 from rl_tui.lessons.figures.figures import FUNCTIONS
 from rl_tui.lessons.judging.measures import MEASURES, MeasureKind

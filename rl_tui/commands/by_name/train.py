@@ -9,10 +9,10 @@ import click
 
 from rl_tui.commands.line.output import complain, finish_compiling, print_json, progress, with_compiling
 from rl_tui.commands.options.agent import agent_option, warn_of_agent
-from rl_tui.commands.options.help_sections import SectionedCommand
 from rl_tui.commands.options.run import (
     ChangeValue,
     CsvTarget,
+    SectionedCommand,
     Whole,
     allow_module_option,
     check_targets,

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from rl_tui.commands.line.output import WORTH_A_FORECAST, complain, finish_compiling, progress
-from rl_tui.commands.options.help_sections import SectionedCommand
 from rl_tui.commands.options.run import (
     CsvTarget,
     OptionValue,
+    SectionedCommand,
     Whole,
     allow_module_option,
     check_targets,
