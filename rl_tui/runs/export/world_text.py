@@ -1,18 +1,74 @@
-"""A world whose states, actions and outcomes are written out, as the text of a script."""
+"""A world as the text of a script: a map, an environment of Gymnasium, a bandit, or a table of outcomes."""
 
 from __future__ import annotations
 
 from typing import Final
 
 from rl_tui.common.errors import UserError
-from rl_tui.runs.export.literals import WIDEST, literal
+from rl_tui.common.streams import streams
+from rl_tui.runs.export.literals import WIDEST, literal, packed
 from rl_tui.runs.export.template import FIELDS, NOISY_FIELDS, TEXTS, WorldText, environment, fill, sections
+from rl_tui.runs.recipe import Recipe
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+from rl_tui.worlds.sections.bandit_section import BERNOULLI, BanditSection
+from rl_tui.worlds.world import World
 
 MOST_OUTCOMES: Final = 2_000
 
 
-def table_text(mdp: TabularMDP) -> WorldText:
+def world_text(recipe: Recipe, world: World) -> WorldText:
+    """Return the text of the world of ``recipe``. Raises UserError where it is too large to be read."""
+    from rl_tui.runs.export.grid_text import grid_text
+    from rl_tui.runs.export.gymnasium_text import gymnasium_text
+    from rl_tui.worlds.grid.section import GridSection
+    from rl_tui.worlds.gym.section import GymnasiumSection
+
+    section = recipe.scenario.section
+    if isinstance(section, GymnasiumSection):
+        return gymnasium_text(section, world)
+    if isinstance(section, GridSection):
+        return grid_text(section, streams(recipe.seed).world)
+    if world.prospects:
+        raise UserError(
+            f"no script for {recipe.scenario.id}: some of its states look alike, scripts have all"
+        )
+    if world.mdp is None:
+        raise UserError(f"no script for {recipe.scenario.id}: nobody knows what its actions lead to")
+    if isinstance(section, BanditSection):
+        return _bandit_text(section, world.mdp)
+    return _table_text(world.mdp)
+
+
+# Bandits
+
+
+def _bandit_text(section: BanditSection, mdp: TabularMDP) -> WorldText:
+    """Return the text of the bandit of ``section`` with the arms of ``mdp``."""
+    flags = {"bernoulli": section.rewards == BERNOULLI, "drift": bool(section.drift)}
+    texts = sections(f"{__package__}.bandit", {name for name, is_set in flags.items() if is_set})
+    means = [
+        sum(float(mdp.probability[each] * mdp.reward[each]) for each in mdp.outcomes_of(arm))
+        for arm in range(mdp.pairs)
+    ]
+    pieces = {
+        "means": packed(map(repr, means), "MEANS = "),
+        "std": repr(section.std),
+        "drift": repr(section.drift),
+    }
+    return WorldText(
+        setup=fill(texts["setup"], pieces),
+        new_table=fill(TEXTS["array"], {"states": "1", "actions": "len(MEANS)"}),
+        report=texts["report"],
+        model=texts["model"],
+        starts="[0]",
+        remarks=("The means of the arms, which the agent has to find out, are written in this script.",),
+    )
+
+
+# Worlds whose states, actions and outcomes are written out
+
+
+def _table_text(mdp: TabularMDP) -> WorldText:
     """Return the text of the world of ``mdp``; raises UserError where it would be too long to read."""
     if len(mdp.next_state) > MOST_OUTCOMES:
         raise UserError(
