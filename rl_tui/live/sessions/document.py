@@ -8,9 +8,8 @@ from typing import Annotated, Any, Final, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, FailFast, Field, model_validator
 
-from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.catalogue import BY_ID, SweepPhase
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
-from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
 from rl_tui.common.limits import LONGEST_EDIT

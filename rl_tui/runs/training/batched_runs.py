@@ -13,7 +13,7 @@ from rl_tui.agents.batches.batch import UNLIMITED, DrawnWorld, RunBatch
 from rl_tui.agents.exact.policy_figures import batch_figures
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS
-from rl_tui.agents.kernels.stop import DONE, EPISODES_FULL
+from rl_tui.agents.kernels.position import DONE, EPISODES_FULL
 from rl_tui.runs.bandit import BanditFigures, bandit_figures
 from rl_tui.runs.figures import BANDIT_FIGURES, MOST_STATES, pulls
 from rl_tui.runs.recipe import Beginning, begin

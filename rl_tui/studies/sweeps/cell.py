@@ -19,8 +19,7 @@ import numpy as np
 from rl_tui.agents.batches.batch import batching_of
 from rl_tui.agents.catalogue import BY_ID, parameters_of
 from rl_tui.agents.exact.policy_figures import expected_returns, greedy_policy
-from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
-from rl_tui.agents.idle_parameters import why_idle
+from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, why_idle
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, Loop
 from rl_tui.runs.recipe import Recipe
 from rl_tui.runs.training.batched_runs import BatchedRuns
