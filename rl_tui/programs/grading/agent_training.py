@@ -173,7 +173,8 @@ class EpisodeRecording(Recording):
             self._return_so_far += float(rewards.sum())
             self._length_so_far += len(rewards)
             return
-        returns = np.add.reduceat(rewards, starts[:-1])
+        # Without those after the last end, which reduceat would add to the last episode
+        returns = np.add.reduceat(rewards[: starts[-1]], starts[:-1])
         lengths = ends - starts[:-1] + 1
         returns[0] += self._return_so_far
         lengths[0] += self._length_so_far
