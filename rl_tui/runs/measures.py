@@ -200,7 +200,7 @@ _TABLE: Final = (
         "first_reward_episode",
         "first reward that is not 0, episode",
         "episodes",
-        "the first episode, from 1, with a reward other than 0: 1 wherever each step costs",
+        "the first episode with a reward other than 0, from 1",
         lambda run: run.first_reward_episode or None,
         larger_is_better=False,
         may_never_arrive=True,

@@ -16,7 +16,7 @@ from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS
 from rl_tui.agents.kernels.stop import DONE, EPISODES_FULL
 from rl_tui.runs.bandit import BanditFigures, bandit_figures
 from rl_tui.runs.figures import MOST_STATES, row_of
-from rl_tui.runs.measures import GreedyFigures, MeasuredRun
+from rl_tui.runs.measures import NO_EXACT_FIGURES, GreedyFigures, MeasuredRun
 from rl_tui.runs.recipe import Beginning, begin
 from rl_tui.runs.training.seeded_runs import (
     MOST_BINS,
@@ -183,24 +183,24 @@ class BatchedRuns:
         at_once = 1
         if shared is not None and not self._drifts:
             at_once = max(1, STATES_AT_ONCE // shared.world.space.states)
-        found = []
+        found = list[GreedyFigures]()
         for index in range(0, len(q), at_once):
             check()
-            found.append(self._exact_in(self._table_now(index), q[index : index + at_once]))
-        columns = map(_if_there, np.concatenate(found, axis=1))
+            found += self._exact_in(self._table_now(index), q[index : index + at_once])
+        return found
+
+    def _exact_in(self, mdp: TabularMDP | None, q: FloatArray) -> list[GreedyFigures]:
+        """Return the exact figures of the estimates ``q``, [B, P], in the world of ``mdp``."""
+        if mdp is None or mdp.states > MOST_STATES:
+            return [NO_EXACT_FIGURES] * len(q)
+        values = self._seeded.recipe.hyperparameters
+        optimum = self._seeded.optimum(mdp, values.gamma)
+        found = batch_figures(mdp, q, values.ties, values.gamma, optimum)
+        columns = map(_if_there, (found.value_at_start, found.expected_return, found.max_error))
         return [
             GreedyFigures(value_at_start=value, expected_return=earned, max_error=error)
             for value, earned, error in zip(*columns, strict=True)
         ]
-
-    def _exact_in(self, mdp: TabularMDP | None, q: FloatArray) -> FloatArray:
-        """Return the exact figures, [3, B], of the estimates ``q``, [B, P], in the world of ``mdp``."""
-        if mdp is None or mdp.states > MOST_STATES:
-            return np.full((3, len(q)), np.nan)
-        values = self._seeded.recipe.hyperparameters
-        optimum = self._seeded.optimum(mdp, values.gamma)
-        figures = batch_figures(mdp, q, values.ties, values.gamma, optimum)
-        return np.stack((figures.value_at_start, figures.expected_return, figures.max_error))
 
     @property
     def _drifts(self) -> bool:
