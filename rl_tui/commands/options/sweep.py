@@ -10,8 +10,8 @@ import click
 from rl_tui.commands.options.run import OptionValue
 
 if TYPE_CHECKING:
+    from rl_tui.runs.measures import Measure
     from rl_tui.studies.sweeps.cells.variation import Variation
-    from rl_tui.studies.sweeps.measures import SweepMeasure
     from rl_tui.studies.sweeps.plan import Shard
 
 MOST_SHARDS: Final = 100_000
@@ -62,18 +62,16 @@ class MeasureValue(OptionValue):
 
     name = "MEASURE"
 
-    def convert(
-        self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> SweepMeasure:
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Measure:
         """Return the measure; fails naming those there are."""
-        from rl_tui.studies.sweeps.measures import SweepMeasure, measure_called
+        from rl_tui.runs.measures import Measure
+        from rl_tui.studies.sweeps.cell import MEASURES
 
-        if isinstance(value, SweepMeasure):
+        if isinstance(value, Measure):
             return value
-        try:
-            return measure_called(str(value))
-        except ValueError as fault:
-            self.fail(str(fault), param, ctx)
+        if str(value) not in MEASURES:
+            self.fail(f"there is no measure {value}; expected one of {', '.join(MEASURES)}", param, ctx)
+        return MEASURES[str(value)]
 
 
 class SchedulerValue(OptionValue):

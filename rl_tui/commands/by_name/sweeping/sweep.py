@@ -29,8 +29,8 @@ from rl_tui.common.limits import MOST_SWEEP_CELLS, MOST_SWEEP_EPISODES, MOST_SWE
 from rl_tui.common.words import counted, lasting, short_count
 
 if TYPE_CHECKING:
+    from rl_tui.runs.measures import Measure
     from rl_tui.studies.sweeps.cells.variation import Variation
-    from rl_tui.studies.sweeps.measures import SweepMeasure
     from rl_tui.studies.sweeps.plan import Shard, SweepPlan
     from rl_tui.studies.sweeps.store import Store
     from rl_tui.studies.sweeps.sweep import SweepProgress, Workers
@@ -125,7 +125,7 @@ def command(
     jobs: int | None,
     dask: str | None,
     shard: Shard | None,
-    measure: SweepMeasure | None,
+    measure: Measure | None,
     no_again: bool,
     csv: CsvTarget,
     overrides: dict[str, object],
@@ -251,7 +251,7 @@ def _report(
     plan: SweepPlan,
     store: Store,
     done: SweepProgress,
-    measure: SweepMeasure | None,
+    measure: Measure | None,
     workers: MakeWorkers,
     csv: CsvTarget,
     *,
