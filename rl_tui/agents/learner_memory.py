@@ -1,4 +1,4 @@
-"""The memory of a learner: everything it holds, and how to change, copy and restore it."""
+"""The memory of a learner: what it holds, how to change, copy and restore it, and why it stops for good."""
 
 from __future__ import annotations
 
@@ -9,20 +9,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.breakdown import breakdown
-from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, SweepPhase
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.drift import Drifted, drifted_by, new_drift
+from rl_tui.agents.kernels.environment_loop import SteppedLoop
 from rl_tui.agents.kernels.loop import start_state
 from rl_tui.agents.kernels.parameters import kernel_parameters, schedules_of
-from rl_tui.agents.kernels.stepped_loop import SteppedLoop
-from rl_tui.agents.kernels.stop import Stop
+from rl_tui.agents.kernels.position import Stop
 from rl_tui.agents.kernels.tables import tables_of
 from rl_tui.agents.kernels.watch import WatchedEvents, Watching, forget, new_watch, noticed_by
-from rl_tui.agents.last_step import Author
+from rl_tui.agents.last_step import Author, LastStep
 from rl_tui.agents.learner_counters import LearnerCounters
-from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.agents.world_change import (
     carried_state,
     carried_watching,
@@ -37,6 +35,33 @@ from rl_tui.worlds.editing.carried import Carried
 from rl_tui.worlds.environment import Environment
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+# Why a learner stops for good
+
+
+def breakdown(stop: Stop, algorithm: str, last: LastStep, space: FiniteSpace, q: FloatArray) -> str:
+    """Return why ``algorithm`` stopped for good after the step ``last``, as a sentence; empty if it did not.
+
+    ``q``, [P], are its estimates.
+    """
+    if stop is Stop.DIVERGED:
+        pair = int(np.argmax(np.nan_to_num(np.abs(q), nan=np.inf)))
+        chosen = BY_ID[algorithm]
+        traces = "lambda" in chosen.parameters
+        remedy = "discount" if chosen.planner else "step size or λ" if traces else "step size"
+        return (
+            f"Q({space.pair_name(pair)}) left ±1e12 at step {last.step:,}: "
+            f"take a smaller {remedy} or start again"
+        )
+    if stop is Stop.ENDLESS_EPISODE:
+        return f"episode {last.episode:,} has not ended after 10,000,000 steps, at step {last.step:,}"
+    if stop is Stop.MEMORY_FULL:
+        return (
+            f"{BY_ID[algorithm].name} remembers 1,000,000 steps of an episode, and episode "
+            f"{last.episode:,} has not ended, at step {last.step:,}"
+        )
+    return ""
+
 
 # A copy to return to
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 from rl_tui.runs.recipe import TakeAction
 
 if TYPE_CHECKING:
-    from rl_tui.agents.sweep_phases import SweepPhase
+    from rl_tui.agents.catalogue import SweepPhase
     from rl_tui.lessons.file.view import LessonRecord
     from rl_tui.live.pace.until import Until
     from rl_tui.live.viewport import Viewport

@@ -11,11 +11,11 @@ import numpy as np
 from rl_tui.agents.exact.solve import states_without_end
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding
+from rl_tui.live.rebuild import Rebuild
 from rl_tui.runs.answers.turned import TurnedStates
 from rl_tui.runs.edited_world import Drawn, EditedWorld, edited_draft
 from rl_tui.runs.exact_answers import LIVE_STATES, Answer
 from rl_tui.runs.large_worlds import takes_long
-from rl_tui.runs.rebuild import Rebuild
 from rl_tui.runs.recipe import EditWorld, RedoEdit, UndoEdit, WorldChange
 from rl_tui.worlds.editing.arms_draft import Draft
 from rl_tui.worlds.editing.edit import Edit

@@ -10,9 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Final
 
-from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.catalogue import BY_ID, SWEEP_PHASES
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.agents.sweep_phases import SWEEP_PHASES
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
 from rl_tui.runs.recipe import (

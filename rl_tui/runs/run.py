@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from rl_tui.agents.catalogue import POLICY_BY_ID
-from rl_tui.agents.kernels.stop import Stop
+from rl_tui.agents.kernels.position import Stop
 from rl_tui.agents.kernels.watch import NOTHING_NOTICED
 from rl_tui.agents.learner import Learner
 from rl_tui.agents.learner_memory import LearnerState

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_worlds import worlds
+from test_environment_loop import HYPERPARAMETERS, Table, lake, untabled
 from test_every_algorithm import learner
-from test_stepped_loop import HYPERPARAMETERS, Table, lake, untabled
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.learner import Learner

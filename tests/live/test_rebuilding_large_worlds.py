@@ -10,6 +10,7 @@ from edited_worlds import edit, small_map
 from playing import assert_true_to_the_record, begin, stand
 
 from rl_tui.common.errors import UserError
+from rl_tui.live import rebuild
 from rl_tui.live.commands import (
     Apply,
     Command,
@@ -30,7 +31,7 @@ from rl_tui.live.playback import Playback
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.live.snapshot_builder import REBUILDING
 from rl_tui.live.state import State
-from rl_tui.runs import edited_world, rebuild
+from rl_tui.runs import edited_world
 from rl_tui.runs.edited_world import NextWorld
 from rl_tui.runs.recipe import SetParameter
 from rl_tui.worlds.editing.grid_draft import GridDraft

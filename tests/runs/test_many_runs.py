@@ -14,7 +14,8 @@ from recipes import one_run, recipe
 
 from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.common.errors import UserError
-from rl_tui.runs.figures import BANDIT_FIGURES, summary
+from rl_tui.runs.figures import summary
+from rl_tui.runs.measures import BANDIT_FIGURES, FIGURES
 from rl_tui.runs.run import Run
 from rl_tui.runs.training import batched_runs
 from rl_tui.runs.training import many_runs as experiments_many_runs
@@ -26,7 +27,7 @@ from rl_tui.runs.training.batched_runs import (
     steps_of_next_call,
 )
 from rl_tui.runs.training.many_runs import many_runs
-from rl_tui.runs.training.seeded_runs import FIGURES, Goal, SeededRuns
+from rl_tui.runs.training.seeded_runs import Goal, SeededRuns
 
 
 def timeless(document: dict[str, Any]) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from samples import lake, learned_from, look
 
-from rl_tui.agents.update_terms import Lookup
+from rl_tui.agents.catalogue import Lookup
 from rl_tui.live.last_step.backup import Backup, Leaf
 from rl_tui.live.last_step.step_report import story_of
 from rl_tui.screen.draw import numbers

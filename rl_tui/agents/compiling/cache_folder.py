@@ -9,12 +9,14 @@ import sys
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from rl_tui.agents.compiling.base_folder import KERNELS, base_folder, closed_to_others
 from rl_tui.agents.compiling.cache_key import cache_key
-from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.common.kiosk import in_kiosk
+
+if TYPE_CHECKING:
+    from rl_tui.agents.kernels.machine_code import Loop
 
 LONGEST_UNUSED: Final = 30 * 24 * 3600.0
 LONGEST_WRITTEN: Final = 3600.0

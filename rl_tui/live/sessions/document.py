@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, FailFast, Field, model_validator
 
-from rl_tui.agents.sweep_phases import SweepPhase
+from rl_tui.agents.catalogue import SweepPhase
 from rl_tui.common.findings import control_character
 from rl_tui.common.limits import LONGEST_EDIT
 from rl_tui.lessons.file.schema import LONGEST_LESSON, LONGEST_PROGRAM

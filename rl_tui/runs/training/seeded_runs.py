@@ -21,7 +21,8 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.runs.changes import written_change
 from rl_tui.runs.edited_world import EditedWorld
-from rl_tui.runs.figures import BANDIT_FIGURES, exact_world, greedy_figures, optimum_of, pulls, world_digest
+from rl_tui.runs.figures import exact_world, greedy_figures, optimum_of, row_of, world_digest
+from rl_tui.runs.measures import BANDIT_FIGURES, FIGURES, measured_run
 from rl_tui.runs.recipe import UNLIMITED, JournalEntry, Recipe, WorldChange, begin
 from rl_tui.runs.run import OnEpisodes, Run, each_of
 from rl_tui.runs.training.compile_or_interpret import Patience, batching_pays, pays, seconds_interpreted
@@ -219,20 +220,6 @@ def no_curve(bandit: bool) -> dict[str, list[Any]]:
 # Runs under many seeds
 
 
-FIGURES: Final = (
-    "steps",
-    "episodes",
-    "value_at_start",
-    "expected_return",
-    "max_error",
-    "return_mean",
-    "return_last_100",
-    "length_last_100",
-    "first_reward_episode",
-)
-"""The names of a run's figures, each a key of its row."""
-
-
 def no_compiling() -> None:
     """Ignore that runs wait for machine code."""
 
@@ -338,25 +325,11 @@ class SeededRuns:
         ``check`` is called between what may take long, and may raise to end it.
         """
         check()
-        learner, changes = run.learner, len(run.world_changes)
-        optimum = self.optimum(exact_world(run), learner.hyperparameters.gamma, changes)
+        changes = len(run.world_changes)
+        optimum = self.optimum(exact_world(run), run.learner.hyperparameters.gamma, changes)
         check()
-        exact = greedy_figures(run, optimum)
-        mean_return, mean_length = run.history.last_100
-        return {
-            "seed": run.recipe.seed,
-            "steps": run.step,
-            "episodes": learner.episodes,
-            "value_at_start": exact.value_at_start,
-            "expected_return": exact.expected_return,
-            "max_error": exact.max_error,
-            "return_mean": run.mean_return,
-            "return_last_100": mean_return,
-            "length_last_100": mean_length,
-            "first_reward_episode": learner.first_reward_episode or None,
-            "world": self.digest(run.world, changes),
-            **pulls(run.bandit),
-        }
+        measured = measured_run(run, greedy_figures(run, optimum))
+        return row_of(run.recipe.seed, measured, self.digest(run.world, changes))
 
     def optimum(self, mdp: TabularMDP | None, gamma: float, changes: int = 0) -> Solution | None:
         """Return the exact answer of ``mdp``, in which a run is after so many ``changes`` of its world.

@@ -8,16 +8,16 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
+from rl_tui.runs.measures import Measure
 from rl_tui.studies.statistics.sensitivity import Sensitivity, sensitivity_of
 from rl_tui.studies.statistics.shrinkage import shrinkage_of
-from rl_tui.studies.sweeps.cell import Cell
+from rl_tui.studies.sweeps.cell import MEASURES, Cell
 from rl_tui.studies.sweeps.cells.variation import ALGORITHM, SCENARIO, Value
-from rl_tui.studies.sweeps.measures import MEASURES, SweepMeasure
 from rl_tui.studies.sweeps.plan import SweepPlan
 from rl_tui.studies.sweeps.ranking import Standings
 from rl_tui.studies.sweeps.runs import CellSummary, summarized, values_by_seed
@@ -30,10 +30,12 @@ from rl_tui.worlds.mdp.space import FloatArray
 SCORES: Final = ("expected_return", "area")
 """The measures that have a scale from the random policy to the best one."""
 
+_SAID: Final = ("id", "title", "formula", "unit", "larger_is_better", "may_never_arrive")
+"""What a document says of a measure."""
 _Settings = tuple[tuple[str, Value], ...]
 
 
-def sensitivities(plan: SweepPlan, store: Store, measure: SweepMeasure) -> list[dict[str, Any]] | None:
+def sensitivities(plan: SweepPlan, store: Store, measure: Measure) -> list[dict[str, Any]] | None:
     """Return, as JSON, how sensitive each algorithm of ``plan`` is to the settings that vary.
 
     None where nothing can be said: fewer than two scenarios, points at random, a measure without a scale, or
@@ -168,7 +170,7 @@ def best_documents(standings: Standings, plan: SweepPlan, store: Store, *, again
     return documents
 
 
-def _again(plan: SweepPlan, store: Store, cell: Cell, measure: SweepMeasure) -> Document:
+def _again(plan: SweepPlan, store: Store, cell: Cell, measure: Measure) -> Document:
     fresh = fresh_seeds(plan)
     before, after = (_values(store, cell, measure, seeds) for seeds in (plan.seeds, fresh))
     shrinkage = shrinkage_of(before, after, larger_is_better=bool(measure.larger_is_better))
@@ -184,7 +186,7 @@ def _again(plan: SweepPlan, store: Store, cell: Cell, measure: SweepMeasure) -> 
     }
 
 
-def _values(store: Store, cell: Cell, measure: SweepMeasure, seeds: range) -> FloatArray:
+def _values(store: Store, cell: Cell, measure: Measure, seeds: range) -> FloatArray:
     found, _ = values_by_seed(store.rows(cell.key, seeds), measure, seeds)
     return _NOBODY if found is None else found[~np.isnan(found)]
 
@@ -204,7 +206,7 @@ def json_pieces(
         "first_seed": plan.first_seed,
         "runs": plan.runs,
         "random": plan.random,
-        "measures": [asdict(each) for each in MEASURES.values()],
+        "measures": [{key: getattr(each, key) for key in _SAID} for each in MEASURES.values()],
         "measure": standings.measure.id,
         "like_best_by": standings.method,
     }

@@ -13,7 +13,7 @@ from rl_tui.agents.exact.exact_model import exact_model
 from rl_tui.agents.exact.policy_figures import greedy_policy
 from rl_tui.agents.exact.solve import endless_part, staying_states
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.kernels.stop import Stop
+from rl_tui.agents.kernels.position import Stop
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams
 from rl_tui.runs.training.compile_or_interpret import Patience

@@ -16,7 +16,7 @@ from click.testing import CliRunner
 from dask_cluster import Cluster
 from plans import plan_of
 
-from rl_tui.agents.kernels.stepped_loop import MOST_SEEDS
+from rl_tui.agents.kernels.environment_loop import MOST_SEEDS
 from rl_tui.commands.by_name.sweeping.sweep import command
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams

@@ -30,8 +30,8 @@ from rl_tui.common.limits import MOST_SWEEP_CELLS, MOST_SWEEP_EPISODES, MOST_SWE
 from rl_tui.common.words import counted, lasting, short_count
 
 if TYPE_CHECKING:
+    from rl_tui.runs.measures import Measure
     from rl_tui.studies.sweeps.cells.variation import Variation
-    from rl_tui.studies.sweeps.measures import SweepMeasure
     from rl_tui.studies.sweeps.plan import Shard, SweepPlan
     from rl_tui.studies.sweeps.store import Store
     from rl_tui.studies.sweeps.sweep import SweepProgress, Workers
@@ -90,18 +90,16 @@ class MeasureValue(OptionValue):
 
     name = "MEASURE"
 
-    def convert(
-        self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> SweepMeasure:
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Measure:
         """Return the measure; fails naming those there are."""
-        from rl_tui.studies.sweeps.measures import SweepMeasure, measure_called
+        from rl_tui.runs.measures import Measure
+        from rl_tui.studies.sweeps.cell import MEASURES
 
-        if isinstance(value, SweepMeasure):
+        if isinstance(value, Measure):
             return value
-        try:
-            return measure_called(str(value))
-        except ValueError as fault:
-            self.fail(str(fault), param, ctx)
+        if str(value) not in MEASURES:
+            self.fail(f"there is no measure {value}; expected one of {', '.join(MEASURES)}", param, ctx)
+        return MEASURES[str(value)]
 
 
 class SchedulerValue(OptionValue):
@@ -204,7 +202,7 @@ def command(
     jobs: int | None,
     dask: str | None,
     shard: Shard | None,
-    measure: SweepMeasure | None,
+    measure: Measure | None,
     no_again: bool,
     csv: CsvTarget,
     overrides: dict[str, object],
@@ -330,7 +328,7 @@ def _report(
     plan: SweepPlan,
     store: Store,
     done: SweepProgress,
-    measure: SweepMeasure | None,
+    measure: Measure | None,
     workers: MakeWorkers,
     csv: CsvTarget,
     *,

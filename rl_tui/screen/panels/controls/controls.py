@@ -9,8 +9,7 @@ from textual.containers import Container
 from textual.content import Content
 
 from rl_tui.agents.catalogue import parameters_of
-from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter
-from rl_tui.agents.idle_parameters import why_idle
+from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter, why_idle
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.flip_answer import beyond
 from rl_tui.runs.recipe import Recipe

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from rl_tui.agents.update_terms import Lookup
+from rl_tui.agents.catalogue import Lookup
 from rl_tui.live.last_step.backup import Backup
 from rl_tui.live.last_step.step_report import StepStory
 from rl_tui.screen.draw import numbers

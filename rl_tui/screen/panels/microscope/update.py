@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
-from rl_tui.agents.update_terms import Lookup, UpdateTerms
+from rl_tui.agents.catalogue import Lookup, UpdateTerms
 from rl_tui.live.last_step.step_report import StepStory, discounted_sum
 from rl_tui.screen.draw import names, numbers
 from rl_tui.screen.draw.action_order import shown_pairs

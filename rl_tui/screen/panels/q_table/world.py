@@ -31,8 +31,7 @@ from rl_tui.screen.panels.world.edit_marks import marks_of
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.mdp.number_names import NumberNames
-from rl_tui.worlds.mdp.space import IntArray
+from rl_tui.worlds.mdp.space import IntArray, NumberNames
 from rl_tui.worlds.world import World
 
 # States and actions
