@@ -282,10 +282,11 @@ class SeededRuns:
     def batched_loop(self) -> Loop | None:
         """The loop that trains many at once: of agents that learn in a table, with nothing set on the way.
 
-        None for others.
+        None for others, and for maps drawn from the seed, as a batch needs worlds of one shape.
         """
         learner, mdp = self.first.learner, self.first.world.mdp
-        if mdp is None or learner.plans or self.journal:
+        have_one_shape = self.shared is not None or self.is_bandit
+        if mdp is None or learner.plans or self.journal or not have_one_shape:
             return None
         return learner.loop._replace(batching=batching_of(mdp, is_shared=self.shared is not None))
 
