@@ -175,6 +175,11 @@ def test_policies_of_a_batch_may_be_evaluated_a_few_at_a_time(monkeypatch: pytes
     assert len(checks) == 3
 
 
+def test_maps_drawn_from_the_seed_are_not_batched_as_their_shapes_differ() -> None:
+    assert SeededRuns(recipe("frozenlake-random")).batched_loop is None
+    assert SeededRuns(recipe("bandit")).batched_loop is not None
+
+
 def test_ctrl_c_does_not_wait_for_runs_that_never_began(monkeypatch: pytest.MonkeyPatch) -> None:
     left = []
 

@@ -219,7 +219,7 @@ class AgentRuns:
     ``given`` are the hyper-parameters that a person gave, by name. Exact figures are for the γ of ``recipe``.
     """
 
-    figures = FIGURES
+    figures: tuple[str, ...] = FIGURES
     is_bandit = False
     plans = False
 
@@ -227,15 +227,12 @@ class AgentRuns:
         self, name: AgentName, place: AgentPlace, recipe: Recipe, given: Mapping[str, object]
     ) -> None:
         self.name, self.place, self.recipe, self.given = name, place, recipe, given
+        self.first_seed = recipe.seed
+        """The seed of the first of them."""
         self._world = None if recipe.scenario.section.drawn_from_seed else begin(recipe).world
         self._solving = threading.Lock()
         self._optima: list[Solution | None] = []  # the one that a shared world has, once it is known
         self._digest = None if self._world is None else world_digest(self._world)
-
-    @property
-    def first_seed(self) -> int:
-        """The seed of the first of them."""
-        return self.recipe.seed
 
     def new_run(self, seed: int, *on_episodes: OnEpisodes | None) -> AgentRun:
         """Return the run of ``seed``, not trained; each of ``on_episodes`` hears of its episodes."""

@@ -22,6 +22,7 @@ from rl_tui.runs.training.seeded_runs import (
     MOST_BINS,
     CurvePoints,
     Goal,
+    RunCurve,
     SeededRuns,
     no_compiling,
     no_progress,
@@ -128,6 +129,11 @@ class BatchedRuns:
             start = time.perf_counter()
 
     @property
+    def step(self) -> int:
+        """How many steps the longest of them has taken."""
+        return self.batch.longest
+
+    @property
     def _done(self) -> int:
         steps, episodes = self.batch.done()
         return episodes if self._goal.steps is None else steps
@@ -169,13 +175,14 @@ class BatchedRuns:
         return [self._seeded.digest(each.world) for each in self._beginnings]
 
     @property
-    def curves(self) -> CurvePoints:
-        """Their curves, a row each."""
-        curve, episodes = self.batch.digest.curve, self._curve_episodes
-        bins = curve.returns.shape[1]
-        last_episode = np.minimum(np.arange(1, bins + 1) * width_of_bins(episodes, self._most_bins), episodes)
+    def curves(self) -> list[CurvePoints]:
+        """Their curves; none where they are of no episode."""
+        if not self._curve_episodes:
+            return []
+        last_episode = RunCurve(self._curve_episodes, self._most_bins).last_episode
         count = np.diff(last_episode, prepend=0)
-        return CurvePoints(last_episode, *(sums / count for sums in curve))
+        sums_of_each = zip(*self.batch.digest.curve, strict=True)
+        return [CurvePoints(last_episode, *(part / count for part in sums)) for sums in sums_of_each]
 
     def _exact(self, check: Callable[[], None]) -> list[GreedyFigures]:
         """Return value at the start, expected return and greatest error of each; no other exact figures."""

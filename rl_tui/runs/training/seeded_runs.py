@@ -109,9 +109,9 @@ MOST_BINS: Final = 200
 
 
 class CurvePoints(NamedTuple):
-    """The curves of R runs in the same B bins, that end with episode ``last_episode``, [B].
+    """The curve of a run in B bins, that end with episode ``last_episode``, [B].
 
-    The mean return, the mean length and the share of optimal actions in each bin, [R, B].
+    The mean return, the mean length and the share of optimal actions in each bin, [B].
     """
 
     last_episode: IntArray
@@ -147,10 +147,9 @@ class RunCurve:
 
     @property
     def points(self) -> CurvePoints:
-        """The curve, as that of one run."""
+        """The curve."""
         count = np.diff(self.last_episode, prepend=0)
-        returns, lengths, optimal = (sums[np.newaxis] / count for sums in self.sums)
-        return CurvePoints(self.last_episode, returns, lengths, optimal)
+        return CurvePoints(self.last_episode, *(sums / count for sums in self.sums))
 
 
 def curve_of_run(
@@ -178,7 +177,7 @@ def mean_curve(curves: Sequence[CurvePoints], bandit: bool) -> dict[str, list[An
     The standard errors are those of the runs' means in each bin, None where there is one run.
     """
     last_episodes, *parts = zip(*curves, strict=True)
-    returns, lengths, optimal = map(np.concatenate, parts)
+    returns, lengths, optimal = map(np.array, parts)
     curve: dict[str, list[Any]] = {
         "episode": last_episodes[0].tolist(),
         "return_mean": returns.mean(axis=0).tolist(),
@@ -199,17 +198,6 @@ def _standard_errors(values: FloatArray) -> list[float] | list[None]:
         return [None] * bins
     errors: list[float] = (values.std(axis=0, ddof=1) / math.sqrt(runs)).tolist()
     return errors
-
-
-def first_of(curves: Sequence[CurvePoints], runs: int) -> Sequence[CurvePoints]:
-    """Return the curves of the first so many ``runs`` of ``curves``."""
-    found = list[CurvePoints]()
-    for points in curves:
-        if runs > 0:
-            parts = (part[:runs] for part in points[1:])
-            found.append(CurvePoints(points.last_episode, *parts))
-            runs -= len(points.returns)
-    return found
 
 
 def no_curve(bandit: bool) -> dict[str, list[Any]]:
@@ -244,8 +232,14 @@ class SeededRuns:
         """The recipe of the first of them."""
         self.first = Run(recipe, begin(recipe, known), evaluate=False)
         """The first of them, not trained."""
+        self.first_seed = recipe.seed
+        """The seed of the first of them."""
         self.is_bandit = isinstance(self.first.world.drawing, Arms)
         """Whether their world is a bandit."""
+        self.plans = self.first.learner.plans
+        """Whether they have no episodes, but the sweeps of a planner."""
+        self.figures: tuple[str, ...] = (*FIGURES, *BANDIT_FIGURES) if self.is_bandit else FIGURES
+        """The names of a run's figures."""
         self.journal = journal
         """What is set in each of them on the way."""
         self.shared = None if recipe.scenario.section.drawn_from_seed else self.first.edited
@@ -269,27 +263,13 @@ class SeededRuns:
     def batched_loop(self) -> Loop | None:
         """The loop that trains many at once: of agents that learn in a table, with nothing set on the way.
 
-        None for others.
+        None for others, and for maps drawn from the seed, as a batch needs worlds of one shape.
         """
         learner, mdp = self.first.learner, self.first.world.mdp
-        if mdp is None or learner.plans or self.journal:
+        have_one_shape = self.shared is not None or self.is_bandit
+        if mdp is None or learner.plans or self.journal or not have_one_shape:
             return None
         return learner.loop._replace(batching=batching_of(mdp, is_shared=self.shared is not None))
-
-    @property
-    def first_seed(self) -> int:
-        """The seed of the first of them."""
-        return self.recipe.seed
-
-    @property
-    def plans(self) -> bool:
-        """Whether they have no episodes, but the sweeps of a planner."""
-        return self.first.learner.plans
-
-    @property
-    def figures(self) -> tuple[str, ...]:
-        """The names of a run's figures."""
-        return (*FIGURES, *BANDIT_FIGURES) if self.is_bandit else FIGURES
 
     def get_machine_code(self, runs: int, goal: Goal, on_compiling: Callable[[], None]) -> None:
         """Have machine code for so many runs where that pays; ``on_compiling`` is called before it is had."""
