@@ -19,7 +19,6 @@ from rl_tui.common.text_file import UnreadableError, read_text
 from rl_tui.lessons.figures.figures import LessonFigures
 from rl_tui.lessons.figures.step_budget import StepBudget
 from rl_tui.lessons.figures.written import in_digits_of, written_number
-from rl_tui.lessons.file.spotlights import SPOTLIGHTS
 from rl_tui.lessons.file.variants import readable, variants_of
 from rl_tui.lessons.judging.world_faults import reference_faults
 from rl_tui.lessons.lesson import Lesson, is_lesson_text, read_lesson
@@ -31,6 +30,28 @@ from rl_tui.worlds.files.toml_file import tables_in
 if TYPE_CHECKING:
     from rl_tui.lessons.figures.subject import FigureSubject
     from rl_tui.lessons.file.schema import Ask, Page
+
+
+# What a page may highlight
+
+
+SPOTLIGHTS: Final = (
+    "world",
+    "table",
+    "curve",
+    "timeline",
+    "budget",
+    "controls",
+    "last_step",
+    "microscope",
+    "many_seeds",
+    "discount",
+    "policies",
+    "program",
+    "findings",
+    "output",
+)
+"""The ids of the panels; a test holds them to the catalogue of panels."""
 
 
 # Predictions and questions

@@ -142,8 +142,7 @@ def _train_agent(
         train_agent,
         train_agent_often,
     )
-    from rl_tui.runs.training.curve_file import write_curve
-    from rl_tui.runs.training.episode_rows import EpisodeRows, csv_file
+    from rl_tui.runs.training.episode_rows import EpisodeRows, csv_file, write_curve
 
     refuse_where_served()
     warn_of_agent(given)
@@ -192,8 +191,7 @@ def _train_once(
     from rl_tui.runs.figures import training_figures
     from rl_tui.runs.recipe import begin
     from rl_tui.runs.run import Run, each_of
-    from rl_tui.runs.training.curve_file import write_curve
-    from rl_tui.runs.training.episode_rows import EpisodeRows, csv_file
+    from rl_tui.runs.training.episode_rows import EpisodeRows, csv_file, write_curve
     from rl_tui.runs.training.seeded_runs import RunCurve, curve_of_run, train
 
     beginning = begin(recipe)
@@ -227,7 +225,7 @@ def _train_many(
     changes: tuple[JournalEntry, ...],
 ) -> dict[str, Any]:
     from rl_tui.runs.changes import as_json, journal_of
-    from rl_tui.runs.training.curve_file import write_curve
+    from rl_tui.runs.training.episode_rows import write_curve
     from rl_tui.runs.training.many_runs import many_runs
 
     journal = journal_of(changes, ())

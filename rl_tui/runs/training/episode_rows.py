@@ -1,16 +1,29 @@
-"""One CSV row an episode: run (from 1), episode (from 1), return, length in steps."""
+"""CSV of training: a row an episode (run and episode from 1, return, length in steps), and the mean curve."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from shutil import copyfileobj
 from tempfile import TemporaryDirectory
-from typing import Final, TextIO
+from typing import Any, Final, TextIO
 
 from rl_tui.common.files import file_or_stream, whole_file
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
+
+# The mean learning curve, a row for each bin of episodes
+
+
+def write_curve(stream: TextIO, curve: Mapping[str, list[Any]]) -> None:
+    """Write ``curve``, as ``train --runs --json`` has it, under the names of its lists; None is left empty.
+
+    Numbers keep all their digits.
+    """
+    stream.write(f"{','.join(curve)}\n")
+    for row in zip(*curve.values(), strict=True):
+        stream.write(f"{','.join('' if value is None else repr(value) for value in row)}\n")
+
 
 HEADER: Final = "run,episode,return,length\n"
 

@@ -1,15 +1,16 @@
-"""The results of a sweep as the document of `sweep --json`: its cells in the order of the plan.
+"""The results of a sweep as the document of `sweep --json`, its cells in the order of the plan, and as CSV.
 
-It also reports the best cell of each world, on fresh seeds too, and how sensitive each algorithm is to
-its settings over several scenarios.
+The document also reports the best cell of each world, on fresh seeds too, and how sensitive each algorithm is
+to its settings over several scenarios.
 """
 
 from __future__ import annotations
 
+import csv
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, TextIO
 
 import numpy as np
 
@@ -17,12 +18,33 @@ from rl_tui.runs.measures import Measure
 from rl_tui.studies.statistics.sensitivity import Sensitivity, sensitivity_of
 from rl_tui.studies.statistics.shrinkage import shrinkage_of
 from rl_tui.studies.sweeps.cell import MEASURES, Cell
-from rl_tui.studies.sweeps.cells.variation import ALGORITHM, SCENARIO, Value
+from rl_tui.studies.sweeps.cells.variation import ALGORITHM, SCENARIO, Value, written
 from rl_tui.studies.sweeps.plan import SweepPlan
 from rl_tui.studies.sweeps.ranking import Standings
 from rl_tui.studies.sweeps.runs import CellSummary, summarized, values_by_seed
+from rl_tui.studies.sweeps.schema import FIGURES
 from rl_tui.studies.sweeps.store import Store
 from rl_tui.worlds.mdp.space import FloatArray
+
+# The raw results as CSV, one row a run
+
+
+def write_csv(stream: TextIO, plan: SweepPlan, store: Store) -> None:
+    """Write what ``store`` has of ``plan``: the settings, the seed, every figure, and why a run failed.
+
+    Rows stand by the order of the plan and then by seed, without times or places.
+    """
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow([*plan.names, "seed", *FIGURES, "failed"])
+    for index in range(plan.count):
+        cell = plan.cell(index)
+        if not isinstance(cell, Cell):
+            continue
+        settings = [written(value) for value in cell.settings.values()]
+        for row in store.rows(cell.key, plan.seeds):
+            figures = ("" if each is None else repr(each) for each in map(row.figures.get, FIGURES))
+            writer.writerow([*settings, row.seed, *figures, row.failed or ""])
+
 
 # Sensitivity to settings
 

@@ -337,8 +337,7 @@ def _report(
 ) -> None:
     """Train the best cell once more, and print what came of the whole."""
     from rl_tui.common.files import file_or_stream
-    from rl_tui.studies.sweeps.csv_rows import write_csv
-    from rl_tui.studies.sweeps.document import best_documents, json_pieces
+    from rl_tui.studies.sweeps.document import best_documents, json_pieces, write_csv
     from rl_tui.studies.sweeps.ranking import standings_of
     from rl_tui.studies.sweeps.sweep import run_again
 

@@ -112,7 +112,7 @@ class ExportActions(Subject):
         self._ask_file(snapshot, "Returns as CSV", "-returns.csv", write, takes_time=True)
 
     def _export_policy(self, snapshot: Snapshot) -> None:
-        from rl_tui.runs.export.policy import evaluate_line, policy_text
+        from rl_tui.runs.export.tables import evaluate_line, policy_text
 
         text = policy_text(snapshot.world.space, snapshot.answers.drawn)
 
