@@ -19,7 +19,9 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.recipe import Recipe
 from rl_tui.runs.run import Run
 
-_PACKAGE: Final = str(Path(rl_tui.__file__).parent)
+_PACKAGE: Final = Path(rl_tui.__file__).parent
+_COMPILED: Final = tuple(str(_PACKAGE / "agents" / each) for each in ("algorithms", "kernels", "policies"))
+"""Folders of what the program runs as machine code, and most tests interpret."""
 
 
 class Ticking:
@@ -54,10 +56,11 @@ def do(playback: Playback, *commands: Command) -> Snapshot:
 def note_function(found: set[tuple[str, str]], frame: FrameType, event: str, _: object = None) -> None:
     """Add the function of the program that is called, as (file, name).
 
-    Lambdas, comprehensions and what dataclasses generate do not count.
+    Kernels, lambdas, comprehensions and what dataclasses generate do not count.
     """
     code = frame.f_code
-    if event == "call" and code.co_filename.startswith(_PACKAGE) and not code.co_name.startswith("<"):
+    is_ours = code.co_filename.startswith(str(_PACKAGE)) and not code.co_filename.startswith(_COMPILED)
+    if event == "call" and is_ours and not code.co_name.startswith("<"):
         found.add((code.co_filename, code.co_qualname))
 
 
