@@ -87,11 +87,9 @@ def bits(value: Any) -> Any:
 def stand(run: Run) -> Any:
     """All that a run knows."""
     learner = run.learner
-    known = [learner.q, learner.visits, learner.last_step, learner.rewards, learner.discounted_return]
-    known += [run.results]
-    known += [learner.algorithm, learner.hyperparameters, learner.state, learner.episode_return, run.journal]
-    known += [str(each.bit_generator.state) for each in learner.streams]
-    return bits([*known, run.step, learner.episodes, learner.episode_step, run.stop_reason, run.over])
+    known = [learner.q, learner.visits, learner.counters, run.results]
+    known += [learner.algorithm, learner.hyperparameters, run.journal, run.stop_reason, run.over]
+    return bits([*known, *(str(each.bit_generator.state) for each in learner.streams)])
 
 
 def assert_true_to_the_record(playback: Playback) -> None:
