@@ -65,7 +65,7 @@ def _step(playback: Playback, _: commands.Step) -> None:
 
 def _take(playback: Playback, command: commands.Take) -> None:
     playback.rest()
-    names = playback.group.current.world.space.action_names
+    names = playback.group.current.run.world.space.action_names
     known = 0 <= command.action < len(names)
     playback.group.apply(TakeAction(names[command.action] if known else command.action))
     playback.group.follow()
@@ -187,7 +187,7 @@ def _watch_program(playback: Playback, command: commands.WatchProgram) -> None:
 
 
 def _draw_action(playback: Playback, command: commands.DrawAction) -> None:
-    space, state, action = playback.group.current.world.space, command.state, command.action
+    space, state, action = playback.group.current.run.world.space, command.state, command.action
     if not 0 <= state < space.states or (action is not None and space.pair_of(state, action) is None):
         raise UserError("there is no such action to draw")
     playback.questions.draw(state, action)

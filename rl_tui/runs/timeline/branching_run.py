@@ -33,7 +33,6 @@ from rl_tui.runs.timeline.trail import (
     TrailReplay,
     steps_kept,
 )
-from rl_tui.worlds.world import World
 
 # Between two states that are kept in a seek it goes on for so many times as long as to keep one takes
 _COPY_SHARE: Final = 4
@@ -90,16 +89,6 @@ class BranchingRun:
         self._replay: TrailReplay | None = None
         self._watching: Watching | None = None
         self._watched_in = first
-
-    @property
-    def world(self) -> World:
-        """The world in force where the run stands."""
-        return self.run.world
-
-    @property
-    def step(self) -> int:
-        """Where the run stands."""
-        return self.run.step
 
     @property
     def timeline(self) -> Timeline:
@@ -270,24 +259,22 @@ class BranchingRun:
     @property
     def finds_trail(self) -> bool:
         """Whether :meth:`find_trail` may tell more of the trail than is known."""
-        run, recorder = self.run, self._recorder
-        may_replay = run.learner.rewindable and self.world.space.pairs <= MOST_PAIRS and self.seek is None
-        return (
-            may_replay
-            and recorder.given_up != run.step
-            and not recorder.is_whole(run.learner.last_step, self._since)
-        )
+        learner, recorder = self.run.learner, self._recorder
+        may_replay = learner.rewindable and learner.space.pairs <= MOST_PAIRS and self.seek is None
+        is_open = may_replay and recorder.given_up != learner.step
+        return is_open and not recorder.is_whole(learner.last_step, learner.world_since)
 
     def find_trail(self, seconds: float) -> None:
         """Replay the steps of the trail that are not known, for about ``seconds``; call it again for more.
 
         They are replayed by another run, which leaves this one as it is.
         """
-        last = self.run.learner.last_step
+        learner = self.run.learner
+        last = learner.last_step
         if last is None or not self.finds_trail:
             return
         if self._replay is None or self._replay.last != last.step:
-            first = last.step - steps_kept(last, self._since)
+            first = last.step - steps_kept(last, learner.world_since)
             start = self.kept.checkpoints.last_before(Target(self._number, last.step, step=first))
             journal = self.kept.branch.journal
             self._replay = TrailReplay(self._run_at(start), journal, first, last.step, self._recorder)
@@ -296,15 +283,11 @@ class BranchingRun:
 
     def cell_history(self, pair: int) -> CellHistory | None:
         """Return how the estimate of ``pair`` came to be what it is; None if the world has no such pair."""
-        if pair >= self.world.space.pairs:
+        run, changes = self.run, self.run.world_changes
+        if pair >= run.world.space.pairs:
             return None
-        return self.kept.samples.history(pair, self.run.step, self.run.learner.q, self._since)
-
-    @property
-    def _since(self) -> int | None:
-        """After how many steps the world became what it is; None where it was never another one."""
-        changes = self.run.world_changes
-        return changes[-1].step if changes else None
+        since = changes[-1].step if changes else None
+        return self.kept.samples.history(pair, run.step, run.learner.q, since)
 
     def _run_from_seed(self) -> Run:
         # whatever the seed shapes is drawn again, but the same world need not be known twice

@@ -80,7 +80,7 @@ class TrailRecorder:
         is_there = last is not None and len(self._steps) > 0 and self._steps[-1].step == last.step
         return tuple(self._steps) if is_there else ()
 
-    def is_whole(self, last: LastStep | None, since: int | None = None) -> bool:
+    def is_whole(self, last: LastStep | None, since: int) -> bool:
         """Return whether all that is ever kept of the episode of ``last`` is known.
 
         Nothing is kept of another world, which this one came of after ``since`` steps.
@@ -99,9 +99,9 @@ class TrailRecorder:
         self._steps.clear()
 
 
-def steps_kept(last: LastStep, since: int | None) -> int:
-    """Return how many steps of the episode of ``last`` are kept in a world that is there since ``since``."""
-    return min(MOST_STEPS, last.episode_step, last.step - (since or 0))
+def steps_kept(last: LastStep, since: int) -> int:
+    """Return how many steps of the episode of ``last`` are kept in a world that began after ``since``."""
+    return min(MOST_STEPS, last.episode_step, last.step - since)
 
 
 class TrailReplay:
