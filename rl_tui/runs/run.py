@@ -202,11 +202,6 @@ class Run:
         return self.learner.episodes >= self.episode_limit + self.learner.planned.sweeps
 
     @property
-    def begins_episode(self) -> bool:
-        """Whether an episode or a sweep has just ended, or nothing has happened yet."""
-        return self.learner.begins_episode
-
-    @property
     def message(self) -> str:
         """Why it goes no further, as a sentence; empty while it does."""
         if not self.learner.converged:
@@ -341,7 +336,7 @@ class Run:
         return RunState(
             self.step,
             self.learner.episodes,
-            self.begins_episode,
+            self.learner.begins_episode,
             self.learner.checkpoint(),
             self.history.checkpoint(),
             self._evaluation.checkpoint(),

@@ -31,7 +31,6 @@ from rl_tui.runs.timeline.trail import (
     Trail,
     TrailRecorder,
     TrailReplay,
-    steps_kept,
 )
 
 # Between two states that are kept in a seek it goes on for so many times as long as to keep one takes
@@ -69,6 +68,7 @@ class BranchingRun:
         self.recipe = record.recipe
         """What the run was made from."""
         self._first = first
+        self._limits = limits()
         self.run = self._run_from_seed()
         """The run as it stands."""
         self.seek: Seek | None = None
@@ -183,7 +183,7 @@ class BranchingRun:
         return f"branch {number}"
 
     def _check_room(self) -> None:
-        most = limits()
+        most = self._limits
         changes = sum(len(each.branch.journal) for each in self._branches)
         for count, limit, name in (
             (changes, most.changes, "changes"),
@@ -212,7 +212,7 @@ class BranchingRun:
         target = Target(number, kept.branch.end, step=step, episode=episode)
         start = kept.checkpoints.last_before(target)
         stays = number == self._number and (start is None or start.step <= run.step)
-        if not (stays and target.is_ahead_of(run.step, run.learner.episodes, run.begins_episode)):
+        if not (stays and target.is_ahead_of(run.step, run.learner.episodes, run.learner.begins_episode)):
             run = self._run_at(start)
         run.learner.watch(None)
         self._sought = 0.0
@@ -257,27 +257,30 @@ class BranchingRun:
         return self._recorder.up_to(self.run.learner.last_step)
 
     @property
-    def finds_trail(self) -> bool:
-        """Whether :meth:`find_trail` may tell more of the trail than is known."""
+    def trail_to_find(self) -> int:
+        """How many steps the trail has once :meth:`find_trail` is done; 0 where it finds no more of them."""
         learner, recorder = self.run.learner, self._recorder
+        last = learner.last_step
         may_replay = learner.rewindable and learner.space.pairs <= MOST_PAIRS and self.seek is None
-        is_open = may_replay and recorder.given_up != learner.step
-        return is_open and not recorder.is_whole(learner.last_step, learner.world_since)
+        if last is None or last.planned or not may_replay or recorder.given_up == last.step:
+            return 0
+        # No step in another world is part of it
+        steps = min(MOST_STEPS, last.episode_step, last.step - learner.world_since)
+        return 0 if len(recorder.up_to(last)) == steps else steps
 
     def find_trail(self, seconds: float) -> None:
-        """Replay the steps of the trail that are not known, for about ``seconds``; call it again for more.
+        """Replay what is missing of the trail, for about ``seconds``; call it again for more.
 
-        They are replayed by another run, which leaves this one as it is.
+        Another run replays it, which leaves this one as it is.
         """
-        learner = self.run.learner
-        last = learner.last_step
-        if last is None or not self.finds_trail:
+        steps, last = self.trail_to_find, self.run.step
+        if not steps:
             return
-        if self._replay is None or self._replay.last != last.step:
-            first = last.step - steps_kept(last, learner.world_since)
-            start = self.kept.checkpoints.last_before(Target(self._number, last.step, step=first))
+        if self._replay is None or self._replay.last != last:
+            first = last - steps
+            start = self.kept.checkpoints.last_before(Target(self._number, last, step=first))
             journal = self.kept.branch.journal
-            self._replay = TrailReplay(self._run_at(start), journal, first, last.step, self._recorder)
+            self._replay = TrailReplay(self._run_at(start), journal, first, last, self._recorder)
         if self._replay.go_on(seconds, self._clock):
             self._spare, self._replay = self._replay.run, None
 

@@ -208,12 +208,13 @@ class RunGroup:
     @property
     def trails_are_whole(self) -> bool:
         """Whether nothing more can be found out of how the episodes of the two runs on view went."""
-        return not any(each.finds_trail for each in self._on_view)
+        return not any(each.trail_to_find for each in self._on_view)
 
     def find_trails(self, seconds: float) -> None:
         """Find out for about ``seconds``, or infinity, how the episodes of the two runs on view went."""
-        for each in self._on_view:
-            each.find_trail(seconds / len(self._on_view))
+        on_view = self._on_view
+        for each in on_view:
+            each.find_trail(seconds / len(on_view))
 
     @property
     def _on_view(self) -> list[BranchingRun]:
@@ -292,11 +293,12 @@ class RunGroup:
                 self.gather()
 
     def apply(self, change: Change) -> None:
-        """Change something in the run shown. Raises UserError where it does not fit.
+        """Change something in the run shown, which leads again. Raises UserError where it does not fit.
 
         The name of a branch that begins is new among all lanes that began alike, be they branches of one run.
         """
         self.current.apply(change, self._names_taken)
+        self.gather()
 
     @property
     def _names_taken(self) -> list[str]:
