@@ -141,7 +141,7 @@ class LearnerMemory(LearnerCounters):
         environment: Environment | None = None,
     ) -> None:
         check_compatible(space, algorithm, hyperparameters)
-        super().__init__(algorithm)
+        super().__init__()
         self.streams = streams
         self._stepped = (
             None if environment is None else SteppedLoop(environment, streams.world, space.pair_action)
@@ -253,8 +253,9 @@ class LearnerMemory(LearnerCounters):
         self._schedules = schedules_of(hyperparameters)
 
     def _take_algorithm(self, algorithm: str) -> None:
-        self._module = importlib.import_module(BY_ID[algorithm].module)
-        self.algorithm = algorithm
+        self._row = BY_ID[algorithm]
+        self._module = importlib.import_module(self._row.module)
+        self.algorithm, self.plans = algorithm, self._row.planner
         self._memory = self._module.new_memory(self.q, self.visits, self.space)
 
     def _begin_anew(self) -> None:
@@ -290,27 +291,21 @@ class LearnerMemory(LearnerCounters):
 
         It is None too where sweeps are all alike, and for an agent.
         """
-        return self._module.phase_of(self._memory) if self._takes_orders else None
+        return self._module.phase_of(self._memory) if self._row.takes_orders else None
 
     @property
     def ordered(self) -> SweepPhase | None:
         """What is ordered for the next sweep; None where nothing is."""
-        return self._module.ordered(self._memory) if self._takes_orders else None
-
-    @property
-    def _takes_orders(self) -> bool:
-        return BY_ID[self.algorithm].takes_orders
+        return self._module.ordered(self._memory) if self._row.takes_orders else None
 
     def order(self, phase: SweepPhase) -> None:
         """Let the next sweep be one of ``phase``, whatever is due by itself, be it that nothing is.
 
         Raises UserError where the algorithm in force has no such sweeps.
         """
-        if not self._takes_orders:
+        if not self._row.takes_orders:
             able = " or ".join(each.id for each in BY_ID.values() if each.takes_orders)
-            raise UserError(
-                f"{BY_ID[self.algorithm].name} has no sweeps of evaluation and improvement: take {able}"
-            )
+            raise UserError(f"{self._row.name} has no sweeps of evaluation and improvement: take {able}")
         self._module.order(self._memory, phase)
         self._go_on_planning()
 

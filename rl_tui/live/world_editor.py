@@ -183,7 +183,7 @@ class WorldEditor:
         turned = self._turned.of(run, None if run.learner.drifted else answer.solution)
         self._come_to(run)
         if not self.is_open:
-            return EditorView(rebuilding=self.is_ahead)
+            return EditorView(rebuilding=bool(self._ahead))
         try:
             base = run.edited.draft_in(run.recipe)
             drawn = self._drawn(run)
@@ -193,7 +193,7 @@ class WorldEditor:
         return EditorView(
             draft=draft,
             base=base,
-            rebuilding=self.is_ahead,
+            rebuilding=bool(self._ahead),
             unfinished=draft.findings if waits else (),
             can_undo=waits or drawn.done is not None,
             can_redo=bool(self._dropped) or (not waits and drawn.undone is not None),

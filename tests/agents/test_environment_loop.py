@@ -77,7 +77,7 @@ def facts(learner: Learner) -> list[Any]:
         learner.episodes,
         learner.state,
         learner.episode_step,
-        learner.episode_return,
+        learner.counters.episode_return,
         learner.first_reward_episode,
         replace(learner.last_step, outcome=-1),
         learner.streams.learner.bit_generator.state,
