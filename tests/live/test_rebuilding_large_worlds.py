@@ -10,7 +10,7 @@ from edited_worlds import edit, small_map
 from playing import assert_true_to_the_record, begin, stand
 
 from rl_tui.common.errors import UserError
-from rl_tui.live import rebuild
+from rl_tui.live import world_editor as rebuild
 from rl_tui.live.commands import (
     Apply,
     Command,
