@@ -396,6 +396,7 @@ class RlTuiApp(LinkedApp[UserError]):
             for widget in screen.walk_children(with_self=True):
                 if hasattr(widget, "look"):
                     widget.look = look
+                    getattr(widget, "redraw", widget.refresh)()
                     widget.refresh()
 
 

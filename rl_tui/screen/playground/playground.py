@@ -152,6 +152,7 @@ class Playground(ActionScreen):
         self.program = ProgramActions(*of, self.known_actions)
         self.kept_back = KeptBack(*of)
         self.lesson = LessonActions(*of, self.kept_back, self._set_out, self.manual.resume)
+        self._hinted: object = None
         self._left_after: int | None = None  # the last deed when escape was pressed, None where it was not
         self._watches = watches
         self.frames = Frames(self, fps)
@@ -238,13 +239,23 @@ class Playground(ActionScreen):
     @on(DescendantBlur)
     def show_key_hints(self) -> None:
         """Show on the key line what keys do now: those of a mode, else first those of the slider in focus."""
-        if self.snapshot is not None:
-            self.modes.show(self.snapshot)
+        snapshot = self.snapshot
+        if snapshot is not None:
+            self.modes.show(snapshot)
+            self._hinted = self._hints_depend_on(snapshot)
         keys = self.query_one(KeyLine)
         keys.first = key_hints(self.focused) or self.editing.offered
         keys.is_running = self.run.is_under_way
         idle = self.program.idle_keys | self.run.idle_keys | self.lesson.idle_keys
         keys.idle = idle | self.kept_back.idle_keys | self.editing.idle_keys
+
+    def _hints_depend_on(self, snapshot: Snapshot) -> object:
+        """Return what besides the focus decides which keys do something, see :meth:`show_key_hints`."""
+        wanted = self.wanted
+        return (
+            *(snapshot.playback.phase, snapshot.world, snapshot.program is None, snapshot.answers.flips),
+            *(self.modes.current, wanted.recipe.algorithm, wanted.lesson and snapshot),
+        )
 
     @on(DescendantFocus)
     def ask_for_flips(self) -> None:
@@ -318,6 +329,7 @@ class Playground(ActionScreen):
         self.link.receive(snapshot)
         if before is None:
             self.agent.set_what_waits()
+            self.follow_panels()
         self.run.announce(snapshot)
         self.time.announce(before, snapshot)
         self.program.announce(before, snapshot)
@@ -328,20 +340,28 @@ class Playground(ActionScreen):
             self.early_keys.release(self.app)
 
     @on(Board.Toggled)
+    def follow_panels(self) -> None:
+        """Ask for what the opened panel is about, and no more once it is closed."""
+        if self.snapshot is not None:
+            self.seeds.follow_panel()
+            self.view.follow_panel()
+            self.policies.follow_panel()
+
+    @on(Board.Toggled)
     def redraw(self) -> None:
         """Draw the newest snapshot on every panel; each refreshes only what came out different."""
         snapshot = self.snapshot
         if snapshot is None:
             return
         self.microscope.follow_update()
-        self.seeds.follow_panel()
-        self.view.follow_panels()
-        self.policies.follow_panel()
+        self.view.follow_flips()
         with self.app.batch_update():
             self.session.show_name()
             self.status.show(snapshot)
-            self.show_key_hints()
+            self.modes.show(snapshot)
             self.board.show(snapshot)
+            if self._hints_depend_on(snapshot) != self._hinted:
+                self.show_key_hints()
             self.view.show(snapshot)
             self.why.show(snapshot)
 

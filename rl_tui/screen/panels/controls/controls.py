@@ -79,7 +79,6 @@ class Controls(Container, BoardPanel):
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)
         self._look = look
-        self._is_explained = False
         self.wanted = Hyperparameters()
         self.marks_all_flips = False
         """Whether the slider of γ marks every flip, not only those that turn the way from the start."""
@@ -90,16 +89,6 @@ class Controls(Container, BoardPanel):
     def has_slider(self, name: str) -> bool:
         """Return whether the hyper-parameter ``name`` has a slider here."""
         return any(parameter.name == name for parameter in self._parameters)
-
-    @property
-    def is_explained(self) -> bool:
-        """Whether caption and legend are on the border."""
-        return self._is_explained
-
-    @is_explained.setter
-    def is_explained(self, is_explained: bool) -> None:
-        self._is_explained = is_explained
-        self._write_border()
 
     def give_away(self, keys: frozenset[str]) -> None:
         """Say nothing of ``keys``, as people see them, as long as they are about something else."""
@@ -112,7 +101,7 @@ class Controls(Container, BoardPanel):
     def _write_border(self) -> None:
         look = self._look
         title, legend = "Controls", ""
-        if self._is_explained:
+        if self.is_explained:
             signs = tuple(
                 LegendSign(to_ascii(each.symbol, look.glyphs), each.short_name, look.palette.text)
                 for each in self._parameters
@@ -142,8 +131,23 @@ class Controls(Container, BoardPanel):
         yield Container(*self._sliders.values(), id="sliders")
         yield AgentSettings(self._look, id="settings")
 
-    def show(self, snapshot: Snapshot) -> None:
+    def depends_on(self, snapshot: Snapshot) -> object:
+        """Return what is in force and what is wanted, the speed, and the flips that may be marked."""
+        agent, playback = snapshot.agent, snapshot.playback
+        return (
+            *(agent.algorithm, agent.hyperparameters, self.wanted, isinstance(snapshot.world.drawing, Arms)),
+            *(snapshot.recipe.seed, snapshot.counters.episodes, playback.phase, playback.speed),
+            *(snapshot.run_group.shown, len(snapshot.run_group.lanes)),
+            *(self.marks_all_flips, snapshot.answers.flips, snapshot.answers.is_hidden),
+            snapshot.answers.kept_back,
+        )
+
+    def redraw(self) -> None:
         """Show the settings in force, and what is wanted on the sliders."""
+        self._write_border()
+        snapshot = self.snapshot
+        if snapshot is None:
+            return
         self.query_one(AgentSettings).show(snapshot)
         agent, is_bandit = snapshot.agent, isinstance(snapshot.world.drawing, Arms)
         parameters = sliders_of(agent.algorithm, agent.hyperparameters, is_bandit=is_bandit)

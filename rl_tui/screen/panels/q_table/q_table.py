@@ -132,12 +132,9 @@ class QTable(Panel, can_focus=True):
         layers = self.layer_choices
         self.shown_layer = layers[(layers.index(self.shown_layer) + 1) % len(layers)]
 
-    @property
-    def rows(self) -> int:
-        """How many rows the whole table takes below its heads, what is noted below it included."""
-        if self.snapshot is None:
-            return 1
-        world = self._world_of(self.snapshot)
+    def rows_of(self, snapshot: Snapshot) -> int:
+        """Return how many rows the whole table takes below its heads, with what is noted below it."""
+        world = self._world_of(snapshot)
         return world.space.pairs + 2 if world.is_sparse else len(world.live)
 
     @property

@@ -175,10 +175,13 @@ class WorldView(DrawnPicture, can_focus=True):
         self.prompt: tuple[str, ...] = ()
         self.lane: tuple[str, ...] = ()
         self.note: tuple[str, ...] = ()
-        self._is_manual = False
+        self.is_manual = False
+        """Whether a person takes the actions."""
         self._has_equation = False
-        self._is_numbered = False
-        self._shows_actions = False
+        self.is_numbered = False
+        """Whether the cells of a map have the numbers of their states."""
+        self.shows_actions = False
+        """Whether the cells of a map show Q of every action, where they have room, in place of V."""
         self.enter(world)
 
     def enter(self, world: World, *, goes_on: bool = False) -> None:
@@ -192,17 +195,6 @@ class WorldView(DrawnPicture, can_focus=True):
         self._pointed: int | None = None  # where the cursor of another panel stands
 
     @property
-    def shows_actions(self) -> bool:
-        """Whether the cells of a map show Q of every action, where they have room, in place of V."""
-        return self._shows_actions
-
-    @shows_actions.setter
-    def shows_actions(self, shows_actions: bool) -> None:
-        if shows_actions != self._shows_actions:
-            self._shows_actions = shows_actions
-            self.redraw()
-
-    @property
     def lacks_room(self) -> bool:
         """Whether cells are too small for Q of every action, though they are to show it."""
         return False
@@ -210,27 +202,6 @@ class WorldView(DrawnPicture, can_focus=True):
     def has_room_in(self, width: int, height: int) -> bool:
         """Return whether cells have room for what they are to show in a panel of that size."""
         return True
-
-    @property
-    def is_numbered(self) -> bool:
-        """Whether the cells of a map have the numbers of their states."""
-        return self._is_numbered
-
-    @is_numbered.setter
-    def is_numbered(self, is_numbered: bool) -> None:
-        if is_numbered != self._is_numbered:
-            self._is_numbered = is_numbered
-            self.redraw()
-
-    @property
-    def is_manual(self) -> bool:
-        """Whether a person takes the actions."""
-        return self._is_manual
-
-    @is_manual.setter
-    def is_manual(self, is_manual: bool) -> None:
-        self._is_manual = is_manual
-        self.redraw()
 
     def show_mode(self, title: tuple[str, ...], prompt: tuple[str, ...], *, has_keys: bool) -> None:
         """Write on the border what mode is on, and which keys it has; without a title none is.

@@ -119,7 +119,7 @@ class AgentActions(Subject):
             settings = settings_for(self.snapshot.world.space, self.recipe, setting)
         except UserError as fault:
             self.screen.tell(str(fault), severity="warning")
-            self.board.show(self.snapshot)  # the sliders go back
+            self.board.controls.redraw()  # the sliders go back
             return
         if name == "policy" and len(settings) > 1:
             alpha = Hyperparameters().alpha
