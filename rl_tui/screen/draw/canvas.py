@@ -144,6 +144,8 @@ Line = Sequence[Piece]
 
 def spelled(line: Line, look: Look) -> list[Piece]:
     """Return ``line`` in the characters that the terminal has."""
+    if look.glyphs.name != "ascii":
+        return list(line)
     return [Piece(to_ascii(piece.text, look.glyphs), piece.style) for piece in line]
 
 

@@ -47,11 +47,8 @@ class Sheet:
         self._head_rows = 1 if height > 1 else 0
         self._lines = min(height - self._head_rows, -(-form.entries // form.blocks))
         self.shown = min(form.entries, self._lines * form.blocks)
-
-    @property
-    def is_scrolled(self) -> bool:
-        """Return whether there are more entries than are in view."""
-        return self.shown < self.form.entries
+        self.is_scrolled = self.shown < form.entries
+        """Whether there are more entries than are in view."""
 
     @property
     def free_rows(self) -> int:
