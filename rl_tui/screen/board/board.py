@@ -168,6 +168,10 @@ class Board(Container):
         self.legends, self.rows = legends, {row.id: row for row in panels}
         self._panels = {row.id: row.make(look) for row in panels}
         self._pair = LanePair(self._panels, look)
+        self.table = self._made(TABLE, QTable)
+        """The table of the lane that is led."""
+        self.world: WorldView | None = None
+        """The world of the lane that is led, None before the first snapshot."""
         self._is_one_lane = self.keeps_focus = False
         self._made(WORLD, WorldPlaceholder).expect(shape.drawing)
         self.curve = self._made(CURVE, ReturnCurve)
@@ -192,17 +196,6 @@ class Board(Container):
         assert isinstance(made, kind)
         return made
 
-    @property
-    def table(self) -> QTable:
-        """The table of the lane that is led."""
-        return self._made(self._pair.led(TABLE), QTable)
-
-    @property
-    def world(self) -> WorldView | None:
-        """The world of the lane that is led, None before the first snapshot."""
-        made = self.panel(self._pair.led(WORLD))
-        return made if isinstance(made, WorldView) else None
-
     def compose(self) -> ComposeResult:
         """Yield the panels in the order of the tab key."""
         yield from self._panels.values()
@@ -215,7 +208,8 @@ class Board(Container):
         """Draw ``snapshot``; what a person can set is drawn as it is wanted."""
         self._snapshot = snapshot
         if self.world is None:
-            self._panels[WORLD] = view = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
+            view = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
+            self._panels[WORLD] = self.world = view
             view.caption = self.rows[WORLD].caption
             self.apply_switches()
             self.run_worker(self._replace_placeholder(view))
@@ -234,15 +228,15 @@ class Board(Container):
             drawing=snapshot.world.drawing,
             table_rows=self.table.rows_of(snapshot),
         )
-        self._take_lead(snapshot)
-        self.set_classes(self._arrangement.styles(self.size))
+        if self._pair.twins:
+            self._take_lead(snapshot)
         if snapshot.lesson is not None:
             self.lesson.place(snapshot.lesson, self.size)
         self.table.sources = lit_sources(snapshot) if self.opened == MICROSCOPE else frozenset()
         self.controls.wanted = self._wanted.recipe.hyperparameters
         self.controls.marks_all_flips = self.opened == DISCOUNT
         self.timeline.sought = self._wanted.step
-        learned, pair = as_learned(snapshot), self._pair.panels
+        learned, pair = as_learned(snapshot), self._pair.panels if self._pair.is_shown else []
         for panel in self._shown():
             if isinstance(panel, WorldView):
                 panel.names_policies_key = self.opened != POLICIES
@@ -264,6 +258,8 @@ class Board(Container):
         is_pair = snapshot.beside is not None and self._arrangement.is_pair(self.size)
         if not self._pair.take_lead(snapshot, is_shown=is_pair):
             return
+        self.table = self._made(self._pair.led(TABLE), QTable)
+        self.world = self._made(self._pair.led(WORLD), WorldView)
         if world is not None and self.world is not None and world is not self.world:
             self.world.is_manual, world.is_manual = world.is_manual, False
             self.world.show_mode(world.title, world.prompt, has_keys=world.has_class("-manual"))
@@ -475,6 +471,7 @@ class Board(Container):
         return self._arrangement
 
     def _arrange_again(self) -> None:
+        self.set_classes(self._arrangement.styles(self.size))
         # a child's, since a container forgets its arrangement only for a child
         self.table.refresh(layout=True)
 

@@ -58,10 +58,8 @@ class LanePair:
 
     @property
     def panels(self) -> list[BoardPanel]:
-        """The panels that show one of two lanes in view."""
-        return [
-            each for row, twin in self.twins.items() if self.is_shown for each in (self._panels[row], twin)
-        ]
+        """The panels that show one of the two lanes."""
+        return [each for row, twin in self.twins.items() for each in (self._panels[row], twin)]
 
     def take_lead(self, snapshot: Snapshot, *, is_shown: bool) -> bool:
         """Take over which lane of ``snapshot`` is led and if both are in view; return whether that is new."""

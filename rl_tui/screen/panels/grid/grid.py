@@ -17,7 +17,7 @@ from rl_tui.runs.large_worlds import is_large
 from rl_tui.screen.draw.number_form import SteadyForms
 from rl_tui.screen.kit.counterparts import are_same_size
 from rl_tui.screen.kit.numbers_in_common import all_q, all_v, ends
-from rl_tui.screen.kit.panel import BoardPanel, Legend, LegendSign
+from rl_tui.screen.kit.panel import BoardPanel, LegendSign
 from rl_tui.screen.kit.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.screen.panels.grid.action_form import ActionForm, part_form, whole_map_form
 from rl_tui.screen.panels.grid.action_values import ActionArtist, name_room, sign_text
@@ -375,11 +375,8 @@ class GridView(WorldView):
         has_names = 0 < self._longest_name <= self._room_for_names(form) and not form.has_values
         return self._own_name.rjust(self._longest_name) if has_names and not self._action_form else ""
 
-    def signs(self) -> Legend:
-        """Return the signs of cells that this map has."""
-        return tuple(self._signs())
-
-    def _signs(self) -> Iterator[LegendSign]:
+    def signs(self) -> Iterator[LegendSign]:
+        """Yield the signs of cells that this map has."""
         palette, glyphs = self.look.palette, self.look.glyphs
         form, signs, actions = self._form, self._map.signs, self._action_form
         name = self._name_beside_arrows(form) if form else ""

@@ -357,9 +357,10 @@ class QTable(Panel, can_focus=True):
         return world.pairs_shown(state)[0]
 
     def _world_of(self, snapshot: Snapshot) -> TableWorld:
-        if self._world is None or not self._world.describes(snapshot.world, self.look.glyphs):
-            self._world = TableWorld(snapshot.world, self.look.glyphs)
-        return self._world
+        known, glyphs = self._world, self.look.glyphs
+        if known is None or known.world is not snapshot.world or known.glyphs is not glyphs:
+            known = self._world = TableWorld(snapshot.world, glyphs)
+        return known
 
     def _form(self, snapshot: Snapshot, width: int, height: int) -> tuple[Form, Scene]:
         if not self._world_of(snapshot).is_sparse:

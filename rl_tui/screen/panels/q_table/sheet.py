@@ -105,13 +105,14 @@ class Sheet:
 
     def _row(self, line: int) -> Pieces:
         pieces: Pieces = []
+        gap = self._width - 1
         for block in range(self.form.blocks):
             entry = self.first + block * self._lines + line
             if entry < self.form.entries:
                 pieces += self.form.entry(entry, is_first=line == 0)
+                gap -= self.form.block_width
         if not self.is_scrolled:
             return pieces
-        gap = self._width - 1 - sum(segment.cell_length for segment in pieces)
         return [*pieces, Segment(" " * gap, self._scene.look.palette.text), self._scroll_bar(line)]
 
     def _scroll_bar(self, line: int) -> Segment:

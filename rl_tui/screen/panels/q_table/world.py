@@ -52,11 +52,14 @@ class TableWorld:
     """
 
     def __init__(self, world: World, glyphs: Glyphs) -> None:
-        self._world = world
+        self.world = world
         self.space = world.space
         self.glyphs = glyphs
         self.is_bandit = isinstance(world.drawing, Arms)
         self.live: IntArray = np.flatnonzero(np.diff(self.space.first_pair))
+        cells = len(self.live) * len(self.space.action_names)
+        self.is_sparse = len(self.live) == 1 or 2 * self.space.pairs <= cells
+        """Whether one row a pair says it better: one state, or half the cells of a matrix would be empty."""
         self.state_width = min(LONGEST_STATE, self._longest(str))
         self.shown_actions = shown_order(world)
         self.action_names = tuple(
@@ -75,7 +78,7 @@ class TableWorld:
     @cached_property
     def least_reward(self) -> float:
         """The least mean reward of an outcome; 0 where none is less or there is no table."""
-        mdp = self._world.mdp
+        mdp = self.world.mdp
         return 0.0 if mdp is None else min(0.0, float(mdp.reward.min()))
 
     def _longest(self, form: Callable[[str], str]) -> int:
@@ -90,16 +93,6 @@ class TableWorld:
             live = np.append(live[:: -(-len(live) // MOST_MEASURED)], live[-1])
         return max(cell_len(form(names[state])) for state in live.tolist())
 
-    def describes(self, world: World, glyphs: Glyphs) -> bool:
-        """Return whether this is what is known of ``world`` in these characters."""
-        return world is self._world and glyphs is self.glyphs
-
-    @property
-    def is_sparse(self) -> bool:
-        """Whether one row a pair says it better: one state, or half the cells of a matrix would be empty."""
-        cells = len(self.live) * len(self.space.action_names)
-        return len(self.live) == 1 or 2 * self.space.pairs <= cells
-
     def _state_name(self, state: int, width: int) -> str:
         name = to_ascii(with_minus(self.space.state_names[state], self.glyphs), self.glyphs)
         return name if cell_len(name) <= width else shortened(_brief(name), width, self.glyphs.ellipsis)
@@ -110,7 +103,7 @@ class TableWorld:
 
     def pairs_shown(self, state: int) -> list[int]:
         """Return the pairs of ``state`` in the order in which their actions are shown."""
-        return shown_pairs(self._world, self.space.pairs_of(state))
+        return shown_pairs(self.world, self.space.pairs_of(state))
 
     def pair_of_action(self, state: int) -> dict[int, int]:
         """Return the pair of each action that is legal in ``state``."""
@@ -124,10 +117,10 @@ class TableWorld:
 
     def pair_near(self, state: int, action: int) -> int:
         """Return the pair of ``state`` whose column is nearest to that of ``action``."""
-        column = shown_place(self._world, action)
+        column = shown_place(self.world, action)
         return min(
             self.pairs_shown(state),
-            key=lambda pair: abs(shown_place(self._world, self.action_of(pair)) - column),
+            key=lambda pair: abs(shown_place(self.world, self.action_of(pair)) - column),
         )
 
 

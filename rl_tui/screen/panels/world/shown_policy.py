@@ -96,6 +96,8 @@ class PolicyPicture(Panel):
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)
+        self.studied: PolicyKind | None = None
+        """The policy whose values and actions are drawn; None: they are what the agent has learned."""
         self.names_policies_key = True
         """Whether its border names the key that opens the panel of policies: not while that is open."""
         self.differing: frozenset[int] = frozenset()
@@ -112,11 +114,6 @@ class PolicyPicture(Panel):
     def waits_for_study(snapshot: Snapshot) -> bool:
         """Return whether values of a policy are to come in place of those that ``snapshot`` shows."""
         return snapshot.answers.studied is not None and studied_kind(snapshot) is None
-
-    @property
-    def studied(self) -> PolicyKind | None:
-        """The policy whose values and actions are drawn; None: they are what the agent has learned."""
-        return None if self.snapshot is None else studied_kind(self.snapshot)
 
     def study_headings(self, what: str) -> tuple[str, ...]:
         """Return headings that say of which policy ``what`` is, or how to see it; none for the agent's."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import ClassVar, Final
 
 from textual import events
@@ -29,7 +29,7 @@ from rl_tui.screen.kit.pointing import (
 )
 from rl_tui.screen.kit.snapshot_facts import passes_too_fast
 from rl_tui.screen.panels.last_step.state_backup_text import backup_text
-from rl_tui.screen.panels.policies.studied import as_studied
+from rl_tui.screen.panels.policies.studied import as_studied, studied_kind
 from rl_tui.screen.panels.world.edit_marks import edit_signs, with_signs
 from rl_tui.screen.panels.world.shown_policy import TITLE, PolicyPicture
 from rl_tui.screen.theme.look import Look
@@ -220,6 +220,7 @@ class WorldView(DrawnPicture, can_focus=True):
             if goes_on and self.cursor is not None and self.snapshot is not None:
                 self.cursor = self.carried(self.cursor, self.snapshot, snapshot)
             self.enter(snapshot.world, goes_on=goes_on)
+        self.studied = studied_kind(snapshot)
         super().show(as_studied(snapshot))
 
     @property
@@ -239,7 +240,7 @@ class WorldView(DrawnPicture, can_focus=True):
             () if is_taken else (*self.random_signs(), *edit_signs(snapshot.editor, self.look), *self.signs())
         )
 
-    def signs(self) -> Legend:
+    def signs(self) -> Iterable[LegendSign]:
         """Return the signs that pictures of this world may have, those that matter most first."""
         raise NotImplementedError
 
