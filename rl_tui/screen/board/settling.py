@@ -9,7 +9,7 @@ from typing import Final
 from rl_tui.common.errors import UserError
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.board.board import Board
-from rl_tui.screen.board.player_link import PlayerLink
+from rl_tui.screen.board.wanted import PlayerLink
 from rl_tui.screen.kit.snapshot_facts import lacks_exact
 
 _MOST_PICTURES: Final = 100  # until a picture that shows what was asked for

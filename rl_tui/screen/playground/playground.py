@@ -22,9 +22,8 @@ from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.recipe import Recipe
 from rl_tui.screen.board.board import Board
 from rl_tui.screen.board.frames import Frames
-from rl_tui.screen.board.player_link import PlayerLink
 from rl_tui.screen.board.settling import Settling
-from rl_tui.screen.board.wanted import Wanted
+from rl_tui.screen.board.wanted import PlayerLink, Wanted
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.frame.action_screen import ActionScreen
 from rl_tui.screen.frame.arrangement import Shape

@@ -181,7 +181,7 @@ class Figures:
             return "." if glyphs.name == "ascii" else "·"
         if self.layer is Layer.VISITS:
             return numbers.count(int(x), width)
-        if self._is_none(x):
+        if self.layer is Layer.POLICY and math.isnan(x):  # an estimate that ran away is another matter
             return numbers.missing(glyphs)
         return self._form(width).text(x, glyphs)
 
@@ -233,16 +233,12 @@ class Figures:
             return False
         return self.layer not in LEARNED_NOT and not self._visits[pair]
 
-    def _is_none(self, x: float) -> bool:
-        """Return whether ``x`` says that there is no value, which is not so of an estimate that ran away."""
-        return self.layer is Layer.POLICY and math.isnan(x)
-
     def _tint(self, x: float) -> Style:
         palette = self._look.palette
         if self.layer is Layer.VISITS:
             return palette.value(math.log1p(x) / math.log1p(self.high))
         if not math.isfinite(x):
-            return palette.text if self._is_none(x) else palette.bad
+            return palette.text if self.layer is Layer.POLICY and math.isnan(x) else palette.bad
         if self.layer in (Layer.ERROR, Layer.LANES):
             largest = max(abs(self.low), abs(self.high))
             return palette.signed_value(x / largest if largest > numbers.NEGLIGIBLE else 0.0)

@@ -29,7 +29,6 @@ from rl_tui.screen.kit.pointing import (
 )
 from rl_tui.screen.kit.snapshot_facts import passes_too_fast
 from rl_tui.screen.panels.last_step.state_backup_text import backup_text
-from rl_tui.screen.panels.policies.studied import as_studied, studied_kind
 from rl_tui.screen.panels.world.edit_marks import edit_signs, with_signs
 from rl_tui.screen.panels.world.shown_policy import TITLE, PolicyPicture
 from rl_tui.screen.theme.look import Look
@@ -220,8 +219,7 @@ class WorldView(DrawnPicture, can_focus=True):
             if goes_on and self.cursor is not None and self.snapshot is not None:
                 self.cursor = self.carried(self.cursor, self.snapshot, snapshot)
             self.enter(snapshot.world, goes_on=goes_on)
-        self.studied = studied_kind(snapshot)
-        super().show(as_studied(snapshot))
+        super().show(snapshot)
 
     @property
     def cells(self) -> Cells | None:
