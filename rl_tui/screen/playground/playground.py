@@ -21,8 +21,7 @@ from rl_tui.live.sessions.session import StoredSession
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.recipe import Recipe
 from rl_tui.screen.board.board import Board
-from rl_tui.screen.board.frames import Frames
-from rl_tui.screen.board.settling import Settling
+from rl_tui.screen.board.frames import Frames, Settling
 from rl_tui.screen.board.wanted import PlayerLink, Wanted
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.frame.action_screen import ActionScreen
@@ -49,11 +48,9 @@ from rl_tui.screen.playground.actions.export import ExportActions
 from rl_tui.screen.playground.actions.kept_back import KeptBack
 from rl_tui.screen.playground.actions.lanes import LaneActions
 from rl_tui.screen.playground.actions.lesson import LessonActions
-from rl_tui.screen.playground.actions.microscope import MicroscopeActions
-from rl_tui.screen.playground.actions.policies import PolicyActions
+from rl_tui.screen.playground.actions.opened_panels import MicroscopeActions, PolicyActions, SeedActions
 from rl_tui.screen.playground.actions.program import ProgramActions
 from rl_tui.screen.playground.actions.run import RunActions, ScenarioActions
-from rl_tui.screen.playground.actions.seeds import SeedActions
 from rl_tui.screen.playground.actions.session import SessionActions
 from rl_tui.screen.playground.actions.time import TimeActions
 from rl_tui.screen.playground.actions.until import UntilActions
