@@ -127,3 +127,28 @@ def test_the_rows_have_ids_and_keys_of_their_own() -> None:
     assert len({row.id for row in PANELS}) == len(PANELS)
     keys = [key for action in all_actions() if Place.PLAYGROUND & action.place for key in action.keys]
     assert len(set(keys)) == len(keys)
+
+
+KEPT = (
+    *("s", "s", "e", "s", "b", "v", "v", "v", "h", "s", "h", "1", "right", "right", "s", "escape"),
+    *("e", "e", "P", "s", "P", "d", "s", "d", "V", "s", "number_sign", "m", "escape", "a", "down", "enter"),
+    *("s", "r", "s", "c", "enter", "down", "enter", "s", "e", "b", "l", "s", "z", "s", "k", "slash", "e"),
+)
+
+
+def drawn(panel: Panel) -> tuple[list[str], object, object]:
+    rows = [repr(list(panel.render_line(y))) for y in range(panel.size.height)]
+    return rows, panel.border_title, panel.border_subtitle
+
+
+@pytest.mark.exhaustive("draws other worlds", but=["frozenlake-slippery"])
+@pytest.mark.parametrize("scenario", ["frozenlake-slippery", "student", "bandit", "cliff"])
+async def test_what_is_kept_from_frame_to_frame_is_what_would_be_drawn_afresh(scenario: str) -> None:
+    async with on_screen(app_with(STEPS, scenario), (120, 40)) as pilot:
+        board = playground(pilot).board
+        for key in KEPT:
+            await press(pilot, key)
+            for panel in filter(lambda each: board.shows(str(each.id)), board.query(Panel)):
+                kept = drawn(panel)
+                panel.redraw()
+                assert drawn(panel) == kept, (key, panel.id)

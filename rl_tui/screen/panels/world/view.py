@@ -368,8 +368,10 @@ class WorldView(DrawnPicture, can_focus=True):
 
     def _equation(self, snapshot: Snapshot) -> Sequence[str]:
         """Return the Bellman equation of the state that a planner backed up last, the longest form first."""
-        is_followed = self.studied is None and not passes_too_fast(snapshot)
-        story = story_of(snapshot) if is_followed else None
+        last = snapshot.counters.last_step
+        if last is None or not last.planned or self.studied is not None or passes_too_fast(snapshot):
+            return ()
+        story = story_of(snapshot)
         if story is None or story.state_backup is None:
             return ()
         glyphs = self.look.glyphs
