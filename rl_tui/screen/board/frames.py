@@ -98,11 +98,7 @@ class Frames:
 
     def __init__(self, screen: Screen[None], fps: float) -> None:
         self._screen = screen
-        self._pacer = Pacer(fps, self._arrived)
-
-    def hurry(self) -> None:
-        """Draw the next frames at once: a person has asked for something."""
-        self._pacer.hurry()
+        self.pacer = Pacer(fps, self._arrived)
 
     @property
     def is_here(self) -> bool:
@@ -123,12 +119,12 @@ class Frames:
         async for snapshot in snapshots:
             if not self.is_here:
                 return
-            self._pacer.begin()
+            self.pacer.begin()
             draw(snapshot)
             await self.painted()
-            self._pacer.end()
+            self.pacer.end()
             note_frame()
-            await self._pacer.wait()
+            await self.pacer.wait()
 
     async def _arrived(self) -> None:
         if isinstance(self._screen.app, LinkedApp):

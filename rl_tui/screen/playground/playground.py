@@ -303,7 +303,7 @@ class Playground(ActionScreen):
 
     def _note_sent(self, command: Command) -> None:
         self.modes.note(command)
-        self.frames.hurry()
+        self.frames.pacer.hurry()
 
     def _start_to_follow(self) -> None:
         if self._watches:

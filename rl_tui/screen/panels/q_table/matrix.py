@@ -72,14 +72,15 @@ class MatrixForm:
         ]
         greedy = shown.greedy(pairs)
         digits = min(self.field, MOST_DIGITS)
+        blank, gap = Segment(" " * self._column, palette.text), Segment(" " * _GAP, palette.text)
         pair_of = world.pair_of_action(state)
         for action in world.shown_actions:
             pair = pair_of.get(action)
             if pair is None:
-                pieces.append(Segment(" " * self._column, palette.text))
+                pieces.append(blank)
                 continue
             pieces += boxed(scene, shown, pair, self.field, digits, pair in greedy)
-            pieces.append(Segment(" " * _GAP, palette.text))
+            pieces.append(gap)
         return pieces
 
     def pairs_in(self, entry: int) -> range:
