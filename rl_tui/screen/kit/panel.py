@@ -25,6 +25,7 @@ from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Piece, length, spelled, strips_of
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.kit.bindings import key_of_hint
+from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.world import World
 
@@ -166,6 +167,7 @@ class BoardPanel(Widget):
     is_spotlit: bool = False
     drawn_from: object = None
     """What :meth:`depends_on` was for the last snapshot; None has the next one drawn."""
+    _border_texts = ("", "")
 
     @property
     def stance(self) -> object:
@@ -198,6 +200,14 @@ class BoardPanel(Widget):
     def redraw(self) -> None:
         """Draw again, where anything was drawn."""
 
+    def write_border(self, heading: str, footing: str, glyphs: Glyphs) -> None:
+        """Write ``heading`` on the upper border and ``footing`` on the lower one."""
+        # setting a title refreshes the whole widget, even where it says the same
+        texts = separated(heading, glyphs), separated(footing, glyphs)
+        if texts != self._border_texts:
+            self._border_texts = texts
+            self.border_title, self.border_subtitle = map(Content, texts)
+
 
 class Panel(BoardPanel):
     """Draws each snapshot anew and refreshes only the rows that came out different.
@@ -218,7 +228,6 @@ class Panel(BoardPanel):
         self._least_free: tuple[World | None, Size, int] | None = None
         self._rows: list[Strip] = []
         self._drawn_size = Size(0, 0)
-        self._border_texts = ("", "", "")
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return ``height`` strips of ``width`` cells (at least 1); None is before the first snapshot."""
@@ -246,7 +255,8 @@ class Panel(BoardPanel):
         """Draw again, and refresh the rows that came out different."""
         before, size_before = self._rows, self._drawn_size
         self._draw()
-        self._write_border()
+        footing = " · ".join(filter(None, (self._border_legend, self.footing)))
+        self.write_border(f"{self._spot}{self.heading}", footing, self.look.glyphs)
         if self._drawn_size != size_before:
             self.refresh()
             return
@@ -308,13 +318,3 @@ class Panel(BoardPanel):
             least = self.free_rows
         self._least_free = snapshot.world, self._drawn_size, least
         return max(0, least)
-
-    def _write_border(self) -> None:
-        # setting a title refreshes the whole widget, even where it says the same
-        footing = " · ".join(filter(None, (self._border_legend, self.footing)))
-        heading = f"{self._spot}{self.heading}"
-        texts = (heading, footing, self.look.glyphs.name)
-        if texts != self._border_texts:
-            self._border_texts = texts
-            self.border_title = Content(separated(heading, self.look.glyphs))
-            self.border_subtitle = Content(separated(footing, self.look.glyphs))

@@ -9,7 +9,6 @@ from rich.cells import cell_len
 from textual import events
 from textual.app import ComposeResult
 from textual.containers import Container
-from textual.content import Content
 from textual.strip import Strip
 from textual.widget import Widget
 
@@ -192,8 +191,7 @@ class DrawPanel(Container, BoardPanel):
         titles = (f"Draw · {self.caption}", "Draw")[not self.is_explained :]
         fitting = (each for each in titles if cell_len(each) <= self.size.width - BORDER_ENDS)
         keys = f"1–{count}: its sliders" if count > 1 else "1: its slider" if count else ""
-        self.border_title = Content(separated(next(fitting, titles[-1]), glyphs))
-        self.border_subtitle = Content(separated(keys, glyphs))
+        self.write_border(next(fitting, titles[-1]), keys, glyphs)
 
     def _made(self) -> Iterable[Slider]:
         glyphs = self.look.glyphs

@@ -6,7 +6,6 @@ from typing import Final
 
 from textual.app import ComposeResult
 from textual.containers import Container
-from textual.content import Content
 
 from rl_tui.agents.catalogue import parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter
@@ -14,7 +13,7 @@ from rl_tui.agents.idle_parameters import why_idle
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.flip_answer import beyond
 from rl_tui.runs.recipe import Recipe
-from rl_tui.screen.draw.to_ascii import separated, to_ascii
+from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.panel import BORDER_ENDS, BoardPanel, Legend, LegendSign, legend_text
 from rl_tui.screen.kit.snapshot_facts import is_secret, keeps_back
 from rl_tui.screen.panels.controls.settings import AgentSettings
@@ -108,8 +107,7 @@ class Controls(Container, BoardPanel):
             )
             title = f"Controls · {self.caption}"
             legend = self._legend(signs)
-        self.border_title = Content(separated(title, look.glyphs))
-        self.border_subtitle = Content(separated(legend, look.glyphs))
+        self.write_border(title, legend, look.glyphs)
 
     def _legend(self, signs: Legend) -> str:
         """Return ``signs`` behind that of a flip, which comes later, where that moves none of them."""
@@ -133,10 +131,12 @@ class Controls(Container, BoardPanel):
 
     def depends_on(self, snapshot: Snapshot) -> object:
         """Return what is in force and what is wanted, the speed, and the flips that may be marked."""
-        agent, playback = snapshot.agent, snapshot.playback
+        agent, playback, episode = snapshot.agent, snapshot.playback, snapshot.counters.episodes
+        values = agent.hyperparameters
         return (
-            *(agent.algorithm, agent.hyperparameters, self.wanted, isinstance(snapshot.world.drawing, Arms)),
-            *(snapshot.recipe.seed, snapshot.counters.episodes, playback.phase, playback.speed),
+            *(agent.algorithm, values, self.wanted, isinstance(snapshot.world.drawing, Arms)),
+            *(values.alpha_at(episode), values.epsilon_at(episode)),
+            *(snapshot.recipe.seed, playback.phase, playback.speed),
             *(snapshot.run_group.shown, len(snapshot.run_group.lanes)),
             *(self.marks_all_flips, snapshot.answers.flips, snapshot.answers.is_hidden),
             snapshot.answers.kept_back,
