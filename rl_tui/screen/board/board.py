@@ -122,10 +122,11 @@ class LessonPlace:
         row = None if wanted is None else self._board.rows.get(wanted)
         spotlit = None if row is None else row.id
         for panel, is_spotlit in ((self._spotlit, False), (spotlit, True)):
-            if panel is not None:
+            if panel is not None and spotlit != self._spotlit:
                 widget = self._board.panel(panel)
                 widget.is_spotlit = is_spotlit
                 widget.set_class(is_spotlit, SPOTLIT)
+                widget.redraw()
         self._spotlit = spotlit
         self.panel.spotlight = (
             None

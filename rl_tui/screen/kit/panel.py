@@ -137,10 +137,13 @@ def key_at(hints: str, column: int) -> str | None:
 
 
 def is_same(one: object, other: object) -> bool:
-    """Return whether both have the same value: arrays number by number, tuples and records part by part."""
+    """Return whether both have the same value: arrays number by number, tuples and records part by part.
+
+    A world, which may be large, is the same as itself only.
+    """
     if one is other:
         return True
-    if type(one) is not type(other):
+    if type(one) is not type(other) or isinstance(one, World):
         return False
     if isinstance(one, np.ndarray):
         return np.array_equal(one, np.asarray(other), equal_nan=True)

@@ -63,9 +63,9 @@ class ReturnCurve(Panel, can_focus=True):
         values, episodes = snapshot.agent.hyperparameters, snapshot.counters.episodes
         answers, playback, lanes = snapshot.answers, snapshot.playback, snapshot.run_group.lanes
         return (
-            *(snapshot.world, snapshot.world_changes, snapshot.results, snapshot.study, snapshot.program),
+            *(snapshot.world, snapshot.world_changes, snapshot.results, snapshot.study),
             *(snapshot.agent.algorithm, values.policy, values.epsilon_at(episodes), is_decided(snapshot)),
-            *(episodes, has_estimates(snapshot), snapshot.timeline.in_past),
+            *(episodes, snapshot.program is None, has_estimates(snapshot), snapshot.timeline.in_past),
             *(snapshot.exact_answer.expected_return, snapshot.exact_answer.refused),
             *(answers.is_hidden, answers.kept_back, answers.first_update, answers.studied),
             *(answers.policies.get(PolicyKind.BEHAVIOUR), studied_answer(snapshot)),
