@@ -51,7 +51,7 @@ def noted_way() -> Iterator[Way]:
 
 @pytest.mark.parametrize(
     ("key", "functions", "files"),
-    [("s", 705, 126), ("b", 742, 126), ("right", 750, 129)],
+    [("s", 520, 99), ("b", 555, 99), ("right", 581, 105)],
     ids=["step", "back", "slider"],
 )
 async def test_few_functions_run_for_a_key(key: str, functions: int, files: int) -> None:

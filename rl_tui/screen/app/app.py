@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import shlex
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -28,7 +29,6 @@ from textual.worker import WorkerFailed
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.runs.library import recipe_for
-from rl_tui.screen.app.bugs import bug_of
 from rl_tui.screen.app.display import Display
 from rl_tui.screen.app.opening import MakePlayer, Opener, Start, beginning_of, live_player
 from rl_tui.screen.app.palette_entries import ActionProvider
@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 
     from rl_tui.lessons.file.view import LessonRecord
     from rl_tui.live.record import Record
-    from rl_tui.live.sessions.autosave import KeptSession
+    from rl_tui.live.sessions.autosave import Autosave, KeptSession
     from rl_tui.screen.catalogue.catalogue import CatalogueScreen
     from rl_tui.screen.catalogue.lessons import LessonsScreen
     from rl_tui.screen.playground.actions.next_lesson import LessonWanted
@@ -401,6 +401,7 @@ class RlTuiApp(LinkedApp[UserError]):
             for widget in screen.walk_children(with_self=True):
                 if hasattr(widget, "look"):
                     widget.look = look
+                    getattr(widget, "redraw", widget.refresh)()
                     widget.refresh()
 
 
@@ -414,3 +415,14 @@ def _built(lesson: LessonRecord) -> Record:
     record = beginning_of(lesson)
     begin(record.lanes[0].recipe)
     return record
+
+
+def bug_of(fault: Exception | None, autosave: Autosave | None) -> Exception:
+    """Return the fault behind ``fault``, with a note on how to go on with the session, if any."""
+    if isinstance(fault, WorkerFailed) and isinstance(fault.error, Exception):
+        fault = fault.error
+    if fault is None:
+        fault = RuntimeError("no reason is known")
+    if autosave is not None and autosave.path is not None:
+        fault.add_note(f"what was done is kept: rl-tui play {shlex.quote(str(autosave.path))}")
+    return fault

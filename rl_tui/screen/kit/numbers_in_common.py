@@ -45,7 +45,7 @@ def _v(lane: Snapshot) -> FloatArray:
     if part is None:
         first = first_pair[:-1][np.diff(first_pair) > 0]
     else:
-        pairs = np.unique(part.pairs)
+        pairs = np.flatnonzero(part.held)
         state = np.searchsorted(first_pair, pairs, side="right")
         q, first = q[pairs], np.flatnonzero(np.diff(state, prepend=-1))
     return np.asarray(np.maximum.reduceat(q, first)) if len(first) else np.empty(0)

@@ -32,7 +32,7 @@ from rl_tui.screen.draw.canvas import (
 )
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.bindings import binding
-from rl_tui.screen.kit.scrolled_panel import ScrolledPanel, scroll_bindings
+from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
 from rl_tui.screen.kit.snapshot_facts import (
     episodes_reached,
     hides_greedy,

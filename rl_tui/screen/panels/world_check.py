@@ -13,7 +13,7 @@ from rl_tui.common.words import counted
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw.canvas import KEPT_BLANK, Line, Piece, kept, length, spelled, strips_of, wrapped
 from rl_tui.screen.draw.names import state_name
-from rl_tui.screen.kit.scrolled_panel import ScrolledPanel, scroll_bindings
+from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
 from rl_tui.screen.kit.snapshot_facts import hides_means, is_secret, shown_by
 from rl_tui.screen.theme.look import Look
 from rl_tui.studies.world_check.report import CheckStage

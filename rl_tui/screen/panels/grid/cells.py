@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import lru_cache, partial
+from itertools import chain
 from typing import Final, NamedTuple
 
 from rich.segment import Segment
 from rich.style import Style
+from textual.strip import Strip
 
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Canvas
@@ -26,10 +28,24 @@ from rl_tui.worlds.drawing import CellKind
 SEVERAL: Final = "*"  # in place of the arrows where they do not fit
 START: Final = "S"
 _MOST_KEPT: Final = 20_000
+MOST_ROWS: Final = 512
 
 _ALIVE: Final = (CellKind.FLOOR, CellKind.START)
 
 Drawn = list[list[Segment]]
+
+
+def strips_of_row(cells: Sequence[Drawn], left: int, width: int, style: Style) -> tuple[Strip, ...]:
+    """Return the strips of ``width`` characters for a row of ``cells``, which begins at column ``left``."""
+    before = Segment(" " * left, style)
+    strips = []
+    for lines in zip(*cells, strict=True):
+        segments = [before, *chain.from_iterable(lines)]
+        taken = sum(each.cell_length for each in segments)
+        segments.append(Segment(" " * max(0, width - taken), style))
+        inked = Segment.simplify(each for each in segments if each.text)
+        strips.append(Strip(inked).adjust_cell_length(width, style))
+    return tuple(strips)
 
 
 class Face(NamedTuple):
@@ -76,22 +92,22 @@ class CellArtist:
         }
         self._has_table = has_table
         # what looks the same is drawn once
-        self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
+        self.strips = lru_cache(MOST_ROWS)(self._strips)
+        self.drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
         self._text = lru_cache(_MOST_KEPT)(partial(value_text, look=look))
         self._signs = lru_cache(_MOST_KEPT)(partial(_signs, look=look))
 
-    def drawn(
-        self, cells: Sequence[CellContent], low: float, high: float, number_form: NumberForm
-    ) -> list[Drawn]:
-        """Return the rows of each of ``cells``, tinted by its value from ``low`` to ``high``."""
-        return [self._drawn(self._face(cell, low, high, number_form)) for cell in cells]
+    def _strips(self, faces: tuple[Face, ...], left: int, width: int) -> tuple[Strip, ...]:
+        """Return a row of cells with these ``faces``."""
+        return strips_of_row([self.drawn(face) for face in faces], left, width, self.look.palette.text)
 
     def shown_reward(self, reward: CellReward) -> str:
         """Return how a cell without other signs shows what it pays."""
         # a single row has one character for it, two rows have arrows beside it
         return reward_text(reward, self.form.width if self.form.height > 2 else 1, self.look)
 
-    def _face(self, cell: CellContent, low: float, high: float, number_form: NumberForm) -> Face:
+    def face(self, cell: CellContent, low: float, high: float, number_form: NumberForm) -> Face:
+        """Return how ``cell`` looks, tinted by its value from ``low`` to ``high``."""
         kind, agent, value, known, greedy, reward, stops, cursor, differs, _, extra = cell
         palette = self.look.palette
         if value is None:

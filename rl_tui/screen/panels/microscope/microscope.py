@@ -29,7 +29,7 @@ from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.names import COUNTED
 from rl_tui.screen.draw.number_form import number_form
 from rl_tui.screen.draw.scale import round_range, round_scale
-from rl_tui.screen.kit.scrolled_panel import ScrolledPanel, scroll_bindings
+from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
 from rl_tui.screen.kit.snapshot_facts import is_secret, keeps_back, passes_too_fast
 from rl_tui.screen.panels.last_step.last_step import ENDED, ENDED_SWEEP, nothing_yet
 from rl_tui.screen.panels.last_step.words import StepWords, words_of

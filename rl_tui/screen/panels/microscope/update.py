@@ -6,6 +6,7 @@ The discounted return of the episode so far is written out below (Sutton & Barto
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Final
 
 from rl_tui.agents.catalogue import Lookup, UpdateTerms
@@ -238,6 +239,8 @@ class _Writer:
         self._story = words.story
         self._look = look
         self._palette = look.palette
+        self._dim = partial(Piece, style=look.palette.dim)
+        self._plain = partial(Piece, style=look.palette.text)
         self._bootstrap_style = look.palette.source if words.story.sources else look.palette.strong
 
     def equation(self) -> list[Line]:
@@ -318,9 +321,3 @@ class _Writer:
         action = int(story.world.space.pair_action[pairs[0]])
         name = names.action_name(story.world, action, self._look.glyphs)
         return f"{bootstrap}: {name if len(pairs) == 1 else f'one of {len(pairs)} equal'}"
-
-    def _plain(self, text: str) -> Piece:
-        return Piece(text, self._palette.text)
-
-    def _dim(self, text: str) -> Piece:
-        return Piece(text, self._palette.dim)

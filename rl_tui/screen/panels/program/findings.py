@@ -16,7 +16,7 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.programs.evidence.verdict import CodeFinding, Rule, step_number
 from rl_tui.screen.draw.canvas import Line, Piece, first_that_fits, length, spelled, strips_of, wrapped
 from rl_tui.screen.kit.bindings import binding
-from rl_tui.screen.kit.scrolled_panel import ScrolledPanel, scroll_bindings
+from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
 from rl_tui.screen.panels.program.source import source_lines
 from rl_tui.screen.panels.program.words import (
     IN_SHORT,
