@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import ClassVar, Final
 
 from textual import events
@@ -10,8 +10,9 @@ from textual.binding import BindingType
 from textual.strip import Strip
 
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.draw.canvas import Canvas
+from rl_tui.screen.draw.canvas import Canvas, Line, strips_of
 from rl_tui.screen.kit.bindings import binding
+from rl_tui.screen.kit.blocks import Block, lines_of
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.theme.look import Look
 
@@ -31,9 +32,10 @@ def scroll_bindings(panel: str) -> list[BindingType]:
 
 
 class ScrolledPanel(Panel, can_focus=True):
-    """Shows as many of its ``rows`` as there is room for, with a bar at the right where there are more.
+    """Shows as many of its rows as there is room for, with a bar at the right where there are more.
 
-    Subclasses have a ``title`` and implement :meth:`rows`, and :meth:`keys` for the lower border.
+    Subclasses have a ``title`` and implement :meth:`blocks` or :meth:`rows`, and :meth:`keys` for the lower
+    border.
     """
 
     title: ClassVar[str]
@@ -47,6 +49,16 @@ class ScrolledPanel(Panel, can_focus=True):
 
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return all rows, of ``width`` cells each; ``height`` of them are in view."""
+        lines: list[Line] = []
+        for is_short in (False, True):
+            lines = lines_of(self.blocks(snapshot, is_short=is_short), width, self.look)
+            if len(lines) <= height:
+                break
+        self.free_rows = max(0, height - len(lines))
+        return strips_of(lines, width, len(lines), self.look)
+
+    def blocks(self, snapshot: Snapshot | None, *, is_short: bool) -> Iterable[Block]:
+        """Return what stands in it; ``is_short`` where there are not rows for all of that."""
         raise NotImplementedError
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
