@@ -10,7 +10,7 @@ from rl_tui.live.last_step.backup import Backup, Leaf
 from rl_tui.screen.draw import names, numbers
 from rl_tui.screen.draw.precision import agrees, column_figure, leading_zeros, parsed
 from rl_tui.screen.panels.microscope.section import aligned, columns_of
-from rl_tui.screen.panels.model.outcomes import HIDDEN
+from rl_tui.screen.panels.model.pair import HIDDEN
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION

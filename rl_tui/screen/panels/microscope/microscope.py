@@ -44,7 +44,7 @@ from rl_tui.screen.panels.microscope.update import (
     update_rows,
     update_section,
 )
-from rl_tui.screen.panels.model.bellman import means_key
+from rl_tui.screen.panels.model.pair import means_key
 from rl_tui.screen.panels.q_table.layers import exact_q
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
