@@ -6,7 +6,7 @@ import pytest
 from samples import look
 
 from rl_tui.screen.draw.canvas import Piece
-from rl_tui.screen.kit.blocks import Block, Column, Flow, Heading, Labelled, Row, Table, Text, laid
+from rl_tui.screen.kit.blocks import Block, Column, Flow, Labelled, Row, Section, Table, Text, laid
 
 pytestmark = pytest.mark.unit
 STYLE = look().palette.text
@@ -48,7 +48,7 @@ def test_a_label_stands_beside_its_block_or_above_it() -> None:
 def test_groups_flow_and_a_heading_has_its_rule() -> None:
     groups = [[Piece(f"   {word}", STYLE)] for word in ("one", "two", "three")]
     assert drawn(Flow(groups, 2), 12) == [" one   two", "  three"]
-    assert drawn(Heading("The step", ("of many", "7")), 14) == [" The step  7 ─"]
+    assert drawn(Section("The step", remarks=("of many", "7")), 14) == [" The step  7 ─"]
 
 
 def test_a_table_leaves_columns_out_then_shortens_names() -> None:

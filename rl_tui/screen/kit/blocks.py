@@ -127,19 +127,36 @@ class Labelled:
 
 
 @dataclass(frozen=True, slots=True)
-class Heading:
-    """A heading with a rule behind it, and between them the longest of ``remarks`` that fits."""
+class Section:
+    """Blocks below a heading with a rule behind it, and between them the longest of ``remarks`` that fits.
 
-    text: str
+    The blocks take at least ``rows`` lines, so that what stands below stays where it is.
+    """
+
+    heading: str
+    blocks: Sequence[Block] = ()
+    rows: int = 0
     remarks: Sequence[str] = ()
 
     def lines(self, width: int, look: Look) -> Sequence[Line]:
-        """Return the line."""
+        """Return heading and blocks."""
         palette = look.palette
-        head = Piece(f" {self.text} ", palette.accent)
+        head = Piece(f" {self.heading} ", palette.accent)
         forms = [[head, Piece(f" {remark} ", palette.text)] for remark in self.remarks if remark]
         kept = fitted(first_that_fits([*forms, [head]], width, look), width, look)
-        return [[*kept, Piece(look.glyphs.thin * max(0, width - length(kept)), palette.dim)]]
+        rule = Piece(look.glyphs.thin * max(0, width - length(kept)), palette.dim)
+        lines = lines_of(self.blocks, width, look)
+        return [[*kept, rule], *lines, *([[]] * (self.rows - len(lines)))]
+
+
+def stacked(sections: Sequence[Section], width: int, height: int, look: Look) -> list[Line]:
+    """Return ``sections`` below one another, a blank line between them where ``height`` has room for it."""
+    parts = [section.lines(width, look) for section in sections]
+    is_roomy = sum(map(len, parts)) + len(parts) - 1 <= height
+    lines: list[Line] = []
+    for part in parts:
+        lines += [*([[]] if lines and is_roomy else []), *part]
+    return lines
 
 
 class Column(NamedTuple):
