@@ -34,8 +34,8 @@ def scroll_bindings(panel: str) -> list[BindingType]:
 class ScrolledPanel(Panel, can_focus=True):
     """Shows as many of its rows as there is room for, with a bar at the right where there are more.
 
-    Subclasses have a ``title`` and implement :meth:`blocks` or :meth:`rows`, and :meth:`keys` for the lower
-    border.
+    Subclasses have a ``title`` and implement :meth:`blocks` or :meth:`rows`, and :meth:`keys` or
+    :meth:`hints` for the lower border.
     """
 
     title: ClassVar[str]
@@ -65,6 +65,13 @@ class ScrolledPanel(Panel, can_focus=True):
         """Return the keys for the lower border besides those that scroll, the longest form first."""
         raise NotImplementedError
 
+    def hints(self, snapshot: Snapshot | None, *, is_scrolled: bool) -> Sequence[str]:
+        """Return all keys for the lower border, the longest form first."""
+        keys = self.keys(snapshot)
+        if not is_scrolled:
+            return keys
+        return f"↑ ↓ pgup pgdn: more · {keys[0]}", *(f"↑ ↓: more · {form}" for form in keys), *keys
+
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the rows in view."""
         self.heading = self.fitting((*self.captioned(self.title), self.title), width)
@@ -72,7 +79,7 @@ class ScrolledPanel(Panel, can_focus=True):
         self._rows_in_all = len(rows)
         self._first = max(0, min(self._first, len(rows) - height))
         shown = rows[self._first : self._first + height]
-        self.footing = self.fitting(_hints(self.keys(snapshot), is_scrolled=is_scrolled), width)
+        self.footing = self.fitting(self.hints(snapshot, is_scrolled=is_scrolled), width)
         shown += [Strip.blank(width, self.look.palette.text)] * (height - len(shown))
         if not is_scrolled:
             return shown
@@ -119,10 +126,3 @@ def _scroll_bar(first: int, height: int, rows: int, look: Look) -> list[Strip]:
         inside = start <= y < start + length
         canvas.put(0, y, glyphs.bar if inside else glyphs.axis_vertical, look.palette.dim)
     return canvas.strips()
-
-
-def _hints(keys: Sequence[str], *, is_scrolled: bool) -> Sequence[str]:
-    """Return the keys of the panel with those that scroll, longest form first."""
-    if not is_scrolled:
-        return keys
-    return f"↑ ↓ pgup pgdn: more · {keys[0]}", *(f"↑ ↓: more · {form}" for form in keys), *keys

@@ -11,7 +11,6 @@ from typing import ClassVar, Final
 
 import numpy as np
 from rich.cells import cell_len
-from textual import events
 from textual.binding import BindingType
 from textual.strip import Strip
 
@@ -19,11 +18,10 @@ from rl_tui.common.words import counted
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw import names, numbers
 from rl_tui.screen.draw.action_order import shown_order, shown_pairs, shown_place
-from rl_tui.screen.draw.canvas import Piece, strips_of
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.bindings import binding
-from rl_tui.screen.kit.blocks import Block, Labelled, Text, lines_of
-from rl_tui.screen.kit.panel import Panel
+from rl_tui.screen.kit.blocks import BLANK, Block, Labelled, Text
+from rl_tui.screen.kit.scrolled_panel import ScrolledPanel, scroll_bindings
 from rl_tui.screen.kit.scrolling import Scrolled
 from rl_tui.screen.kit.snapshot_facts import hides_means
 from rl_tui.screen.panels.last_step.update_text import setting
@@ -153,21 +151,18 @@ def _listed(items: Sequence[str], room: int, look: Look) -> str:
 WAITING: Final = "the world is being built"
 
 
-class ModelPanel(Panel, can_focus=True):
+class ModelPanel(ScrolledPanel):
     """⟨S, A, P, R, γ⟩ above one pair: up and down change its state, left and right its action."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
+        *scroll_bindings("model")[2:],
         binding("up", "move_state(-1)", "model.up", "Previous state"),
         binding("down", "move_state(1)", "model.down", "Next state"),
         binding("left", "move_action(-1)", "model.left", "Previous action"),
         binding("right", "move_action(1)", "model.right", "Next action"),
-        binding("pageup", "scroll_by(-1)", "model.page_up", "Scroll up"),
-        binding("pagedown", "scroll_by(1)", "model.page_down", "Scroll down"),
     ]
-
+    title = "Model"
     _pair: int | None = None
-    _first = 0
-    _lines = 0
 
     @property
     def pair(self) -> int | None:
@@ -188,19 +183,30 @@ class ModelPanel(Panel, can_focus=True):
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the part of the model that is in view."""
+        strips = super().picture(snapshot, width, height)
+        if snapshot is not None:
+            self.heading = f"Model ⟨S, A, P, R, γ⟩ · {snapshot.recipe.scenario.title}"
+        return strips
+
+    def blocks(self, snapshot: Snapshot | None, *, is_short: bool) -> Iterator[Block]:
+        """Yield the model and one pair; where not all fits, that is above, so that it stays in view."""
         pair = self.pair
         if snapshot is None or pair is None:
-            return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
-        self.heading = f"Model ⟨S, A, P, R, γ⟩ · {snapshot.recipe.scenario.title}"
-        model, one_pair = model_blocks(snapshot, self.look), pair_blocks(snapshot, pair, self.look)
-        parts = [lines_of(each, width, self.look) for each in (model, one_pair)]
-        if sum(map(len, parts)) >= height:  # what the arrows change stays in view
-            parts.reverse()
-        lines = [*parts[0], [], *parts[1]]
-        self._lines = len(lines)
-        self._first = max(0, min(self._first, len(lines) - height))
-        self.footing = self.fitting(_keys(is_scrolled=len(lines) > height), width)
-        return strips_of(lines[self._first :], width, height, self.look)
+            yield Text(WAITING, self.look.palette.dim)
+            return
+        parts = model_blocks(snapshot, self.look), pair_blocks(snapshot, pair, self.look)
+        above, below = parts[::-1] if is_short else parts
+        yield from above
+        yield BLANK
+        yield from below
+
+    def hints(self, snapshot: Snapshot | None, *, is_scrolled: bool) -> Sequence[str]:
+        """Return the keys, the longest form first; arrows choose a pair."""
+        pair, close = "↑ ↓: state   ← →: action", "m: close"
+        if not is_scrolled:
+            return f"{pair}   {close}", close
+        scroll = f"pgup pgdn: scroll   {close}"
+        return f"{pair}   {scroll}", scroll, close
 
     def action_move_state(self, step: int) -> None:
         """Go to the next state that owns pairs, ``step`` of them on, keeping the action where it is legal."""
@@ -226,30 +232,3 @@ class ModelPanel(Panel, can_focus=True):
         place = pairs.index(self.pair) + step
         if 0 <= place < len(pairs):
             self.show_pair(pairs[place])
-
-    def action_scroll_by(self, pages: int) -> None:
-        """Scroll by so many pages."""
-        self._scroll(pages * max(1, self.size.height - 2))
-
-    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
-        """Scroll down by a few lines."""
-        event.stop()
-        self._scroll(3)
-
-    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
-        """Scroll up by a few lines."""
-        event.stop()
-        self._scroll(-3)
-
-    def _scroll(self, lines: int) -> None:
-        self._first = max(0, min(self._first + lines, self._lines - self.size.height))
-        self.redraw()
-
-
-def _keys(*, is_scrolled: bool) -> list[str]:
-    """Return the keys of the panel, longest form first."""
-    pair, scroll, close = "↑ ↓: state   ← →: action", "pgup pgdn: scroll", "m: close"
-    forms = [(pair, close), (close,)]
-    if is_scrolled:
-        forms = [(pair, scroll, close), (scroll, close), (close,)]
-    return ["   ".join(form) for form in forms]
