@@ -174,6 +174,11 @@ class Column(NamedTuple):
     width: int = 0
     least: int | None = None
 
+    def longest(self, look: Look) -> int:
+        """Return the cells of the longest of its texts, the head aside."""
+        texts = (cell.text if isinstance(cell, Piece) else cell for cell in self.cells if cell is not None)
+        return max((cell_len(to_ascii(text, look.glyphs)) for text in texts), default=0)
+
     def pieces(self, look: Look) -> list[Piece]:
         """Return head and cells, as they are spelled."""
         head = Piece(self.head, look.palette.dim)
@@ -223,8 +228,15 @@ class Table:
         wanted: list[int] = []
         least: list[int] = []
         room = 0
+        known: dict[int, tuple[object, int]] = {}  # forms mostly have cells in common
         for columns in self.forms:
-            wanted = [max(each.width, *(length([p]) for p in each.pieces(look))) for each in columns]
+            for each in columns:
+                if id(each.cells) not in known:
+                    known[id(each.cells)] = each.cells, each.longest(look)
+            heads = [cell_len(to_ascii(each.head, look.glyphs)) for each in columns]
+            wanted = [
+                max(c.width, head, known[id(c.cells)][1]) for c, head in zip(columns, heads, strict=True)
+            ]
             least = [w if c.least is None else min(w, c.least) for c, w in zip(columns, wanted, strict=True)]
             room = width - sum(least) - sum(each.gap for each in columns)
             if room >= (self.margin if least == wanted else 0):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache, partial
 from itertools import product
 from typing import ClassVar, Final, NamedTuple
 
@@ -55,16 +56,17 @@ def policy_table(snapshot: Snapshot, look: Look) -> Table:
     found = [getattr(each, figure.id) for each in known for figure in figures if figure.id != ENDS.id]
     needed = max((len(amount(each, look)) for each in found if each is not None), default=0)
 
+    names = [_names(snapshot, look, is_short=is_short) for is_short in (False, True)]
+    column = cache(partial(_column, snapshot, look))
+
     def forms() -> Iterator[Columns]:
         # short names come before numbers that are cut, and these before figures that are left out
-        ways = product(range(len(figures)), (False, True), (False, True), (WIDEST, WIDEST - 1, WIDEST - 2))
-        for left_out, is_cut, is_short, cells in ways:
+        ways = product(range(len(figures)), (False, True), names, (WIDEST, WIDEST - 1, WIDEST - 2))
+        for left_out, is_cut, named, cells in ways:
             if (cells < needed) is is_cut:
-                shown = [each for each in figures if each.rank < len(figures) - left_out]
-                columns = [_column(each, cells, snapshot, look) for each in shown]
-                yield [_names(snapshot, look, is_short=is_short), *columns]
-        least = _names(snapshot, look, is_short=True)._replace(least=_LEAST_NAME)
-        yield least, _column(figures[0], WIDEST - 2, snapshot, look)
+                shown = (each for each in figures if each.rank < len(figures) - left_out)
+                yield named, *(column(each, cells) for each in shown)
+        yield names[-1]._replace(least=_LEAST_NAME), column(figures[0], WIDEST - 2)
 
     return Table(forms(), margin=1)
 
@@ -88,7 +90,7 @@ def _names(snapshot: Snapshot, look: Look, *, is_short: bool) -> Column:
     return Column("", cells, look.palette.text, right=False, gap=0)
 
 
-def _column(figure: Figure, cells: int, snapshot: Snapshot, look: Look) -> Column:
+def _column(snapshot: Snapshot, look: Look, figure: Figure, cells: int) -> Column:
     """Return the column of ``figure``, in ``cells`` if its head has room in them."""
     width = max(cells - (not figure.has_sign), len(figure.head))
     texts = [_said(snapshot, kind, figure, width, look) for kind in POLICY_NAMES]
