@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import ClassVar, Final
 
 from textual import events
@@ -11,8 +11,9 @@ from textual.message import Message
 from textual.strip import Strip
 
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.draw.canvas import Canvas
+from rl_tui.screen.draw.canvas import Canvas, Line, strips_of
 from rl_tui.screen.kit.bindings import binding
+from rl_tui.screen.kit.blocks import Block, lines_of
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.theme.look import Look
 
@@ -60,9 +61,10 @@ def scroll_bindings(panel: str) -> list[BindingType]:
 
 
 class ScrolledPanel(Panel, can_focus=True):
-    """Shows as many of its ``rows`` as there is room for, with a bar at the right where there are more.
+    """Shows as many of its rows as there is room for, with a bar at the right where there are more.
 
-    Subclasses have a ``title`` and implement :meth:`rows`, and :meth:`keys` for the lower border.
+    Subclasses have a ``title`` and implement :meth:`blocks` or :meth:`rows`, and :meth:`keys` or
+    :meth:`hints` for the lower border.
     """
 
     title: ClassVar[str]
@@ -76,11 +78,28 @@ class ScrolledPanel(Panel, can_focus=True):
 
     def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return all rows, of ``width`` cells each; ``height`` of them are in view."""
+        lines: list[Line] = []
+        for is_short in (False, True):
+            lines = lines_of(self.blocks(snapshot, is_short=is_short), width, self.look)
+            if len(lines) <= height:
+                break
+        self.free_rows = max(0, height - len(lines))
+        return strips_of(lines, width, len(lines), self.look)
+
+    def blocks(self, snapshot: Snapshot | None, *, is_short: bool) -> Iterable[Block]:
+        """Return what stands in it; ``is_short`` where there are not rows for all of that."""
         raise NotImplementedError
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
         """Return the keys for the lower border besides those that scroll, the longest form first."""
         raise NotImplementedError
+
+    def hints(self, snapshot: Snapshot | None, *, is_scrolled: bool) -> Sequence[str]:
+        """Return all keys for the lower border, the longest form first."""
+        keys = self.keys(snapshot)
+        if not is_scrolled:
+            return keys
+        return f"↑ ↓ pgup pgdn: more · {keys[0]}", *(f"↑ ↓: more · {form}" for form in keys), *keys
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the rows in view."""
@@ -89,7 +108,7 @@ class ScrolledPanel(Panel, can_focus=True):
         self._rows_in_all = len(rows)
         self._first = max(0, min(self._first, len(rows) - height))
         shown = rows[self._first : self._first + height]
-        self.footing = self.fitting(_hints(self.keys(snapshot), is_scrolled=is_scrolled), width)
+        self.footing = self.fitting(self.hints(snapshot, is_scrolled=is_scrolled), width)
         shown += [Strip.blank(width, self.look.palette.text)] * (height - len(shown))
         if not is_scrolled:
             return shown
@@ -136,10 +155,3 @@ def _scroll_bar(first: int, height: int, rows: int, look: Look) -> list[Strip]:
         inside = start <= y < start + length
         canvas.put(0, y, glyphs.bar if inside else glyphs.axis_vertical, look.palette.dim)
     return canvas.strips()
-
-
-def _hints(keys: Sequence[str], *, is_scrolled: bool) -> Sequence[str]:
-    """Return the keys of the panel with those that scroll, longest form first."""
-    if not is_scrolled:
-        return keys
-    return f"↑ ↓ pgup pgdn: more · {keys[0]}", *(f"↑ ↓: more · {form}" for form in keys), *keys
