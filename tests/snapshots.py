@@ -13,7 +13,6 @@ from rl_tui.live.record import Record
 from rl_tui.live.snapshot import Phase, PlaybackView, Snapshot
 from rl_tui.live.snapshot_builder import SnapshotBuilder
 from rl_tui.live.viewport import Viewport
-from rl_tui.live.world_editor import WorldEditor
 from rl_tui.runs.exact_answers import PENDING, Answer
 from rl_tui.runs.timeline.branches import RunRecord, Timeline
 from rl_tui.runs.timeline.lane_view import LaneView, RunGroupView
@@ -33,13 +32,12 @@ def snapshot_of(
     viewport: Viewport | None = None,
 ) -> Snapshot:
     """What a player would show of ``run``."""
-    lane = SimpleNamespace(run=run, timeline=Timeline(), trail=(), begun_at=None)
-    alone: Any = SimpleNamespace(current=lane, beside=None, view=RunGroupView())
+    lane: Any = SimpleNamespace(run=run, timeline=Timeline(), trail=(), begun_at=None)
     questions = Questions(Record((RunRecord(run.recipe),)), lambda: None, automatic=False)
     questions.viewport = viewport
     questions.exact = SimpleNamespace(of=lambda _: exact_answer)  # type: ignore[assignment]
-    playback = PlaybackView(phase, message)
-    return SnapshotBuilder().build(alone, playback, questions, WorldEditor(), NO_PINS, has_trail=False)
+    group, playback = RunGroupView(), PlaybackView(phase, message)
+    return SnapshotBuilder().of_lane(lane, group, 0, playback, questions, NO_PINS, has_trail=False)
 
 
 def changed(picture: Picture, **changes: Any) -> Picture:

@@ -169,11 +169,13 @@ class LearnerMemory(LearnerCounters):
         What a policy has learned is kept while the policy stays the same. Raises UserError where they cannot
         work here.
         """
-        check_compatible(self.space, self.algorithm, hyperparameters)
+        other_policy = hyperparameters.policy != self.hyperparameters.policy
         other_ties = hyperparameters.ties != self.hyperparameters.ties
-        learned = arrays_of(self.rule) if hyperparameters.policy == self.hyperparameters.policy else None
+        if other_policy or hyperparameters.sample_average:  # nothing else can make an agent incompatible
+            check_compatible(self.space, self.algorithm, hyperparameters)
+        learned = () if other_policy else arrays_of(self.rule)
         self._take_rule(hyperparameters)
-        if learned is not None:
+        if learned:
             put_back(arrays_of(self.rule), learned)
         if other_ties:
             noticed = self._watch.noticed.copy()

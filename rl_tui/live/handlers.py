@@ -173,7 +173,7 @@ def _hide_answer(playback: Playback, command: commands.HideAnswer) -> None:
 
 def _keep_lesson(playback: Playback, command: commands.KeepLesson) -> None:
     playback.questions.lesson = command.lesson
-    if playback.questions.keeps_back("run"):
+    if "run" in playback.questions.kept_back:
         playback.rest()
 
 

@@ -24,7 +24,7 @@ from rl_tui.live.pins import NO_PINS, NamedPins, Pins
 from rl_tui.live.questions import Questions
 from rl_tui.live.record import LearnedTable, Record, table_of
 from rl_tui.live.snapshot import PHASES, Phase, Snapshot
-from rl_tui.live.snapshot_builder import SnapshotBuilder, as_left, view_of
+from rl_tui.live.snapshot_builder import SnapshotBuilder, as_left
 from rl_tui.live.state import BUSY, ENDED, PASSING, SHOWN_AS_NEXT, UNFINISHED, State, shows_trail
 from rl_tui.live.world_editor import WorldEditor
 from rl_tui.runs.exact_answers import Answer
@@ -164,7 +164,7 @@ class Playback:
         self.touched = self.touched or kind not in LOOKING
         if self.state is not State.BUILDING:
             self.questions.judge(self.group.current.run)
-        is_locked = self.questions.keeps_back("run") and takes_steps(command)
+        is_locked = "run" in self.questions.kept_back and takes_steps(command)
         if is_locked or (self.state in ENDED and kind in MOVES):
             return
         try:
@@ -199,8 +199,7 @@ class Playback:
         has_trail = shows_trail(self.state, self.transport.speed)
         if has_trail and not self.automatic:
             self.group.find_trails(math.inf)  # in pieces it would depend on the time
-        view, asked = view_of(self), (self.questions, self.editor, self.pins_beside)
-        snapshot = self._builder.build(self.group, view, *asked, has_trail=has_trail)
+        snapshot = self._builder.build(self, has_trail=has_trail)
         returns = self.state is State.SEEKING and self.group.current.seek is not None and not self.touched
         return as_left(snapshot, self._record) if returns else snapshot
 
@@ -287,7 +286,7 @@ class Playback:
 
     def seek(self) -> None:
         """Bring all runs to where they have to be: at once as far as no one would notice, then bit by bit."""
-        self.transport.start_seek()
+        self.transport.measure_anew()
         self._enter(State.SEEKING)
         continue_seek(self)
 

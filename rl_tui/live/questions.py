@@ -80,13 +80,14 @@ class Questions:
         """Forget the drawn policy."""
         self.drawn = DrawnPolicy()
 
-    def keeps_back(self, what: str) -> bool:
-        """Return whether the lesson keeps ``what`` back until its page is done."""
-        return self.lesson is not None and what in self.lesson.hidden
+    @property
+    def kept_back(self) -> frozenset[str]:
+        """What the lesson keeps back until its page is done: names of what a page may hide."""
+        return frozenset() if self.lesson is None else self.lesson.hidden
 
     def hides_answer(self, scenario: Scenario) -> bool:
         """Return whether the answer is hidden: by a lesson, else as a person or ``scenario`` says."""
-        if self.keeps_back("answer"):
+        if "answer" in self.kept_back:
             return True
         return scenario.hides_answer if self.is_hidden is None else self.is_hidden
 
@@ -123,7 +124,7 @@ class Questions:
             policies = self._policies.of(run, self.exact.of(run), drawn, is_still=is_still)
         return AnswersView(
             is_hidden=mdp is not None and self.hides_answer(run.recipe.scenario),
-            kept_back=frozenset() if self.lesson is None else self.lesson.hidden,
+            kept_back=self.kept_back,
             studied=studied,
             drawn=drawn,
             left_to_chance=left,
@@ -136,24 +137,17 @@ class Questions:
         """Return what an author wants to know of the world of ``run``; None while nobody asks."""
         return self._checks.of(run) if self.asks_check else None
 
-    def lesson_beside(self, run: Run | None) -> LessonView | None:
-        """Return how the lesson stands beside ``run``, None before that is there."""
-        if self.lesson is None:
-            return None
-        return LessonView(self.lesson) if run is None else self._judge.view(self.lesson, run)
+    def judge(self, run: Run) -> LessonView | None:
+        """Judge the task of the lesson, if there is one, where ``run`` stands; return how the lesson stands.
+
+        Of commands that come quickly, not each has a snapshot after it: judge before ``run`` goes on, too.
+        """
+        return None if self.lesson is None else self._judge.view(self.lesson, run)
 
     def watch_program(self, path: Path) -> None:
         """Watch the program in the file ``path`` for the task of the lesson's open page."""
         if self.lesson is not None:
             self._judge.watch(self.lesson, path)
-
-    def judge(self, run: Run) -> None:
-        """Judge the task of the lesson, if there is one, where ``run`` stands before it goes on.
-
-        Of commands that come quickly, not each has a snapshot after it.
-        """
-        if self.lesson is not None:
-            self._judge.view(self.lesson, run)
 
     def work(self, group: RunGroup, drawn_beside: DrawnPolicy) -> bool:
         """Work out one answer that runs in view lack, all standing still; return whether there was one.

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from rl_tui.agents.learner_counters import Counters
+from rl_tui.lessons.file.view import LessonView
 from rl_tui.live.pace.stop_condition import until_in_words
 from rl_tui.live.pins import Pins
 from rl_tui.live.record import Record
@@ -29,10 +30,8 @@ from rl_tui.worlds.world import World
 if TYPE_CHECKING:
     from rl_tui.live.playback import Playback
     from rl_tui.live.questions import Questions
-    from rl_tui.live.world_editor import WorldEditor
     from rl_tui.runs.run import Run
     from rl_tui.runs.timeline.branching_run import BranchingRun
-    from rl_tui.runs.timeline.run_group import RunGroup
 
 PREPARING: Final = "building the world"
 REBUILDING: Final = "the world is being rebuilt; learning waits"
@@ -73,41 +72,33 @@ class SnapshotBuilder:
         playback = PlaybackView(message=PREPARING, speed=record.speed)
         is_hidden = questions.hides_answer(recipe.scenario)
         before = self.before(recipe, world, playback, is_hidden=is_hidden)
-        return as_left(replace(before, lesson=questions.lesson_beside(None)), record)
+        lesson = None if questions.lesson is None else LessonView(questions.lesson)
+        return as_left(replace(before, lesson=lesson), record)
 
-    def build(
-        self,
-        group: RunGroup,
-        playback: PlaybackView,
-        questions: Questions,
-        editor: WorldEditor,
-        pins_beside: Pins,
-        *,
-        has_trail: bool,
-    ) -> Snapshot:
-        """Return the snapshot of the run that ``group`` shows, with the answers to ``questions``.
+    def build(self, playback: Playback, *, has_trail: bool) -> Snapshot:
+        """Return the snapshot of the run that ``playback`` shows, with the answers to its questions.
 
-        ``pins_beside`` is what is pinned, by the numbers of the world of the lane beside. With ``has_trail``
-        it has the trail of the episode, as far as that is known.
+        With ``has_trail`` it has the trail of the episode, as far as that is known.
         """
-        current, beside, view = group.current, group.beside, group.view
-        cell = questions.cell
-        pins = Pins(playback.breakpoints, questions.drawn)
-        snapshot = self.of_lane(current, view, view.shown, playback, questions, pins, has_trail=has_trail)
+        group, questions, playing = playback.group, playback.questions, _view_of(playback)
+        current, view, cell = group.current, group.view, questions.cell
+        pins = Pins(playing.breakpoints, questions.drawn)
+        snapshot = self.of_lane(current, view, view.shown, playing, questions, pins, has_trail=has_trail)
+        is_hidden, beside = snapshot.answers.is_hidden, None
+        if view.beside is not None and group.beside is not None:
+            beside = self.of_lane(
+                *(group.beside, view, view.beside, playing, questions, playback.pins_beside),
+                has_trail=has_trail,
+                led=snapshot.counters,
+            )
         return replace(
             snapshot,
             cell=None if cell is None else current.cell_history(cell),
             study=questions.seed_studies.study_of(group),
-            lesson=questions.lesson_beside(current.run),
-            editor=editor.view(current.run, snapshot.exact_answer, is_hidden=snapshot.answers.is_hidden),
+            lesson=questions.judge(current.run),
+            editor=playback.editor.view(current.run, snapshot.exact_answer, is_hidden=is_hidden),
             world_check=questions.world_check(current.run),
-            beside=None
-            if beside is None or view.beside is None
-            else self.of_lane(
-                *(beside, view, view.beside, playback, questions, pins_beside),
-                has_trail=has_trail,
-                led=snapshot.counters,
-            ),
+            beside=beside,
         )
 
     def of_lane(
@@ -171,7 +162,7 @@ class SnapshotBuilder:
         )
 
 
-def view_of(playback: Playback) -> PlaybackView:
+def _view_of(playback: Playback) -> PlaybackView:
     """Return what ``playback``, which has a run already, is doing, and what was asked of it."""
     transport, run = playback.transport, playback.group.current.run
     match playback.state:

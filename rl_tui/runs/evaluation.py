@@ -11,7 +11,7 @@ import numpy as np
 from rl_tui.agents.exact.policy_figures import chance_of_ending, expected_return, greedy_policy, softened
 from rl_tui.agents.hyperparameters import Ties
 from rl_tui.agents.learner_memory import put_back
-from rl_tui.runs.exact_answers import visits_of
+from rl_tui.runs.exact_answers import DEAREST_LIVE, is_quick, visits_of
 from rl_tui.runs.results import Marks
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
@@ -20,6 +20,20 @@ MOST_MARKS: Final = 256
 FIRST_SPACING: Final = 16
 MOST_STATES: Final = 20_000
 VISITS_A_STEP: Final = 1_000
+
+
+class GreedyFigures(NamedTuple):
+    """What the greedy policy of some estimates earns; each is None where it has no exact value."""
+
+    expected_return: float | None = None
+    """The expected undiscounted return of an episode."""
+    ends: float | None = None
+    """Where the policy has no return: the probability (0 to 1) that an episode of it ends."""
+    softened: float | None = None
+    """The expected return with a uniformly random action ε of the time."""
+
+
+NO_FIGURES: Final = GreedyFigures()
 
 
 class GreedyReturn:
@@ -33,8 +47,7 @@ class GreedyReturn:
         self._mdp: TabularMDP | None = None
         self._policy: FloatArray | None = None
         self._value: float | None = None
-        self._ends: tuple[float | None] | None = None
-        self._softened: tuple[float, float | None] | None = None
+        self._figures: tuple[float | None, GreedyFigures] | None = None  # with the ε they are for
 
     def __call__(self, q: FloatArray, ties: Ties) -> float | None:
         """Return it for the estimates ``q``, [P]; None where the policy has none."""
@@ -44,31 +57,26 @@ class GreedyReturn:
         policy = greedy_policy(mdp, q, ties)
         if mdp is not self._mdp or self._policy is None or not np.array_equal(policy, self._policy):
             self._value = expected_return(mdp, policy)
-            self._policy, self._mdp, self._ends, self._softened = policy, mdp, None, None
+            self._policy, self._mdp, self._figures = policy, mdp, None
         return self._value
 
-    def softened(self, epsilon: float) -> float | None:
-        """Return it for the policy last asked for, ``epsilon`` of the time a random action in its place."""
-        if self._mdp is None or self._policy is None:
-            return None
-        if epsilon == 0.0:
-            return self._value
-        if self._softened is None or self._softened[0] != epsilon:
-            policy = softened(self._mdp, self._policy, epsilon)
-            self._softened = epsilon, expected_return(self._mdp, policy)
-        return self._softened[1]
+    def figures(self, q: FloatArray, ties: Ties, epsilon: float | None) -> GreedyFigures:
+        """Return what may be shown in every frame of the greedy policy of the estimates ``q``, [P].
 
-    @property
-    def ends(self) -> float | None:
-        """The probability that an episode ends, of the policy last asked for and only if that has no return.
-
-        None too where rounding would spoil it.
+        ``epsilon`` is how often the agent takes a random action instead; None: it explores in another way.
+        Figures that take too long in this world are left out.
         """
-        if self._value is not None or self._mdp is None or self._policy is None:
-            return None
-        if self._ends is None:  # an answer that is None is not worked out again
-            self._ends = (chance_of_ending(self._mdp, self._policy),)
-        return self._ends[0]
+        mdp = self._mdp_now()
+        if mdp is None or mdp.states > MOST_STATES or visits_of(mdp) > DEAREST_LIVE:
+            return NO_FIGURES
+        value, policy = self(q, ties), self._policy
+        assert policy is not None
+        chance = epsilon if is_quick(mdp) else None
+        if self._figures is None or self._figures[0] != chance:
+            ends = chance_of_ending(mdp, policy) if value is None else None
+            earned = None if chance is None else expected_return(mdp, softened(mdp, policy, chance))
+            self._figures = chance, GreedyFigures(value, ends, earned)
+        return self._figures[1]
 
 
 class MarksState(NamedTuple):

@@ -131,6 +131,8 @@ class ExactAnswers:
         self._on_ready = on_ready
         self._solve = solve
         self._worker = worker or _Worker()
+        self.is_live = mdp is None or mdp.states <= LIVE_STATES
+        """Whether the world is small enough for answers while a run goes on."""
         self._at_once = mdp is None or (mdp.states <= at_once_states and visits_of(mdp) <= DEAREST_LIVE)
         self._lock = threading.Lock()
         self._answers: OrderedDict[float, Answer] = OrderedDict()
@@ -140,7 +142,7 @@ class ExactAnswers:
 
     def answer(self, gamma: float) -> Answer:
         """Return the answer for ``gamma`` if it is known, and see to it that it will be."""
-        if self.mdp is not None and self.mdp.states > LIVE_STATES:
+        if not self.is_live:
             return Answer(None, f"more than {LIVE_STATES:,} states: rl-tui solve has the exact answer")
         with self._lock:
             if self._failure is not None:
@@ -242,7 +244,7 @@ class RunAnswers:
             known = ExactAnswers(mdp, self._on_ready, from_before or _solve, at_once, self._worker)
         else:
             self._of_worlds.remove(known)
-        if mdp is None or mdp.states <= LIVE_STATES:  # of a larger one nothing is known, and it takes memory
+        if known.is_live:  # of a larger one nothing is known, and it takes memory
             if len(self._of_worlds) == _MOST_WORLDS:
                 self._worker.drop(self._of_worlds.pop())
             self._of_worlds.appendleft(known)

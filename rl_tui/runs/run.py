@@ -13,8 +13,7 @@ from rl_tui.agents.learner_memory import LearnerState
 from rl_tui.common.errors import UserError
 from rl_tui.runs.bandit import NOTHING_SETTLED, BanditFigures, SettledPulls, bandit_figures, settle
 from rl_tui.runs.edited_world import EditedWorld, NextWorld, next_world
-from rl_tui.runs.evaluation import MOST_STATES, Evaluation, GreedyReturn, MarksState
-from rl_tui.runs.exact_answers import DEAREST_LIVE, is_quick, visits_of
+from rl_tui.runs.evaluation import NO_FIGURES, Evaluation, GreedyReturn, MarksState
 from rl_tui.runs.history import History
 from rl_tui.runs.recipe import (
     UNLIMITED,
@@ -29,7 +28,6 @@ from rl_tui.runs.recipe import (
     WorldChange,
     action_called,
     begin,
-    changed_parameter,
     no_such_action,
 )
 from rl_tui.runs.results import RunResults
@@ -137,8 +135,13 @@ class Run:
 
     @property
     def journal(self) -> tuple[JournalEntry, ...]:
-        """What was changed on the way."""
+        """What was changed on the way: a copy, which takes long where that was much."""
         return tuple(self._journal)
+
+    @property
+    def changes(self) -> int:
+        """How many entries its journal has."""
+        return len(self._journal)
 
     @property
     def bandit(self) -> BanditFigures | None:
@@ -162,39 +165,23 @@ class Run:
     @property
     def results(self) -> RunResults:
         """What it has achieved so far."""
-        learner, history = self.learner, self.history
-        mdp = self.world.mdp
-        is_cheap = mdp is not None and mdp.states <= MOST_STATES and visits_of(mdp) <= DEAREST_LIVE
-        is_evaluated = is_cheap and not self.stop_reason
-        mean_return, mean_length = history.last_100
-        ties = learner.hyperparameters.ties
-        greedy_return = self.greedy_return(learner.q, ties) if is_evaluated else None
+        learner, values = self.learner, self.learner.hyperparameters
+        mean_return, mean_length = self.history.last_100
+        explores = not learner.plans and POLICY_BY_ID[values.policy].explores_by_epsilon
+        epsilon = values.epsilon_at(learner.episodes) if explores else None
+        greedy = (
+            NO_FIGURES if self.stop_reason else self.greedy_return.figures(learner.q, values.ties, epsilon)
+        )
         return RunResults(
-            curve=history.curve(),
+            curve=self.history.curve(),
             marks=self._evaluation.marks(),
             return_last_100=mean_return,
             length_last_100=mean_length,
-            greedy_return=greedy_return,
-            greedy_ends=self.greedy_return.ends if is_evaluated else None,
-            behaviour_return=self._behaviour_return() if is_evaluated else None,
+            greedy_return=greedy.expected_return,
+            greedy_ends=greedy.ends,
+            behaviour_return=greedy.softened,
             bandit=self.bandit,
         )
-
-    def _behaviour_return(self) -> float | None:
-        """Return what the greedy policy last asked for earns with the ε of this episode, where it has one.
-
-        None too where a second evaluation a frame would take too long.
-        """
-        learner, mdp = self.learner, self.world.mdp
-        values = learner.hyperparameters
-        if (
-            mdp is None
-            or not is_quick(mdp)
-            or learner.plans
-            or not POLICY_BY_ID[values.policy].explores_by_epsilon
-        ):
-            return None
-        return self.greedy_return.softened(values.epsilon_at(learner.episodes))
 
     @property
     def spent(self) -> bool:
@@ -256,11 +243,11 @@ class Run:
 
     def _set(self, change: Setting) -> None:
         learner = self.learner
-        if isinstance(change, SetParameter):
-            learner.configure(changed_parameter(learner.hyperparameters, change.name, change.value))
-            return
         try:
-            learner.switch(change.algorithm)
+            if isinstance(change, SetParameter):
+                learner.configure(learner.hyperparameters.changed(change.name, change.value))
+            else:
+                learner.switch(change.algorithm)
         except ValueError as fault:
             raise UserError(str(fault)) from fault
 

@@ -83,12 +83,11 @@ def test_the_greedy_return_of_the_student_is_the_one_worked_out_by_hand() -> Non
 def test_where_the_greedy_policy_has_no_return_it_is_told_how_likely_it_ends() -> None:
     cliff = begin(recipe("cliff")).world.space
     greedy_return = GreedyReturn(lambda: cliff)
-    assert greedy_return.ends is None
     upwards = np.array([1.0 if cliff.action_names[action] == "↑" else 0.0 for action in cliff.pair_action])
-    assert greedy_return(upwards, "first") is None
-    assert greedy_return.ends == 0.0
-    assert greedy_return(np.zeros(cliff.pairs), "random") is not None
-    assert greedy_return.ends is None
+    assert greedy_return.figures(upwards, "first", None)[:2] == (None, 0.0)
+    earned, ends, _ = greedy_return.figures(np.zeros(cliff.pairs), "random", None)
+    assert earned is not None
+    assert ends is None
 
 
 def test_the_figures_of_a_run_tell_that_its_greedy_policy_never_ends() -> None:

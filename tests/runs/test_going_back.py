@@ -344,7 +344,7 @@ def test_an_action_that_is_not_possible_is_refused() -> None:
 
 @pytest.mark.parametrize(
     ("command", "most"),
-    [(Step(), 102), (StepBack(), 119), (Apply(SetParameter("alpha", 0.2)), 113)],
+    [(Step(), 95), (StepBack(), 110), (Apply(SetParameter("alpha", 0.2)), 100)],
     ids=["step", "back", "slider"],
 )
 def test_few_functions_run_from_a_command_to_its_snapshot(command: Command, most: int) -> None:

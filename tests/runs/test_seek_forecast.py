@@ -38,7 +38,7 @@ class SlowStart:
 def test_a_forecast_is_right_or_there_is_none(rate: float) -> None:
     group: Any = SlowStart(rate)
     transport = Transport(group, speed=None, automatic=True, clock=lambda: group.now)
-    transport.start_seek()
+    transport.measure_anew()
     said = set[bool]()
     while not transport.continue_seek(0.015) and group.now < 30.0:
         message = transport.seek_message(waits=False)

@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -58,8 +59,17 @@ def first_wait(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters
     """
     _check_known(mdp, algorithm, hyperparameters, episode)
     tells = telling_outcomes(mdp, hyperparameters, _step_size(hyperparameters, episode))
-    stopped = _stopped(mdp, tells)
-    policy = _first_policy(mdp, hyperparameters)
+    return _wait(mdp, tells.tobytes(), _first_policy(mdp, hyperparameters).tobytes())
+
+
+@lru_cache(maxsize=16)
+def _wait(mdp: TabularMDP, telling: bytes, chances: bytes) -> Wait:
+    """Return the wait for an outcome that tells something, [O], with the policy ``chances``, [P].
+
+    Few settings change either of these arrays, a step size hardly ever: so the wait is kept by their bytes.
+    """
+    tells, policy = np.frombuffer(telling, np.bool_), np.frombuffer(chances)
+    stopped = replace(mdp, terminated=mdp.terminated | tells)
     return _limited(stopped, tells, policy) if mdp.time_limit else _unlimited(stopped, tells, policy)
 
 
@@ -115,11 +125,6 @@ def _first_policy(mdp: TabularMDP, hyperparameters: Hyperparameters) -> FloatArr
     if hyperparameters.ties == "random":
         return uniform_policy(mdp)
     return softened(mdp, greedy_policy(mdp, np.zeros(mdp.pairs), "first"), hyperparameters.epsilon)
-
-
-def _stopped(mdp: TabularMDP, tells: BoolArray) -> TabularMDP:
-    """Return the world in which an episode also ends where an outcome tells something."""
-    return replace(mdp, terminated=mdp.terminated | tells)
 
 
 def _limited(stopped: TabularMDP, tells: BoolArray, policy: FloatArray) -> Wait:

@@ -61,8 +61,7 @@ class Compilation:
 
     def waits(self, steps: int) -> bool:
         """Return True if so many steps had better wait for machine code; it comes then, unless that fails."""
-        comes = bool(self._loops) and not BACKGROUND.why_not(self._loops)
-        is_worth_it = comes and steps > MOST_INTERPRETED
+        is_worth_it = steps > MOST_INTERPRETED and bool(self._loops) and not BACKGROUND.why_not(self._loops)
         if is_worth_it:
             self.ask()
         return is_worth_it

@@ -251,10 +251,12 @@ class Transport:
             self._pace.start(self.speed, self._clock(), at_once)
 
     def measure_anew(self) -> None:
-        """Forget how long a step takes: it may now take a thousand times as long, or as short."""
+        """Forget how long a step takes: a seek begins, or one takes a thousand times as long, or as short."""
         self._chunk = ChunkSize()
         self.meter.clear()
-        self._measure_seek()
+        self._seek_meter.clear()
+        self._sought, self._alike, self._settled_at = 0, 0, None
+        self._last_news = self._clock()
 
     def keep_pace(self) -> float:
         """Take the steps that are due at the wanted speed; return in how many seconds the next ones are."""
@@ -301,16 +303,6 @@ class Transport:
         if self._automatic:
             self.meter.note(now, run.step, self.speed)
         return taken
-
-    def start_seek(self) -> None:
-        """Note that the group begins to seek now."""
-        self._chunk = ChunkSize()
-        self._last_news = self._clock()
-        self._measure_seek()
-
-    def _measure_seek(self) -> None:
-        self._sought, self._alike, self._settled_at = 0, 0, None
-        self._seek_meter.clear()
 
     def continue_seek(self, seconds: float) -> bool:
         """Seek for about so many seconds; return whether all are where they have to be."""

@@ -12,8 +12,7 @@ import numpy as np
 
 from rl_tui.programs.watched.program_world import ProgramWorld
 from rl_tui.programs.watched.recording import ChangeColumns, Recording, StepColumns
-from rl_tui.runs.evaluation import MOST_STATES, Evaluation, GreedyReturn, MarksState
-from rl_tui.runs.exact_answers import DEAREST_LIVE, visits_of
+from rl_tui.runs.evaluation import NO_FIGURES, Evaluation, GreedyReturn, MarksState
 from rl_tui.runs.history import History
 from rl_tui.runs.results import RunResults
 from rl_tui.runs.timeline.table_samples import CellHistory
@@ -71,7 +70,6 @@ class ProgramState:
         mdp = world.world.mdp
         self._greedy_return = GreedyReturn(lambda: mdp)
         self._evaluation = Evaluation(mdp, self._greedy_return)
-        self._is_live = mdp is not None and mdp.states <= MOST_STATES and visits_of(mdp) <= DEAREST_LIVE
 
     @property
     def q(self) -> FloatArray:
@@ -84,15 +82,14 @@ class ProgramState:
     def results(self) -> RunResults:
         """What it has achieved so far; what the greedy policy is worth only where there is a table."""
         mean_return, mean_length = self._history.last_100
-        has_value = self._is_live and self.table is not None
-        greedy_return = self._greedy_return(self.q, _TIES) if has_value else None
+        greedy = NO_FIGURES if self.table is None else self._greedy_return.figures(self.q, _TIES, None)
         return RunResults(
             curve=self._history.curve(),
             marks=self._evaluation.marks(),
             return_last_100=mean_return,
             length_last_100=mean_length,
-            greedy_return=greedy_return,
-            greedy_ends=self._greedy_return.ends if has_value else None,
+            greedy_return=greedy.expected_return,
+            greedy_ends=greedy.ends,
         )
 
     def go_on(self, until: int) -> None:

@@ -106,7 +106,7 @@ class BranchingRun:
         timeline = self.timeline
         return RunRecord(self.recipe, timeline.branches, timeline.branch)
 
-    def record_with(self, changes: Sequence[Change], taken: Sequence[str]) -> RunRecord:
+    def record_with(self, changes: Sequence[Change], taken: Callable[[], Sequence[str]]) -> RunRecord:
         """Return the record as it is to be once ``changes`` are made here, as :meth:`apply` makes them."""
         record, step = self.record, self.run.step
         if not changes:
@@ -123,7 +123,7 @@ class BranchingRun:
     def _forks(self) -> bool:
         """Whether a change made here begins another branch: the run has been further."""
         run, branch = self.run, self.kept.branch
-        return run.step < branch.end or len(run.journal) < len(branch.journal)
+        return run.step < branch.end or run.changes < len(branch.journal)
 
     def watch(self, watching: Watching | None) -> None:
         """Let :meth:`advance` stop right after what is watched for, until a seek comes to another world."""
@@ -150,14 +150,14 @@ class BranchingRun:
             if run.noticed or run.over or takes_long:
                 return
 
-    def apply(self, change: Change, taken: Sequence[str] = ()) -> None:
+    def apply(self, change: Change, taken: Callable[[], Sequence[str]] = tuple) -> None:
         """Change something before the next step; where the run has been further, on a branch of its own.
 
-        That has none of the names that are ``taken``. Raises UserError where it does not fit, and in a kiosk
-        where there are very many already.
+        ``taken`` gives names that such a branch must not have. Raises UserError where the change does not
+        fit, and in a kiosk where there are very many already.
         """
         self._check_room()
-        kept, run, applied = self.kept, self.run, len(self.run.journal)
+        kept, run, applied = self.kept, self.run, self.run.changes
         if kept.samples.next_step == run.step:
             kept.samples.add(run.learner.q)
         step, forks = run.step, self._forks
@@ -174,9 +174,9 @@ class BranchingRun:
         self._recorder.note(run.learner.last_step, run.world)  # a person may have taken a step
         self._keep(run, kept)
 
-    def _new_name(self, taken: Sequence[str]) -> str:
+    def _new_name(self, taken: Callable[[], Sequence[str]]) -> str:
         """Return the name of the next branch: a run that began as a branch of another has that one's name."""
-        names, number = {*taken, *(each.branch.name for each in self._branches)}, len(self._branches) + 1
+        names, number = {*taken(), *(each.branch.name for each in self._branches)}, len(self._branches) + 1
         while f"branch {number}" in names:
             number += 1
         return f"branch {number}"
@@ -260,12 +260,13 @@ class BranchingRun:
         """How many steps the trail has once :meth:`find_trail` is done; 0 where it finds no more of them."""
         learner, recorder = self.run.learner, self._recorder
         last = learner.last_step
-        may_replay = learner.rewindable and learner.space.pairs <= MOST_PAIRS and self.seek is None
-        if last is None or last.planned or not may_replay or recorder.given_up == last.step:
+        if last is None or last.planned or recorder.given_up == last.step or self.seek is not None:
             return 0
         # No step in another world is part of it
         steps = min(MOST_STEPS, last.episode_step, last.step - learner.world_since)
-        return 0 if len(recorder.up_to(last)) == steps else steps
+        if len(recorder.up_to(last)) == steps:
+            return 0
+        return steps if learner.rewindable and learner.space.pairs <= MOST_PAIRS else 0
 
     def find_trail(self, seconds: float) -> None:
         """Replay what is missing of the trail, for about ``seconds``; call it again for more.
@@ -368,7 +369,7 @@ class BranchingRun:
 
 def _end_of_loop(run: Run, journal: Sequence[JournalEntry]) -> int:
     """Return the step at which ``run`` goes on in another loop, which may not be there as machine code."""
-    for entry in journal[len(run.journal) :]:
+    for entry in journal[run.changes :]:
         change = entry.change
         is_other = isinstance(change, SwitchAlgorithm) or (
             isinstance(change, SetParameter) and change.name == "policy"

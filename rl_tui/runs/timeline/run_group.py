@@ -95,7 +95,7 @@ class RunGroup:
 
     def records(self, to_come: Sequence[Change] = ()) -> tuple[RunRecord, ...]:
         """Return what is needed to come back to here, once the run shown has made the changes ``to_come``."""
-        shown = self.current.record_with(to_come, self._names_taken if to_come else ())
+        shown = self.current.record_with(to_come, self._names_taken)
         return tuple(shown if each is self.current else each.record for each in self._runs)
 
     @property
@@ -300,7 +300,6 @@ class RunGroup:
         self.current.apply(change, self._names_taken)
         self.gather()
 
-    @property
     def _names_taken(self) -> list[str]:
         kin = [each for each in self._others if each.recipe == self.current.recipe]
         return [each.name for run in kin for each in run.timeline.branches]

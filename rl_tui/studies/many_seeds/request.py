@@ -217,19 +217,12 @@ class SeedStudies:
 
     def study_of(self, group: RunGroup) -> SeedStudy | None:
         """Return what is known by now, with whether it is of the runs of ``group``; None without a study."""
-        study = self._study
-        if study is None or studied_runs(group) == self._lanes:
-            return study
-        return replace(study, is_outdated=True)
-
-    @property
-    def _study(self) -> SeedStudy | None:
         process = self._background.process
-        if process is None:
-            return self._refused
-        known = process.known
-        if known.is_over:
-            return known
-        if process.failed:
-            return replace(known, state=StudyState.FAILED, message=process.failed)
-        return replace(known, how_long=process.how_long)
+        study = self._refused if process is None else process.known
+        if study is None:
+            return None
+        if process is not None and process.failed and not study.is_over:
+            study = replace(study, state=StudyState.FAILED, message=process.failed)
+        elif process is not None and not study.is_over:
+            study = replace(study, how_long=process.how_long)
+        return study if studied_runs(group) == self._lanes else replace(study, is_outdated=True)
