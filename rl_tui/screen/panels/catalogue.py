@@ -61,7 +61,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "bandit shows its estimate ± its standard error, the standard deviation that the noise of the "
         "rewards leaves in it. ▸ marks the greedy arm, ◉ the last pull. In focus it has a cursor, as the "
         "table has; the place where one stands is marked in the other. Two lanes stand side by side, the "
-        "lower number left; ▸ marks the one that keys and sliders are about, and ≠ the states where their "
+        "lower number left; ▸ marks the one that keys and sliders are about, and ◤ the states where their "
         "greedy actions differ, ties counted. Only states known to both count: updated, or with estimates "
         "that differ. C draws the world: hatched (╱) is what is drawn and not in force, ↻ marks states whose "
         "best actions, exactly, the last stroke turned, and the legend has a sign for those from which no "
@@ -95,7 +95,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "step updated is lit; an unvisited cell looks different from a zero. v turns to the exact Q*, the "
         "error Q−Q* and visits. It has a cursor: tab to the table, then the arrows; m shows the model of "
         "the pair under it, and esc follows the agent again. The tables of two lanes have cursor, rows and "
-        "layer in common; ≠ stands behind a state where their greedy actions differ. <.01 and >−1 are not 0, "
+        "layer in common; ◤ stands behind a state where their greedy actions differ. <.01 and >−1 are not 0, "
         "but less than a unit of the last digit.",
         caption="what each action seems worth",
         terms=("q", "pair", "greedy", "agent", "target", "q-star", "error", "visits", "ties", "optimism"),

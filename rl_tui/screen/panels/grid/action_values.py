@@ -8,8 +8,10 @@ from typing import Final, NamedTuple
 
 from rich.style import Style
 
+from rl_tui.screen.draw.block_signs import Direction
 from rl_tui.screen.draw.canvas import Canvas
 from rl_tui.screen.draw.number_form import NumberForm
+from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.action_form import FRAME, ActionForm, Places, side_of
 from rl_tui.screen.panels.grid.cells import (
     CellArtist,
@@ -17,13 +19,13 @@ from rl_tui.screen.panels.grid.cells import (
     mark_of,
     put_reward,
     reward_text,
-    value_style,
+    sign_text,
     value_text,
 )
 from rl_tui.screen.panels.grid.form import LEAST_DIGITS, CellForm
 from rl_tui.screen.panels.grid.map import PLAIN, ActionValue, CellContent, Sign
 from rl_tui.screen.panels.grid.rewards import CellReward
-from rl_tui.screen.panels.grid.trail import Trace, put_trace
+from rl_tui.screen.panels.grid.trail import Trace, put_trail
 from rl_tui.screen.panels.world.edit_marks import EditMarks, put_marks
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
@@ -53,10 +55,10 @@ class ActionFace(NamedTuple):
     stops: bool
     cursor: bool
     differs: bool
-    trace: Trace | None
+    trace: Trace
     name: str
     edit_marks: EditMarks
-    way: str
+    way: Direction | None
 
 
 class ActionArtist:
@@ -65,7 +67,7 @@ class ActionArtist:
     def __init__(self, look: Look, form: ActionForm) -> None:
         self.look = look
         self.form = form
-        self._idle = CellArtist(look, CellForm(form.width, form.height), has_table=True)  # without values
+        self._idle = CellArtist(look, CellForm(form.width, form.height))  # without values
         # what looks the same is drawn once
         self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
         self._text = lru_cache(_MOST_TEXTS)(partial(value_text, look=look))
@@ -74,29 +76,25 @@ class ActionArtist:
         """Return how a cell without other signs shows what it pays."""
         return reward_text(reward, _reward_room(self.form), self.look)
 
-    def drawn(
-        self, cells: Sequence[CellContent], low: float, high: float, number_form: NumberForm
-    ) -> list[Drawn]:
-        """Return the rows of each of ``cells``, each action tinted by its value from ``low`` to ``high``."""
-        faces = [self._face(cell, low, high, number_form) if cell.actions else None for cell in cells]
+    def drawn(self, cells: Sequence[CellContent], scale: ValueScale, number_form: NumberForm) -> list[Drawn]:
+        """Return the rows of each of ``cells``, each action tinted by its value on ``scale``."""
+        faces = [self._face(cell, scale, number_form) if cell.actions else None for cell in cells]
         field = max(LEAST_DIGITS, number_form.cells)  # of the widest number so far: they stay as wide
         return [
-            self._drawn(face, field)
-            if face is not None
-            else self._idle.drawn((cell,), low, high, number_form)[0]
+            self._drawn(face, field) if face is not None else self._idle.drawn((cell,), scale, number_form)[0]
             for face, cell in zip(faces, cells, strict=True)
         ]
 
-    def _face(self, cell: CellContent, low: float, high: float, number_form: NumberForm) -> ActionFace:
-        entries = tuple(self._entry(action, low, high, number_form) for action in cell.actions)
+    def _face(self, cell: CellContent, scale: ValueScale, number_form: NumberForm) -> ActionFace:
+        entries = tuple(self._entry(action, scale, number_form) for action in cell.actions)
         extra = cell.extra or PLAIN
         marks = cell.reward, cell.stops, cell.cursor, cell.differs, extra.trace, extra.name, extra.marks
         return ActionFace(cell.kind, cell.agent, entries, *marks, extra.way)
 
-    def _entry(self, action: ActionValue, low: float, high: float, number_form: NumberForm) -> ActionEntry:
+    def _entry(self, action: ActionValue, scale: ValueScale, number_form: NumberForm) -> ActionEntry:
         palette = self.look.palette
         sign, q, is_new, is_greedy = action
-        style = palette.unvisited if is_new else value_style(q, low, high, self.look)
+        style = palette.unvisited if is_new else scale.style(q, palette)
         if self.form.places is Places.TINTS:
             text = ""
         else:
@@ -114,9 +112,7 @@ def _drawn(face: ActionFace, field: int, form: ActionForm, look: Look) -> Drawn:
     else:
         _draw_sides(canvas, face, form._replace(digits=field), look)
     put_marks(canvas, face.edit_marks, (form.width - 1, 0), look)
-    if face.trace is not None:
-        # an arrow says what is greedy where there are tints alone
-        put_trace(canvas, face.trace, look, says_meant=form.places is not Places.TINTS)
+    put_trail(canvas, face.trace, look, inner=form.width, ink=Style.null())
     return [list(strip) for strip in canvas.strips()]
 
 
@@ -206,7 +202,7 @@ def _put_marks_amid(
     corner = block.top + (form.places is Places.SPREAD_KEYPAD)
     if face.differs:
         here = (centre + 1, block.middle) if is_wide else (block.end - 1, corner)
-        canvas.put(*here, look.glyphs.differs, look.palette.strong)
+        canvas.put(*here, look.glyphs.differs, look.palette.you)
     if form.places is not Places.KEYPAD:
         _put_name(canvas, block.left - 1, corner, face, form)
         reward = 2 * block.middle - corner if face.name else corner
@@ -275,7 +271,7 @@ def _put_marks_of_list(canvas: Canvas, face: ActionFace, form: ActionForm, colum
             canvas.put(0, 0, " " * form.width, palette.focus)
         _put_mark(canvas, centre, 0, face, look, beside=centre - 1)
         if face.differs:
-            canvas.put(centre + 1, 0, look.glyphs.differs, palette.strong)
+            canvas.put(centre + 1, 0, look.glyphs.differs, palette.you)
         _put_name(canvas, 0, 0, face, form)
         put_reward(canvas, 0, 0, _reward_room(form) * (not face.name), face.reward, look)
         return
@@ -289,7 +285,7 @@ def _put_marks_of_list(canvas: Canvas, face: ActionFace, form: ActionForm, colum
     if face.differs:
         has_row = form.height > 2 or (form.height > 1 and face.reward is None) or not _has_mark(face)
         if has_row:
-            canvas.put(column, form.height - 1, look.glyphs.differs, palette.strong)
+            canvas.put(column, form.height - 1, look.glyphs.differs, palette.you)
 
 
 def _draw_tints(canvas: Canvas, face: ActionFace, form: ActionForm, look: Look) -> None:
@@ -354,7 +350,7 @@ def _put_marks_on_tints(canvas: Canvas, face: ActionFace, form: ActionForm, edge
             canvas.put(x, row, " ", look.palette.focus)
     _put_mark(canvas, left if low else centre, row, face, look)
     if face.differs:
-        canvas.put(right, row, look.glyphs.differs, look.palette.strong)
+        canvas.put(right, row, look.glyphs.differs, look.palette.you)
     if low:
         put_reward(canvas, left, 1, 1, face.reward, look)
     elif not _has_mark(face):
@@ -390,8 +386,3 @@ def _put_mark(
 
 def _has_mark(face: ActionFace) -> bool:
     return face.agent or face.stops or face.kind is CellKind.START or bool(face.way)
-
-
-def sign_text(sign: Sign, look: Look) -> str:
-    """Return the arrow of a direction, else the letter of the action."""
-    return look.glyphs.direction(sign) if isinstance(sign, tuple) else sign
