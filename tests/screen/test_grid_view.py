@@ -15,6 +15,7 @@ from rl_tui.screen.panels.grid.form import CellForm, cell_form
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.panels.grid.rewards import cell_rewards
 from rl_tui.worlds.drawing import CellKind, Grid
+from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.world import World
 
 
@@ -347,3 +348,15 @@ def test_a_cell_with_one_way_out_says_which_unless_the_agent_takes_the_room(
     assert any((sign.sign, sign.meaning) == ("»", "one-way") for sign in view.signs())
     with_agent = "".join(strip.text for strip in view.picture(changed(start, state=1), *size))
     assert ("»" in with_agent) == (size[1] > 2 and not with_actions)
+
+
+def test_an_exit_looks_like_goal_or_hole_with_what_it_pays_and_without_a_value() -> None:
+    world = find("discount").build(np.random.default_rng(0))
+    space = world.space
+    start = changed(lake(step=0), world=world, q=np.zeros(space.pairs), visits=np.ones(space.pairs, np.int64))
+    rows = picture(changed(start, state=0), 56, 18)
+    text = "".join(rows)
+    assert "+10" in text
+    assert text.count("−10") == 7
+    assert text.count("★") == 2
+    assert "e" not in text

@@ -17,8 +17,8 @@ def test_few_pairs_are_listed_a_row_each() -> None:
     assert drawn.table.rows == 7
     assert drawn.rows[0].split() == ["state", "action", "Q", "N"]
     assert drawn.rows[1].split() == ["Class", "study", "▐", "6.370▐", "1,204"]
-    assert drawn.rows[2].split() == ["check", "phone", "5.137", "133"]
-    assert drawn.rows[5].split() == ["◉Pass", "sleep", "▌10.000▐", "963"]
+    assert drawn.rows[2].split() == ["check", "phone", "‹5.137", "133"]
+    assert drawn.rows[5].split() == ["◉Pass", "sleep", "10.000", "963"]
     assert "greedy: study · quit · sleep" in drawn.rows[7]
 
 
@@ -31,7 +31,7 @@ def test_a_wide_list_shows_beside_q_what_the_layer_in_force_is_about() -> None:
     ):
         assert Drawn(student(), 56, 10, layer).rows[0].split() == ["state", "action", *shown, "N"]
     drawn = Drawn(student(), 56, 10, Layer.ERROR)
-    assert drawn.rows[1].split() == ["Class", "study", "▐", "6.370▐", "6.341", "▐", "0.029▴", "1,204"]
+    assert drawn.rows[1].split() == ["Class", "study", "▐", "6.370▐", "6.341", "▐", "0.029", "1,204"]
 
 
 @pytest.mark.parametrize("layer", [Layer.Q, Layer.VISITS])

@@ -67,6 +67,12 @@ class Canvas:
         for place in self._inside(x, y, len(text)):
             self.put(place, y, text[place - x], self._styles[y][place] + style)
 
+    def put_where_blank(self, x: int, y: int, text: str, style: Style) -> None:
+        """Write those characters of ``text``, one cell each, in whose place nothing was written yet."""
+        for place in self._inside(x, y, len(text)):
+            if self._characters[y][place] == " ":
+                self._characters[y][place], self._styles[y][place] = text[place - x], style
+
     def restyle(self, x: int, y: int, length: int, style: Style) -> None:
         """Lay ``style`` over ``length`` cells of row ``y`` from column ``x`` on."""
         for place in self._inside(x, y, length):

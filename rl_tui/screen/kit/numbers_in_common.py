@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Final
+from weakref import WeakKeyDictionary
+
 import numpy as np
 
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.drawing import Arms, Grid
 from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray
+from rl_tui.worlds.world import World
+
+_EXITS: Final = WeakKeyDictionary[World, BoolArray]()  # worked out once a world
 
 
 def lanes_in_view(snapshot: Snapshot) -> tuple[Snapshot, ...]:
@@ -27,7 +33,8 @@ def all_v(snapshot: Snapshot) -> FloatArray:
 def known_v(snapshot: Snapshot) -> FloatArray:
     """Return the finite V of the states about which something was learned: updated, or estimates differ.
 
-    Of a bandit, which has one state, they are the estimates of the arms that were pulled.
+    Of a bandit, which has one state, they are the estimates of the arms that were pulled. Exits of a map,
+    left by their only action, which is no direction, show what they pay instead, and are left out.
     """
     if isinstance(snapshot.world.drawing, Arms):
         arms = [lane.agent.q[lane.agent.visits > 0] for lane in lanes_in_view(snapshot)]
@@ -74,6 +81,25 @@ def _v(lane: Snapshot) -> tuple[FloatArray, BoolArray]:
         return np.empty(0), np.empty(0, dtype=np.bool_)
     v = np.maximum.reduceat(q, first)
     known = (np.add.reduceat(visits, first) > 0) | (np.minimum.reduceat(q, first) != v)
+    if part is None:
+        known &= ~_exits(lane.world)
     if len(lane.agent.policy):
         v = lane.agent.values[np.diff(first_pair) > 0]
     return np.asarray(v), np.asarray(known)
+
+
+def _exits(world: World) -> BoolArray:
+    """Return of each state with actions whether it is an exit of a map."""
+    found = _EXITS.get(world)
+    if found is None:
+        found = _EXITS[world] = _find_exits(world)
+    return found
+
+
+def _find_exits(world: World) -> BoolArray:
+    counts, drawing = np.diff(world.space.first_pair), world.drawing
+    if not isinstance(drawing, Grid) or not any(drawing.directions):
+        return np.zeros(np.count_nonzero(counts), dtype=np.bool_)
+    is_other = np.array([step is None for step in drawing.directions])
+    first_action = world.space.pair_action[world.space.first_pair[:-1][counts > 0]]
+    return np.asarray((counts[counts > 0] == 1) & is_other[first_action])

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple
+from dataclasses import dataclass, field
+from typing import Final
 
 import numpy as np
 from rich.style import Style
@@ -25,23 +26,24 @@ _END: Final = 4  # characters of the value of an end
 _NEAR_ZERO: Final = 0.5  # of the greatest value: a scale that begins below that begins at 0
 
 
-class ValueScale(NamedTuple):
-    """The values between which tints change. What lies beyond has the tint of that end."""
+@dataclass(frozen=True, slots=True)
+class ValueScale:
+    """The values between which tints change. What lies beyond has the tint of that end.
+
+    ``is_signed`` says that both signs matter: then a 0 in the middle is grey, and both ``ends``, the values
+    that have the tints of the ends, are as far from it.
+    """
 
     low: float = 0.0
     high: float = 0.0
+    is_signed: bool = field(init=False)
+    ends: tuple[float, float] = field(init=False)
 
-    @property
-    def is_signed(self) -> bool:
-        """Whether both signs matter: then a 0 in the middle is grey, and both ends are as far from it."""
+    def __post_init__(self) -> None:
         least, most = sorted((-self.low, self.high))
-        return self.low < 0.0 < self.high and least > _BOTH_SIGNS * most
-
-    @property
-    def ends(self) -> tuple[float, float]:
-        """The values that have the tints of the ends."""
-        most = max(-self.low, self.high)
-        return (-most, most) if self.is_signed else (self.low, self.high)
+        is_signed = self.low < 0.0 < self.high and least > _BOTH_SIGNS * most
+        object.__setattr__(self, "is_signed", is_signed)
+        object.__setattr__(self, "ends", (-most, most) if is_signed else (self.low, self.high))
 
     def style(self, x: float, palette: Palette) -> Style:
         """Return the tint of ``x``; of NaN that of no value."""

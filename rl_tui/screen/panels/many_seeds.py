@@ -244,7 +244,7 @@ def _table(
     decimals, palette = figure_decimals(figure, study), look.palette
     is_alone = len(study.lanes) == 1
     called = figure.in_full if in_full else figure.name
-    rows = [_Row("" if is_alone else called, "", "", palette.accent, is_head=True)]
+    rows = [_Row("" if is_alone else called, "", "", palette.strong, is_head=True)]
     for number, (lane, name) in enumerate(zip(study.lanes, names, strict=True)):
         mark = look.glyphs.cursor if number == shown else " "
         style = palette.lanes[number % len(palette.lanes)]

@@ -181,13 +181,11 @@ class _Cell:
         if not self.form.has_seam or not self.extra.is_reached:
             return
         right, below = tuple(self.glyphs.seams)
-        width, last = self.form.width - 1, self.form.height - 1
-        for row in range(self.form.height):
-            if self.canvas.is_blank(width, row, 1):
-                self.canvas.put_over(width, row, right, self._blank)
-        for column in range(width) if last >= 2 else ():
-            if self.canvas.is_blank(column, last, 1):
-                self.canvas.put_over(column, last, below, self._blank)
+        width, last, blank = self.form.width - 1, self.form.height - 1, self._blank
+        for row in range(last + 1):
+            self.canvas.put_where_blank(width, row, right, blank)
+        if last >= 2:
+            self.canvas.put_where_blank(0, last, below * width, blank)
 
     def _put_frame(self, error: int) -> None:
         """Frame a wide cell; in ASCII its number is reversed instead."""
@@ -219,13 +217,13 @@ class _Cell:
     def _put_block(self, name: SignName, rows: int, ink: Style) -> None:
         """Put a sign into the middle of the cell."""
         left, top = (self.form.inner - 2 * rows) // 2, (self.form.height - rows) // 2
+        if self.face.reward is not None:  # which stands above it
+            top = self.form.height - rows
         self._put_rows(left, top, block_sign(name, 2 * rows, rows), ink)
 
     def _put_rows(self, left: int, top: int, rows: Sequence[str], ink: Style) -> None:
         for y, row in enumerate(rows, start=top):
-            for x, character in enumerate(row, start=left):
-                if character != " ":
-                    self.canvas.put(x, y, character, ink)
+            self.canvas.put(left + len(row) - len(row.lstrip()), y, row.strip(), ink)
 
     @property
     def _sign_ink(self) -> Style:

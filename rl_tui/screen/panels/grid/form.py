@@ -14,6 +14,7 @@ _LEAST_WITH_SEAM: Final = 5
 _LEAST_BLOCKS: Final = (7, 3)
 _LEAST_PLATE: Final = (9, 4)
 _LEAST_START: Final = 13
+_LEAST_NUMBERED: Final = (11, 5)
 
 
 class CellForm(NamedTuple):
@@ -53,6 +54,11 @@ class CellForm(NamedTuple):
     def has_plate(self) -> bool:
         """Whether the agent is a disc of blocks."""
         return self.width >= _LEAST_PLATE[0] and self.height >= _LEAST_PLATE[1]
+
+    @property
+    def has_number(self) -> bool:
+        """Whether the number of the state stands in the corner without being asked for."""
+        return self.width >= _LEAST_NUMBERED[0] and self.height >= _LEAST_NUMBERED[1]
 
     @property
     def says_start(self) -> bool:

@@ -310,7 +310,7 @@ class GridView(WorldView):
             self.shown_cursor,
             self.differing,
             with_actions=actions is not None,
-            named=self.is_numbered,
+            named=self.is_numbered or (actions is None and form.has_number and not grid.legend),
             picked=self.picked,
         )
         self._longest_name = max((len(each.extra.name) for each in cells if each.extra), default=0)

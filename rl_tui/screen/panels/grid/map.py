@@ -179,10 +179,20 @@ class GridMap:
         self.unreached = unreached_cells(space, grid)
         self.ways = dict(grid.one_way)
         self._walls = _walls(grid)
-        self.ends: dict[CellKind, str] = {}
+        self._exits = self._exit_kinds()
+        self.ends = dict.fromkeys(self._exits.values(), "exit")
         for cell in idle.tolist():
             kind = grid.kinds[cell]
             self.ends[kind] = str(kind) if kind in self.ends else self._end_name(cell)
+
+    def _exit_kinds(self) -> dict[int, CellKind]:
+        """Return the cells that can only be left by an action that ends it all and pays: as goal or hole."""
+        found = {}
+        for cell, reward in self._rewards.items():
+            own = self._space.pairs_of(int(self._states[divmod(cell, self.grid.columns)]))
+            if len(own) == 1 and isinstance(self.signs[self._space.pair_action[own.start]], str):
+                found[cell] = CellKind.GOAL if reward.reward > 0.0 else CellKind.HOLE
+        return found
 
     def _end_name(self, cell: int) -> str:
         """Return what the only end of its kind is called: its state's name where that is a word."""
@@ -253,7 +263,9 @@ class GridMap:
             cell = (part.top + row) * columns + part.left + column
             kind = kinds[cell]
             last = first + count
-            if count == 0 or (held is not None and not held[first]):
+            if cell in self._exits:
+                contents.append(CellContent(self._exits[cell], place == agent, reward=self._rewards[cell]))
+            elif count == 0 or (held is not None and not held[first]):
                 extra = _UNREACHED if cell in self.unreached else self._walls.get(cell)
                 contents.append(CellContent(kind, place == agent, extra=extra))
             else:

@@ -32,7 +32,7 @@ class MicroscopeSection:
 
     def _head(self, look: Look, width: int) -> Line:
         palette = look.palette
-        head = Piece(f" {self.heading} ", palette.accent)
+        head = Piece(f" {self.heading} ", palette.strong)
         forms = [[head, Piece(f" {remark} ", palette.text)] for remark in self.remarks if remark]
         kept = fitted(first_that_fits([*forms, [head]], width, look), width, look)
         return [*kept, Piece(look.glyphs.thin * max(0, width - length(kept)), palette.dim)]

@@ -218,7 +218,7 @@ def _labelled(label: str, text: str, look: Look, width: int) -> list[Line]:
     spelled = to_ascii(label, look.glyphs)
     lines: list[Line] = []
     for number, line in enumerate(wrapped(text, max(1, width - _LABEL - 1), palette.text, look)):
-        lines.append([Piece(f" {spelled if number == 0 else '':<{_LABEL}}", palette.accent), *line])
+        lines.append([Piece(f" {spelled if number == 0 else '':<{_LABEL}}", palette.strong), *line])
     return lines
 
 

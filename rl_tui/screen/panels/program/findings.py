@@ -109,7 +109,7 @@ class FindingsPanel(ScrolledPanel):
                 lines.append([Piece("", self.look.palette.text)])
         notes = notes_of(program)
         if notes:
-            lines += [[Piece("", self.look.palette.text)], [Piece(" Notes", self.look.palette.accent)]]
+            lines += [[Piece("", self.look.palette.text)], [Piece(" Notes", self.look.palette.strong)]]
         for note in notes:
             lines += _paragraph(note, self.look, width, is_dim=True)
         return strips_of(lines, width, len(lines), self.look)

@@ -255,6 +255,10 @@ class Figures:
             marked = q == best
         return tuple(pairs.start + place for place in np.flatnonzero(marked).tolist())
 
+    def framed(self, pairs: range) -> tuple[int, ...]:
+        """Return the greedy ones of ``pairs`` where there is a choice: a single action is not the best."""
+        return self.greedy(pairs) if len(pairs) > 1 else ()
+
     def _is_new(self, pair: int) -> bool:
         if self.layer is Layer.LANES and self._values[pair]:  # the other lane has been there
             return False

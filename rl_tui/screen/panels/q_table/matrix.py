@@ -74,7 +74,7 @@ class MatrixForm:
             Segment(name, palette.focus if scene.is_pointed(pairs) else style),
             scene.mark_behind(state) or Segment(" ", style),
         ]
-        greedy = scene.shown.greedy(pairs)
+        greedy = scene.shown.framed(pairs)
         digits = min(self.field, MOST_DIGITS)
         pair_of = world.pair_of_action(state)
         for action in world.shown_actions:

@@ -269,7 +269,8 @@ def state_values(space: FiniteSpace, snapshot: Snapshot, scale: ValueScale) -> S
         values.append(float(agent.values[state]) if policy else best)
         if any(visits[pairs.start : pairs.stop]) or min(q[pairs.start : pairs.stop]) != best:
             known.add(state)
-            greedy |= {pair for pair in pairs if (policy[pair] > 0.0 if policy else q[pair] == best)}
+            if len(pairs) > 1:  # a single action is not the best of anything
+                greedy |= {pair for pair in pairs if (policy[pair] > 0.0 if policy else q[pair] == best)}
     shown = drawn_pairs(space, snapshot) or (frozenset(greedy), frozenset())
     off_way = frozenset(state for state in shown[1] if is_off_way(snapshot, state))
     return StateValues(tuple(values), frozenset(known), shown[0], all_v(snapshot), scale, shown[1], off_way)
