@@ -1,21 +1,28 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
 from colour_vision import contrast
-from drawn_grids import large_lake, one_way, paying, picture, q_of, small, style_at, visited
+from drawn_grids import large_lake, one_way, paying, picture, q_of, small, style_at, visited, whole
 from rich.style import Style
 from sample_worlds import LEFT, RIGHT, UP, lake_world
 from samples import big_lake, lake, look
 from snapshots import changed
 
+from rl_tui.screen.draw.number_form import SteadyForms
+from rl_tui.screen.kit.numbers_in_common import all_v
+from rl_tui.screen.kit.value_scale import SteadyScale
+from rl_tui.screen.panels.grid.cells import CellArtist
 from rl_tui.screen.panels.grid.form import CellForm, cell_form
 from rl_tui.screen.panels.grid.grid import GridView
+from rl_tui.screen.panels.grid.map import GridMap
 from rl_tui.screen.panels.grid.rewards import cell_rewards
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.files.catalogue import find
+from rl_tui.worlds.grid.section import GridSection
 from rl_tui.worlds.world import World
 
 
@@ -360,3 +367,36 @@ def test_an_exit_looks_like_goal_or_hole_with_what_it_pays_and_without_a_value()
     assert text.count("−10") == 7
     assert text.count("★") == 2
     assert "e" not in text
+
+
+@pytest.mark.parametrize("in_ascii", [False, True])
+@pytest.mark.parametrize("times", [1.0, -100.0, 12_345.6])
+def test_no_number_is_cut_in_any_cell(in_ascii: bool, times: float) -> None:
+    snapshot = changed(lake(), q=lake().agent.q * times)
+    grid = snapshot.world.drawing
+    assert isinstance(grid, Grid)
+    cells = GridMap(snapshot.world.space, grid).contents(whole(snapshot), snapshot)
+    values, scale, glyphs = all_v(snapshot), SteadyScale().of(snapshot), look(in_ascii).glyphs
+    for width, height in product(range(1, 27), (1, 2, 3, 4, 6, 9, 12)):
+        form = CellForm(width, height)
+        number_form = SteadyForms().form("", values, form.digits, most=2)._replace(leading_zero=False)
+        drawn = CellArtist(look(in_ascii), form).drawn(cells, scale, number_form)
+        for cell, rows in zip(cells, drawn, strict=True):
+            text = ["".join(segment.text for segment in row) for row in rows]
+            assert [len(row) for row in text] == [width] * height
+            if cell.value is not None and cell.known and form.has_values:
+                number = number_form.text(cell.value, glyphs) if abs(cell.value) > 1e-9 else "0"
+                assert any(number in row or glyphs.no_room in row for row in text), (width, height, text)
+
+
+@pytest.mark.parametrize("size", [(60, 12), (40, 8), (20, 4)])
+def test_the_cursor_is_seen_on_a_wall(size: tuple[int, int]) -> None:
+    world = GridSection.model_validate({"map": "S.G#.\n...#.\n"}).build(np.random.default_rng(0))
+    q = np.zeros(world.space.pairs)
+    snapshot = changed(lake(step=0), world=world, state=0, q=q, visits=q.astype(np.int64))
+    view = GridView(world, look())
+    view.put_cursor(3)
+    view.has_focus = True
+    strips = view.picture(snapshot, *size)
+    focus = look().palette.focus.bgcolor
+    assert focus in {segment.style.bgcolor for strip in strips for segment in strip if segment.style}

@@ -362,7 +362,7 @@ async def test_the_themes_of_every_depth_can_be_used(depth: Depth, picture: bool
 
 def test_every_kings_move_has_an_arrow() -> None:
     steps = [(rows, columns) for rows in (-1, 0, 1) for columns in (-1, 0, 1)]
-    assert "".join(map(UNICODE.direction, steps)) == "↖↑↗←·→↙↓↘"
+    assert "".join(map(UNICODE.direction, steps)) == "↖↑↗←▫→↙↓↘"
     assert [ASCII.direction(step) for step in steps] == ["^<", "^", "^>", "<", ".", ">", "v<", "v", "v>"]
 
 

@@ -147,7 +147,7 @@ def _draw_marks(
         (flip.gamma, flip_sign(flip, look), flip_style(flip, look))
         for flip in sorted(flips, key=lambda flip: flip.turns_the_way)
     ]
-    marks.append((gamma, glyphs.stay, palette.accent))
+    marks.append((gamma, glyphs.untried, palette.accent))
     if chosen is not None:
         marks.append((chosen.gamma, flip_sign(chosen, look), palette.focus))
     for at, glyph, style in marks:

@@ -18,6 +18,7 @@ class Glyphs:
     up: str
     diagonals: tuple[str, str, str, str]  # up left, up right, down left, down right; two columns in ASCII
     stay: str
+    untried: str  # in place of a number or an arrow where nothing is known, or all is as good
     agent: str
     hole: str
     cliff: str
@@ -108,7 +109,8 @@ _ROWS: Final[Mapping[str, tuple[Any, Any]]] = {
     "right": ("→", ">"),
     "up": ("↑", "^"),
     "diagonals": (("↖", "↗", "↙", "↘"), ("^<", "^>", "v<", "v>")),
-    "stay": ("·", "."),
+    "stay": ("▫", "."),
+    "untried": ("·", "."),
     "agent": ("◉", "@"),
     "hole": ("●", "O"),
     "cliff": ("╱", "%"),

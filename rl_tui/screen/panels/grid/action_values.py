@@ -13,17 +13,10 @@ from rl_tui.screen.draw.canvas import Canvas
 from rl_tui.screen.draw.number_form import NumberForm
 from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.action_form import FRAME, ActionForm, Places, side_of
-from rl_tui.screen.panels.grid.cells import (
-    CellArtist,
-    Drawn,
-    mark_of,
-    put_reward,
-    reward_text,
-    sign_text,
-    value_text,
-)
+from rl_tui.screen.panels.grid.cells import CellArtist, Drawn
 from rl_tui.screen.panels.grid.form import LEAST_DIGITS, CellForm
 from rl_tui.screen.panels.grid.map import PLAIN, ActionValue, CellContent, Sign
+from rl_tui.screen.panels.grid.marks import mark_of, put_reward, reward_text, sign_text, value_text
 from rl_tui.screen.panels.grid.rewards import CellReward
 from rl_tui.screen.panels.grid.trail import Trace, put_trail
 from rl_tui.screen.panels.world.edit_marks import EditMarks, put_marks
@@ -98,7 +91,7 @@ class ActionArtist:
         if self.form.places is Places.TINTS:
             text = ""
         else:
-            text = self.look.glyphs.stay if is_new and q == 0.0 else self._text(q, number_form)
+            text = self.look.glyphs.untried if is_new and q == 0.0 else self._text(q, number_form)
         return ActionEntry(sign, text, style, is_new, is_greedy)
 
 
@@ -336,7 +329,7 @@ def _fill(
         sign = sign_text(entry.sign, look)
         canvas.put((first + last - len(sign)) // 2, row, sign, entry.style + Style(bold=True))
     elif entry.is_new:
-        canvas.put((first + last - 1) // 2, row, look.glyphs.stay, entry.style)
+        canvas.put((first + last - 1) // 2, row, look.glyphs.untried, entry.style)
 
 
 def _put_marks_on_tints(canvas: Canvas, face: ActionFace, form: ActionForm, edge: int, look: Look) -> None:
@@ -360,7 +353,7 @@ def _put_marks_on_tints(canvas: Canvas, face: ActionFace, form: ActionForm, edge
 def _put_number(canvas: Canvas, x: int, y: int, entry: ActionEntry, form: ActionForm, look: Look) -> None:
     """Put a number with its tint, and around it, else after it, what marks it as greedy."""
     digits, glyphs, greedy = form.digits, look.glyphs, look.palette.greedy
-    number = entry.text.center(digits) if entry.text == glyphs.stay else entry.text.rjust(digits)
+    number = entry.text.center(digits) if entry.text == glyphs.untried else entry.text.rjust(digits)
     canvas.put(x, y, number, entry.style)
     if entry.is_greedy and form.is_framed:
         canvas.put(x - 1, y, glyphs.mark_left, greedy)

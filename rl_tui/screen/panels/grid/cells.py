@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from functools import lru_cache, partial
 from typing import Final, NamedTuple
@@ -18,6 +17,17 @@ from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.draft_cells import DraftCell, draw_draft_cell
 from rl_tui.screen.panels.grid.form import LEAST_ARROWS, CellForm
 from rl_tui.screen.panels.grid.map import PLAIN, CellContent, CellExtra, Sign, Wall
+from rl_tui.screen.panels.grid.marks import (
+    SEVERAL,
+    START,
+    differing_style,
+    mark_of,
+    one_way_sign,
+    put_reward,
+    reward_text,
+    sign_text,
+    value_text,
+)
 from rl_tui.screen.panels.grid.rewards import CellReward
 from rl_tui.screen.panels.grid.trail import put_frame, put_trail, put_way
 from rl_tui.screen.panels.world.edit_marks import put_marks
@@ -26,13 +36,10 @@ from rl_tui.screen.theme.inks import paled
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
 
-SEVERAL: Final = "*"  # in place of the arrows where they do not fit
-START: Final = "S"
 CLEAR_LEAD: Final = 0.15  # of the range of V; a greedy action that leads by that has all its ink
 _LEADS: Final = 4
 _MOST_KEPT: Final = 20_000
 _LEAST_STAR: Final = 4  # rows of a cell
-_ONE_WAYS: Final = ((0, -1), (0, 1), (-1, 0), (1, 0))
 _BOLD: Final = Style(bold=True)
 
 _ALIVE: Final = (CellKind.FLOOR, CellKind.START)
@@ -125,17 +132,10 @@ class _Cell:
             return self.canvas
         self._take_name()
         self._fill()
-        if self.face.kind is CellKind.WALL:
-            return self.canvas
-        if self.face.text is None:
-            self._draw_end()
-        elif self.form.height == 1:
-            self._draw_row()
-        else:
-            self._draw_sign()
-            self._draw_value()
-        self._put_marks()
-        self._put_seams()
+        if self.face.kind is not CellKind.WALL:
+            self._draw_content()
+            self._put_marks()
+            self._put_seams()
         if self.extra.trace.error is not None:
             self._put_frame(self.extra.trace.error)
         if self.face.cursor and self.form.height > 1:
@@ -145,6 +145,15 @@ class _Cell:
         if self.extra.trace.way is not None and self.form.has_blocks:
             put_way(self.canvas, self.extra.trace.way, self.look)
         return self.canvas
+
+    def _draw_content(self) -> None:
+        if self.face.text is None:
+            self._draw_end()
+        elif self.form.height == 1:
+            self._draw_row()
+        else:
+            self._draw_sign()
+            self._draw_value()
 
     # The ground
 
@@ -169,7 +178,7 @@ class _Cell:
         return self.ink + (palette.rule if self.ink.bgcolor is None else palette.page)
 
     def _fill_wall(self, row: int) -> None:
-        if self.extra.wall is Wall.PAGE:
+        if self.extra.wall is Wall.PAGE and not self.face.cursor:
             return
         has_ground = self.ink.bgcolor is not None and self.glyphs.braille
         sign = " " if has_ground else self.glyphs.wall
@@ -215,8 +224,9 @@ class _Cell:
         return signs.get(self.face.kind, "")
 
     def _put_block(self, name: SignName, rows: int, ink: Style) -> None:
-        """Put a sign into the middle of the cell."""
-        left, top = (self.form.inner - 2 * rows) // 2, (self.form.height - rows) // 2
+        """Put a sign into the middle of the cell, or of what the agent leaves of it."""
+        free = self._plate_end if self._plate_end + 2 * rows <= self.form.inner else 0
+        left, top = free + (self.form.inner - free - 2 * rows) // 2, (self.form.height - rows) // 2
         if self.face.reward is not None:  # which stands above it
             top = self.form.height - rows
         self._put_rows(left, top, block_sign(name, 2 * rows, rows), ink)
@@ -239,7 +249,7 @@ class _Cell:
         are_blocks = self.has_blocks and len(directions) == len(face.greedy)
         if not face.greedy:
             middle = (form.inner - 1) // 2, (form.height - 1) // 2
-            canvas.put(*middle, self.glyphs.stay, paled(self.ink, 0.3))
+            canvas.put(*middle, self.glyphs.untried, paled(self.ink, 0.3))
             return
         columns, rows = sign_size(form.width, form.height) if self.has_blocks else (0, 0)
         free = self._plate_end
@@ -308,7 +318,7 @@ class _Cell:
         form, has_signs = self.form, bool(self.face.greedy)
         start = form.inner - form.digits if form.has_values else max(1, (form.width - 1) // 2)
         if not has_signs and not (self._text and form.has_values):
-            dot = "" if self.name else self.glyphs.stay
+            dot = "" if self.name else self.glyphs.untried
             self._put_letters(max(min(1, form.width - 1), (form.inner - 1) // 2), dot)
         elif not form.has_values:
             self._put_letters(start, self._letters(1, form.width - len(self.name) - start))
@@ -321,7 +331,7 @@ class _Cell:
 
     def _put_letters(self, start: int, letters: str) -> None:
         """Put letters of one row with the mark before them; what differs reverses them if it has no room."""
-        face, is_dot = self.face, letters == self.glyphs.stay
+        face, is_dot = self.face, letters == self.glyphs.untried
         before = start - 2 if is_dot or not (letters or face.text is None) else start - 1
         if self._mark or face.stops or any(self.extra.marks) or face.reward:
             self._put_mark(max(0, before))
@@ -453,56 +463,3 @@ class _Cell:
         draw_draft_cell(self.canvas, label, reward, style, look, is_wall=is_wall, row=row)
         if face.cursor and form.height > 1:
             self.canvas.restyle(0, form.value_row, form.width, palette.focus)
-
-
-def value_text(x: float, number_form: NumberForm, look: Look) -> str:
-    """Return a value in the form of all; a dash for NaN."""
-    return numbers.missing(look.glyphs) if math.isnan(x) else number_form.text(x, look.glyphs)
-
-
-def sign_text(sign: Sign, look: Look) -> str:
-    """Return the arrow of a direction, else the letter of the action."""
-    return look.glyphs.direction(sign) if isinstance(sign, tuple) else sign
-
-
-def differing_style(style: Style) -> Style:
-    """Return ``style`` of an arrow for one that differs, where there is no room for a sign beside it."""
-    return style + Style(reverse=not style.reverse)
-
-
-def one_way_sign(way: Direction, look: Look) -> str:
-    """Return the sign of a cell that is left in one direction only."""
-    return look.glyphs.one_way[_ONE_WAYS.index(way)]
-
-
-def mark_of(kind: CellKind, agent: bool, way: Direction | None, look: Look) -> str:
-    """Return what marks a cell of ``kind``, in which the ``agent`` is or not, or the only ``way`` out of it.
-
-    Empty where nothing does.
-    """
-    if agent:
-        return look.glyphs.agent
-    return START if kind is CellKind.START else "" if way is None else one_way_sign(way, look)
-
-
-def put_reward(canvas: Canvas, x: int, y: int, room: int, reward: CellReward | None, look: Look) -> None:
-    """Put what a cell pays; where it does not fit, whether that is more or less than usual.
-
-    It stands on the background of the panel, so that it is seen on every tint.
-    """
-    if reward is None or room < 1:
-        return
-    canvas.put(x, y, reward_text(reward, room, look), reward_style(reward, look))
-
-
-def reward_text(reward: CellReward, room: int, look: Look) -> str:
-    """Return what a cell pays in ``room`` characters; where it does not fit, whether that is much."""
-    text = ("+" if reward.reward > 0.0 else "") + numbers.brief(reward.reward, look.glyphs, decimals=2)
-    if len(text) <= room:
-        return text
-    return "+" if reward.good else look.glyphs.minus
-
-
-def reward_style(reward: CellReward, look: Look) -> Style:
-    """Return the style of what a cell pays."""
-    return (look.palette.good if reward.good else look.palette.bad) + _BOLD

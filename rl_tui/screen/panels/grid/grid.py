@@ -23,7 +23,7 @@ from rl_tui.screen.kit.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.action_form import ActionForm, part_form, whole_map_form
 from rl_tui.screen.panels.grid.action_values import ActionArtist, name_room
-from rl_tui.screen.panels.grid.cells import CellArtist, sign_text
+from rl_tui.screen.panels.grid.cells import CellArtist
 from rl_tui.screen.panels.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.screen.panels.grid.headings import (
     FOLLOWS,
@@ -37,6 +37,7 @@ from rl_tui.screen.panels.grid.headings import (
     where,
 )
 from rl_tui.screen.panels.grid.map import CellContent, GridMap, MapPart, with_extra
+from rl_tui.screen.panels.grid.marks import sign_text
 from rl_tui.screen.panels.grid.signs import (
     action_signs,
     differing_sign,

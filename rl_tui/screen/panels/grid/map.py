@@ -263,7 +263,7 @@ class GridMap:
             cell = (part.top + row) * columns + part.left + column
             kind = kinds[cell]
             last = first + count
-            if cell in self._exits:
+            if cell in self._exits and not with_actions:
                 contents.append(CellContent(self._exits[cell], place == agent, reward=self._rewards[cell]))
             elif count == 0 or (held is not None and not held[first]):
                 extra = _UNREACHED if cell in self.unreached else self._walls.get(cell)

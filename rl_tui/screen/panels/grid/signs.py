@@ -12,9 +12,9 @@ from rl_tui.live.last_step.gust import gust_of
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.kit.panel import GREEDY_IN_FULL, LegendSign
 from rl_tui.screen.panels.grid.action_form import ActionForm, Places
-from rl_tui.screen.panels.grid.cells import SEVERAL, START, differing_style, one_way_sign, reward_style
 from rl_tui.screen.panels.grid.form import LEAST_ARROWS, CellForm
 from rl_tui.screen.panels.grid.map import GridMap, MapPart
+from rl_tui.screen.panels.grid.marks import SEVERAL, START, differing_style, one_way_sign, reward_style
 from rl_tui.screen.panels.grid.rewards import CellReward
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import CellKind, Grid
@@ -96,7 +96,7 @@ def action_signs(form: ActionForm, look: Look) -> Iterator[LegendSign]:
     """Yield the signs of cells with every action."""
     palette, glyphs = look.palette, look.glyphs
     # first: between others it would be taken for the dot that separates them
-    yield LegendSign(glyphs.stay, "not tried", palette.unvisited)
+    yield LegendSign(glyphs.untried, "not tried", palette.unvisited)
     if form.places is Places.TINTS:
         yield LegendSign(glyphs.up, "greedy", palette.strong, GREEDY_IN_FULL)
     else:

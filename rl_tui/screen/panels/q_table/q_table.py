@@ -228,7 +228,7 @@ class QTable(Panel, can_focus=True):
             *([no_value_sign(self.look)] if lacks_values(snapshot, self.shown_layer) else []),
             *([LegendSign(glyphs.lit, "just updated", palette.good)] if is_learned and self.lights else []),
             LegendSign(glyphs.agent, agent_meaning(snapshot) if state else "last pull", palette.agent),
-            *([LegendSign(glyphs.stay, "not tried", palette.unvisited)] if is_learned else []),
+            *([LegendSign(glyphs.untried, "not tried", palette.unvisited)] if is_learned else []),
             *([LegendSign(glyphs.cursor, "cursor", palette.you)] if self.has_focus else []),
         )
 
