@@ -57,7 +57,7 @@ def noted_way() -> Iterator[Way]:
 
 @pytest.mark.parametrize(
     ("key", "functions", "files"),
-    [("s", 705, 126), ("b", 742, 126), ("right", 750, 129)],
+    [("s", 712, 126), ("b", 742, 126), ("right", 750, 129)],
     ids=["step", "back", "slider"],
 )
 async def test_few_functions_run_for_a_key(key: str, functions: int, files: int) -> None:

@@ -60,10 +60,6 @@ class ValueScale:
         slack = 1e-9 * (high - low)
         return (x > high + slack) - (x < low - slack) if high > low else 0
 
-    def widened(self, other: ValueScale) -> ValueScale:
-        """Return the scale that holds both."""
-        return ValueScale(min(self.low, other.low), max(self.high, other.high))
-
 
 def value_scale(values: FloatArray) -> ValueScale | None:
     """Return the scale of finite ``values``, robust to outliers; None where there are none.
@@ -106,8 +102,10 @@ class SteadyScale:
         if self._is_study and not is_study:
             self.clear()
         self._is_study = is_study
-        if now is not None:
-            self._scale = now if self._scale is None else self._scale.widened(now)
+        before = self._scale
+        if now is not None and before is not None:
+            now = ValueScale(min(before.low, now.low), max(before.high, now.high))
+        self._scale = now or before
         return self._scale or ValueScale()
 
 

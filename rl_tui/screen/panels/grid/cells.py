@@ -153,7 +153,9 @@ class _Cell:
             self._draw_row()
         else:
             self._draw_sign()
-            self._draw_value()
+            form, text = self.form, self._text
+            if form.has_values and text:
+                self.canvas.put((form.inner - len(text)) // 2, form.value_row, text, self.ink + _BOLD)
 
     # The ground
 
@@ -301,11 +303,6 @@ class _Cell:
         """Return the greedy actions as letters; of several ``most`` characters, of one what ``room`` has."""
         text = "".join(sign_text(each, self.look) for each in self.face.greedy)
         return text if len(text) <= (most if len(self.face.greedy) > 1 else max(1, room)) else SEVERAL
-
-    def _draw_value(self) -> None:
-        form, text = self.form, self._text
-        if form.has_values and text:
-            self.canvas.put((form.inner - len(text)) // 2, form.value_row, text, self.ink + _BOLD)
 
     @property
     def _text(self) -> str:
