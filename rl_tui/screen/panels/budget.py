@@ -55,7 +55,7 @@ def budget_lines(snapshot: Snapshot | None, look: Look, width: int) -> list[Line
 def _hint(snapshot: Snapshot, look: Look) -> Line:
     if keeps_back(snapshot, "answer"):
         return [Piece(f" regret and the best arm: {ANSWER_KEPT}", look.palette.dim)]
-    return [Piece(" h  ", look.palette.accent), Piece("shows regret and the best arm", look.palette.dim)]
+    return [Piece(" h  ", look.palette.press), Piece("shows regret and the best arm", look.palette.dim)]
 
 
 def pair_lines(lanes: tuple[Snapshot, Snapshot], led: Snapshot, look: Look) -> list[Line]:
@@ -98,7 +98,7 @@ def _pulls(figures: BanditFigures, look: Look, spent: bool, drifts: bool) -> Lin
     ]
     if spent:
         line += [
-            Piece(separated(" · spent", look.glyphs), palette.accent),
+            Piece(separated(" · spent", look.glyphs), palette.strong),
             Piece("   r starts again", palette.dim),
         ]
     return [*line, *([Piece("   means drift", palette.dim)] if drifts else [])]

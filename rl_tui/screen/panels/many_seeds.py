@@ -441,10 +441,10 @@ def _how_far(study: SeedStudy, snapshot: Snapshot, look: Look, width: int) -> It
         yield from wrapped(study.how_long, width, palette.dim, look, " ", " ")
     if study.is_outdated:
         text = "the run has been changed since: enter counts again"
-        yield from wrapped(text, width, palette.accent, look, " ", " ")
+        yield from wrapped(text, width, palette.strong, look, " ", " ")
     if study.state is StudyState.OUT_OF_TIME:
         text = "it has used up the processor time that it may take"
-        yield from wrapped(text, width, palette.accent, look, " ", " ")
+        yield from wrapped(text, width, palette.strong, look, " ", " ")
 
 
 def _progress(study: SeedStudy, span: str, look: Look, width: int) -> Line:
@@ -474,7 +474,7 @@ def _what_is_counted(study: SeedStudy, snapshot: Snapshot, look: Look, width: in
     """Yield why it is bounded as it is or has failed, and which seeds there are so far."""
     palette = look.palette
     if study.message:
-        style = palette.accent if study.state in _SAYS_WHY else palette.text
+        style = palette.strong if study.state in _SAYS_WHY else palette.text
         yield from wrapped(study.message, width, style, look, " ", " ")
     if study.seeds and not study.is_outdated:
         first = snapshot.recipe.seed

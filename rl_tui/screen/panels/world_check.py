@@ -78,9 +78,9 @@ def _how_far(view: WorldCheckView, look: Look, width: int) -> Iterator[Line]:
     palette, report = look.palette, view.report
     text, style = WAITING, palette.dim
     if view.refused:
-        text, style = view.refused, palette.accent
+        text, style = view.refused, palette.strong
     elif view.is_outdated:
-        text, style = OUTDATED, palette.accent
+        text, style = OUTDATED, palette.strong
     elif report is not None and report.stage is CheckStage.DONE:
         count = len(report.warnings)
         text, style = FINE, palette.good

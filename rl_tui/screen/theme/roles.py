@@ -16,7 +16,7 @@ from rl_tui.screen.theme.inks import with_ink
 class Palette:
     """The styles of one colour depth on a dark or a light background. None of them is empty.
 
-    One colour has one meaning: ``accent`` can be pressed, ``greedy`` looks best, ``you`` (``focus`` where a
+    One colour has one meaning: ``press`` can be pressed, ``best`` looks best, ``you`` (``focus`` where a
     cursor stands) is what a person does, white on ink is the ``agent``, ``source`` is where an update's
     estimate came from, ``good`` and ``bad`` are the signs of its error.
 
@@ -40,9 +40,9 @@ class Palette:
     text: Style
     dim: Style
     strong: Style
-    accent: Style
+    press: Style
     agent: Style
-    greedy: Style
+    best: Style
     you: Style
     updated: Style
     source: Style

@@ -249,7 +249,7 @@ def _draw_list(canvas: Canvas, face: ActionFace, form: ActionForm, look: Look) -
             canvas.put(x, y, " " * width, entry.style)
             sign_style = entry.style + Style(bold=entry.is_greedy)
         else:
-            sign_style = look.palette.greedy if entry.is_greedy else look.palette.dim
+            sign_style = look.palette.best if entry.is_greedy else look.palette.dim
         canvas.put(x, y, sign_text(entry.sign, look).rjust(form.sign_width), sign_style)
         _put_number(canvas, x + form.sign_width + form.is_framed, y, entry, form, look)
     _put_marks_of_list(canvas, face, form, 0 if form.places is Places.LIST else width, look)
@@ -352,7 +352,7 @@ def _put_marks_on_tints(canvas: Canvas, face: ActionFace, form: ActionForm, edge
 
 def _put_number(canvas: Canvas, x: int, y: int, entry: ActionEntry, form: ActionForm, look: Look) -> None:
     """Put a number with its tint, and around it, else after it, what marks it as greedy."""
-    digits, glyphs, greedy = form.digits, look.glyphs, look.palette.greedy
+    digits, glyphs, greedy = form.digits, look.glyphs, look.palette.best
     number = entry.text.center(digits) if entry.text == glyphs.untried else entry.text.rjust(digits)
     canvas.put(x, y, number, entry.style)
     if entry.is_greedy and form.is_framed:

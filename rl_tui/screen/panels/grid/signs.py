@@ -101,7 +101,7 @@ def action_signs(form: ActionForm, look: Look) -> Iterator[LegendSign]:
         yield LegendSign(glyphs.up, "greedy", palette.strong, GREEDY_IN_FULL)
     else:
         frame = glyphs.mark_left + glyphs.mark_right if form.is_framed else glyphs.mark_after
-        yield LegendSign(frame, "greedy", palette.greedy, GREEDY_IN_FULL)
+        yield LegendSign(frame, "greedy", palette.best, GREEDY_IN_FULL)
     if palette.tints:
         yield LegendSign(" tint ", "Q", palette.value(1.0), "value Q(s,a)")
 

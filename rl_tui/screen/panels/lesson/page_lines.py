@@ -195,7 +195,7 @@ class _Writer:
         self._gap()
         self._news()
         for remark in remarks:
-            self._beside(Piece(self._look.glyphs.cursor, self._palette.accent), remark)
+            self._beside(Piece(self._look.glyphs.cursor, self._palette.strong), remark)
 
     def _what_to_press(self, task: Task) -> None:
         if task.program is None:
@@ -228,7 +228,7 @@ class _Writer:
         mark = self._look.glyphs.cursor
         opens = f": {spotlight.key} opens it" if spotlight.key else ": not in view here, f zooms a panel"
         where = "" if spotlight.is_seen else opens
-        self._row([Piece(f"{mark} look at {spotlight.title}{where}", self._palette.accent)])
+        self._row([Piece(f"{mark} look at {spotlight.title}{where}", self._palette.strong)])
 
     # How it is written
 
@@ -242,10 +242,10 @@ class _Writer:
 
     def _head(self, text: str) -> None:
         self._gap()
-        self._row([Piece(text, self._palette.accent)])
+        self._row([Piece(text, self._palette.strong)])
 
     def _key(self, key: str, does: str) -> None:
-        self._beside(Piece(key, self._palette.accent), does)
+        self._beside(Piece(key, self._palette.press), does)
 
     def _say(self, text: str, *, is_strong: bool = False, is_dim: bool = False) -> None:
         palette = self._palette

@@ -131,7 +131,7 @@ def _tree(world: World, backup: Backup, look: Look, width: int, *, secret: bool)
     ]
     for number, (leaf, row_text) in enumerate(zip(shown, rows, strict=True), start=1):
         is_last = number == len(shown) and not left_out
-        mark = Piece(f" {glyphs.cursor if leaf.happened else ' '}", palette.accent)
+        mark = Piece(f" {glyphs.cursor if leaf.happened else ' '}", palette.strong)
         branch = Piece(glyphs.axis_corner if is_last else glyphs.fork, palette.dim)
         node = Piece(f"{glyphs.state_node} ", palette.strong if leaf.happened else palette.dim)
         row = Piece(row_text, palette.strong if leaf.happened else palette.text)

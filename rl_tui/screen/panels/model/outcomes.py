@@ -78,7 +78,7 @@ def _aligned(rows: Sequence[tuple[str, ...]], look: Look) -> list[list[Piece]]:
         [
             Piece(
                 f"   {cell}{' ' * (columns - cell_len(cell))}",
-                palette.accent if cell == "ends" else palette.text if number else palette.dim,
+                palette.strong if cell == "ends" else palette.text if number else palette.dim,
             )
             for cell, columns in zip(row, widths, strict=True)
             if columns

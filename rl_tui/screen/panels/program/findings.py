@@ -134,7 +134,7 @@ def finding_lines(
     palette, glyphs = look.palette, look.glyphs
     place = place_text(finding.file, finding.line, program)
     mark = glyphs.cursor if is_chosen else " "
-    style = palette.bad if finding.kind == "fault" else palette.accent
+    style = palette.bad if finding.kind == "fault" else palette.strong
     name = Piece(f" {mark} {finding.kind}: {IN_SHORT[finding.fault]}", style)
     where = [Piece(f"   {place}", palette.text)] if place else []
     head = first_that_fits([[name, *where], [name]], width, look)

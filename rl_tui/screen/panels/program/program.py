@@ -146,7 +146,7 @@ class _Writer:
     def _news(self) -> list[Line]:
         """Return what the file that was saved last has changed."""
         news = one_line(self._program.reloaded, LONGEST_SENTENCE)
-        return self._at_most(_NEWS_ROWS, self._wrapped(f" {news}", self._palette.accent) if news else [])
+        return self._at_most(_NEWS_ROWS, self._wrapped(f" {news}", self._palette.strong) if news else [])
 
     def _table(self) -> list[Line]:
         program = self._program
@@ -211,7 +211,7 @@ class _Writer:
         said = IN_SHORT[worst.fault]
         at = f" ({place})" if place else ""
         count = f" {self._look.glyphs.breakpoint} {counted(findings)}: "
-        style = self._palette.bad if worst.kind == "fault" else self._palette.accent
+        style = self._palette.bad if worst.kind == "fault" else self._palette.strong
         hint = Piece("   F shows it" if len(findings) == 1 else "   F shows them", self._palette.dim)
         forms: list[Line] = [[Piece(f"{count}{said}{at}", style), hint]]
         forms += [

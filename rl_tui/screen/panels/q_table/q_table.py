@@ -224,7 +224,7 @@ class QTable(Panel, can_focus=True):
             return ()
         return (
             *mark_signs(snapshot.editor, self.look),
-            LegendSign(frame, framed, palette.greedy, greedy),
+            LegendSign(frame, framed, palette.best, greedy),
             *([no_value_sign(self.look)] if lacks_values(snapshot, self.shown_layer) else []),
             *([LegendSign(glyphs.lit, "just updated", palette.good)] if is_learned and self.lights else []),
             LegendSign(glyphs.agent, agent_meaning(snapshot) if state else "last pull", palette.agent),

@@ -212,8 +212,8 @@ def framed(scene: Scene, figures: Figures, pair: int, number: str, is_greedy: bo
         style = palette.focus
     else:
         style = figures.style(pair) if figures.layer is scene.layer else figures.plain_style(pair)
-    left = Segment(glyphs.mark_left if is_greedy else " ", palette.greedy)
-    right = Segment(glyphs.mark_right if is_greedy else " ", palette.greedy)
+    left = Segment(glyphs.mark_left if is_greedy else " ", palette.best)
+    right = Segment(glyphs.mark_right if is_greedy else " ", palette.best)
     if side := figures.side(pair):
         number = _in_margin(number, glyphs.beyond[side > 0], 0)
     error = figures.error(pair)
