@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -47,16 +46,18 @@ class ValueScale:
 
     def style(self, x: float, palette: Palette) -> Style:
         """Return the tint of ``x``; of NaN that of no value."""
-        if math.isnan(x):
+        if x != x:
             return palette.text
         low, high = self.ends
-        span = high - low
-        share = (x - low) / span if 0.0 < span < math.inf else 0.0
-        return palette.signed_value(2.0 * share - 1.0) if self.is_signed else palette.value(share)
+        if self.is_signed:
+            return palette.signed_value(x / high)
+        return palette.value((x - low) / (high - low) if high > low else 0.0)
 
     def side(self, x: float) -> int:
         """Return −1 where ``x`` lies below the scale, 1 where above, else 0."""
         low, high = self.ends
+        if low <= x <= high:
+            return 0
         slack = 1e-9 * (high - low)
         return (x > high + slack) - (x < low - slack) if high > low else 0
 

@@ -113,21 +113,17 @@ def draw_grid(
     number_form = number_forms.form(type(form).__name__, values, form.digits, most=_DECIMALS)
     drawn = artist.drawn(cells, scale, number_form)
     left, top = origin(form, part, width, height)
-    before = Segment(" " * left, text)
-    after = Segment(" " * max(0, width - part.columns * form.width - len(before.text)), text)
+    taken = left + part.columns * form.width
+    before = [Segment(" " * left, text)] if left else []
+    after = [Segment(" " * (width - taken), text)] if taken < width else []
     strips = [Strip([Segment(" " * width, text)], width)] * top
     for row in range(part.rows):
         faces = drawn[row * part.columns : (row + 1) * part.columns]
         for line in range(form.height):
-            segments = [before, *chain.from_iterable(face[line] for face in faces), after]
-            strips.append(
-                Strip(Segment.simplify(filter(_has_text, segments))).adjust_cell_length(width, text)
-            )
+            segments = chain(before, chain.from_iterable(face[line] for face in faces), after)
+            strip = Strip(Segment.simplify(segments), max(taken, width))
+            strips.append(strip if taken <= width else strip.adjust_cell_length(width, text))
     return strips + [Strip([Segment(" " * width, text)], width)] * (height - len(strips))
-
-
-def _has_text(segment: Segment) -> bool:
-    return bool(segment.text)
 
 
 # The panel

@@ -179,6 +179,7 @@ class Figures:
         self.numbers = _numbers(snapshot, layer, exact)
         self.low, self.high = ends(self.numbers)
         self._scale = scale if layer is Layer.Q else value_scale(_best(snapshot, layer, exact)) or scale
+        self._is_value = layer not in (Layer.VISITS, Layer.ERROR, Layer.LANES)
         self._total_visits: int | None = None
         self._steady = forms
         self._forms: dict[int, NumberForm] = {}
@@ -236,9 +237,7 @@ class Figures:
 
     def side(self, pair: int) -> int:
         """Return −1 where the number of ``pair`` lies below the scale of the tints, 1 where above, else 0."""
-        if self.layer in (Layer.VISITS, Layer.ERROR, Layer.LANES) or not self.holds(pair):
-            return 0
-        return self._scale.side(self._values[pair].item())
+        return self._scale.side(self._values[pair].item()) if self._is_value and self.holds(pair) else 0
 
     def greedy(self, pairs: range) -> tuple[int, ...]:
         """Return the greedy ones of ``pairs``, which are those of one state."""
