@@ -21,17 +21,19 @@ import click
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, Algorithm, Policy
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
 from rl_tui.commands.main import program
-from rl_tui.commands.options.help_sections import OPTIONS, SOME, TITLES, section_of
+from rl_tui.commands.options.run import OPTIONS, SOME, TITLES, section_of
 from rl_tui.lessons.catalogue import shipped_lessons
 from rl_tui.lessons.figures.figures import FUNCTIONS
-from rl_tui.lessons.judging.measures import MEASURES, MeasureKind
+from rl_tui.lessons.judging.measures import MEASURES as LESSON_MEASURES
+from rl_tui.lessons.judging.measures import MeasureKind
 from rl_tui.runs.library import listing
+from rl_tui.runs.measures import MEASURES
 from rl_tui.screen.glossary.glossary import BOOK, figure_text
 from rl_tui.screen.glossary.glossary import glossary as terms
 from rl_tui.screen.keys.action import Action, Group, Place
 from rl_tui.screen.keys.registry import ACTIONS
 from rl_tui.screen.playground.modes.editing import ALWAYS, TOOLBOXES
-from rl_tui.studies.sweeps.measures import MEASURES as SWEEP_MEASURES
+from rl_tui.studies.sweeps.cell import MEASURES as SWEEP_MEASURES
 from rl_tui.studies.sweeps.schema import SCHEMA
 from rl_tui.worlds.drawing import Arms, Graph, Grid
 from rl_tui.worlds.files.catalogue import scenarios as read_scenarios
@@ -138,7 +140,7 @@ def measures() -> str:
     """Return what can be measured of a run, a list for each kind; settings are named by their options."""
     parts = []
     for kind in MeasureKind:
-        rows = [each for each in MEASURES.values() if each.kind is kind]
+        rows = [each for each in LESSON_MEASURES.values() if each.kind is kind]
         if kind is MeasureKind.SETTING:
             text = "`algorithm`, and every setting by its name in JSON: [settings](agents.md#settings)."
             parts.append(f"* **{_sentence(kind)[:-1]}**: {text}")
@@ -270,12 +272,22 @@ def _wrapped(text: str, indent: str = "") -> str:
     return fill(" ".join(text.split()), 110, subsequent_indent=indent, break_on_hyphens=False)
 
 
+def run_measures() -> str:
+    """Return the measures of a run that ``train --json`` prints."""
+    return _measures(each for each in MEASURES if each not in ("area", "arrival"))
+
+
 def sweep_measures() -> str:
-    """Return the measures of a sweep, with their formulas."""
+    """Return the measures of a sweep."""
+    return _measures(SWEEP_MEASURES)
+
+
+def _measures(names: Iterable[str]) -> str:
+    """Return a table of the measures of these ``names``, with their formulas."""
     better = {True: "more", False: "less", None: ""}
     rows = [
         (f"`{each.id}`", each.unit, better[each.larger_is_better], each.formula.replace("|", "\\|"))
-        for each in SWEEP_MEASURES.values()
+        for each in (MEASURES[name] for name in names)
     ]
     return _table(("id", "in", "better is", "what it is"), rows)
 
@@ -307,7 +319,7 @@ BLOCKS = {
     made.__name__: made
     for made in (
         *(keys, drawing_keys, glossary, scenarios, lessons, measures, figure_functions),
-        *(algorithms, policies, settings, commands, sweep_measures, sweep_schema),
+        *(algorithms, policies, settings, commands, run_measures, sweep_measures, sweep_schema),
     )
 }
 

@@ -39,7 +39,7 @@ from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.agents.compiling.cache_folder import was_compiled
 from rl_tui.agents.compiling.loops import compile_here
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, SHARED, Loop
-from rl_tui.agents.kernels.stop import Stop
+from rl_tui.agents.kernels.position import Stop
 from rl_tui.agents.learner import UNLIMITED, Learner
 from rl_tui.live.pace import interpreter
 from rl_tui.runs.background import background

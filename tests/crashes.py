@@ -53,7 +53,7 @@ def crash(folder: Path, session: Path | None, chance: random.Random) -> Crash:
     before = stand_of(lane.record)
     name = str(session) if session else SCENARIO
     with PseudoTerminal([*RL_TUI, "play", name], {"RL_TUI_SESSIONS_DIR": str(folder)}) as terminal:
-        terminal.wait_for(rf"step\s+{lane.step:,}\b" if lane.step else "paused")
+        terminal.wait_for(rf"step\s+{lane.run.step:,}\b" if lane.run.step else "paused")
         runs = chance.random() < 0.3
         seen = list(run(terminal, chance) if runs else act(terminal, lane, chance))
         for _ in terminal.reading(chance.choice([0.0, chance.uniform(0.0, 0.7)])):
@@ -78,18 +78,18 @@ def crash(folder: Path, session: Path | None, chance: random.Random) -> Crash:
 def act(terminal: PseudoTerminal, lane: BranchingRun, chance: random.Random) -> Iterator[Seen]:
     """Press keys: a step, a step back, or a change and a step; yield what came of each."""
     for _ in range(chance.randint(1, 25)):
-        keys = chance.choice(["s", "s", "ts", "b" if lane.step > 1 else "s"])
+        keys = chance.choice(["s", "s", "ts", "b" if lane.run.step > 1 else "s"])
         stands = []
         if keys == "ts":
             lane.apply(SetParameter("ties", "first"))
             stands.append(stand_of(lane.record))  # it may be kept before the step is done
         if keys == "b":
-            lane.seek_to(step=lane.step - 1)
+            lane.seek_to(step=lane.run.step - 1)
             arrive(lane)
         else:
             lane.advance(1)
         terminal.press(keys)
-        terminal.wait_for(rf"step\s+{lane.step:,}\b")
+        terminal.wait_for(rf"step\s+{lane.run.step:,}\b")
         for stand in (*stands, stand_of(lane.record)):
             yield Seen(time.perf_counter(), stand)
 

@@ -19,7 +19,9 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.recipe import Recipe
 from rl_tui.runs.run import Run
 
-_PACKAGE: Final = str(Path(rl_tui.__file__).parent)
+_PACKAGE: Final = Path(rl_tui.__file__).parent
+_COMPILED: Final = tuple(str(_PACKAGE / "agents" / each) for each in ("algorithms", "kernels", "policies"))
+"""Folders of what the program runs as machine code, and most tests interpret."""
 
 
 class Ticking:
@@ -54,10 +56,11 @@ def do(playback: Playback, *commands: Command) -> Snapshot:
 def note_function(found: set[tuple[str, str]], frame: FrameType, event: str, _: object = None) -> None:
     """Add the function of the program that is called, as (file, name).
 
-    Lambdas, comprehensions and what dataclasses generate do not count.
+    Kernels, lambdas, comprehensions and what dataclasses generate do not count.
     """
     code = frame.f_code
-    if event == "call" and code.co_filename.startswith(_PACKAGE) and not code.co_name.startswith("<"):
+    is_ours = code.co_filename.startswith(str(_PACKAGE)) and not code.co_filename.startswith(_COMPILED)
+    if event == "call" and is_ours and not code.co_name.startswith("<"):
         found.add((code.co_filename, code.co_qualname))
 
 
@@ -84,11 +87,9 @@ def bits(value: Any) -> Any:
 def stand(run: Run) -> Any:
     """All that a run knows."""
     learner = run.learner
-    known = [learner.q, learner.visits, learner.last_step, learner.rewards, learner.discounted_return]
-    known += [run.results]
-    known += [learner.algorithm, learner.hyperparameters, learner.state, learner.episode_return, run.journal]
-    known += [str(each.bit_generator.state) for each in learner.streams]
-    return bits([*known, run.step, learner.episodes, learner.episode_step, run.stop_reason, run.over])
+    known = [learner.q, learner.visits, learner.counters, run.results]
+    known += [learner.algorithm, learner.hyperparameters, run.journal, run.stop_reason, run.over]
+    return bits([*known, *(str(each.bit_generator.state) for each in learner.streams)])
 
 
 def assert_true_to_the_record(playback: Playback) -> None:

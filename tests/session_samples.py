@@ -8,8 +8,8 @@ from typing import Any
 from hypothesis import strategies as st
 from recipes import recipe
 
+from rl_tui.agents.catalogue import SWEEP_PHASES
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.agents.sweep_phases import SWEEP_PHASES
 from rl_tui.live.pace.until import Breakpoints
 from rl_tui.live.record import Record
 from rl_tui.runs.recipe import (

@@ -15,7 +15,7 @@ from typing import Final, NamedTuple
 
 from rl_tui.runs.library import find
 from rl_tui.studies.sweeps.cells.variation import read_variation
-from rl_tui.studies.sweeps.csv_rows import write_csv
+from rl_tui.studies.sweeps.document import write_csv
 from rl_tui.studies.sweeps.plan import SweepPlan
 from rl_tui.studies.sweeps.store import Store
 from rl_tui.studies.sweeps.sweep import run_sweep

@@ -1,11 +1,46 @@
-"""The algorithms and policies, a row each. Free of numba, so that lists and help are quick."""
+"""The algorithms and policies, a row each, with the symbols of their updates.
+
+It imports no numba, so that lists and help are quick.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Final
+from enum import Enum, auto
+from typing import Final, Literal
 
-from rl_tui.agents.update_terms import Lookup, UpdateTerms
+# The symbols of an update
+
+
+class Lookup(Enum):
+    """Which estimates of the next state an update looks up."""
+
+    BEST = auto()  # the greatest
+    NEXT = auto()  # that of the action taken next
+    MEAN = auto()  # all, weighted by the policy
+    OTHER = auto()  # that of the best action, in the other of two tables
+    POLICY = auto()  # those of the policy that a planner keeps
+
+
+@dataclass(frozen=True, slots=True)
+class UpdateTerms:
+    """The symbols of target = gathered + discount · bootstrap, and the words around an update.
+
+    The defaults are those of Q-learning. ``bootstrap`` is empty where nothing is estimated; in it ``{next}``
+    stands for the next state, ``{own}`` and ``{other}`` for the table that moved and the one beside it.
+    ``others`` says where further updates of the same step came from, behind their number, and ``waiting`` why
+    there was no update yet. ``lookup`` says which estimates the bootstrap comes from, and ``one_step`` that
+    they are those of the state one step further.
+    """
+
+    gathered: str = "r"
+    discount: str = "γ"
+    bootstrap: str = "max Q({next},·)"
+    others: str = "more"
+    waiting: str = "nothing was updated"
+    lookup: Lookup = Lookup.BEST
+    one_step: bool = True
+
 
 _STEP_SIZE: Final = ("alpha", "step_size_schedule", "alpha_min", "alpha_decay")
 _TD: Final = (*_STEP_SIZE, "gamma", "policy", "initial_q")
@@ -303,3 +338,12 @@ def parameters_of(algorithm: str, policy: str) -> tuple[str, ...]:
         return own
     place = own.index("policy") + 1
     return (*own[:place], *POLICY_BY_ID[policy].parameters, *own[place:])
+
+
+# The sweeps of policy iteration
+
+
+SweepPhase = Literal["evaluation", "improvement"]
+
+SWEEP_PHASES: Final[tuple[SweepPhase, ...]] = ("evaluation", "improvement")
+"""All of them; kernels number them by their places."""

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.kernels.loop import advance
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, Loop, fastest, interpreted, use_machine_code
 from rl_tui.agents.kernels.planning_loop import sweep
-from rl_tui.agents.kernels.position import NOT_FORCED
-from rl_tui.agents.kernels.stop import Stop
+from rl_tui.agents.kernels.position import NOT_FORCED, Stop
 from rl_tui.agents.kernels.tables import Tables
 from rl_tui.agents.kernels.watch import forget
 from rl_tui.agents.last_step import Author
@@ -36,7 +34,7 @@ class Learner(LearnerMemory):
         """
         if self.plans:
             raise UserError(
-                f"{BY_ID[self.algorithm].name} plans and takes no steps: to act yourself, take an algorithm "
+                f"{self._row.name} plans and takes no steps: to act yourself, take an algorithm "
                 f"that learns, such as q-learning"
             )
         legal = self.space.pairs_of(self.state)

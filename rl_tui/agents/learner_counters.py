@@ -8,7 +8,6 @@ from typing import Final, NamedTuple, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.kernels.after_update import new_record, read_record
 from rl_tui.agents.kernels.position import new_episode_log, new_position
 from rl_tui.agents.last_step import LastStep
@@ -88,20 +87,18 @@ class Episodes(NamedTuple):
 
 
 class LearnerCounters:
-    """The counters, the last step and the episode under way of a learner with ``algorithm``."""
+    """The counters, the last step and the episode under way of a learner."""
 
-    def __init__(self, algorithm: str) -> None:
-        self.algorithm = algorithm
+    def __init__(self) -> None:
+        self.algorithm: str
+        """The id of the algorithm."""
+        self.plans: bool
+        """Whether that is a planner, which takes no steps in the world."""
         self._position = new_position(0)
         self._log = new_episode_log(EPISODES_LOGGED)
         self._record = new_record()
         self.world_since = 0
         """After how many steps the world last became another one."""
-
-    @property
-    def plans(self) -> bool:
-        """Whether the algorithm in force is a planner, which takes no steps in the world."""
-        return BY_ID[self.algorithm].planner
 
     @property
     def step(self) -> int:
@@ -124,11 +121,6 @@ class LearnerCounters:
         return int(self._position.episode_step[0])
 
     @property
-    def episode_return(self) -> float:
-        """Undiscounted return so far in the episode under way."""
-        return float(self._position.episode_return[0])
-
-    @property
     def first_reward_episode(self) -> int:
         """The first episode (from 1) with a non-zero reward, 0 while there is none."""
         return int(self._position.first_reward_episode[0])
@@ -149,40 +141,22 @@ class LearnerCounters:
         return last is None or last.episode == self.episodes
 
     @property
-    def rewards(self) -> FloatArray:
-        """The rewards of the last step's episode, oldest first: the last 256 at most; none for a planner."""
-        return newest(self._position.rewards, self._rewards_seen)
-
-    @property
-    def td_errors(self) -> FloatArray:
-        """The TD errors of the last updates, oldest first: the last 256 at most."""
-        return newest(self._record.td_errors, int(self._record.updates[0]))
-
-    @property
-    def updated_pairs(self) -> IntArray:
-        """The pairs that those updates moved."""
-        return newest(self._record.pairs, int(self._record.updates[0]))
-
-    @property
-    def discounted_return(self) -> float:
-        """Σ γᵏ r of the last step's episode so far, with the γ in force at each step; 0 for a planner."""
-        return float(self._position.discounted[0]) if self._rewards_seen else 0.0
-
-    @property
     def counters(self) -> Counters:
-        """A frozen copy of all these."""
-        last = self.last_step
+        """A frozen copy of the counters, with the last step and the rewards and updates up to it."""
+        position, record, last = self._position, self._record, self.last_step
+        rewards = 0 if last is None or last.planned or self.plans else last.episode_step
+        updates = int(record.updates[0])
         return Counters(
             state=self._shown_state(last),
             step_from=self.state,
             step=self.step,
             episodes=self.episodes,
             episode_step=self.episode_step,
-            episode_return=self.episode_return,
-            rewards=self.rewards,
-            discounted_return=self.discounted_return,
-            td_errors=self.td_errors,
-            updated_pairs=self.updated_pairs,
+            episode_return=float(position.episode_return[0]),
+            rewards=newest(position.rewards, rewards),
+            discounted_return=float(position.discounted[0]) if rewards else 0.0,
+            td_errors=newest(record.td_errors, updates),
+            updated_pairs=newest(record.pairs, updates),
             last_step=last,
         )
 
@@ -198,12 +172,6 @@ class LearnerCounters:
         if last is None or self.episode_step > 0:
             return self.state
         return last.next_state if last.terminated or last.truncated else self.state
-
-    @property
-    def _rewards_seen(self) -> int:
-        """How many steps the last step's episode has had; 0 before the first step and for a planner."""
-        last = self.last_step
-        return 0 if last is None or last.planned or self.plans else last.episode_step
 
     def drain_episodes(self) -> Episodes:
         """Return copies of the episodes finished since the last call, and forget them."""

@@ -1,4 +1,4 @@
-"""The memory of a learner: everything it holds, and how to change, copy and restore it."""
+"""The memory of a learner: what it holds, how to change, copy and restore it, and why it stops for good."""
 
 from __future__ import annotations
 
@@ -9,20 +9,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rl_tui.agents.breakdown import breakdown
-from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, SweepPhase
 from rl_tui.agents.compatibility import check_compatible
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.drift import Drifted, drifted_by, new_drift
+from rl_tui.agents.kernels.environment_loop import SteppedLoop
 from rl_tui.agents.kernels.loop import start_state
 from rl_tui.agents.kernels.parameters import kernel_parameters, schedules_of
-from rl_tui.agents.kernels.stepped_loop import SteppedLoop
-from rl_tui.agents.kernels.stop import Stop
+from rl_tui.agents.kernels.position import Stop
 from rl_tui.agents.kernels.tables import tables_of
 from rl_tui.agents.kernels.watch import WatchedEvents, Watching, forget, new_watch, noticed_by
-from rl_tui.agents.last_step import Author
+from rl_tui.agents.last_step import Author, LastStep
 from rl_tui.agents.learner_counters import LearnerCounters
-from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.agents.world_change import (
     carried_state,
     carried_watching,
@@ -37,6 +35,33 @@ from rl_tui.worlds.editing.carried import Carried
 from rl_tui.worlds.environment import Environment
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+# Why a learner stops for good
+
+
+def breakdown(stop: Stop, algorithm: str, last: LastStep, space: FiniteSpace, q: FloatArray) -> str:
+    """Return why ``algorithm`` stopped for good after the step ``last``, as a sentence; empty if it did not.
+
+    ``q``, [P], are its estimates.
+    """
+    if stop is Stop.DIVERGED:
+        pair = int(np.argmax(np.nan_to_num(np.abs(q), nan=np.inf)))
+        chosen = BY_ID[algorithm]
+        traces = "lambda" in chosen.parameters
+        remedy = "discount" if chosen.planner else "step size or λ" if traces else "step size"
+        return (
+            f"Q({space.pair_name(pair)}) left ±1e12 at step {last.step:,}: "
+            f"take a smaller {remedy} or start again"
+        )
+    if stop is Stop.ENDLESS_EPISODE:
+        return f"episode {last.episode:,} has not ended after 10,000,000 steps, at step {last.step:,}"
+    if stop is Stop.MEMORY_FULL:
+        return (
+            f"{BY_ID[algorithm].name} remembers 1,000,000 steps of an episode, and episode "
+            f"{last.episode:,} has not ended, at step {last.step:,}"
+        )
+    return ""
+
 
 # A copy to return to
 
@@ -116,7 +141,7 @@ class LearnerMemory(LearnerCounters):
         environment: Environment | None = None,
     ) -> None:
         check_compatible(space, algorithm, hyperparameters)
-        super().__init__(algorithm)
+        super().__init__()
         self.streams = streams
         self._stepped = (
             None if environment is None else SteppedLoop(environment, streams.world, space.pair_action)
@@ -228,8 +253,9 @@ class LearnerMemory(LearnerCounters):
         self._schedules = schedules_of(hyperparameters)
 
     def _take_algorithm(self, algorithm: str) -> None:
-        self._module = importlib.import_module(BY_ID[algorithm].module)
-        self.algorithm = algorithm
+        self._row = BY_ID[algorithm]
+        self._module = importlib.import_module(self._row.module)
+        self.algorithm, self.plans = algorithm, self._row.planner
         self._memory = self._module.new_memory(self.q, self.visits, self.space)
 
     def _begin_anew(self) -> None:
@@ -265,27 +291,21 @@ class LearnerMemory(LearnerCounters):
 
         It is None too where sweeps are all alike, and for an agent.
         """
-        return self._module.phase_of(self._memory) if self._takes_orders else None
+        return self._module.phase_of(self._memory) if self._row.takes_orders else None
 
     @property
     def ordered(self) -> SweepPhase | None:
         """What is ordered for the next sweep; None where nothing is."""
-        return self._module.ordered(self._memory) if self._takes_orders else None
-
-    @property
-    def _takes_orders(self) -> bool:
-        return BY_ID[self.algorithm].takes_orders
+        return self._module.ordered(self._memory) if self._row.takes_orders else None
 
     def order(self, phase: SweepPhase) -> None:
         """Let the next sweep be one of ``phase``, whatever is due by itself, be it that nothing is.
 
         Raises UserError where the algorithm in force has no such sweeps.
         """
-        if not self._takes_orders:
+        if not self._row.takes_orders:
             able = " or ".join(each.id for each in BY_ID.values() if each.takes_orders)
-            raise UserError(
-                f"{BY_ID[self.algorithm].name} has no sweeps of evaluation and improvement: take {able}"
-            )
+            raise UserError(f"{self._row.name} has no sweeps of evaluation and improvement: take {able}")
         self._module.order(self._memory, phase)
         self._go_on_planning()
 

@@ -1,17 +1,24 @@
-"""Safe files: locks between programs, and writing that never leaves half a file."""
+"""Safe files: locks between programs, and three ways to write none of which leaves half a file.
+
+:func:`write_atomically` replaces a file, and until then leaves the old one as it is. :func:`new_file` begins
+one and refuses a name that is taken. :func:`whole_file` writes over what is there and takes away what cannot
+be written to its end.
+"""
 
 from __future__ import annotations
 
 import errno
 import os
 import sys
-from collections.abc import Iterator
+import time
+from collections.abc import Container, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from stat import S_ISREG
 from typing import Final, TextIO
 
 from rl_tui.common.errors import UserError
+from rl_tui.common.findings import is_plain, printable
 
 # Locks
 
@@ -91,7 +98,7 @@ class FileLock:
             return False
 
 
-# Atomic writing
+# Replace a file, or leave the old one
 
 
 # Whoever may write in the folder must not have us write elsewhere by a link in the draft's place
@@ -99,6 +106,7 @@ _FLAGS: Final = (
     os.O_WRONLY | os.O_CREAT | os.O_TRUNC | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
 )
 _NEW: Final = ".new"
+_LONGEST_WRITE: Final = 60.0  # seconds, by far
 
 
 def write_atomically(path: Path, content: bytes, mode: int = OURS_ALONE) -> None:
@@ -127,16 +135,22 @@ def draft_of(path: Path) -> Path:
     return path.with_name(f".{path.name}{_NEW}")
 
 
-def drafts_in(folder: Path, suffix: str) -> list[tuple[Path, Path]]:
-    """Return the drafts in ``folder``, each after the path, ending in ``suffix``, that it was to replace.
+def remove_old_drafts(folder: Path, suffix: str) -> None:
+    """Remove the drafts in ``folder`` that programs left which were killed while they wrote.
 
-    They are being written, or were when their program was killed.
+    ``suffix`` ends the names of the files that they were to replace.
     """
     try:
-        drafts = sorted(folder.glob(f".*{suffix}{_NEW}"))
+        drafts = list(folder.glob(f".*{suffix}{_NEW}"))
     except OSError:  # a folder that may not be read
-        return []
-    return [(draft.with_name(draft.name[1 : -len(_NEW)]), draft) for draft in drafts]
+        return
+    for draft in drafts:
+        lock = FileLock(draft.with_name(draft.name[1 : -len(_NEW)]))
+        with suppress(OSError):
+            # on file systems without locks its age alone tells it from one that is being written
+            if lock.acquire() and time.time() - draft.stat().st_mtime > _LONGEST_WRITE:
+                draft.unlink()
+        lock.release()
 
 
 def remove_with_draft(path: Path) -> None:
@@ -160,7 +174,80 @@ def signature(status: os.stat_result) -> tuple[int, ...]:
     return status.st_ino, status.st_mtime_ns, status.st_size
 
 
-# Files that the user asked for: written wholly, or not at all
+# Begin a new file, or refuse
+
+
+@contextmanager
+def new_file(path: Path) -> Iterator[TextIO]:
+    """Yield the new file ``path``, opened to write text; it is removed where writing is broken off.
+
+    Raises UserError, in a line, where it is there already or cannot be written.
+    """
+    try:
+        stream = path.open("x", encoding="utf-8", newline="")
+    except FileExistsError as error:
+        raise UserError(f"{printable(str(path))} is there already: choose another name") from error
+    except OSError as error:
+        raise _unwritable(path, error) from error
+    begun = os.fstat(stream.fileno())
+    try:
+        with stream:
+            yield stream
+    except BaseException as error:
+        _remove(path, begun)
+        if isinstance(error, OSError):
+            raise _unwritable(path, error) from error
+        raise
+
+
+def write_new(path: Path, text: str) -> None:
+    """Write ``text`` into the new file ``path``. Raises UserError as :func:`new_file` does."""
+    with new_file(path) as stream:
+        stream.write(text)
+
+
+def new_path(text: str) -> Path:
+    """Return the path that a person typed as ``text``; ``~`` is their home.
+
+    Raises UserError, in a line, where no new file can be made there: it is there already, or its folder is
+    not.
+    """
+    text = text.strip()
+    if not text:
+        raise UserError("type the name of a new file")
+    if not is_plain(text):
+        raise UserError("a file name has no control characters")
+    path = Path(text)
+    try:
+        path = path.expanduser()
+        if path.is_dir():
+            raise UserError(f"{text} is a folder: type the name of a new file")
+        if path.exists() or path.is_symlink():
+            raise UserError(f"{text} is there already: type another name")
+        if not path.parent.is_dir():
+            raise UserError(f"there is no folder {path.parent}")
+    except (OSError, RuntimeError, ValueError) as error:
+        raise UserError(f"{text}: {getattr(error, 'strerror', None) or error}") from error
+    return path
+
+
+_MOST_TRIED: Final = 1_000
+
+
+def free_name(stem: str, ending: str, folder: Path = Path(), taken: Container[str] = ()) -> str:
+    """Return a name that no file in ``folder`` has: ``stem`` and ``ending``, else with a number between them.
+
+    Of ``stem`` only letters, digits and ``-_.`` are kept, the rest become dashes. ``taken`` are further stems
+    to avoid. Once a thousand names are in use it is the first one after all.
+    """
+    stem = "".join(letter if letter.isalnum() or letter in "-_." else "-" for letter in stem)
+    for candidate in (stem, *(f"{stem}-{number}" for number in range(2, _MOST_TRIED))):
+        if candidate not in taken and not (folder / f"{candidate}{ending}").exists():
+            return f"{candidate}{ending}"
+    return f"{stem}{ending}"
+
+
+# Write over a file, and take away what was not finished
 
 
 @contextmanager
@@ -183,7 +270,7 @@ def whole_file(path: Path) -> Iterator[TextIO]:
     except OSError as error:
         if begun is not None:  # what could not be opened is as it was
             _remove(path, begun)
-        raise UserError(f"{path}: cannot be written ({error.strerror or error})") from error
+        raise _unwritable(path, error) from error
 
 
 @contextmanager
@@ -204,3 +291,7 @@ def _remove(path: Path, begun: os.stat_result) -> None:
         there = path.lstat()
         if S_ISREG(there.st_mode) and os.path.samestat(there, begun):
             path.unlink()
+
+
+def _unwritable(path: Path, error: OSError) -> UserError:
+    return UserError(f"{printable(str(path))}: cannot be written ({error.strerror or error})")

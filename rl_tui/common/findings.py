@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from itertools import islice
@@ -16,6 +17,10 @@ _LONGEST_COMPARED: Final = 200
 _MOST_COMPARED: Final = 200
 # Python refuses to write out whole numbers of more than some thousand digits
 _MOST_BITS: Final = 10_000
+_CONTROL: Final = re.compile(
+    "[\\x00-\\x1f\\x7f-\\x9f\\ud800-\\udfff\\u2028\\u2029"  # categories Cc, Cs, Zl and Zp of Unicode
+    "\\u061c\\u200e\\u200f\\u202a-\\u202e\\u2066-\\u2069]"  # these turn the direction of writing
+)
 
 
 class Finding(NamedTuple):
@@ -79,6 +84,20 @@ def one_line(text: str, longest: int) -> str:
 def printable(text: str) -> str:
     """Return a text in which characters that a terminal might obey are written out as numbers."""
     return "".join(letter if letter.isprintable() else f"\\u{ord(letter):04x}" for letter in text)
+
+
+def is_plain(text: str, also: str = "") -> bool:
+    """Return whether a text has no control character but those in ``also``: none may reach a terminal."""
+    return not control_character(text, also)
+
+
+def control_character(text: str, also: str = "") -> str:
+    """Return the first control character of a text besides those in ``also``, as U+001B; empty if none.
+
+    What turns the direction of writing or ends a line counts as one, and so does half a character.
+    """
+    found = (each[0] for each in _CONTROL.finditer(text) if each[0] not in also)
+    return next((f"U+{ord(each):04X}" for each in found), "")
 
 
 def near(name: str, names: Iterable[str]) -> str:

@@ -19,18 +19,39 @@ from rl_tui.common.text_file import UnreadableError, read_text
 from rl_tui.lessons.figures.figures import LessonFigures
 from rl_tui.lessons.figures.step_budget import StepBudget
 from rl_tui.lessons.figures.written import in_digits_of, written_number
-from rl_tui.lessons.file.spotlights import SPOTLIGHTS
 from rl_tui.lessons.file.variants import readable, variants_of
 from rl_tui.lessons.judging.world_faults import reference_faults
 from rl_tui.lessons.lesson import Lesson, is_lesson_text, read_lesson
 from rl_tui.lessons.task_check import TaskCheck
-from rl_tui.runs.changes import read_change
+from rl_tui.runs.changes import name_and_value, read_change
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.files.toml_file import tables_in
 
 if TYPE_CHECKING:
     from rl_tui.lessons.figures.subject import FigureSubject
     from rl_tui.lessons.file.schema import Ask, Page
+
+
+# What a page may highlight
+
+
+SPOTLIGHTS: Final = (
+    "world",
+    "table",
+    "curve",
+    "timeline",
+    "budget",
+    "controls",
+    "last_step",
+    "microscope",
+    "many_seeds",
+    "discount",
+    "policies",
+    "program",
+    "findings",
+    "output",
+)
+"""The ids of the panels; a test holds them to the catalogue of panels."""
 
 
 # Predictions and questions
@@ -258,9 +279,10 @@ def _in_text(text: str) -> Iterator[float]:
 def _changed(changes: tuple[str, ...]) -> Iterator[float | str]:
     for text in changes:
         try:
-            yield read_change(text).value
+            _, value = name_and_value(read_change(text).change)
         except ValueError:
             continue  # told where the attempt is replayed
+        yield value
 
 
 # The whole check

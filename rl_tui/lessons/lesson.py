@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from rl_tui.common.errors import Fault, ScenarioError
-from rl_tui.common.findings import Finding, in_file_order, near, place, shown
+from rl_tui.common.findings import Finding, in_file_order, is_plain, near, place, shown
 from rl_tui.common.limits import MOST_FAULTS
 from rl_tui.common.text_file import UnreadableError, read_text
 from rl_tui.lessons.figures.written import written_number
@@ -18,7 +18,7 @@ from rl_tui.lessons.file.variants import readable, variant_text, variants_of
 from rl_tui.lessons.judging.condition_faults import prediction_findings, setting_findings, task_findings
 from rl_tui.worlds.files.shipped import shipped_folder
 from rl_tui.worlds.files.toml_file import tables_in
-from rl_tui.worlds.sections.schema import is_plain, parsed
+from rl_tui.worlds.sections.schema import parsed
 
 FOLDER: Final = "lessons"
 _PLACEHOLDER: Final = re.compile(r"\{([a-z][a-z0-9_-]*)\}")

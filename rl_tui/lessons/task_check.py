@@ -24,9 +24,9 @@ from rl_tui.lessons.judging.seed_panel import (
     judged_program,
 )
 from rl_tui.lessons.judging.verdicts import ConditionVerdict, Panels, is_met
-from rl_tui.runs.changes import TAKE, read_change
+from rl_tui.runs.changes import read_change
 from rl_tui.runs.library import episodes_of
-from rl_tui.runs.recipe import begin
+from rl_tui.runs.recipe import TakeAction, begin
 from rl_tui.runs.run import Run
 from rl_tui.runs.training.seeded_runs import Goal, train
 
@@ -296,4 +296,4 @@ def _why(view: TaskView) -> str:
 
 
 def _is_by_hand(attempt: Attempt) -> bool:
-    return any(read_change(each).name == TAKE for each in attempt.changes)
+    return any(isinstance(read_change(each).change, TakeAction) for each in attempt.changes)

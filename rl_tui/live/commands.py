@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Final
 from rl_tui.runs.recipe import TakeAction
 
 if TYPE_CHECKING:
-    from rl_tui.agents.sweep_phases import SweepPhase
+    from rl_tui.agents.catalogue import SweepPhase
     from rl_tui.lessons.file.view import LessonRecord
     from rl_tui.live.pace.until import Until
     from rl_tui.live.viewport import Viewport
     from rl_tui.runs.answers.policy_kind import PolicyKind
     from rl_tui.runs.recipe import Change, Recipe, Setting
-    from rl_tui.runs.timeline.seek import Seek
+    from rl_tui.runs.timeline.checkpoints import Seek
     from rl_tui.worlds.editing.edit import Edit
 
 

@@ -65,7 +65,7 @@ def _step(playback: Playback, _: commands.Step) -> None:
 
 def _take(playback: Playback, command: commands.Take) -> None:
     playback.rest()
-    names = playback.group.current.world.space.action_names
+    names = playback.group.current.run.world.space.action_names
     known = 0 <= command.action < len(names)
     playback.group.apply(TakeAction(names[command.action] if known else command.action))
     playback.group.follow()
@@ -86,19 +86,14 @@ def _run_sweep(playback: Playback, command: commands.RunSweep) -> None:
         playback.run_until(Until(Event.EPISODE_END, number=int(is_under_way)))
 
 
-def _apply(playback: Playback, command: commands.Apply) -> None:
-    _change(playback, command.change)
-
-
 def _change(playback: Playback, change: Change) -> None:
-    _make(playback, change)
+    _apply(playback, change)
     if playback.group.seeking:
         playback.seek()
 
 
-def _make(playback: Playback, change: Change) -> None:
+def _apply(playback: Playback, change: Change) -> None:
     playback.group.apply(change)
-    playback.group.gather()
     playback.take_in_change()
 
 
@@ -133,7 +128,7 @@ def make_changes_that_waited(playback: Playback) -> bool:
             change = editor.next_change(run)
             if change is None:
                 return True
-            _make(playback, change)
+            _apply(playback, change)
             editor.take_in(run)
             playback.changed = True
     except UserError as fault:
@@ -187,7 +182,7 @@ def _watch_program(playback: Playback, command: commands.WatchProgram) -> None:
 
 
 def _draw_action(playback: Playback, command: commands.DrawAction) -> None:
-    space, state, action = playback.group.current.world.space, command.state, command.action
+    space, state, action = playback.group.current.run.world.space, command.state, command.action
     if not 0 <= state < space.states or (action is not None and space.pair_of(state, action) is None):
         raise UserError("there is no such action to draw")
     playback.questions.draw(state, action)
@@ -206,7 +201,7 @@ def _step_back(playback: Playback, _: commands.StepBack) -> None:
 
 def _episode_back(playback: Playback, _: commands.EpisodeBack) -> None:
     run = playback.group.current.run
-    _seek_to(playback, episode=max(1, run.learner.episodes + (not run.begins_episode)))
+    _seek_to(playback, episode=max(1, run.learner.episodes + (not run.learner.begins_episode)))
 
 
 def _seek_to(
@@ -249,7 +244,7 @@ HANDLERS: Final[Mapping[type, Callable[[Playback, Any], None]]] = {
     commands.RunUntil: lambda playback, command: playback.run_until(command.until),
     commands.Train: lambda playback, command: playback.train(command.steps),
     commands.SetSpeed: lambda playback, command: playback.transport.set_speed(command.speed),
-    commands.Apply: _apply,
+    commands.Apply: lambda playback, command: _change(playback, command.change),
     commands.Restart: _restart,
     commands.OpenEditor: _open_editor,
     commands.DrawWorld: _draw_world,

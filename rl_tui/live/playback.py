@@ -164,7 +164,7 @@ class Playback:
         self.touched = self.touched or kind not in LOOKING
         if self.state is not State.BUILDING:
             self.questions.judge(self.group.current.run)
-        is_locked = takes_steps(command) and self.questions.keeps_back("run")
+        is_locked = self.questions.keeps_back("run") and takes_steps(command)
         if is_locked or (self.state in ENDED and kind in MOVES):
             return
         try:
@@ -351,7 +351,7 @@ class Playback:
 
     def set_breakpoints(self, breakpoints: Breakpoints) -> None:
         """Pause there from now on. Raises UserError where the world has no such state or pair."""
-        breakpoints.check(self.group.current.world.space)
+        breakpoints.check(self.group.current.run.world.space)
         self.breakpoints = breakpoints
         self.watch()
 

@@ -23,10 +23,10 @@ from rl_tui.runs.timeline.branches import Timeline
 from rl_tui.runs.timeline.lane_view import RunGroupView
 
 if TYPE_CHECKING:
+    from rl_tui.agents.catalogue import SweepPhase
     from rl_tui.agents.hyperparameters import Hyperparameters
     from rl_tui.agents.last_step import Author
     from rl_tui.agents.learner_counters import Counters
-    from rl_tui.agents.sweep_phases import SweepPhase
     from rl_tui.lessons.file.view import LessonView
     from rl_tui.live.program_view import ProgramView
     from rl_tui.live.viewport import CopiedPart

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, NamedTuple
@@ -12,17 +13,86 @@ from rl_tui.agents.exact.solve import states_without_end
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import Finding
 from rl_tui.runs.answers.turned import TurnedStates
-from rl_tui.runs.edited_world import Drawn, EditedWorld, edited_draft
+from rl_tui.runs.edited_world import Drawn, EditedWorld, NextWorld, edited_draft, next_world
 from rl_tui.runs.exact_answers import LIVE_STATES, Answer
 from rl_tui.runs.large_worlds import takes_long
-from rl_tui.runs.rebuild import Rebuild
-from rl_tui.runs.recipe import EditWorld, RedoEdit, UndoEdit, WorldChange
+from rl_tui.runs.recipe import EditWorld, Recipe, RedoEdit, UndoEdit, WorldChange
 from rl_tui.worlds.editing.arms_draft import Draft
 from rl_tui.worlds.editing.edit import Edit
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 if TYPE_CHECKING:
     from rl_tui.runs.run import Run
+
+
+# The next world of a run, built in a thread of its own
+
+
+class Rebuild:
+    """Builds one world at a time, so that no more than one is in memory beside that in force.
+
+    One that nobody waits for any more is built to its end and dropped; the next begins then.
+    """
+
+    def __init__(self) -> None:
+        self._work: _Work | None = None
+
+    def of(self, before: EditedWorld, change: WorldChange, recipe: Recipe) -> NextWorld | None:
+        """Return what ``change`` makes of ``before``, once; None while it is built. It begins where it can.
+
+        Raises what made it fail.
+        """
+        work = self._work
+        if work is None or (work.is_over and not work.is_of(before, change)):
+            self._work = work = _Work(before, change, recipe)
+        if not work.is_over or not work.is_of(before, change):
+            return None
+        self._work = None
+        return work.result()
+
+    def give_up(self) -> None:
+        """Drop what is built, or is being built: nobody waits for it."""
+        if self._work is not None and self._work.give_up():
+            self._work = None
+
+
+class _Work:
+    """One world that is built, in a thread that does not keep the process alive."""
+
+    def __init__(self, before: EditedWorld, change: WorldChange, recipe: Recipe) -> None:
+        self._before, self._change, self._recipe = before, change, recipe
+        self._lock = threading.Lock()
+        self._is_wanted = True
+        self._outcome: NextWorld | BaseException | None = None
+        self.is_over = False
+        """Whether it has been built, or has failed."""
+        threading.Thread(target=self._build, name="world", daemon=True).start()
+
+    def is_of(self, before: EditedWorld, change: WorldChange) -> bool:
+        """Return whether it is what ``change`` makes of ``before``, and was not given up."""
+        return self._is_wanted and self._before is before and self._change == change
+
+    def result(self) -> NextWorld:
+        """Return what was built; raises what made it fail."""
+        if isinstance(self._outcome, NextWorld):
+            return self._outcome
+        assert self._outcome is not None
+        raise self._outcome
+
+    def give_up(self) -> bool:
+        """Keep nothing of it; return whether it is over."""
+        with self._lock:
+            self._is_wanted, self._outcome = False, None
+            return self.is_over
+
+    def _build(self) -> None:
+        try:
+            outcome: NextWorld | BaseException = next_world(self._before, self._change, self._recipe)
+        except BaseException as fault:
+            outcome = fault
+        with self._lock:
+            self._outcome = outcome if self._is_wanted else None
+            self.is_over = True
 
 
 IN_LESSON: Final = "a lesson's world stays as it is: draw in a scenario of the catalogue"
@@ -183,7 +253,7 @@ class WorldEditor:
         turned = self._turned.of(run, None if run.learner.drifted else answer.solution)
         self._come_to(run)
         if not self.is_open:
-            return EditorView(rebuilding=self.is_ahead)
+            return EditorView(rebuilding=bool(self._ahead))
         try:
             base = run.edited.draft_in(run.recipe)
             drawn = self._drawn(run)
@@ -193,7 +263,7 @@ class WorldEditor:
         return EditorView(
             draft=draft,
             base=base,
-            rebuilding=self.is_ahead,
+            rebuilding=bool(self._ahead),
             unfinished=draft.findings if waits else (),
             can_undo=waits or drawn.done is not None,
             can_redo=bool(self._dropped) or (not waits and drawn.undone is not None),

@@ -1,15 +1,17 @@
-"""The entries of a journal as text: ``500:epsilon=0.01``, ``800:algorithm=sarsa``, ``900:take=left``,
-``32:sweep=improvement``, ``700:world.cell[1,2]=#``.
+"""The entries of a journal, written down and read back.
+
+Each change is the name of what it sets and the value. On the command line and in lessons it is text:
+``500:epsilon=0.01``, ``800:algorithm=sarsa``, ``900:take=left``, ``32:sweep=improvement``,
+``700:world.cell[1,2]=#``. Sessions have the same names and values in a document of their own form.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import Any, Final, NamedTuple
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, Final
 
-from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.catalogue import BY_ID, SWEEP_PHASES
 from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.agents.sweep_phases import SWEEP_PHASES
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near, shown
 from rl_tui.runs.recipe import (
@@ -28,59 +30,45 @@ from rl_tui.runs.recipe import (
 )
 from rl_tui.worlds.editing.edit import PREFIX, read_edits, written_edits
 
+# A change as the name of what it sets and the value
+
+
 ALGORITHM: Final = "algorithm"
 TAKE: Final = "take"
 SWEEP: Final = "sweep"
 WORLD: Final = "world"
 UNDO: Final = "world.undo"
 REDO: Final = "world.redo"
-FORM: Final = "STEP:NAME=VALUE"
-LATEST: Final = 10**15
-# Every estimate starts from it: later there is nothing left to set
-_AT_THE_START_ONLY: Final = "initial_q"
-_NAMES: Final = tuple(name for name in (ALGORITHM, TAKE, SWEEP, *PARAMETERS) if name != _AT_THE_START_ONLY)
 
 
-class ChangeText(NamedTuple):
-    """One entry as it was written; the value is checked but for the name of an action."""
+def name_and_value(change: Change, action_names: Sequence[str] | None = None) -> tuple[str, float | str]:
+    """Return what ``change`` sets and to what.
 
-    step: int
-    name: str
-    value: float | str
-
-
-def read_change(text: str) -> ChangeText:
-    """Return what ``text`` says; raises ValueError, naming what was expected, where it says nothing."""
-    before, colon, after = text.partition(":")
-    if colon and after.lstrip().startswith(PREFIX):
-        return ChangeText(_step(text, before), WORLD, _world_change(text, after.strip()))
-    name, equals, value = after.partition("=")
-    if not colon or not equals:
-        raise ValueError(f"{shown(text)} is not {FORM}, such as 500:epsilon=0.01")
-    step = _step(text, before)
-    name = name.strip().replace("-", "_")
-    if name == _AT_THE_START_ONLY:
-        raise ValueError(f"{shown(text)}: every estimate starts from {name}; it cannot change on the way")
-    if name not in _NAMES:
-        raise ValueError(
-            f"{shown(text)}: expected the name of a hyper-parameter, {ALGORITHM}, {TAKE}, {SWEEP}, or a "
-            f"change of the world such as world.cell[1,2]=#{near(name, _NAMES)}"
-        )
-    return ChangeText(step, name, value if name == TAKE else _value(text, name, value.strip()))
+    An action is called by its name in ``action_names``, those of the world that the run began in. Without
+    them it is what stands in the journal, a name or a number.
+    """
+    match change:
+        case SetParameter(name, value):
+            return name, value
+        case SwitchAlgorithm(algorithm):
+            return ALGORITHM, algorithm
+        case OrderSweep(phase):
+            return SWEEP, phase
+        case TakeAction(action):
+            if action_names is None or isinstance(action, str):
+                return TAKE, action
+            return TAKE, action_names[action] if action < len(action_names) else f"action {action}"
+        case EditWorld() | UndoEdit() | RedoEdit():
+            return WORLD, written_world(change)
 
 
-def _step(text: str, before: str) -> int:
-    step = before.strip()
-    if not (step.isascii() and step.isdigit()) or int(step) > LATEST:
-        raise ValueError(f"{shown(text)}: {shown(step)} is not a whole number of steps in [0, {LATEST:g}]")
-    return int(step)
+def change_of(name: str, value: float | str) -> Change:
+    """Return the change that sets ``name`` to ``value``, as :func:`name_and_value` tells it.
 
-
-def _world_change(text: str, written: str) -> str:
-    try:
-        return written_world(read_world(written))
-    except ValueError as fault:
-        raise ValueError(f"{shown(text)}: {fault}") from fault
+    Raises ValueError where the value is to be edits of a world and is not; no other value is checked.
+    """
+    made_of = _MADE_OF.get(name)
+    return SetParameter(name, value) if made_of is None else made_of(value)
 
 
 def read_world(text: str) -> WorldChange:
@@ -104,18 +92,90 @@ def written_world(change: WorldChange) -> str:
             return f"{REDO}=1"
 
 
-def _value(text: str, name: str, value: str) -> float | str:
-    if name == ALGORITHM:
-        if value not in BY_ID:
-            expected = f"one of {', '.join(BY_ID)}{near(value, BY_ID)}"
-            raise ValueError(f"{shown(text)}: algorithm is {shown(value)}; expected {expected}")
+_MADE_OF: Final[Mapping[str, Callable[[Any], Change]]] = {
+    ALGORITHM: SwitchAlgorithm,
+    TAKE: TakeAction,
+    SWEEP: OrderSweep,
+    WORLD: read_world,
+}
+
+
+# An entry as text
+
+
+FORM: Final = "STEP:NAME=VALUE"
+LATEST: Final = 10**15
+# Every estimate starts from it: later there is nothing left to set
+_AT_THE_START_ONLY: Final = "initial_q"
+_NAMES: Final = tuple(name for name in (ALGORITHM, TAKE, SWEEP, *PARAMETERS) if name != _AT_THE_START_ONLY)
+_WORDS: Final[Mapping[str, tuple[Iterable[str], str]]] = {
+    ALGORITHM: (BY_ID, f"one of {', '.join(BY_ID)}"),
+    SWEEP: (SWEEP_PHASES, " or ".join(SWEEP_PHASES)),
+}
+
+
+def written_change(entry: JournalEntry, action_names: Sequence[str]) -> str:
+    """Return ``entry`` as :func:`read_change` reads it.
+
+    ``action_names`` are those of the world that the run began in.
+    """
+    name, value = name_and_value(entry.change, action_names)
+    return f"{entry.step}:{value}" if name == WORLD else f"{entry.step}:{name}={written_value(value)}"
+
+
+def written_value(value: float | str) -> str:
+    """Return a value with all its digits, a whole number without a point."""
+    if isinstance(value, str):
         return value
-    if name == SWEEP:
-        if value not in SWEEP_PHASES:
-            raise ValueError(
-                f"{shown(text)}: sweep is {shown(value)}; expected {' or '.join(SWEEP_PHASES)}"
-                f"{near(value, SWEEP_PHASES)}"
-            )
+    return str(int(value)) if value == int(value) and abs(value) < LATEST else repr(value)
+
+
+def read_change(text: str) -> JournalEntry:
+    """Return the entry that ``text`` says; an action has the name that is written there, whatever it is.
+
+    Raises ValueError, naming what was expected, where it says none.
+    """
+    before, colon, after = text.partition(":")
+    if colon and after.lstrip().startswith(PREFIX):
+        return JournalEntry(_step(text, before), _read(text, WORLD, after.strip()))
+    name, equals, value = after.partition("=")
+    if not colon or not equals:
+        raise ValueError(f"{shown(text)} is not {FORM}, such as 500:epsilon=0.01")
+    step = _step(text, before)
+    name = name.strip().replace("-", "_")
+    if name == _AT_THE_START_ONLY:
+        raise ValueError(f"{shown(text)}: every estimate starts from {name}; it cannot change on the way")
+    if name not in _NAMES:
+        raise ValueError(
+            f"{shown(text)}: expected the name of a hyper-parameter, {ALGORITHM}, {TAKE}, {SWEEP}, or a "
+            f"change of the world such as world.cell[1,2]=#{near(name, _NAMES)}"
+        )
+    return JournalEntry(step, _read(text, name, value if name == TAKE else value.strip()))
+
+
+def _step(text: str, before: str) -> int:
+    step = before.strip()
+    if not (step.isascii() and step.isdigit()) or int(step) > LATEST:
+        raise ValueError(f"{shown(text)}: {shown(step)} is not a whole number of steps in [0, {LATEST:g}]")
+    return int(step)
+
+
+def _read(text: str, name: str, value: str) -> Change:
+    """Return the change that sets ``name`` to the ``value`` written in ``text``."""
+    try:
+        return change_of(name, _number_or_word(name, value))
+    except ValueError as fault:
+        raise ValueError(f"{shown(text)}: {fault}") from fault
+
+
+def _number_or_word(name: str, value: str) -> float | str:
+    """Return what ``value`` says. Raises ValueError where ``name`` cannot be set to that."""
+    if name in (TAKE, WORLD):
+        return value
+    if name in _WORDS:
+        words, expected = _WORDS[name]
+        if value not in words:
+            raise ValueError(f"{name} is {shown(value)}; expected {expected}{near(value, words)}")
         return value
     parameter = PARAMETERS[name]
     if value in parameter.words:
@@ -125,77 +185,33 @@ def _value(text: str, name: str, value: str) -> float | str:
     except ValueError:
         number = float("nan")
     if not parameter.accepts(number):
-        raise ValueError(f"{shown(text)}: {name} is {shown(value)}; expected {parameter.expected}")
+        raise ValueError(f"{name} is {shown(value)}; expected {parameter.expected}")
     return number
 
 
-def journal_of(changes: Iterable[ChangeText], action_names: Sequence[str]) -> tuple[JournalEntry, ...]:
-    """Return the journal of ``changes``, by their steps; those of one step stay in their order.
+# Journals
 
-    ``action_names`` are those of the world that a run begins in. Once the world is another one, an action is
-    known by its name alone, which the run looks up when it comes there. Raises UserError, naming the actions,
-    where there is none of that name before.
+
+def journal_of(entries: Iterable[JournalEntry], action_names: Sequence[str]) -> tuple[JournalEntry, ...]:
+    """Return the journal of ``entries`` that were read: by their steps, those of one step in their order.
+
+    Actions become numbers: ``action_names`` are those of the world that a run begins in. Once the world is
+    another one, an action is known by its name alone, which the run looks up when it comes there. Raises
+    UserError, naming the actions, where there is none of that name before.
     """
-    entries, names = list[JournalEntry](), action_names
-    for each in sorted(changes, key=lambda change: change.step):
-        if each.name == WORLD:
-            names = ()
-        entries.append(JournalEntry(each.step, _change(each, names)))
-    return tuple(entries)
-
-
-def _change(change: ChangeText, action_names: Sequence[str]) -> Change:
-    """Return what is changed; no ``action_names`` are there where they are not known yet."""
-    if change.name == ALGORITHM:
-        return SwitchAlgorithm(str(change.value))
-    if change.name == WORLD:
-        return read_world(str(change.value))
-    if change.name == SWEEP:
-        return OrderSweep("improvement" if change.value == "improvement" else "evaluation")
-    if change.name != TAKE:
-        return SetParameter(change.name, change.value)
-    wanted = str(change.value)
-    if not action_names:
-        return TakeAction(wanted)
-    number = action_called(wanted, action_names)
-    if number is None:
-        raise UserError(f"{change.step}:{TAKE}={wanted.strip()}: {no_such_action(wanted, action_names)}")
-    return TakeAction(number)
-
-
-def name_and_value(change: Change, action_names: Sequence[str]) -> tuple[str, float | str]:
-    """Return what ``change`` sets and to what; an action by its name.
-
-    ``action_names`` are those of the world that the run began in.
-    """
-    match change:
-        case SetParameter(name, value):
-            return name, value
-        case SwitchAlgorithm(algorithm):
-            return ALGORITHM, algorithm
-        case OrderSweep(phase):
-            return SWEEP, phase
-        case TakeAction(action):
-            if isinstance(action, str):
-                return TAKE, action
-            return TAKE, action_names[action] if action < len(action_names) else f"action {action}"
-        case EditWorld() | UndoEdit() | RedoEdit():
-            return WORLD, written_world(change)
-
-
-def written_change(entry: JournalEntry, action_names: Sequence[str]) -> str:
-    """Return ``entry`` as :func:`read_change` reads it."""
-    name, value = name_and_value(entry.change, action_names)
-    if name == WORLD:
-        return f"{entry.step}:{value}"
-    return f"{entry.step}:{name}={written_value(value)}"
-
-
-def written_value(value: float | str) -> str:
-    """Return a value with all its digits, a whole number without a point."""
-    if isinstance(value, str):
-        return value
-    return str(int(value)) if value == int(value) and abs(value) < LATEST else repr(value)
+    journal, names = list[JournalEntry](), action_names
+    for entry in sorted(entries, key=lambda entry: entry.step):
+        match entry.change:
+            case TakeAction(str(name)) if names:
+                number = action_called(name, names)
+                if number is None:
+                    raise UserError(f"{entry.step}:{TAKE}={name.strip()}: {no_such_action(name, names)}")
+                journal.append(JournalEntry(entry.step, TakeAction(number)))
+            case change:
+                journal.append(entry)
+                if isinstance(change, WorldChange):
+                    names = ()
+    return tuple(journal)
 
 
 def as_json(journal: Iterable[JournalEntry], action_names: Sequence[str]) -> list[dict[str, Any]]:

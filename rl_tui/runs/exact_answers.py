@@ -225,18 +225,19 @@ class RunAnswers:
         gamma = learner.hyperparameters.gamma
         if learner.drifted:
             return exact_now(learner.mdp, gamma)
-        answer = self.at(run.world.mdp, gamma, self._from_before(run))
+        answer = self.at(run.world.mdp, gamma, run)
         if answer.solution is not None:
             self._last = _Solved(run.edited, run.recipe, answer.solution)
         return answer
 
-    def at(self, mdp: TabularMDP | None, gamma: float, from_before: Solve | None = None) -> Answer:
+    def at(self, mdp: TabularMDP | None, gamma: float, run: Run | None = None) -> Answer:
         """Return the exact answer for ``gamma`` in the world of ``mdp``, as far as it is known.
 
-        Of a world that comes of an edit, ``from_before`` works it out from the answer before.
+        Where an edit made that world for ``run``, it is worked out from the answer before the edit.
         """
         known = next((each for each in self._of_worlds if each.mdp is mdp), None)
         if known is None:
+            from_before = None if run is None else self._from_before(run)
             at_once = AT_ONCE_STATES if from_before is None else EDITED_AT_ONCE
             known = ExactAnswers(mdp, self._on_ready, from_before or _solve, at_once, self._worker)
         else:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -15,6 +14,15 @@ from rl_tui.agents.exact.policy_figures import figures, greedy_policy
 from rl_tui.agents.exact.solve import returns, solve
 from rl_tui.agents.hyperparameters import Ties
 from rl_tui.runs.exact_answers import NO_TABLE
+from rl_tui.runs.measures import (
+    BANDIT_FIGURES,
+    FIGURES,
+    NO_EXACT_FIGURES,
+    GreedyFigures,
+    MeasuredRun,
+    figures_of,
+    measured_run,
+)
 from rl_tui.runs.recipe import Recipe
 from rl_tui.worlds.mdp.digest import table_digest
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
@@ -22,22 +30,20 @@ from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
 
 if TYPE_CHECKING:
-    from rl_tui.runs.bandit import BanditFigures
     from rl_tui.runs.run import Run
 
 MOST_STATES: Final = 50_000
-BANDIT_FIGURES: Final = ("winnings", "regret", "best_arm_rate")
-
-
-@dataclass(frozen=True, slots=True)
-class GreedyFigures:
-    """Exact figures of a run's greedy policy and estimates, None where there is no exact answer."""
-
-    value_at_start: float | None
-    optimal_value_at_start: float | None
-    expected_return: float | None
-    max_error: float | None
-    greedy_ends: float | None
+_LEARNED: Final = (
+    "value_at_start",
+    "optimal_value_at_start",
+    "expected_return",
+    "max_error",
+    "return_mean",
+    "return_last_100",
+    "length_last_100",
+    "greedy_ends",
+    "first_reward_episode",
+)
 
 
 def exact_world(run: Run) -> TabularMDP | None:
@@ -80,7 +86,7 @@ def figures_of_estimates(
 ) -> GreedyFigures:
     """Return the figures of the estimates ``q``, [P], in ``mdp``, held against ``optimum`` for ``gamma``."""
     if mdp is None:
-        return GreedyFigures(None, None, None, None, None)
+        return NO_EXACT_FIGURES
     of_policy = figures(mdp, greedy_policy(mdp, q, ties), gamma)
     return GreedyFigures(
         value_at_start=of_policy.value_at_start,
@@ -104,13 +110,12 @@ def head(recipe: Recipe) -> dict[str, Any]:
 def training_figures(run: Run, seconds: float) -> dict[str, Any]:
     """Return what ``run`` came to in ``seconds`` of learning: the document of ``train --json``."""
     space, learner = run.world.space, run.learner
-    mean_return, mean_length = run.history.last_100
     exact = greedy_figures(run, optimum_of(exact_world(run), learner.hyperparameters.gamma))
+    measured = measured_run(run, exact)
     document: dict[str, Any] = finite(
         {
             **head(run.recipe),
-            "episodes": learner.episodes,
-            "steps": run.step,
+            **figures_of(measured, ("episodes", "steps")),
             "seconds": seconds,
             "steps_per_second": run.step / seconds if seconds > 0.0 else None,
             "states": list(space.state_names),
@@ -119,19 +124,20 @@ def training_figures(run: Run, seconds: float) -> dict[str, Any]:
             "q": table(space, learner.q),
             "visits": table(space, learner.visits),
             "policy": policy_names(space, greedy_policy(space, learner.q, "random")),
-            "value_at_start": exact.value_at_start,
-            "optimal_value_at_start": exact.optimal_value_at_start,
-            "expected_return": exact.expected_return,
-            "max_error": exact.max_error,
-            "return_mean": run.mean_return,
-            "return_last_100": mean_return,
-            "length_last_100": mean_length,
-            "greedy_ends": exact.greedy_ends,
-            "first_reward_episode": learner.first_reward_episode or None,
-            **pulls(run.bandit),
+            **figures_of(measured, _LEARNED),
+            **_pulls(measured),
         }
     )
     return document
+
+
+def row_of(seed: int, run: MeasuredRun, world: str | None) -> dict[str, Any]:
+    """Return the row of ``run`` in ``train --runs --json``; ``world`` is the digest of its world."""
+    return {"seed": seed, **figures_of(run, FIGURES), "world": world, **_pulls(run)}
+
+
+def _pulls(run: MeasuredRun) -> dict[str, float | None]:
+    return {} if run.bandit is None else figures_of(run, BANDIT_FIGURES)
 
 
 def world_digest(world: World) -> str | None:
@@ -156,11 +162,6 @@ def solution_figures(recipe: Recipe, mdp: TabularMDP, solution: Solution) -> dic
         "best_expected_return": earned.best_expected_return,
         "iterations": solution.iterations,
     }
-
-
-def pulls(spent: BanditFigures | None) -> dict[str, float | None]:
-    """Return how the pulls of a bandit were ``spent``, as JSON; nothing where the world is none."""
-    return {} if spent is None else {name: getattr(spent, name) for name in BANDIT_FIGURES}
 
 
 def table(space: FiniteSpace, values: npt.NDArray[Any]) -> list[list[Any]]:

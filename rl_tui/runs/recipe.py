@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final, NamedTuple
 
+from rl_tui.agents.catalogue import SweepPhase
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.sweep_phases import SweepPhase
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import near
 from rl_tui.common.streams import Streams, streams

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from rl_tui.agents.catalogue import POLICY_BY_ID
-from rl_tui.agents.kernels.stop import Stop
-from rl_tui.agents.kernels.watch import NOTHING_NOTICED
+from rl_tui.agents.kernels.position import Stop
 from rl_tui.agents.learner import Learner
 from rl_tui.agents.learner_memory import LearnerState
 from rl_tui.common.errors import UserError
@@ -116,6 +115,8 @@ class Run:
         """Why the run broke down, naming the step; empty if it did not."""
         self.timed_out = False
         """Whether the last advance ended because its time was over: see :meth:`Learner.set_time_budget`."""
+        self.noticed = False
+        """Whether the run came to rest after a step for which the learner watches."""
         self._journal: list[JournalEntry] = []
         self.first_actions = world.space.action_names
         """The names of the actions at first, which numbers in its journal mean."""
@@ -201,16 +202,6 @@ class Run:
         return self.learner.episodes >= self.episode_limit + self.learner.planned.sweeps
 
     @property
-    def begins_episode(self) -> bool:
-        """Whether an episode or a sweep has just ended, or nothing has happened yet."""
-        return self.learner.begins_episode
-
-    @property
-    def noticed(self) -> bool:
-        """Whether the last step is one of those that the learner watches for."""
-        return self.learner.noticed != NOTHING_NOTICED
-
-    @property
     def message(self) -> str:
         """Why it goes no further, as a sentence; empty while it does."""
         if not self.learner.converged:
@@ -230,7 +221,7 @@ class Run:
         last_episode = learner.episodes + episodes
         if not learner.plans:
             last_episode = min(last_episode, self.episode_limit + learner.planned.sweeps)
-        self.timed_out = False
+        self.timed_out = self.noticed = False
         while not self.stop_reason:
             self._mark_if_due()
             if self.over or learner.step >= last_step or learner.episodes >= last_episode:
@@ -345,7 +336,7 @@ class Run:
         return RunState(
             self.step,
             self.learner.episodes,
-            self.begins_episode,
+            self.learner.begins_episode,
             self.learner.checkpoint(),
             self.history.checkpoint(),
             self._evaluation.checkpoint(),
@@ -366,7 +357,7 @@ class Run:
         self.edited, self.world_changes = state.edited, state.world_changes
         self._settled = state.settled
         self.learner.restore(state.learner)
-        self.stop_reason = state.stop_reason
+        self.stop_reason, self.noticed = state.stop_reason, False
         self.history.restore(state.history)
         self._evaluation.restore(state.marks)
         self._journal = list(state.journal)
@@ -383,6 +374,7 @@ class Run:
             self.history.add(returns, lengths)
             if self._on_episodes is not None:
                 self._on_episodes(returns, lengths, optimal)
+        self.noticed = stop is Stop.NOTICED
         if stop is not Stop.DONE:
             self.stop_reason = self.learner.stop_reason
 

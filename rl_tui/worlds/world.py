@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, NamedTuple
 
 from rl_tui.worlds.drawing import Drawing
@@ -42,13 +42,13 @@ class World:
     budget: int | None = None
     new_environment: Callable[[], Environment] | None = None
     prospects: tuple[tuple[Prospect, ...], ...] = ()
+    mdp: TabularMDP | None = field(init=False, repr=False)
+    """The transition table, which then is ``space`` itself; None where there is none."""
 
-    @property
-    def mdp(self) -> TabularMDP | None:
-        """The transition table, None where there is none."""
+    def __post_init__(self) -> None:
         from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
-        return self.space if isinstance(self.space, TabularMDP) else None
+        object.__setattr__(self, "mdp", self.space if isinstance(self.space, TabularMDP) else None)
 
     @property
     def nbytes(self) -> int:

@@ -20,7 +20,7 @@ from rl_tui.agents.compiling.loops import all_batches, compile_here
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.machine_code import Batching, Loop, interpreted, machine_code
 from rl_tui.agents.kernels.parameters import kernel_parameters, schedules_of
-from rl_tui.agents.kernels.stop import Stop
+from rl_tui.agents.kernels.position import Stop
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import has_low_word_first, streams
 from rl_tui.runs.library import find, recipe_for

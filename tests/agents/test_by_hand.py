@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from test_environment_loop import HYPERPARAMETERS, Line, Table, facts, lake, untabled
 from test_every_algorithm import everything, learner
-from test_stepped_loop import HYPERPARAMETERS, Line, Table, facts, lake, untabled
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.kernels.stop import Stop
+from rl_tui.agents.kernels.position import Stop
 from rl_tui.agents.kernels.watch import WatchedEvents, Watching
 from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.learner import Learner

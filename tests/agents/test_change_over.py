@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from test_environment_loop import lake
 from test_every_algorithm import any_hyperparameters
-from test_stepped_loop import lake
 from two_forms import EVERY_LOOP, advance, all_bits, examples, learner_in, worlds_for
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID

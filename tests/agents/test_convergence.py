@@ -9,7 +9,7 @@ from test_every_algorithm import written
 
 from rl_tui.agents.exact.solve import solve
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.kernels.stop import Stop
+from rl_tui.agents.kernels.position import Stop
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, TabularMDP, Transition, tabular_mdp

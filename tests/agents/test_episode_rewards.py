@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_worlds import worlds
+from test_environment_loop import HYPERPARAMETERS, Table, lake, untabled
 from test_every_algorithm import learner
-from test_stepped_loop import HYPERPARAMETERS, Table, lake, untabled
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.learner import Learner
@@ -41,12 +41,12 @@ def followed(ours: Learner) -> Iterator[tuple[list[float], float, int]]:
 
 
 def shown(ours: Learner) -> tuple[list[float], float, int]:
-    return ours.rewards.tolist(), ours.discounted_return, ours.last_step.episode_step
+    return ours.counters.rewards.tolist(), ours.counters.discounted_return, ours.last_step.episode_step
 
 
 def test_before_the_first_step_there_are_none() -> None:
     ours = learner(endless(), "q-learning", Hyperparameters())
-    assert (ours.rewards.tolist(), ours.discounted_return) == ([], 0.0)
+    assert (ours.counters.rewards.tolist(), ours.counters.discounted_return) == ([], 0.0)
 
 
 @given(worlds(), st.sampled_from([0.0, 0.9, 1.0]), st.lists(st.integers(1, 40), min_size=1, max_size=8))
@@ -93,8 +93,8 @@ def test_every_reward_counts_with_the_discount_of_its_time() -> None:
     ours.advance(2)
     ours.configure(Hyperparameters(gamma=0.1))
     ours.advance(2)
-    first, second, third, fourth = ours.rewards.tolist()
-    assert ours.discounted_return == first + 0.5 * second + 0.25 * third + 0.25 * 0.1 * fourth
+    first, second, third, fourth = ours.counters.rewards.tolist()
+    assert ours.counters.discounted_return == first + 0.5 * second + 0.25 * third + 0.25 * 0.1 * fourth
 
 
 def test_they_come_back_from_a_checkpoint() -> None:
@@ -114,14 +114,14 @@ def test_a_planner_earns_none_and_leaves_none_behind() -> None:
     ours = learner(endless(50), "q-learning", Hyperparameters(accuracy=0.0, gamma=0.9))
     ours.advance(7)
     ours.switch("value-iteration")
-    assert (ours.rewards.tolist(), ours.discounted_return) == ([], 0.0)
+    assert (ours.counters.rewards.tolist(), ours.counters.discounted_return) == ([], 0.0)
     ours.advance(3)
-    assert (ours.rewards.tolist(), ours.discounted_return) == ([], 0.0)
+    assert (ours.counters.rewards.tolist(), ours.counters.discounted_return) == ([], 0.0)
     ours.switch("q-learning")
-    assert (ours.rewards.tolist(), ours.discounted_return) == ([], 0.0)
+    assert (ours.counters.rewards.tolist(), ours.counters.discounted_return) == ([], 0.0)
     ours.advance(1)
-    assert ours.rewards.tolist() == [ours.discounted_return]
-    assert np.isfinite(ours.discounted_return)
+    assert ours.counters.rewards.tolist() == [ours.counters.discounted_return]
+    assert np.isfinite(ours.counters.discounted_return)
 
 
 def test_a_step_knows_its_number_in_its_episode_and_a_backup_in_its_sweep() -> None:

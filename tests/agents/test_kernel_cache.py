@@ -159,7 +159,7 @@ def test_the_key_is_the_same_wherever_the_package_stands(clones: list[Path]) -> 
         ("rl_tui.agents.compiling.loops", "def", "def ", False),
         ("rl_tui.agents.compiling.jit", "nogil=True", "nogil=False", True),
         ("rl_tui", "__version__", "__version__ ", False),
-        ("rl_tui.agents.kernels.stop", "DIVERGED = 2", "DIVERGED = 9", True),
+        ("rl_tui.agents.kernels.position", "DIVERGED = 2", "DIVERGED = 9", True),
         ("rl_tui.agents.kernels.parameters", "def step_size", "def step_size ", True),
         ("rl_tui.agents.algorithms.q_learning", "def", "def ", True),
         ("rl_tui.agents.policies.ucb", "def", "def ", True),

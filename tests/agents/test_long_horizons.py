@@ -10,8 +10,7 @@ import pytest
 from shipped import SHIPPED
 
 from rl_tui.agents.exact import backward_induction
-from rl_tui.agents.exact.array_sweeps import seconds_of
-from rl_tui.agents.exact.backward_induction import best_values, policy_values
+from rl_tui.agents.exact.backward_induction import best_values, policy_values, seconds_of
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, interpreted
 from rl_tui.runs.library import recipe_named
 from rl_tui.runs.recipe import begin

@@ -12,11 +12,11 @@ from plain_policy_iteration import plain_policy_iteration
 from random_worlds import worlds
 from two_forms import interpreted
 
+from rl_tui.agents.catalogue import SWEEP_PHASES, SweepPhase
 from rl_tui.agents.exact.solve import solve
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.kernels.stop import Stop
+from rl_tui.agents.kernels.position import Stop
 from rl_tui.agents.learner import Learner
-from rl_tui.agents.sweep_phases import SWEEP_PHASES, SweepPhase
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
 from rl_tui.worlds.files.catalogue import find

@@ -17,7 +17,7 @@ from rl_tui.agents.algorithms.policy_iteration import Memory, phase_of
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.exact.solve import solve
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.kernels.stop import Stop
+from rl_tui.agents.kernels.position import Stop
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams
 from rl_tui.worlds.files.catalogue import find

@@ -32,8 +32,13 @@ from rl_tui.agents.exact.policy_figures import (
     uniform_policy,
 )
 from rl_tui.agents.exact.small_worlds import elimination, many_policies
-from rl_tui.agents.exact.small_worlds.many_policies import distinct_policies
-from rl_tui.agents.exact.small_worlds.unlimited import Values, find_values, new_memory, new_values
+from rl_tui.agents.exact.small_worlds.many_policies import (
+    Values,
+    distinct_policies,
+    find_values,
+    new_memory,
+    new_values,
+)
 from rl_tui.agents.exact.small_worlds.world import as_small_world, small_world
 from rl_tui.agents.exact.solve import solve
 from rl_tui.agents.hyperparameters import Ties

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.kernels.stop import Stop
+from rl_tui.agents.kernels.position import Stop
 from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams

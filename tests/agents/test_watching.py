@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from random_worlds import worlds
+from test_environment_loop import HYPERPARAMETERS, Line, Table, facts, lake, untabled
 from test_every_algorithm import any_hyperparameters, everything, learner
-from test_stepped_loop import HYPERPARAMETERS, Line, Table, facts, lake, untabled
 from two_forms import examples, interpreted
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.exact.policy_figures import greedy_policy
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.kernels.stop import Stop
+from rl_tui.agents.kernels.position import Stop
 from rl_tui.agents.kernels.watch import NOTHING_NOTICED, WatchedEvents, Watching
 from rl_tui.agents.learner import EPISODES_LOGGED, UNLIMITED, Learner
 from rl_tui.common.streams import streams

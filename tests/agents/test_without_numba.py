@@ -11,7 +11,7 @@ import pytest
 
 from rl_tui.agents.compiling.cache_key import DECORATORS, NAME, PACKAGE, imports
 
-NEEDS_NUMBA = {f"rl_tui.agents.compiling.{module}" for module in ("jit", "machine_cache", "native", "pcg64")}
+NEEDS_NUMBA = {f"rl_tui.agents.compiling.{module}" for module in ("jit", "machine_cache", "native")}
 
 RUNS = """
 import importlib, sys
@@ -24,7 +24,7 @@ from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.watch import Watching
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams
-from rl_tui.worlds.mdp.smallest import smallest_mdp
+from rl_tui.worlds.mdp.tabular_mdp import smallest_mdp
 
 mdp = smallest_mdp()
 for algorithm in ("q-learning", "value-iteration"):

@@ -12,7 +12,7 @@ from arms import bandit_of
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from random_worlds import worlds
-from test_stepped_loop import Table, untabled
+from test_environment_loop import Table, untabled
 
 from rl_tui.agents import learner
 from rl_tui.agents.batches import batch, seeding
@@ -21,7 +21,7 @@ from rl_tui.agents.compiling.loops import all_loops
 from rl_tui.agents.exact import backward_induction
 from rl_tui.agents.exact.small_worlds import many_policies
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.kernels import machine_code, stepped_loop, watch
+from rl_tui.agents.kernels import environment_loop, machine_code, watch
 from rl_tui.agents.kernels.machine_code import Loop
 from rl_tui.agents.learner import Learner
 from rl_tui.common.streams import streams
@@ -63,7 +63,7 @@ def in_place_of_machine_code(stand_in: Callable[..., Callable[..., Any]]) -> Ite
         patch.setattr(learner, "use_machine_code", stand_in)
         for module in (learner, watch, history, learning_curve, seeding, batch, many_policies):
             patch.setattr(module, "fastest", stand_in)
-        for module in (stepped_loop, backward_induction):
+        for module in (environment_loop, backward_induction):
             patch.setattr(module, "machine_code", stand_in)
         yield patch
 

@@ -11,9 +11,8 @@ from lessons.lesson_samples import SOUND, changed, written
 from lessons.task_samples import HEAD
 
 from rl_tui.commands.main import program
-from rl_tui.lessons.check import check_lesson
+from rl_tui.lessons.check import SPOTLIGHTS, check_lesson
 from rl_tui.lessons.figures.step_budget import StepBudget
-from rl_tui.lessons.file.spotlights import SPOTLIGHTS
 from rl_tui.lessons.lesson import lesson_folder
 from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.worlds.files.shipped import shipped_folder

@@ -12,7 +12,7 @@ from click.testing import CliRunner, Result
 
 from rl_tui.commands.main import program
 from rl_tui.commands.reports.policy_map import policy_map
-from rl_tui.commands.reports.training import VALUE_AT_START
+from rl_tui.commands.reports.training import TITLES
 from rl_tui.runs.export.recipe_line import recipe_line
 from rl_tui.runs.library import find, recipe_for
 from rl_tui.runs.recipe import begin
@@ -84,7 +84,7 @@ def test_reports_leave_out_what_nobody_knows():
     assert "nothing is known of those left out" in drawing[-1]
     several = run("train", "blackjack", "--episodes", "60", "--runs", "2")
     assert several.exit_code == 0
-    assert VALUE_AT_START not in several.stdout.lower()
+    assert TITLES["value_at_start"] not in several.stdout.lower()
     assert "return, last 60 episodes" in several.stdout
 
 

@@ -16,7 +16,7 @@ from click.testing import CliRunner
 from rl_tui.commands.line.output import alike, columns, number, progress
 from rl_tui.commands.main import program
 from rl_tui.commands.reports.policy_map import policy_map
-from rl_tui.commands.reports.training import FIRST_REWARD, GREEDY_ENDS, no_reward
+from rl_tui.commands.reports.training import FIRST_REWARD, TITLES, no_reward
 from rl_tui.runs.library import find, recipe_for
 from rl_tui.runs.recipe import begin
 from rl_tui.worlds.drawing import Graph
@@ -57,7 +57,7 @@ def test_a_bandit_gets_lines_of_its_own() -> None:
     assert rows["best arm pulled"] == f"{figures['best_arm_rate']:.1%} of the time"
     assert rows["winnings"].split()[0] == f"{figures['winnings']:,.1f}"
     assert rows["regret"] == f"{figures['regret']:,.1f}"
-    assert not any(each in text for each in ("episode", "length", GREEDY_ENDS, FIRST_REWARD))
+    assert not any(each in text for each in ("episode", "length", TITLES["greedy_ends"], FIRST_REWARD))
 
 
 def test_many_arms_that_tie_are_counted(tmp_path: Path) -> None:

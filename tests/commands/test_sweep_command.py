@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from rl_tui.commands.main import program
-from rl_tui.studies.sweeps.measures import MEASURES
+from rl_tui.studies.sweeps.cell import MEASURES
 from rl_tui.studies.sweeps.store import Store
 
 SWEEP = ("maze", "--vary", "alpha=0.1:0.9:3", "--vary", "algorithm=q-learning,sarsa", "--episodes", "20")

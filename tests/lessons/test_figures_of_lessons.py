@@ -15,7 +15,7 @@ from rl_tui.commands.main import program
 from rl_tui.lessons.figures.expression import FigureError
 from rl_tui.lessons.figures.figures import FUNCTIONS, LessonFigures
 from rl_tui.lessons.figures.step_budget import FIGURE_STEPS, STEPPED, StepBudget
-from rl_tui.runs.run import Run
+from rl_tui.runs.run import OnEpisodes, Run
 from rl_tui.runs.training.seeded_runs import SeededRuns
 
 pytestmark = pytest.mark.unit
@@ -304,8 +304,8 @@ def test_figures_of_a_file_share_its_budget() -> None:
 def test_of_runs_over_seeds_only_measures_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     made, new_run = list[weakref.ref[Run]](), SeededRuns.new_run
 
-    def watched(seeded: SeededRuns, seed: int) -> Run:
-        run = new_run(seeded, seed)
+    def watched(seeded: SeededRuns, seed: int, *on_episodes: OnEpisodes | None) -> Run:
+        run = new_run(seeded, seed, *on_episodes)
         made.append(weakref.ref(run))
         return run
 

@@ -115,7 +115,7 @@ def play(playback: Playback, what: list[Any]) -> Playback:
         for run in playback.group.runs:
             assert run.world.mdp is not None
             assert_valid(run.world.mdp)
-        playback.breakpoints.check(playback.group.current.world.space)
+        playback.breakpoints.check(playback.group.current.run.world.space)
         names = names_of_breakpoints(playback)
         if isinstance(deed, ToggleBreakpoint):
             pinned |= names
@@ -135,7 +135,7 @@ def names_of_breakpoints(playback: Playback) -> set[Any]:
 def straight(playback: Playback) -> Run:
     """The run shown, from its recipe and its journal alone."""
     record = playback.group.current.record
-    run = Run(record.recipe, episode_limit=playback.group.current.world.budget)
+    run = Run(record.recipe, episode_limit=playback.group.current.run.world.budget)
     run.advance(steps=0)
     run.follow(record.branches[record.branch].journal, record.step)
     return run

@@ -9,8 +9,7 @@ from recipes import recipe, replay
 from rl_tui.live.commands import Apply, FollowCell, GoTo, Take, Train
 from rl_tui.runs.recipe import SetParameter
 from rl_tui.runs.run import Run
-from rl_tui.runs.timeline.checkpoints import MOST, MOST_LEFT, USUAL, Checkpoints
-from rl_tui.runs.timeline.seek import Target
+from rl_tui.runs.timeline.checkpoints import MOST, MOST_LEFT, USUAL, Checkpoints, Target
 from rl_tui.runs.timeline.table_samples import TableSamples
 
 

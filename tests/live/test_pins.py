@@ -297,6 +297,6 @@ def test_strokes_that_wait_stay_while_the_world_does() -> None:
 def test_how_an_estimate_went_begins_with_the_world_it_is_of() -> None:
     playback = begin(small_map())
     do(playback, draw("rows=+2@3"), Train(5))
-    last = playback.group.current.world.space.pairs - 1
+    last = playback.group.current.run.world.space.pairs - 1
     shown = do(playback, FollowCell(last))
     assert shown.cell.step.tolist() == [1, 2, 3, 4, 5]

@@ -10,6 +10,7 @@ from edited_worlds import edit, small_map
 from playing import assert_true_to_the_record, begin, stand
 
 from rl_tui.common.errors import UserError
+from rl_tui.live import world_editor as rebuild
 from rl_tui.live.commands import (
     Apply,
     Command,
@@ -30,7 +31,7 @@ from rl_tui.live.playback import Playback
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.live.snapshot_builder import REBUILDING
 from rl_tui.live.state import State
-from rl_tui.runs import edited_world, rebuild
+from rl_tui.runs import edited_world
 from rl_tui.runs.edited_world import NextWorld
 from rl_tui.runs.recipe import SetParameter
 from rl_tui.worlds.editing.grid_draft import GridDraft
@@ -108,7 +109,7 @@ def journal(playback: Playback) -> list[object]:
 
 def test_the_drawing_shows_at_once_and_learning_waits(site: Site) -> None:
     playback = live()
-    before = playback.group.current.world
+    before = playback.group.current.run.world
     snapshot = send(playback, Play(), draw("cell[1,2]=H"))
     assert drawn(snapshot) == ("S..G", ".#HG", "S..C")
     assert (snapshot.editor.rebuilding, snapshot.playback.message) == (True, REBUILDING)
@@ -116,7 +117,7 @@ def test_the_drawing_shows_at_once_and_learning_waits(site: Site) -> None:
     assert snapshot.world is before
     for _ in range(5):
         assert playback.work() != 0.0
-    assert (playback.group.current.step, journal(playback)) == (40, [])
+    assert (playback.group.current.run.step, journal(playback)) == (40, [])
     assert not playback.takes(Step())
     site.let_through(playback)
     assert playback.state is State.RUNNING
@@ -219,7 +220,7 @@ def test_pausing_counts_at_once_and_going_back_waits(site: Site) -> None:
     assert not playback.takes(GoTo(step=3))
     playback.work()
     site.let_through(playback)
-    assert (playback.state, playback.group.current.step) == (State.PAUSED, 40)
+    assert (playback.state, playback.group.current.run.step) == (State.PAUSED, 40)
     send(playback, GoTo(step=3))
     assert drawn(playback.snapshot())[1] == ".#.G"
 

@@ -58,7 +58,7 @@ def test_the_first_moment_the_policy_is_optimal() -> None:
 
 
 def test_at_gamma_1_a_policy_that_never_ends_is_not_optimal() -> None:
-    mdp = begin(recipe("student")).group.current.world.mdp
+    mdp = begin(recipe("student")).group.current.run.world.mdp
     assert mdp is not None
     optimum = solve(mdp, 1.0)
     q = optimum.q.copy()

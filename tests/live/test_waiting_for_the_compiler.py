@@ -282,9 +282,9 @@ def test_playing_on_in_the_past_looks_again_where_another_loop_takes_over() -> N
     while lane.seek is not None:
         lane.continue_seek(100)
     lane.advance(80)
-    assert (lane.step, lane.run.learner.algorithm) == (50, "sarsa")
+    assert (lane.run.step, lane.run.learner.algorithm) == (50, "sarsa")
     lane.advance(80)
-    assert lane.step == 130
+    assert lane.run.step == 130
 
 
 def test_another_algorithm_goes_on_at_once(wanted: list[list[Loop]]) -> None:

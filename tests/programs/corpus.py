@@ -9,8 +9,7 @@ from typing import Any, Final
 from rl_tui.programs.diagnosis.diagnosis import verdict_of
 from rl_tui.programs.evidence.verdict import CodeFinding, ProgramVerdict
 from rl_tui.programs.watched.program_log import ProgramLog
-from rl_tui.programs.watched.program_process import ProgramRequest
-from rl_tui.programs.watched.to_the_end import watched_to_the_end
+from rl_tui.programs.watched.program_process import ProgramRequest, watched_to_the_end
 
 SCRIPTS: Final = Path(__file__).parent / "scripts"
 FAULTY: Final = sorted((SCRIPTS / "faulty").glob("*.py"))

@@ -25,7 +25,7 @@ from rl_tui.programs.grading.agent_training import agent_request
 from rl_tui.programs.own_agents.binding import Style
 from rl_tui.programs.own_agents.loading import AgentName, agents_in, the_agent
 from rl_tui.programs.watched.program_log import ProgramLog
-from rl_tui.programs.watched.to_the_end import watched_to_the_end
+from rl_tui.programs.watched.program_process import watched_to_the_end
 from rl_tui.runs.library import recipe_named
 from rl_tui.runs.recipe import begin
 from rl_tui.runs.training.seeded_runs import Goal

@@ -12,7 +12,8 @@ from typing import Any
 import pytest
 from watched_scripts import LOOP, script_in, wait_until, watched
 
-from rl_tui.programs.watched.child.line_trace import MOST_LINES, TRACED_AT_FIRST, LineTrace, Place, line_of
+from rl_tui.programs.watched.child.errors import line_of
+from rl_tui.programs.watched.child.line_trace import MOST_LINES, TRACED_AT_FIRST, LineTrace, Place
 from rl_tui.programs.watched.program_log import ProgramLog
 from rl_tui.programs.watched.program_process import ProgramProcess, ProgramRequest
 

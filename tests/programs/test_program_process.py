@@ -94,8 +94,7 @@ def test_it_ends_with_the_process_that_watches(tmp_path: Path, code: str, how: s
     watching = dedent(
         f"""\
         from pathlib import Path
-        from rl_tui.programs.watched.program_process import ProgramRequest
-        from rl_tui.programs.watched.to_the_end import watched_to_the_end
+        from rl_tui.programs.watched.program_process import ProgramRequest, watched_to_the_end
         watched_to_the_end(ProgramRequest(Path({str(path)!r})))
         """
     )

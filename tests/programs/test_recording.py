@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from rl_tui.programs.grading.agent_training import EpisodeRecording
 from rl_tui.programs.watched import recording as of_recording
 from rl_tui.programs.watched.recording import Recording
 
@@ -77,3 +78,14 @@ def test_a_moment_that_is_forgotten_is_refused() -> None:
 
     with pytest.raises(ValueError, match="not kept"):
         recording.table_at(0)
+
+
+@pytest.mark.parametrize("size", [1, 7, 64])
+def test_returns_do_not_depend_on_how_many_steps_come_at_once(size: int) -> None:
+    returns: list[float] = []
+    recording = EpisodeRecording(1, 1, lambda found, lengths: returns.extend(found))
+    rewards = np.arange(64.0)
+    steps = np.array([[i, 0, 0, reward, 0, i % 5 == 4, i // 5, i] for i, reward in enumerate(rewards)])
+    for first in range(0, len(steps), size):
+        recording.add(steps[first : first + size], np.empty((0, 4)))
+    assert returns == [rewards[first : first + 5].sum() for first in range(0, 60, 5)]

@@ -232,8 +232,7 @@ def test_what_a_killed_program_did_is_kept(tmp_path: Path) -> None:
 
 
 def test_a_hang_ends_with_the_time_limit(tmp_path: Path) -> None:
-    from rl_tui.programs.watched.program_process import ProgramRequest
-    from rl_tui.programs.watched.to_the_end import watched_to_the_end
+    from rl_tui.programs.watched.program_process import ProgramRequest, watched_to_the_end
 
     path = script_in(tmp_path, "import re\nre.match('(a+)+$', 'a' * 60 + 'b')\n")  # holds the interpreter
     log = watched_to_the_end(ProgramRequest(path), seconds=0.5)

@@ -28,8 +28,8 @@ from rl_tui.programs.grading.agent_training import agent_request, place_of_agent
 from rl_tui.programs.grading.watch_report import environment_of, learned_figures
 from rl_tui.programs.own_agents.loading import AgentName
 from rl_tui.programs.watched.program_log import ProgramEnvironment, ProgramLog
+from rl_tui.programs.watched.program_process import watched_to_the_end
 from rl_tui.programs.watched.program_world import world_of_program
-from rl_tui.programs.watched.to_the_end import watched_to_the_end
 from rl_tui.runs.library import recipe_named
 from rl_tui.runs.training.seeded_runs import Goal
 from rl_tui.worlds.mdp.space import FloatArray

@@ -10,8 +10,7 @@ from textwrap import dedent
 from typing import Any
 
 from rl_tui.programs.watched.program_log import ProgramLog
-from rl_tui.programs.watched.program_process import ProgramRequest
-from rl_tui.programs.watched.to_the_end import watched_to_the_end
+from rl_tui.programs.watched.program_process import ProgramRequest, watched_to_the_end
 
 PATIENCE = 60.0
 """Seconds after which a program that hangs fails a test."""

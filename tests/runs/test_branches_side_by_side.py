@@ -43,7 +43,7 @@ def test_at_every_step_the_lane_equals_the_branch(scenario: str, algorithm: str)
     made_from = group.current.recipe
     for step in (701, 0, 399, 400, 401, 600, 601, 700, 702, 1000):
         do(playback, GoTo(step))
-        assert group.current.step == group.beside.step == step
+        assert group.current.run.step == group.beside.run.step == step
         assert stand(group.beside.run) == stand(replay(made_from, journal, step))
         assert stand(group.current.run) == stand(replay(made_from, (), step))
     do(playback, Train(150))

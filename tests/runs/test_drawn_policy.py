@@ -22,7 +22,7 @@ from rl_tui.live.commands import ClearDrawing, DrawAction, Restart, Step, StudyP
 from rl_tui.live.sessions.session import SessionError, checksum_of, encoded, read_session
 from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.runs.answers.policy_values import DrawnPolicy, left_to_chance
-from rl_tui.runs.export.policy import evaluate_line, policy_text
+from rl_tui.runs.export.tables import evaluate_line, policy_text
 from rl_tui.runs.recipe import Recipe
 from rl_tui.runs.recipe import begin as begin_run
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP

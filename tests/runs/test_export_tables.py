@@ -10,7 +10,7 @@ import pytest
 from export_samples import recipe_of
 
 from rl_tui.common.errors import UserError
-from rl_tui.runs.export.files import free_name, new_path, write_text
+from rl_tui.common.files import free_name, new_path, write_new
 from rl_tui.runs.export.tables import estimates_again, q_array, write_q_array, write_q_csv, write_returns
 from rl_tui.runs.recipe import JournalEntry, SetParameter
 from rl_tui.runs.run import Run
@@ -103,7 +103,7 @@ def test_nothing_is_written_over(tmp_path: Path) -> None:
     with pytest.raises(UserError, match="is there already"):
         new_path(str(path))
     with pytest.raises(UserError, match="is there already"):
-        write_text(path, "other")
+        write_new(path, "other")
     assert path.read_text(encoding="utf-8") == "mine"
 
 
@@ -128,7 +128,7 @@ def test_names_that_cannot_be_are_refused_in_a_line(
 
 def test_a_folder_that_cannot_be_written_is_told_in_a_line(tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"cannot be written \(No such file or directory\)"):
-        write_text(tmp_path / "gone" / "a.txt", "text")
+        write_new(tmp_path / "gone" / "a.txt", "text")
 
 
 def test_the_name_offered_is_free(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -342,9 +342,14 @@ def test_an_action_that_is_not_possible_is_refused() -> None:
     assert playback.record.lanes[0].branches[0].journal == ()
 
 
-@pytest.mark.parametrize(("command", "most"), [(Step(), 151), (StepBack(), 225)])
-def test_one_step_runs_few_functions_of_the_program(command: Command, most: int) -> None:
-    """Who lengthens the way of a key has to raise these numbers."""
+@pytest.mark.parametrize(
+    ("command", "most"),
+    [(Step(), 102), (StepBack(), 119), (Apply(SetParameter("alpha", 0.2)), 113)],
+    ids=["step", "back", "slider"],
+)
+def test_few_functions_run_from_a_command_to_its_snapshot(command: Command, most: int) -> None:
+    """Lower these numbers where the way becomes shorter."""
     playback = begin(recipe("frozenlake"))
     do(playback, *[Step()] * 20, command, command)  # whatever is read or built at first does not count
-    assert len(functions_of(playback, command)) <= most
+    # what is worked out for some steps only, such as the value of another policy, does not count either
+    assert min(len(functions_of(playback, command)) for _ in range(3)) <= most

@@ -7,8 +7,7 @@ from typing import Any
 
 import pytest
 
-from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
-from rl_tui.agents.idle_parameters import why_idle
+from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, why_idle
 from rl_tui.runs.library import recipe_for
 from rl_tui.runs.run import Run
 from rl_tui.worlds.files.catalogue import find

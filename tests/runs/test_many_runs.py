@@ -14,7 +14,8 @@ from recipes import one_run, recipe
 
 from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.common.errors import UserError
-from rl_tui.runs.figures import BANDIT_FIGURES, summary
+from rl_tui.runs.figures import summary
+from rl_tui.runs.measures import BANDIT_FIGURES, FIGURES
 from rl_tui.runs.run import Run
 from rl_tui.runs.training import batched_runs
 from rl_tui.runs.training import many_runs as experiments_many_runs
@@ -26,7 +27,7 @@ from rl_tui.runs.training.batched_runs import (
     steps_of_next_call,
 )
 from rl_tui.runs.training.many_runs import many_runs
-from rl_tui.runs.training.seeded_runs import FIGURES, Goal, SeededRuns
+from rl_tui.runs.training.seeded_runs import Goal, SeededRuns
 
 
 def timeless(document: dict[str, Any]) -> dict[str, Any]:
@@ -172,6 +173,11 @@ def test_policies_of_a_batch_may_be_evaluated_a_few_at_a_time(monkeypatch: pytes
     checks = list[None]()
     assert runs.rows(lambda: checks.append(None)) == at_once
     assert len(checks) == 3
+
+
+def test_maps_drawn_from_the_seed_are_not_batched_as_their_shapes_differ() -> None:
+    assert SeededRuns(recipe("frozenlake-random")).batched_loop is None
+    assert SeededRuns(recipe("bandit")).batched_loop is not None
 
 
 def test_ctrl_c_does_not_wait_for_runs_that_never_began(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,7 +12,7 @@ from export_samples import recipe_of
 
 from rl_tui.commands.main import program
 from rl_tui.common.errors import UserError
-from rl_tui.runs.changes import ChangeText, journal_of, read_change, written_change
+from rl_tui.runs.changes import journal_of, read_change, written_change
 from rl_tui.runs.export.recipe_line import recipe_line
 from rl_tui.runs.figures import training_figures
 from rl_tui.runs.library import recipe_for
@@ -141,8 +141,7 @@ def test_names_of_actions_may_have_any_characters() -> None:
 
 
 def test_changes_are_put_in_the_order_of_their_steps() -> None:
-    changes = [ChangeText(9, "gamma", 0.5), ChangeText(2, "alpha", 0.5), ChangeText(9, "epsilon", 0.0)]
-    journal = journal_of(changes, ACTIONS)
+    journal = journal_of(map(read_change, ("9:gamma=0.5", "2:alpha=0.5", "9:epsilon=0")), ACTIONS)
     assert [
         (entry.step, entry.change.name) for entry in journal if isinstance(entry.change, SetParameter)
     ] == [(2, "alpha"), (9, "gamma"), (9, "epsilon")]

@@ -164,7 +164,6 @@ def test_steps_that_do_not_follow_one_another_are_never_joined() -> None:
         run.advance(steps)
         recorder.note(run.learner.last_step, run.world)
     assert [each.step for each in recorder.up_to(run.learner.last_step)] == [4, 5]
-    assert not recorder.is_whole(run.learner.last_step)
 
 
 def test_an_environment_that_is_stepped_has_the_trail_that_was_recorded() -> None:

@@ -19,7 +19,8 @@ from rl_tui.lessons.judging.conditions import judged_task
 from rl_tui.lessons.lesson import Lesson
 from rl_tui.live.sessions.progress import LessonStart
 from rl_tui.live.snapshot import Phase, Snapshot
-from rl_tui.runs.changes import ALGORITHM, SWEEP, TAKE, ChangeText, read_change
+from rl_tui.runs.changes import ALGORITHM, SWEEP, TAKE, name_and_value, read_change
+from rl_tui.runs.recipe import JournalEntry
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.dialogs.dialog import Confirm
 from rl_tui.screen.panels.controls.slider import Slider
@@ -209,8 +210,8 @@ class Learner:
             await self.set(name, value)
         if attempt.settings:
             await self.keys("r")
-        for change in map(read_change, attempt.changes):
-            await self._change(change)
+        for entry in map(read_change, attempt.changes):
+            await self._change(entry)
         if attempt.episodes is not None:
             await self.run_episodes(attempt.episodes)
         elif attempt.steps is not None and not self._is_done:
@@ -228,14 +229,15 @@ class Learner:
         file.write_text(code, encoding="utf-8")
         await self.keys("A", "enter")
 
-    async def _change(self, change: ChangeText) -> None:
-        await self.run_to(change.step)
-        if change.name == TAKE:
-            await self.act(str(change.value))
-        elif change.name == SWEEP:
-            await self.sweep(str(change.value))
+    async def _change(self, entry: JournalEntry) -> None:
+        await self.run_to(entry.step)
+        name, value = name_and_value(entry.change)
+        if name == TAKE:
+            await self.act(str(value))
+        elif name == SWEEP:
+            await self.sweep(str(value))
         else:
-            await self.set(change.name, change.value)
+            await self.set(name, value)
 
     @property
     def _is_done(self) -> bool:

@@ -179,7 +179,7 @@ def test_what_a_cell_pays_stands_in_a_corner() -> None:
     row = drawn(view, snapshot, 75, 6)[0]
     assert "−1" in row
     assert "+1" in row
-    assert view.signs()[0].sign == "+1"
+    assert next(iter(view.signs())).sign == "+1"
 
 
 def test_kings_moves_stand_as_on_a_keypad() -> None:
@@ -361,5 +361,5 @@ def test_in_lists_numbers_stand_above_one_another_at_the_right() -> None:
     values = zip(((-1, 0), (0, 1), (1, 0), (0, -1)), (-8.0, 6.0, -7.0, 0.0), strict=True)
     actions = tuple(ActionValue(sign, q, not q, False) for sign, q in values)
     cell = CellContent(CellKind.FLOOR, False, 6.0, True, actions=actions)
-    rows = artist.drawn([cell], ValueScale(-8.0, 6.0), NumberForm(3, 0))[0]
+    rows = artist.strips((artist.face(cell, ValueScale(-8.0, 6.0), NumberForm(3, 0)),), 0, 13)
     assert ["".join(segment.text for segment in row).rstrip() for row in rows] == ["↑ −8  ↓ −7", "→  6  ← ·"]

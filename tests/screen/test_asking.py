@@ -21,7 +21,7 @@ from rl_tui.screen.frame.number_here import number_of_pair
 from rl_tui.screen.glossary.glossary import glossary
 from rl_tui.screen.kit.row import LAST_STEP
 from rl_tui.screen.panels.catalogue import PANELS
-from rl_tui.screen.panels.model.bellman import SECRET
+from rl_tui.screen.panels.model.pair import SECRET
 from rl_tui.screen.panels.q_table.layers import Layer
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.playground.playground import Playground

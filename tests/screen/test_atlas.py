@@ -16,8 +16,8 @@ from rl_tui.studies.atlas import request as atlas_request
 from rl_tui.studies.atlas import request as axes
 from rl_tui.studies.atlas.cells import CellGrid
 from rl_tui.studies.atlas.figures import Atlas, AtlasCell, AtlasStandings, AtlasState
+from rl_tui.studies.sweeps.cell import MEASURES
 from rl_tui.studies.sweeps.cells.variation import Variation
-from rl_tui.studies.sweeps.measures import MEASURES
 
 GRID = CellGrid((Variation("epsilon", (0.0, 0.1)), Variation("alpha", (0.1, 0.5, 1.0))))
 LOOK = Look(UNICODE, palette_for("truecolor", dark=True))

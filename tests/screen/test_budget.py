@@ -1,6 +1,9 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
+from lane_samples import side_by_side
 from samples import answered, bandit, lake, look
 
 from rl_tui.live.snapshot import Snapshot
@@ -80,3 +83,14 @@ def test_it_fits_any_size(snapshot: Snapshot | None) -> None:
         for height in (1, 2, 4, 10):
             drawn(snapshot, width, height, revealed=True)
             drawn(snapshot, width, height)
+
+
+@pytest.mark.parametrize(
+    ("width", "figures"), [(57, ["485", "1.21", "75", "85", "%"]), (56, ["485", "1.21", "75"])]
+)
+def test_of_two_lanes_no_figure_is_cut(width: int, figures: list[str]) -> None:
+    group = replace(side_by_side(2, 1).run_group, beside=0)
+    shown = replace(answered(bandit(400), revealed=True), run_group=group, beside=answered(bandit(300), True))
+    lines = drawn(shown, width, 7, revealed=True).splitlines()
+    assert lines[2].split()[-len(figures) :] == figures
+    assert "…" not in "".join(lines)

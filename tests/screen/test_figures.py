@@ -18,9 +18,10 @@ from rl_tui.screen.glossary.glossary import (
     glossary,
     term_at,
 )
+from rl_tui.screen.kit.blocks import lines_of
 from rl_tui.screen.kit.row import BUDGET, CURVE, LAST_STEP, TABLE, WORLD
 from rl_tui.screen.panels import seed_figures as study_figures
-from rl_tui.screen.panels.budget import budget_lines
+from rl_tui.screen.panels.budget import budget_blocks
 from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.panels.curve.text import figure_names
 from rl_tui.screen.panels.last_step.last_step import last_step_lines
@@ -70,7 +71,7 @@ def test_the_speed_does() -> None:
 
 
 def test_the_sums_of_a_budget_do() -> None:
-    lines = [text_of(line) for line in budget_lines(answered(bandit(400)), look(), 60)]
+    lines = [text_of(line) for line in lines_of(budget_blocks(answered(bandit(400)), look()), 60, look())]
     labels = [label for line in lines for label in numbered(line)]
     assert len(labels) >= 5
     assert not [each for each in labels if not figures_in(each)], labels

@@ -380,8 +380,9 @@ def test_no_number_is_cut_in_any_cell(in_ascii: bool, times: float) -> None:
     for width, height in product(range(1, 27), (1, 2, 3, 4, 6, 9, 12)):
         form = CellForm(width, height)
         number_form = SteadyForms().form("", values, form.digits, most=2)._replace(leading_zero=False)
-        drawn = CellArtist(look(in_ascii), form).drawn(cells, scale, number_form)
-        for cell, rows in zip(cells, drawn, strict=True):
+        artist = CellArtist(look(in_ascii), form)
+        for cell in cells:
+            rows = artist.drawn(artist.face(cell, scale, number_form))
             text = ["".join(segment.text for segment in row) for row in rows]
             assert [len(row) for row in text] == [width] * height
             if cell.value is not None and cell.known and form.has_values:

@@ -14,11 +14,12 @@ from rl_tui.live.commands import HideAnswer
 from rl_tui.live.snapshot import Phase
 from rl_tui.screen.dialogs.until_options import until_options
 from rl_tui.screen.frame.number_here import number_of_pair, number_of_state
+from rl_tui.screen.kit.blocks import lines_of
 from rl_tui.screen.kit.snapshot_facts import ANSWER_KEY, hides_means, is_secret
 from rl_tui.screen.panels.curve.data import curve_data
 from rl_tui.screen.panels.curve.words import HIDDEN_OPTIMUM, OPTIMUM
 from rl_tui.screen.panels.microscope.microscope import history_strips
-from rl_tui.screen.panels.model.model import pair_lines
+from rl_tui.screen.panels.model.pair import pair_blocks
 from rl_tui.screen.panels.q_table.layers import EXACT_LAYERS, Layer
 from rl_tui.screen.theme.glyphs import UNICODE
 from rl_tui.worlds.files.catalogue import scenarios
@@ -61,7 +62,9 @@ def test_the_curve_keeps_the_greedy_policy_and_hides_the_best() -> None:
 
 
 def test_the_bellman_equation_has_no_numbers() -> None:
-    lines = "\n".join("".join(piece.text for piece in line) for line in pair_lines(SECRET, 0, look(), 90))
+    lines = "\n".join(
+        "".join(piece.text for piece in line) for line in lines_of(pair_blocks(SECRET, 0, look()), 90, look())
+    )
     assert f"··· {ANSWER_KEY}" in lines
     assert "p · [r + γ · max Q*" in lines.replace("\xa0", " ")
 

@@ -12,12 +12,13 @@ from snapshots import changed
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.screen.draw.canvas import Line
+from rl_tui.screen.kit.blocks import lines_of
 from rl_tui.screen.kit.snapshot_facts import SHOWN_BY_KEY, shown_by
-from rl_tui.screen.panels.budget import budget_lines
+from rl_tui.screen.panels.budget import budget_blocks
 from rl_tui.screen.panels.graph.graph import GraphView
 from rl_tui.screen.panels.last_step.last_step import last_step_lines
-from rl_tui.screen.panels.model.bellman import means_key
-from rl_tui.screen.panels.policies.table import notes
+from rl_tui.screen.panels.model.pair import means_key
+from rl_tui.screen.panels.policies.notes import notes
 from rl_tui.screen.playground.modes.drawing import title
 from rl_tui.screen.theme.glyphs import UNICODE
 
@@ -60,8 +61,8 @@ def test_who_draws_a_policy_is_told_that_its_return_waits() -> None:
 
 def test_texts_of_a_bandit_name_no_key_while_a_lesson_keeps_its_means_back() -> None:
     secret = changed(BANDIT, is_hidden=True)
-    assert "h  shows regret" in text_of(budget_lines(secret, look(), 60))
-    said = text_of(budget_lines(kept(BANDIT, "answer"), look(), 60))
+    assert "h  shows regret" in text_of(lines_of(budget_blocks(secret, look()), 60, look()))
+    said = text_of(lines_of(budget_blocks(kept(BANDIT, "answer"), look()), 60, look()))
     assert "regret and the best arm: the lesson keeps it back for now" in said
     assert "h  shows" not in said
     assert "until h" in means_key(secret)[0]

@@ -37,6 +37,7 @@ def newest(screen: Playground) -> Snapshot:
 def text_of(panel: GridView) -> str:
     """What the map shows; the legend is hidden, which has its signs too."""
     panel.is_explained = False
+    panel.redraw()
     return "\n".join(panel.render_line(y).text for y in range(panel.size.height))
 
 

@@ -87,7 +87,7 @@ def lessons(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder.mkdir()
     (folder / "walk.toml").write_text(WALK, encoding="utf-8")
     (folder / "other.toml").write_text(OTHER, encoding="utf-8")
-    for module in ("lessons.catalogue", "live.sessions.stored_lesson"):
+    for module in ("lessons.lesson", "lessons.catalogue", "live.sessions.encoding"):
         monkeypatch.setattr(f"rl_tui.{module}.lesson_folder", lambda: folder)
     return folder
 

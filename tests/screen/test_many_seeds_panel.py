@@ -345,8 +345,8 @@ def test_what_is_not_known_is_a_dash() -> None:
 
 
 def test_figures_are_those_of_train() -> None:
-    from rl_tui.runs.figures import BANDIT_FIGURES
-    from rl_tui.runs.training.seeded_runs import FIGURES as OF_RUNS
+    from rl_tui.runs.measures import BANDIT_FIGURES
+    from rl_tui.runs.measures import FIGURES as OF_RUNS
 
     assert {figure.id for figure in FIGURES} <= {*OF_RUNS, *BANDIT_FIGURES}
     assert [figure.id for figure in shown_figures(bandit_study(), secret=True)] == ["winnings", LAST_100.id]

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from typing import NamedTuple
 
 import pytest
 from seams import notes, on_screen
 from test_playground import playground, press
+from textual.pilot import Pilot
 from textual.strip import Strip
 
+from rl_tui.common.errors import UserError
 from rl_tui.live.player import Player
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.library import recipe_for
@@ -127,3 +130,43 @@ def test_the_rows_have_ids_and_keys_of_their_own() -> None:
     assert len({row.id for row in PANELS}) == len(PANELS)
     keys = [key for action in all_actions() if Place.PLAYGROUND & action.place for key in action.keys]
     assert len(set(keys)) == len(keys)
+
+
+ALONE = (
+    *("s", "s", "e", "s", "b", "v", "v", "v", "h", "s", "h", "1", "right", "right", "s", "escape"),
+    *("e", "e", "P", "s", "P", "d", "s", "d", "V", "s", "number_sign", "m", "escape", "a", "down", "enter"),
+    *("s", "r", "s", "k", "slash", "e"),
+)
+BESIDE = ("s", "e", "b", "l", "s", "z", "s", "v", "r", "s")
+
+
+class Drawn(NamedTuple):
+    rows: list[str]
+    above: object
+    below: object
+
+
+def drawn(panel: Panel) -> Drawn:
+    rows = [repr(list(panel.render_line(y))) for y in range(panel.size.height)]
+    return Drawn(rows, panel.border_title, panel.border_subtitle)
+
+
+async def check_kept(pilot: Pilot[UserError], *keys: str) -> None:
+    board = playground(pilot).board
+    for key in keys:
+        await press(pilot, key)
+        for panel in board.query(Panel):
+            kept = drawn(panel)
+            if kept.rows and board.shows(str(panel.id)):
+                panel.redraw()
+                assert drawn(panel) == kept, (key, panel.id)
+
+
+@pytest.mark.exhaustive("draws other worlds", but=["frozenlake-slippery"])
+@pytest.mark.parametrize("scenario", ["frozenlake-slippery", "student", "bandit", "cliff"])
+async def test_what_is_kept_from_frame_to_frame_is_what_would_be_drawn_afresh(scenario: str) -> None:
+    async with on_screen(app_with(STEPS, scenario), (120, 40)) as pilot:
+        await check_kept(pilot, *ALONE)
+        await press(pilot, "c", "enter", "down", "enter")
+        await pilot.pause(0.3)  # the panels of the other lane get their size
+        await check_kept(pilot, *BESIDE)

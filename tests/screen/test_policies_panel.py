@@ -36,15 +36,9 @@ from rl_tui.screen.panels.curve.data import curve_data
 from rl_tui.screen.panels.curve.text import all_words, label_columns
 from rl_tui.screen.panels.curve.text import amount as curve_amount
 from rl_tui.screen.panels.policies.names import POLICY_NAMES
-from rl_tui.screen.panels.policies.policies import Policies
+from rl_tui.screen.panels.policies.notes import AS_MUCH_AS_OPTIMAL, SHORT_OF_OPTIMAL, WITHOUT_LIMIT, amount
+from rl_tui.screen.panels.policies.policies import FIGURES, Policies
 from rl_tui.screen.panels.policies.studied import as_studied
-from rl_tui.screen.panels.policies.table import (
-    AS_MUCH_AS_OPTIMAL,
-    COLUMNS,
-    SHORT_OF_OPTIMAL,
-    WITHOUT_LIMIT,
-    amount,
-)
 from rl_tui.screen.panels.q_table.layers import Layer
 from rl_tui.screen.panels.side_by_side import sides
 from rl_tui.screen.theme.glyphs import UNICODE
@@ -200,7 +194,7 @@ def test_the_cursor_is_always_seen(height: int, kind: PolicyKind) -> None:
 def test_its_figures_can_be_asked() -> None:
     terms = next(row.terms for row in PANELS if row.id == POLICIES)
     assert set(terms) <= set(glossary())
-    for column in COLUMNS:
+    for column in FIGURES:
         ids = {term_at(column.head, place, UNICODE) for place in range(len(column.head))}
         assert any(glossary()[each].figure is not None for each in ids if each is not None), column.head
     line = "exploring (ε .10) costs .146 an episode"

@@ -10,16 +10,17 @@ from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from samples import lake, learned_from, look
 
-from rl_tui.agents.update_terms import Lookup
+from rl_tui.agents.catalogue import Lookup
 from rl_tui.live.last_step.backup import Backup, Leaf
 from rl_tui.live.last_step.step_report import story_of
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.precision import figure
+from rl_tui.screen.kit.blocks import lines_of
 from rl_tui.screen.panels.last_step.last_step import last_step_lines
 from rl_tui.screen.panels.last_step.update_text import UpdateText, subtracts, update_text
 from rl_tui.screen.panels.last_step.words import words_of
-from rl_tui.screen.panels.microscope.backup_columns import outcome_rows
-from rl_tui.screen.panels.microscope.targets import target_lines
+from rl_tui.screen.panels.microscope.backup import outcome_table
+from rl_tui.screen.panels.microscope.targets import target_blocks
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE
 
 LAKE = lake()
@@ -220,12 +221,12 @@ def test_the_microscope_does_not_contradict_itself(values: list[float], sampled:
     leaves = tuple(Leaf(1 / 3, 1, 0.0, 0.0, 1, False, value, False) for value in values)
     shares = [gamma * value / 3 for value in values]
     backup = Backup(0, 0, leaves, gamma, gamma * values[sampled], sum(shares), Lookup.BEST, is_current=True)
-    rows = outcome_rows(LAKE.world, backup, leaves, look(), 80, secret=False)
-    for row in rows[1:]:
-        *_, printed, share = row.split()
+    table = outcome_table(LAKE.world, backup, leaves, look(), is_whole=True, secret=False)
+    for row in table.lines(85, look())[1:]:
+        printed, share = (piece.text.strip() for piece in row[-2:])
         finest = min(last_digit(share), 1.0) if share != "0" else 1e-3
         assert abs(gamma * value(printed) / 3 - value(share)) <= 1.001 * finest + numbers.NEGLIGIBLE
-    lines = target_lines(WORDS, backup, look(), 80, secret=False)
+    lines = lines_of(target_blocks(WORDS, backup, look(), secret=()), 80, look())
     first, second = ("".join(piece.text for piece in line).split()[-1] for line in lines[:2])
     told = "".join(piece.text for piece in lines[2]).split()[1]
     finest = max(last_digit(each) for each in (first, second, told) if each != "0") if told != "0" else 1e-6

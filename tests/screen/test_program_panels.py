@@ -25,8 +25,9 @@ from rl_tui.programs.evidence.verdict import (
 from rl_tui.programs.watched.program_log import FoundTable, OutputLine
 from rl_tui.screen.draw.canvas import length
 from rl_tui.screen.panels.last_step.last_step import last_step_lines
-from rl_tui.screen.panels.microscope.microscope import AFTER_END as AFTER_THE_END
-from rl_tui.screen.panels.microscope.microscope import NOT_KNOWN, page
+from rl_tui.screen.panels.microscope.backup import AFTER_END as AFTER_THE_END
+from rl_tui.screen.panels.microscope.backup import NOT_KNOWN
+from rl_tui.screen.panels.microscope.microscope import page
 from rl_tui.screen.panels.microscope.update import return_section
 from rl_tui.screen.panels.program.findings import FindingsPanel
 from rl_tui.screen.panels.program.output import OutputPanel
@@ -300,8 +301,8 @@ def test_the_microscope_has_the_update_that_fits_and_invents_nothing() -> None:
     declared = replace(open_update.program, gamma=0.95, gamma_source="declared")
     told = story_of(replace(open_update, program=declared))
     assert told is not None
-    section = return_section(replace(told, rewards=(1.0,)), look(), 200)
-    text = " ".join(piece.text for line in section.lines for piece in line)
+    section = return_section(replace(told, rewards=(1.0,)), look())
+    text = " ".join(piece.text for line in section.lines(200, look()) for piece in line)
     assert "no step has decided it yet; exact answers are for 0.95, read from your code" in text
 
 

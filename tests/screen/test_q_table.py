@@ -26,7 +26,7 @@ def test_rows_are_live_states_and_columns_actions() -> None:
     assert states == ["0", "1", "2", "3", "4", "6", "8", "9", "10", "13", "14"]
     assert not "".join(drawn.rows[12:]).strip()
     assert drawn.table.heading == "Q · 11 states × 4"
-    assert drawn.table.rows == 11
+    assert drawn.table.rows_of(lake()) == 11
     assert drawn.row("6").startswith("◉ 6")
     assert drawn.text.count("◉") == 1
 

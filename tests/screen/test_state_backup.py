@@ -9,7 +9,7 @@ from samples import look
 from seams import sized
 from snapshots import changed, snapshot_of
 
-from rl_tui.agents.sweep_phases import SweepPhase
+from rl_tui.agents.catalogue import SweepPhase
 from rl_tui.live.last_step.step_report import StateBackup, state_backup_of
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.library import find, recipe_for

@@ -22,8 +22,8 @@ from rl_tui.studies.atlas.cells import CellGrid
 from rl_tui.studies.atlas.figures import Atlas, AtlasCell, AtlasStandings, AtlasState
 from rl_tui.studies.atlas.request import AtlasRequest, axes_of, surroundings
 from rl_tui.studies.atlas.work import AtlasWork
+from rl_tui.studies.sweeps.cell import MEASURES
 from rl_tui.studies.sweeps.cells.variation import Variation
-from rl_tui.studies.sweeps.measures import MEASURES
 
 
 def asked(made_from: Recipe, *, is_edited: bool = False) -> AtlasRequest:

@@ -7,8 +7,7 @@ from recipes import recipe
 
 from rl_tui.runs.library import episodes_of
 from rl_tui.runs.recipe import begin
-from rl_tui.studies.world_check.deep_check import Question, deep_check
-from rl_tui.studies.world_check.greedy_trials import SEEDS
+from rl_tui.studies.world_check.deep_check import SEEDS, Question, deep_check
 from rl_tui.studies.world_check.report import WorldReport
 
 pytestmark = pytest.mark.unit

@@ -156,9 +156,9 @@ def test_no_digest_is_worked_out_for_checkpoints_of_worlds_that_are_at_hand(
 def test_the_same_change_comes_to_the_same_world_again() -> None:
     playback = begin(small_map())
     do(playback, Train(300), DrawWorld(edit("rows=+1@1").edits), Train(300))
-    world = playback.group.current.world
+    world = playback.group.current.run.world
     do(playback, GoTo(100))
-    first = playback.group.current.world
+    first = playback.group.current.run.world
     assert first is not world
     do(playback, GoTo(400), AddLane((SetParameter("alpha", 0.9),)))
     assert {run.world for run in playback.group.runs} == {world}

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rl_tui.worlds.grid.section import GridSection
-from rl_tui.worlds.mdp.number_names import NumberNames
 from rl_tui.worlds.mdp.reachable import reachable
+from rl_tui.worlds.mdp.space import NumberNames
 from rl_tui.worlds.mdp.tabular_mdp import TransitionArrays, mdp_of_arrays
 
 LEFT, DOWN, RIGHT, UP = range(4)

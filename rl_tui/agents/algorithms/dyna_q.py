@@ -13,7 +13,7 @@ import numpy as np
 from numpy.random import Generator
 
 from rl_tui.agents.algorithms.family import NO_STATE, Experience, Update, further, learn
-from rl_tui.agents.algorithms.shared.model import THE_END, UNKNOWN, modelled_value
+from rl_tui.agents.algorithms.shared.learned_model import THE_END, UNKNOWN, modelled_value
 from rl_tui.agents.kernels.compiled import compiled, member_of
 from rl_tui.agents.kernels.draws import uniform
 from rl_tui.agents.kernels.parameters import KernelParameters, step_size

@@ -26,10 +26,10 @@ from rl_tui.agents.algorithms.shared.backups import (
     no_sweep,
     note_change,
 )
+from rl_tui.agents.catalogue import SWEEP_PHASES, SweepPhase
 from rl_tui.agents.kernels.compiled import compiled, member_of
 from rl_tui.agents.kernels.parameters import KernelParameters
 from rl_tui.agents.kernels.tables import Tables, pairs_of
-from rl_tui.agents.sweep_phases import SWEEP_PHASES, SweepPhase
 from rl_tui.common.words import counted
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 

@@ -23,7 +23,7 @@ from rl_tui.agents.algorithms.family import (
     one_update,
     with_others,
 )
-from rl_tui.agents.algorithms.shared.model import THE_END, UNKNOWN, modelled_value
+from rl_tui.agents.algorithms.shared.learned_model import THE_END, UNKNOWN, modelled_value
 from rl_tui.agents.algorithms.shared.priority_queue import Queue, dequeue, empty_queue, enqueue
 from rl_tui.agents.kernels.compiled import compiled, inlined, member_of
 from rl_tui.agents.kernels.parameters import KernelParameters, step_size

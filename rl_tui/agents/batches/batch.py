@@ -17,9 +17,9 @@ from rl_tui.agents.batches.four_actions import (
     smallest_of_four,
     with_four_actions,
 )
+from rl_tui.agents.batches.interleaved_batches import SEATS, advance_in_turn, new_seats
 from rl_tui.agents.batches.rows import stacked
 from rl_tui.agents.batches.seeding import WordArray, copy_streams, streams_of
-from rl_tui.agents.batches.turns import SEATS, advance_in_turn, new_seats
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.after_update import new_record
@@ -30,9 +30,8 @@ from rl_tui.agents.kernels.position import new_episode_log, new_position
 from rl_tui.agents.kernels.tables import tables_of
 from rl_tui.agents.kernels.watch import Watching, new_watch
 from rl_tui.common.streams import Streams
-from rl_tui.worlds.mdp.smallest import smallest_mdp
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
-from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP, smallest_mdp
 
 Array = TypeVar("Array", FloatArray, IntArray)
 

@@ -15,8 +15,7 @@ from rl_tui.agents.kernels.compiled import compiled
 from rl_tui.agents.kernels.drift import Drift
 from rl_tui.agents.kernels.loop import advance, start_state
 from rl_tui.agents.kernels.parameters import KernelParameters, Schedules
-from rl_tui.agents.kernels.position import EpisodeLog, Position
-from rl_tui.agents.kernels.stop import DONE, EPISODES_FULL
+from rl_tui.agents.kernels.position import DONE, EPISODES_FULL, EpisodeLog, Position
 from rl_tui.agents.kernels.tables import Tables
 from rl_tui.agents.kernels.watch import Watch
 from rl_tui.worlds.mdp.space import FloatArray, IntArray

@@ -34,8 +34,8 @@ from rl_tui.agents.learner import Learner
 from rl_tui.common.files import FileLock
 from rl_tui.common.streams import streams
 from rl_tui.worlds.environment import StepResult
-from rl_tui.worlds.mdp.smallest import smallest_mdp
 from rl_tui.worlds.mdp.space import all_pairs
+from rl_tui.worlds.mdp.tabular_mdp import smallest_mdp
 
 # One compiler at a time
 
@@ -79,8 +79,8 @@ _CALLED_FROM_PYTHON: Final = (
     "rl_tui.agents.batches.digest",
     "rl_tui.agents.batches.seeding",
     "rl_tui.agents.exact.backward_induction",
-    "rl_tui.agents.exact.small_worlds.unlimited",
-    "rl_tui.agents.exact.small_worlds.within_limit",
+    "rl_tui.agents.exact.small_worlds.many_policies",
+    "rl_tui.agents.exact.small_worlds.many_policies",
     "rl_tui.agents.kernels.episode_bins",
     "rl_tui.agents.kernels.watch",
 )

@@ -9,7 +9,7 @@ import numpy as np
 
 from rl_tui.agents.algorithms.family import Experience, Update
 from rl_tui.agents.kernels.compiled import compiled, inlined
-from rl_tui.agents.kernels.stop import DIVERGED, DONE, LARGEST_ESTIMATE
+from rl_tui.agents.kernels.position import DIVERGED, DONE, LARGEST_ESTIMATE
 from rl_tui.agents.last_step import LastStep
 from rl_tui.worlds.mdp.space import FloatArray, IntArray
 

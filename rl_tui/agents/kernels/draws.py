@@ -11,6 +11,6 @@ from rl_tui.agents.kernels.compiled import inlined
 def uniform(generator: Generator) -> float:
     """Return a draw from [0, 1); machine code steps the PCG64 of ``generator`` in place, with the same bits.
 
-    See :mod:`rl_tui.agents.compiling.pcg64`: a call to the generator costs as much as all else in a step.
+    See :mod:`rl_tui.agents.compiling.native`: a call to the generator costs as much as all else in a step.
     """
     return generator.random()

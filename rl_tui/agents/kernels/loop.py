@@ -14,17 +14,15 @@ from rl_tui.agents.kernels.draws import uniform
 from rl_tui.agents.kernels.drift import Drift, drift_on
 from rl_tui.agents.kernels.parameters import KernelParameters, Schedules, alpha_in, epsilon_in, with_alpha
 from rl_tui.agents.kernels.position import (
-    REWARDS_KEPT,
-    EpisodeLog,
-    Position,
-    discount_rewards,
-)
-from rl_tui.agents.kernels.stop import (
     DONE,
     ENDLESS_EPISODE,
     EPISODES_FULL,
     LONGEST_EPISODE,
     MEMORY_FULL,
+    REWARDS_KEPT,
+    EpisodeLog,
+    Position,
+    discount_rewards,
 )
 from rl_tui.agents.kernels.tables import Tables, landing, outcomes_of, pairs_of
 from rl_tui.agents.kernels.watch import Watch, watched

@@ -8,8 +8,7 @@ from rl_tui.agents.algorithms.family import Experience, back_up, has_converged
 from rl_tui.agents.kernels.after_update import StepRecord, after_update, record_step
 from rl_tui.agents.kernels.compiled import compiled
 from rl_tui.agents.kernels.parameters import KernelParameters
-from rl_tui.agents.kernels.position import Position
-from rl_tui.agents.kernels.stop import CONVERGED
+from rl_tui.agents.kernels.position import CONVERGED, Position
 from rl_tui.agents.kernels.tables import Tables
 from rl_tui.agents.kernels.watch import Watch, watched
 

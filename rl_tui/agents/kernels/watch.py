@@ -11,10 +11,10 @@ import numpy.typing as npt
 from rl_tui.agents.algorithms.family import Experience, Update
 from rl_tui.agents.kernels.compiled import compiled, compiled_for, inlined
 from rl_tui.agents.kernels.machine_code import fastest
-from rl_tui.agents.kernels.stop import DONE, EPISODES_FULL, NOTICED
+from rl_tui.agents.kernels.position import DONE, EPISODES_FULL, NOTICED
 from rl_tui.agents.kernels.tables import Tables, pairs_of, state_of, tables_of
-from rl_tui.worlds.mdp.smallest import smallest_mdp
 from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
+from rl_tui.worlds.mdp.tabular_mdp import smallest_mdp
 
 NONE = -1
 # The places of what was noticed

@@ -5,8 +5,14 @@ from __future__ import annotations
 import click
 
 from rl_tui.commands.line.output import columns, print_json
-from rl_tui.commands.options.help_sections import SectionedCommand
-from rl_tui.commands.options.run import Whole, allow_module_option, json_option, run_options, seed_option
+from rl_tui.commands.options.run import (
+    SectionedCommand,
+    Whole,
+    allow_module_option,
+    json_option,
+    run_options,
+    seed_option,
+)
 
 
 @click.command("bench", cls=SectionedCommand)

@@ -11,8 +11,14 @@ import click
 
 from rl_tui.commands.options.agent import agent_option, request_of
 from rl_tui.commands.options.display import display_of, display_options
-from rl_tui.commands.options.help_sections import SectionedCommand
-from rl_tui.commands.options.run import OptionValue, allow_module_option, run_options, seed_option, start_of
+from rl_tui.commands.options.run import (
+    OptionValue,
+    SectionedCommand,
+    allow_module_option,
+    run_options,
+    seed_option,
+    start_of,
+)
 
 if TYPE_CHECKING:
     from rl_tui.programs.own_agents.loading import AgentName

@@ -9,10 +9,10 @@ import click
 
 from rl_tui.commands.line.output import complain, finish_compiling, print_json, progress, with_compiling
 from rl_tui.commands.options.agent import agent_option, warn_of_agent
-from rl_tui.commands.options.help_sections import SectionedCommand
 from rl_tui.commands.options.run import (
     ChangeValue,
     CsvTarget,
+    SectionedCommand,
     Whole,
     allow_module_option,
     check_targets,
@@ -29,8 +29,7 @@ from rl_tui.common.words import counted
 
 if TYPE_CHECKING:
     from rl_tui.programs.own_agents.loading import AgentName
-    from rl_tui.runs.changes import ChangeText
-    from rl_tui.runs.recipe import Recipe
+    from rl_tui.runs.recipe import JournalEntry, Recipe
     from rl_tui.runs.run import Run
     from rl_tui.runs.training.seeded_runs import Goal
 
@@ -68,7 +67,7 @@ def command(
     runs: int | None,
     csv: CsvTarget,
     curve: CsvTarget,
-    changes: tuple[ChangeText, ...],
+    changes: tuple[JournalEntry, ...],
     agent: AgentName | None,
     overrides: dict[str, object],
     seed: int,
@@ -83,7 +82,10 @@ def command(
     if episodes is not None and steps is not None:
         raise click.UsageError("--episodes and --steps exclude each other", click.get_current_context())
     check_targets({"--csv": csv, "--curve": curve}, as_json)
-    if runs is not None and any(change.name == "take" for change in changes):
+    from rl_tui.runs.changes import ALGORITHM, TAKE, name_and_value
+
+    changed = {name_and_value(entry.change)[0] for entry in changes}
+    if runs is not None and TAKE in changed:
         raise click.UsageError(
             "take and --runs exclude each other: where an agent stands after so many steps is one run's",
             click.get_current_context(),
@@ -102,7 +104,7 @@ def command(
     if agent is not None:
         _train_agent(agent, recipe, overrides, goal, runs, csv, curve, as_json)
         return
-    if not any(change.name in ("algorithm", "policy") for change in changes):
+    if not changed & {ALGORITHM, "policy"}:
         warn_of_no_effect(recipe, overrides)  # what the first algorithm does not use may be for a later one
     _warn_beyond_budget(recipe, goal)
     with nullcontext() if curve is None else file_or_stream(curve) as points:
@@ -132,8 +134,7 @@ def _train_agent(
 ) -> None:
     """Let the agent ``name`` learn, and print what came of it."""
     from rl_tui.commands.line.screen import refuse_where_served
-    from rl_tui.commands.reports.own_agent import update_in_words
-    from rl_tui.commands.reports.training import agent_run, several_runs
+    from rl_tui.commands.reports.training import agent_run, several_runs, update_in_words
     from rl_tui.common.files import file_or_stream
     from rl_tui.programs.grading.agent_training import (
         AgentRuns,
@@ -141,8 +142,7 @@ def _train_agent(
         train_agent,
         train_agent_often,
     )
-    from rl_tui.runs.training.curve_file import write_curve
-    from rl_tui.runs.training.episode_rows import EpisodeRows, csv_file
+    from rl_tui.runs.training.episode_rows import EpisodeRows, csv_file, write_curve
 
     refuse_where_served()
     warn_of_agent(given)
@@ -185,14 +185,13 @@ def _train_once(
     goal: Goal,
     csv: CsvTarget,
     points: TextIO | None,
-    changes: tuple[ChangeText, ...],
+    changes: tuple[JournalEntry, ...],
 ) -> tuple[Run, dict[str, Any]]:
     from rl_tui.runs.changes import as_json, journal_of, written_change
     from rl_tui.runs.figures import training_figures
     from rl_tui.runs.recipe import begin
     from rl_tui.runs.run import Run, each_of
-    from rl_tui.runs.training.curve_file import write_curve
-    from rl_tui.runs.training.episode_rows import EpisodeRows, csv_file
+    from rl_tui.runs.training.episode_rows import EpisodeRows, csv_file, write_curve
     from rl_tui.runs.training.seeded_runs import RunCurve, curve_of_run, train
 
     beginning = begin(recipe)
@@ -223,10 +222,10 @@ def _train_many(
     goal: Goal,
     csv: CsvTarget,
     points: TextIO | None,
-    changes: tuple[ChangeText, ...],
+    changes: tuple[JournalEntry, ...],
 ) -> dict[str, Any]:
     from rl_tui.runs.changes import as_json, journal_of
-    from rl_tui.runs.training.curve_file import write_curve
+    from rl_tui.runs.training.episode_rows import write_curve
     from rl_tui.runs.training.many_runs import many_runs
 
     journal = journal_of(changes, ())

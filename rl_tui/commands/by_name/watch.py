@@ -78,7 +78,7 @@ def _print_report(request: ProgramRequest) -> ProgramError | None:
     """Watch the script to its end, print the document, and return what was raised."""
     from rl_tui.programs.diagnosis.diagnosis import verdict_of
     from rl_tui.programs.grading.watch_report import error_of, watch_report
-    from rl_tui.programs.watched.to_the_end import watched_to_the_end
+    from rl_tui.programs.watched.program_process import watched_to_the_end
 
     name = request.path.name
     with progress(name, has_end=request.steps is not None) as bar:

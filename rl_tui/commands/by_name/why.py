@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rl_tui.commands.line.output import columns, print_json
-from rl_tui.commands.options.help_sections import SectionedCommand
 from rl_tui.commands.options.run import (
+    SectionedCommand,
     allow_module_option,
     json_option,
     run_options,

@@ -15,14 +15,13 @@ from typing import TYPE_CHECKING, Any, Final, TextIO
 
 import click
 
-from rl_tui.agents.catalogue import BY_ID
+from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS, Parameter, Range
 from rl_tui.common.errors import UserError
 
 if TYPE_CHECKING:
     from rl_tui.live.sessions.session import StoredSession
-    from rl_tui.runs.changes import ChangeText
-    from rl_tui.runs.recipe import Recipe
+    from rl_tui.runs.recipe import JournalEntry, Recipe
 
 
 # Numbers as option values
@@ -94,11 +93,14 @@ class ChangeValue(OptionValue):
 
     name = "STEP:NAME=VALUE"
 
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> ChangeText:
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> JournalEntry:
         """Return the change; fails naming what is expected."""
-        from rl_tui.runs.changes import ChangeText, read_change
+        from rl_tui.runs.changes import read_change
+        from rl_tui.runs.recipe import JournalEntry
 
-        if isinstance(value, ChangeText):
+        if isinstance(value, JournalEntry):
             return value
         try:
             return read_change(str(value))
@@ -290,3 +292,44 @@ def _help(parameter: Parameter) -> str:
     is_a_sign = len(parameter.symbol.strip("₀")) == 1 and parameter.symbol != parameter.name
     named = f"{parameter.symbol}, {parameter.help}" if is_a_sign else parameter.help
     return named if parameter.range is None else f"{named}: {parameter.expected}"
+
+
+# The help of commands that take them: a section for each purpose
+
+
+OPTIONS: Final = "Options"
+LEARNING: Final = "How the agent learns"
+CHOOSING: Final = "How it chooses actions"
+SOME: Final = "For some algorithms only"
+SCHEDULES: Final = "How α and ε change from episode to episode"
+TITLES: Final = (OPTIONS, LEARNING, CHOOSING, SOME, SCHEDULES)
+
+
+class SectionedCommand(click.Command):
+    """A command whose help lists the options of a run apart, in sections by what they are for."""
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the command's own options first, then the sections."""
+        sections: dict[str, list[tuple[str, str]]] = {title: [] for title in TITLES}
+        for parameter in self.get_params(ctx):
+            record = parameter.get_help_record(ctx)
+            if record is not None and isinstance(parameter, click.Option):
+                sections[section_of(parameter.name or "")].append(record)
+        for title, records in sections.items():
+            if records:
+                with formatter.section(title):
+                    formatter.write_dl(records)
+
+
+def section_of(option: str) -> str:
+    """Return the title of the section of an option, by its name in Python."""
+    if option == "algorithm":
+        return LEARNING
+    if option not in PARAMETERS:
+        return OPTIONS
+    if PARAMETERS[option].schedule:
+        return SCHEDULES
+    if option == "policy" or any(option in policy.parameters for policy in POLICY_BY_ID.values()):
+        return CHOOSING
+    learners = [algorithm for algorithm in BY_ID.values() if not algorithm.planner]
+    return LEARNING if all(option in each.parameters for each in learners) else SOME

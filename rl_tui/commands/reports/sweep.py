@@ -10,9 +10,9 @@ import numpy as np
 
 from rl_tui.commands.line.output import alike, columns, number
 from rl_tui.common.words import counted
+from rl_tui.runs.measures import Measure
 from rl_tui.studies.sweeps.cells.variation import Value, written
 from rl_tui.studies.sweeps.document import CellResult, Document, result_of
-from rl_tui.studies.sweeps.measures import SweepMeasure
 from rl_tui.studies.sweeps.plan import SweepPlan
 from rl_tui.studies.sweeps.ranking import Ranking, Standings
 from rl_tui.studies.sweeps.store import Store
@@ -94,7 +94,7 @@ def _there(plan: SweepPlan, store: Store, indexes: Sequence[int]) -> list[CellRe
 
 
 def _table(
-    plan: SweepPlan, measure: SweepMeasure, shown: Sequence[CellResult], last: tuple[str, Sequence[str]]
+    plan: SweepPlan, measure: Measure, shown: Sequence[CellResult], last: tuple[str, Sequence[str]]
 ) -> str:
     figures = [each.summary.figures[measure.id] for each in shown]
     numbers = [alike([each[key] for each in figures]) for key in (*_means(measure), "median")]
@@ -138,7 +138,7 @@ def _notes(standings: Standings, rankings: Sequence[Ranking], failed: int) -> li
     return [fill(each, WIDTH) for each in notes]
 
 
-def _again(plan: SweepPlan, measure: SweepMeasure, best: Mapping[str, Any]) -> str:
+def _again(plan: SweepPlan, measure: Measure, best: Mapping[str, Any]) -> str:
     again = best["again"]
     mean, low, high = (again[measure.id][name] for name in _means(measure))
     seeds = f"seeds {again['first_seed']} to {again['first_seed'] + again['runs'] - 1}"
@@ -152,7 +152,7 @@ def _again(plan: SweepPlan, measure: SweepMeasure, best: Mapping[str, Any]) -> s
     return fill(f"{said}.", WIDTH)
 
 
-def _means(measure: SweepMeasure) -> tuple[str, str, str]:
+def _means(measure: Measure) -> tuple[str, str, str]:
     return (
         ("restricted_mean", "restricted_low", "restricted_high")
         if measure.may_never_arrive

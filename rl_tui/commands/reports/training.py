@@ -3,36 +3,49 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.agents.catalogue import BY_ID, POLICY_BY_ID, parameters_of
 from rl_tui.agents.exact.solve import best_expected_return
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.commands.line.output import alike, columns, number
 from rl_tui.commands.reports.policy_map import policy_map
+from rl_tui.common.findings import printable
 from rl_tui.common.words import counted
 from rl_tui.runs.bandit import BanditFigures
 from rl_tui.runs.exact_answers import NO_TABLE
 from rl_tui.runs.figures import exact_world, why_inexact
+from rl_tui.runs.measures import EXACT, MEASURES
 from rl_tui.runs.recipe import Recipe
 from rl_tui.runs.run import Run
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
 
+if TYPE_CHECKING:
+    from rl_tui.programs.evidence.verdict import ProgramVerdict
+
 Figures = Mapping[str, Any]
 Row = tuple[str, str, str]
 
 FIRST_REWARD: Final = "first reward"
-GREEDY_ENDS: Final = "greedy policy ends"
-VALUE_AT_START: Final = "value at the start"
+TITLES: Final = {name: measure.title for name, measure in MEASURES.items()}
 LAST: Final = 100
 MOST_NAMES: Final = 8
 MOST_CHANGES: Final = 20
-EXACT: Final = ("value_at_start", "expected_return", "max_error")
 _NO_RETURN: Final = """\
 such a run
 has no expected return, and at γ = 1 no value at the start, and is left out of that row."""
 _WHOLE: Final = ("episodes", "steps")
+_ROWS: Final = (*EXACT, "return_last_100", "length_last_100", "first_reward_episode", "episodes", "steps")
+_BANDIT_ROWS: Final = (
+    "expected_return",
+    "best_arm_rate",
+    "winnings",
+    "regret",
+    "max_error",
+    "return_last_100",
+    "episodes",
+)
 
 
 def one_run(run: Run, figures: Figures) -> str:
@@ -57,6 +70,23 @@ def _changes(journal: Sequence[Figures]) -> str:
     return columns([("step", "changed", "to"), *rows[:MOST_CHANGES]]) + (
         f"\n... and {len(rows) - MOST_CHANGES:,} more: --json has all" if len(rows) > MOST_CHANGES else ""
     )
+
+
+def update_in_words(verdict: ProgramVerdict) -> str:
+    """Return which update was found, and what is wrong with it, a line each."""
+    from rl_tui.programs.evidence.verdict import Rule  # our own agents do without it
+
+    update = verdict.update
+    known = [
+        f"{symbol} {number(value, '.6g')}"
+        for symbol, value in (("α", update.alpha), ("γ", update.gamma))
+        if value is not None
+    ]
+    is_known = update.rule != Rule.UNKNOWN
+    what = f"its update is {update.rule.value}" if is_known else "which update it makes is not known"
+    settings = f"{' with' if is_known else ';'} {', '.join(known)}" if known else ""
+    faults = (f"{each.kind}: {each.fault.value}: {each.text}" for each in verdict.findings)
+    return "\n".join((f"{what}{settings}", *map(printable, faults)))
 
 
 def agent_run(world: World, mdp: TabularMDP | None, title: str, figures: Figures, found: str) -> str:
@@ -108,7 +138,7 @@ def several_runs(recipe: Recipe, figures: Figures) -> str:
     head = agent_head(recipe.scenario.title, figures, seeds) if "agent" in figures else _head(recipe, seeds)
     parts = [head, "", columns(rows, right=(1, 2, 3, 4, 5))]
     if "winnings" not in runs[0] and figures["summary"]["value_at_start"]["count"]:
-        parts += ["", f"The {VALUE_AT_START} is discounted, returns are not."]
+        parts += ["", f"The {TITLES['value_at_start']} is discounted, returns are not."]
     endless = sum(row["expected_return"] is None and row["max_error"] is not None for row in runs)
     if endless:
         share = f"{endless:,} of {counted(len(runs), 'run')}"
@@ -153,10 +183,10 @@ def _greedy_rows(figures: Figures, best: float | None) -> list[Row]:
     expected, possible = alike([figures["expected_return"], best])
     ends = figures["greedy_ends"]
     return [
-        (VALUE_AT_START, f"{value} of {optimum}", "discounted: greedy policy of optimum"),
-        ("expected return", f"{expected} of {possible}", "undiscounted: greedy policy of best"),
-        (GREEDY_ENDS, "-" if ends is None else f"with probability {number(ends)}", ""),
-        ("largest error of Q", number(figures["max_error"]), "max |Q - Q*|"),
+        (TITLES["value_at_start"], f"{value} of {optimum}", "discounted: greedy policy of optimum"),
+        (TITLES["expected_return"], f"{expected} of {possible}", "undiscounted: greedy policy of best"),
+        (TITLES["greedy_ends"], "-" if ends is None else f"with probability {number(ends)}", ""),
+        (TITLES["max_error"], number(figures["max_error"]), "max |Q - Q*|"),
     ]
 
 
@@ -183,7 +213,7 @@ def _bandit_rows(figures: Figures, spent: BanditFigures) -> list[Row]:
         ("best arm pulled", share, ""),
         ("winnings", winnings, "of what the best arm brings on average"),
         ("regret", f"{spent.regret:,.1f}", "lost to other arms, counted in true means"),
-        ("largest error of Q", number(figures["max_error"]), "max |Q - q*|"),
+        (TITLES["max_error"], number(figures["max_error"]), "max |Q - q*|"),
         (_last(figures["episodes"], "pull"), number(figures["return_last_100"]), "mean reward, exploring"),
     ]
 
@@ -201,26 +231,15 @@ def _last(episodes: int, thing: str = "episode") -> str:
 def _summary_titles(runs: Sequence[Figures]) -> dict[str, str]:
     fewest, most = (min(pick(row["episodes"] for row in runs), LAST) for pick in (min, max))
     if "winnings" in runs[0]:
-        return {
+        own = {
             "expected_return": "true mean of the greedy arm",
-            "best_arm_rate": "best arm, share of pulls",
-            "winnings": "winnings",
-            "regret": "regret",
-            "max_error": "largest error of Q",
             "return_last_100": f"reward, {_last(most, 'pull')}",
             "episodes": "pulls",
         }
+        return {name: own.get(name, TITLES[name]) for name in _BANDIT_ROWS}
     last = _last(most) if fewest == most else f"up to {most} last episodes"
-    return {
-        "value_at_start": VALUE_AT_START,
-        "expected_return": "expected return",
-        "max_error": "largest error of Q",
-        "return_last_100": f"return, {last}",
-        "length_last_100": f"length, {last}",
-        "first_reward_episode": f"{FIRST_REWARD} that is not 0, episode",
-        "episodes": "episodes",
-        "steps": "steps",
-    }
+    own = {"return_last_100": f"return, {last}", "length_last_100": f"length, {last}"}
+    return {name: own.get(name, TITLES[name]) for name in _ROWS}
 
 
 def _head(recipe: Recipe, seeds: str = "") -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.errors import UserError
@@ -16,6 +15,7 @@ from rl_tui.lessons.judging.seed_panel import attempted_run
 from rl_tui.runs.changes import journal_of, read_change
 from rl_tui.runs.run import Run
 from rl_tui.runs.training.compile_or_interpret import cores
+from rl_tui.runs.training.many_runs import rows
 from rl_tui.runs.training.seeded_runs import Goal, SeededRuns, no_compiling, train
 
 if TYPE_CHECKING:
@@ -207,14 +207,7 @@ def _of_each_seed(
     seeded = SeededRuns(subject.with_seed(0), journal)
     with subject.budget.counted(seeded.first, journal, goal, seeds) as watch:
         seeded.get_machine_code(seeds, goal, no_compiling)
-
-        def of_seed(seed: int) -> Value | None:
-            made = seeded.new_run(seed)
-            seeded.train(made, goal, watch(made))
-            return measure(made)
-
-        with ThreadPoolExecutor(min(cores(), seeds), thread_name_prefix="figure") as pool:
-            return list(pool.map(of_seed, range(seeds)))
+        return list(rows(seeded, range(seeds), goal, measure, watch=watch, workers=cores()))
 
 
 def _many(seeds: object) -> int:

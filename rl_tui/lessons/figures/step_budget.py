@@ -12,6 +12,7 @@ from rl_tui.agents.catalogue import BY_ID
 from rl_tui.lessons.figures.expression import FigureError
 from rl_tui.runs.recipe import JournalEntry, SetParameter, SwitchAlgorithm
 from rl_tui.runs.run import Run
+from rl_tui.runs.training.batched_runs import BatchedRuns
 from rl_tui.runs.training.seeded_runs import Goal, OnProgress
 
 FIGURE_STEPS: Final = 1_000_000_000
@@ -22,7 +23,7 @@ STEPPED: Final = 100
 """How many steps one step of an environment without a transition table counts as: it takes longer."""
 _PLANNING: Final = "planning_steps"
 
-WatchRun = Callable[[Run], OnProgress]
+WatchRun = Callable[[Run | BatchedRuns], OnProgress]
 """Returns the callback that counts the steps of a run under way."""
 
 
@@ -82,7 +83,7 @@ class StepBudget:
             raise self._refusal(f"{asked:,}")
         counting, total = threading.Lock(), 0
 
-        def watch(run: Run) -> OnProgress:
+        def watch(run: Run | BatchedRuns) -> OnProgress:
             counted = 0
 
             def on_progress(done: int, wanted: int) -> None:

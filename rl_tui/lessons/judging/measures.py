@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Final
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE
+from rl_tui.runs.measures import BANDIT_FIGURES, measured_run
+from rl_tui.runs.measures import MEASURES as RUN_MEASURES
 
 if TYPE_CHECKING:
     from rl_tui.lessons.file.schema import Measured
     from rl_tui.lessons.judging.moment import JudgedMoment
     from rl_tui.lessons.judging.seen_program import SeenProgram
-    from rl_tui.runs.bandit import BanditFigures
     from rl_tui.runs.recipe import Recipe
 
 Value = float | str | bool
@@ -276,24 +277,22 @@ def _exact() -> Iterable[Measure]:
     )
 
 
-def _last_100(moment: JudgedMoment, place: int) -> float:
-    found = moment.run.history.last_100[place]
-    if found is None:
-        raise NoMomentError("no episode is finished yet")
-    return found
+_NOT_YET: Final = {
+    "first_reward_episode": "there was no reward yet",
+    "best_arm_rate": "no arm is pulled yet",
+}
+"""Why measures of the record have no value yet, where the reason is another than a missing episode."""
 
 
-def _return_mean(moment: JudgedMoment, condition: Measured) -> float:
-    if not moment.episodes or moment.run.mean_return is None:
-        raise NoMomentError("no episode is finished yet")
-    return moment.run.mean_return
-
-
-def _first_reward(moment: JudgedMoment, condition: Measured) -> float:
-    episode = moment.run.learner.first_reward_episode
-    if not episode:
-        raise NoMomentError("there was no reward yet")
-    return episode
+def _recorded(moment: JudgedMoment, condition: Measured) -> float:
+    """Return what ``train --json`` prints under the name of the measure."""
+    name, run = condition.measure, measured_run(moment.run)
+    if name in BANDIT_FIGURES and run.bandit is None:
+        raise MissingError("this world is no bandit")
+    value = RUN_MEASURES[name].of(run)
+    if value is None:
+        raise NoMomentError(_NOT_YET.get(name, "no episode is finished yet"))
+    return value
 
 
 def _steps_of_episodes(moment: JudgedMoment, condition: Measured) -> float:
@@ -304,32 +303,19 @@ def _steps_of_episodes(moment: JudgedMoment, condition: Measured) -> float:
     return int(lengths[first - 1 :].sum())
 
 
-def _bandit(moment: JudgedMoment) -> BanditFigures:
-    found = moment.run.bandit
-    if found is None:
-        raise MissingError("this world is no bandit")
-    return found
-
-
-def _best_arm_rate(moment: JudgedMoment, condition: Measured) -> float:
-    rate = _bandit(moment).best_arm_rate
-    if rate is None:
-        raise NoMomentError("no arm is pulled yet")
-    return rate
-
-
 def _record() -> Iterable[Measure]:
-    def row(name: str, text: str, of: Callable[[JudgedMoment, Measured], Value], *needs: str) -> Measure:
-        return Measure(name, text, MeasureKind.RECORD, of, needs)
+    def row(name: str, text: str) -> Measure:
+        return Measure(name, text, MeasureKind.RECORD, _recorded)
 
-    yield row("return_last_100", "mean return of the last 100 episodes", lambda m, c: _last_100(m, 0))
-    yield row("length_last_100", "mean length of the last 100 episodes", lambda m, c: _last_100(m, 1))
-    yield row("return_mean", "mean return of all episodes", _return_mean)
-    yield row("first_reward_episode", "the first episode with a reward", _first_reward)
-    yield row("steps_of_episodes", "steps of these episodes together", _steps_of_episodes, "first", "last")
-    yield row("winnings", "what a bandit's pulls won", lambda m, c: _bandit(m).winnings)
-    yield row("regret", "what its best arm would have won more", lambda m, c: _bandit(m).regret)
-    yield row("best_arm_rate", "the share of pulls of its best arm", _best_arm_rate)
+    yield row("return_last_100", "mean return of the last 100 episodes")
+    yield row("length_last_100", "mean length of the last 100 episodes")
+    yield row("return_mean", "mean return of all episodes")
+    yield row("first_reward_episode", "the first episode with a reward")
+    text, needs = "steps of these episodes together", ("first", "last")
+    yield Measure("steps_of_episodes", text, MeasureKind.RECORD, _steps_of_episodes, needs)
+    yield row("winnings", "what a bandit's pulls won")
+    yield row("regret", "what its best arm would have won more")
+    yield row("best_arm_rate", "the share of pulls of its best arm")
 
 
 _OF_NO_RULE: Final = ("Q(s′, a)", "max Q(s)", "argmax Q(s′)")

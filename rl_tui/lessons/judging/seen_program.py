@@ -20,8 +20,7 @@ from rl_tui.programs.evidence.verdict import CodeFinding, ProgramVerdict, Rule, 
 from rl_tui.programs.grading.watch_report import environment_of, episodes_of, error_of, learned_figures
 from rl_tui.programs.watched.child.script import check_script
 from rl_tui.programs.watched.program_log import ProgramError, ProgramLog
-from rl_tui.programs.watched.program_process import ProgramRequest
-from rl_tui.programs.watched.to_the_end import watched_to_the_end
+from rl_tui.programs.watched.program_process import ProgramRequest, watched_to_the_end
 
 # The result
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rl_tui.agents.catalogue import Lookup, UpdateTerms
 from rl_tui.agents.last_step import LastStep
 from rl_tui.agents.policies.chances import action_chances
-from rl_tui.agents.update_terms import Lookup, UpdateTerms
 from rl_tui.live.snapshot import AgentView
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION

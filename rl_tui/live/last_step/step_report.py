@@ -12,11 +12,18 @@ from typing import Final
 
 import numpy as np
 
-from rl_tui.agents.catalogue import OWN_PROGRAM, POLICY_BY_ID, Algorithm, Policy, algorithm_row
+from rl_tui.agents.catalogue import (
+    OWN_PROGRAM,
+    POLICY_BY_ID,
+    Algorithm,
+    Lookup,
+    Policy,
+    SweepPhase,
+    UpdateTerms,
+    algorithm_row,
+)
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, Hyperparameters
 from rl_tui.agents.last_step import NOTHING, LastStep
-from rl_tui.agents.sweep_phases import SweepPhase
-from rl_tui.agents.update_terms import Lookup, UpdateTerms
 from rl_tui.live.last_step.backup import Backup, EstimatesBefore, backup_of, sources
 from rl_tui.live.last_step.gust import gust_of
 from rl_tui.live.program_view import ProgramView

@@ -76,17 +76,19 @@ class RunsBeside:
                 BACKGROUND.want(loops)
         return has_moved
 
-    def _has_to_move(self, run: BranchingRun, step: int) -> bool:
-        return run.seek is not None or run.step > step or (run.step < step and not run.run.over)
+    def _has_to_move(self, lane: BranchingRun, step: int) -> bool:
+        here = lane.run.step
+        return lane.seek is not None or here > step or (here < step and not lane.run.over)
 
-    def _move(self, run: BranchingRun, step: int) -> None:
-        if run.seek is None and (run.step > step or run.timeline.in_past):
-            run.seek_to(step=step)
-        if run.seek is not None:
-            run.continue_seek(_PIECE)
-        if run.seek is None and run.step < step and not run.timeline.in_past:
-            run.run.learner.set_time_budget(_UNHURRIED)
-            run.advance(min(_PIECE, step - run.step))
+    def _move(self, lane: BranchingRun, step: int) -> None:
+        if lane.seek is None and (lane.run.step > step or lane.timeline.in_past):
+            lane.seek_to(step=step)
+        if lane.seek is not None:
+            lane.continue_seek(_PIECE)
+        run = lane.run
+        if lane.seek is None and run.step < step and not lane.timeline.in_past:
+            run.learner.set_time_budget(_UNHURRIED)
+            lane.advance(min(_PIECE, step - run.step))
 
 
 def _name(recipe: Recipe, changes: Sequence[Setting]) -> str:

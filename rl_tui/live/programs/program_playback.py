@@ -15,13 +15,12 @@ from rl_tui.live.commands import LOOKING, MOVES, Command
 from rl_tui.live.pace.pacing import CHUNK, START_SPEED
 from rl_tui.live.pace.until import Breakpoints
 from rl_tui.live.programs.beside import RunsBeside
-from rl_tui.live.programs.program_file import LOOKS, ProgramFile
 from rl_tui.live.programs.program_handlers import HANDLERS, refusal_of
 from rl_tui.live.programs.program_questions import ProgramQuestions
 from rl_tui.live.programs.program_snapshot import Found, ProgramSnapshots, found_of, usual_recipe
 from rl_tui.live.programs.program_transport import ProgramTransport
 from rl_tui.live.programs.progress import ProgramHistory
-from rl_tui.live.programs.watched_program import WatchedProgram
+from rl_tui.live.programs.watched_program import LOOKS, ProgramFile, WatchedProgram
 from rl_tui.live.record import LearnedTable, Record
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.live.state import BUSY, ENDED, State, shows_trail

@@ -376,7 +376,7 @@ class ProgramSnapshots:
                     name,
                     learner.algorithm,
                     learner.hyperparameters,
-                    run.step,
+                    learner.step,
                     learner.episodes,
                     np.empty(0) if is_large(beside.world) else learner.q.copy(),
                     run.run.results,

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from rl_tui.lessons.catalogue import read_lessons
 from rl_tui.lessons.file.view import LessonRecord, begun
+from rl_tui.live.sessions.document import stored_source
 from rl_tui.live.sessions.session import StoredSession, all_sessions_in
-from rl_tui.live.sessions.stored_lesson import stored_source
 
 if TYPE_CHECKING:
     from rl_tui.common.errors import ScenarioError

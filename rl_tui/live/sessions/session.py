@@ -8,7 +8,6 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-import time
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -19,12 +18,11 @@ from typing import TYPE_CHECKING, Any, Final, NoReturn
 from pydantic import ValidationError
 
 from rl_tui.common.errors import UserError
-from rl_tui.common.files import FileLock, drafts_in, remove_with_draft, signature
-from rl_tui.common.findings import one_line, place
+from rl_tui.common.files import FileLock, free_name, remove_old_drafts, remove_with_draft, signature
+from rl_tui.common.findings import is_plain, one_line, place
 from rl_tui.common.kiosk import in_kiosk
 from rl_tui.common.limits import LARGEST_SESSION
 from rl_tui.common.text_file import UnreadableError, read_bytes
-from rl_tui.worlds.sections.schema import is_plain
 
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
@@ -224,7 +222,6 @@ def checksum_of(fields: dict[str, Any]) -> str:
 
 
 MOST_UNNAMED: Final = 50
-_LONGEST_WRITE: Final = 60.0  # seconds, by far
 _LONGEST_STEM: Final = 200  # bytes: file systems take 255, of which a lock needs some
 
 
@@ -276,18 +273,7 @@ def prune(folder: Path) -> None:
                 if lock.acquire() and signature(session.path.stat()) == session.written:
                     remove_with_draft(session.path)
             lock.release()
-    _remove_old_drafts(folder)
-
-
-def _remove_old_drafts(folder: Path) -> None:
-    """Remove what programs that were killed while they wrote have left."""
-    for path, draft in drafts_in(folder, SUFFIX):
-        lock = FileLock(path)
-        with suppress(OSError):
-            # on file systems without locks its age alone tells it from one that is being written
-            if lock.acquire() and time.time() - draft.stat().st_mtime > _LONGEST_WRITE:
-                draft.unlink()
-        lock.release()
+    remove_old_drafts(folder, SUFFIX)
 
 
 def remove(session: StoredSession) -> None:
@@ -306,12 +292,7 @@ def remove(session: StoredSession) -> None:
 def new_path(folder: Path, subject: str) -> Path:
     """Return a path in ``folder`` that no file has, named after its subject and the moment."""
     moment = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
-    stem = f"{file_stem(subject)}-{moment}"
-    candidate, number = folder / f"{stem}{SUFFIX}", 1
-    while candidate.exists():
-        number += 1
-        candidate = folder / f"{stem}-{number}{SUFFIX}"
-    return candidate
+    return folder / free_name(f"{file_stem(subject)}-{moment}", SUFFIX, folder)
 
 
 def named_path(folder: Path, name: str) -> Path:

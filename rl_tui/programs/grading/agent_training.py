@@ -23,26 +23,25 @@ from rl_tui.programs.grading.watch_report import error_of
 from rl_tui.programs.own_agents.loading import AgentName, AgentPlace, runs_when_imported, the_agent
 from rl_tui.programs.watched.child.script import read_script
 from rl_tui.programs.watched.program_log import ProgramError, ProgramLog
-from rl_tui.programs.watched.program_process import ProgramRequest
+from rl_tui.programs.watched.program_process import ProgramRequest, watched_to_the_end
 from rl_tui.programs.watched.recording import Recording
-from rl_tui.programs.watched.to_the_end import watched_to_the_end
 from rl_tui.runs.figures import (
     MOST_STATES,
-    GreedyFigures,
     figures_of_estimates,
     finite,
     head,
     optimum_of,
     policy_names,
+    row_of,
     table,
     world_digest,
 )
 from rl_tui.runs.history import History
+from rl_tui.runs.measures import FIGURES, NO_EXACT_FIGURES, GreedyFigures, MeasuredRun, figures_of
 from rl_tui.runs.recipe import Recipe, begin
 from rl_tui.runs.run import OnEpisodes, each_of
 from rl_tui.runs.training.many_runs import figures_of_runs
 from rl_tui.runs.training.seeded_runs import (
-    FIGURES,
     Goal,
     OnProgress,
     RunCurve,
@@ -173,7 +172,8 @@ class EpisodeRecording(Recording):
             self._return_so_far += float(rewards.sum())
             self._length_so_far += len(rewards)
             return
-        returns = np.add.reduceat(rewards, starts[:-1])
+        # Without those after the last end, which reduceat would add to the last episode
+        returns = np.add.reduceat(rewards[: starts[-1]], starts[:-1])
         lengths = ends - starts[:-1] + 1
         returns[0] += self._return_so_far
         lengths[0] += self._length_so_far
@@ -219,7 +219,7 @@ class AgentRuns:
     ``given`` are the hyper-parameters that a person gave, by name. Exact figures are for the γ of ``recipe``.
     """
 
-    figures = FIGURES
+    figures: tuple[str, ...] = FIGURES
     is_bandit = False
     plans = False
 
@@ -227,15 +227,12 @@ class AgentRuns:
         self, name: AgentName, place: AgentPlace, recipe: Recipe, given: Mapping[str, object]
     ) -> None:
         self.name, self.place, self.recipe, self.given = name, place, recipe, given
+        self.first_seed = recipe.seed
+        """The seed of the first of them."""
         self._world = None if recipe.scenario.section.drawn_from_seed else begin(recipe).world
         self._solving = threading.Lock()
         self._optima: list[Solution | None] = []  # the one that a shared world has, once it is known
         self._digest = None if self._world is None else world_digest(self._world)
-
-    @property
-    def first_seed(self) -> int:
-        """The seed of the first of them."""
-        return self.recipe.seed
 
     def new_run(self, seed: int, *on_episodes: OnEpisodes | None) -> AgentRun:
         """Return the run of ``seed``, not trained; each of ``on_episodes`` hears of its episodes."""
@@ -265,11 +262,11 @@ class AgentRuns:
             raise UserError(f"seed {run.seed}: {error_in_a_line(self.name.path, error)}")
         run.verdict = verdict_of(run.log)
 
-    def exact(self, run: AgentRun) -> GreedyFigures:
+    def _exact(self, run: AgentRun) -> GreedyFigures:
         """Return the exact figures of what ``run`` has learned; all None where it has no table."""
         q, gamma = run.q, self.recipe.hyperparameters.gamma
         if q is None or run.mdp is None:
-            return GreedyFigures(None, None, None, None, None)
+            return NO_EXACT_FIGURES
         if self._world is None:
             return figures_of_estimates(run.mdp, q, "random", gamma, optimum_of(run.mdp, gamma))
         with self._solving:
@@ -277,23 +274,23 @@ class AgentRuns:
                 self._optima.append(optimum_of(run.mdp, gamma))
         return figures_of_estimates(run.mdp, q, "random", gamma, self._optima[0])
 
+    def measured(self, run: AgentRun) -> MeasuredRun:
+        """Return ``run`` as measures see it."""
+        recording, total = run.recording, run.history.total_return
+        return MeasuredRun(
+            recording.count,
+            recording.episodes,
+            total,
+            total / recording.episodes if recording.episodes else None,
+            run.history.last_100,
+            recording.first_reward_episode,
+            self._exact(run),
+        )
+
     def row(self, run: AgentRun) -> dict[str, Any]:
         """Return the seed and the figures of ``run``, as ``train --runs --json`` prints them."""
-        exact, recording = self.exact(run), run.recording
-        mean_return, mean_length = run.history.last_100
-        return {
-            "seed": run.seed,
-            "steps": recording.count,
-            "episodes": recording.episodes,
-            "value_at_start": exact.value_at_start,
-            "expected_return": exact.expected_return,
-            "max_error": exact.max_error,
-            "return_mean": run.history.total_return / recording.episodes if recording.episodes else None,
-            "return_last_100": mean_return,
-            "length_last_100": mean_length,
-            "first_reward_episode": recording.first_reward_episode or None,
-            "world": world_digest(run.world) if self._world is None else self._digest,
-        }
+        digest = world_digest(run.world) if self._world is None else self._digest
+        return row_of(run.seed, self.measured(run), digest)
 
     def head(self, verdict: ProgramVerdict | None) -> dict[str, Any]:
         """Return who learned, as JSON; hyper-parameters that ``verdict`` does not prove are null."""
@@ -372,13 +369,13 @@ def error_in_a_line(path: Path, error: ProgramError) -> str:
 
 def _document(runs: AgentRuns, run: AgentRun) -> dict[str, Any]:
     """Return what ``run`` came to: the keys of ``train --json`` and who learned."""
-    space, q, row, exact = run.world.space, run.q, runs.row(run), runs.exact(run)
+    space, q, measured = run.world.space, run.q, runs.measured(run)
     cells = space.pair_state * len(space.action_names) + space.pair_action
     found = run.log.table
     document: dict[str, Any] = finite(
         {
             **runs.head(run.verdict),
-            **row,
+            **row_of(run.seed, measured, world_digest(run.world)),
             "seconds": run.seconds,
             "steps_per_second": run.recording.count / run.seconds if run.seconds > 0.0 else None,
             "states": list(space.state_names),
@@ -387,8 +384,7 @@ def _document(runs: AgentRuns, run: AgentRun) -> dict[str, Any]:
             "q": None if q is None else table(space, q),
             "visits": table(space, run.recording.visits[cells]),
             "policy": None if q is None else policy_names(space, greedy_policy(space, q, "random")),
-            "optimal_value_at_start": exact.optimal_value_at_start,
-            "greedy_ends": exact.greedy_ends,
+            **figures_of(measured, ("optimal_value_at_start", "greedy_ends")),
         }
     )
     return document

@@ -28,10 +28,9 @@ from rl_tui.programs.grading.agent_training import (
 from rl_tui.programs.grading.submissions import Submission, agent_of
 from rl_tui.programs.grading.watch_report import environment_of, error_of, finding_as_json
 from rl_tui.programs.watched.program_log import ProgramEnvironment, ProgramLog
-from rl_tui.programs.watched.program_process import ProgramRequest
+from rl_tui.programs.watched.program_process import TIME_LIMIT, ProgramRequest, watched_to_the_end
 from rl_tui.programs.watched.program_world import world_of_program
 from rl_tui.programs.watched.recording import Recording
-from rl_tui.programs.watched.to_the_end import TIME_LIMIT, watched_to_the_end
 from rl_tui.runs.figures import MOST_STATES
 from rl_tui.runs.library import recipe_named
 from rl_tui.runs.recipe import Recipe, begin

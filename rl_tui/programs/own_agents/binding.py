@@ -300,7 +300,6 @@ def _cannot_bind(name: str, unknown: Iterable[str], known: Iterable[str]) -> str
 
 
 _FOLDER = Path(__file__).parent / "skeletons"
-_LONGEST_REASON = 120
 
 
 def skeleton(style: Style) -> str:
@@ -309,15 +308,9 @@ def skeleton(style: Style) -> str:
 
 
 def write_skeleton(path: Path, style: Style) -> None:
-    """Write an agent in ``style`` to ``path``, a new file. Raises UserError where that cannot be."""
-    name = shown(str(path))
+    """Write an agent in ``style`` to the new file ``path``. Raises UserError where that cannot be."""
+    from rl_tui.common.files import write_new
+
     if path.suffix != ".py":
-        raise UserError(f"{name}: expected the name of a Python file, one that ends in .py")
-    try:
-        with path.open("x", encoding="utf-8", newline="\n") as stream:
-            stream.write(skeleton(style))
-    except FileExistsError as error:
-        raise UserError(f"{name}: is there already, and is not written over; choose another name") from error
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise UserError(f"{name}: cannot be written ({one_line(reason, _LONGEST_REASON)})") from error
+        raise UserError(f"{shown(str(path))}: expected the name of a Python file, one that ends in .py")
+    write_new(path, skeleton(style))

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rl_tui.common.errors import UserError
-from rl_tui.common.files import write_atomically
+from rl_tui.common.files import free_name, new_path, write_atomically, write_new
+from rl_tui.common.findings import is_plain
 from rl_tui.common.streams import streams
 from rl_tui.common.text_file import UnreadableError, open_plain, read_text
 from rl_tui.runs.exact_answers import LIVE_STATES
-from rl_tui.runs.export.files import new_path, write_text
 from rl_tui.worlds.editing.arms_draft import Draft
 from rl_tui.worlds.editing.saving import saved_text, value_text
 from rl_tui.worlds.editing.templates import named
@@ -22,13 +22,10 @@ from rl_tui.worlds.files.catalogue import user_folder
 from rl_tui.worlds.files.scenario import Scenario
 from rl_tui.worlds.files.shipped import SUFFIX, shipped_folder, shipped_names
 from rl_tui.worlds.mdp.digest import table_digest
-from rl_tui.worlds.sections.schema import is_plain
 
 if TYPE_CHECKING:
     from rl_tui.runs.recipe import Recipe
     from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
-
-_MOST_TRIED = 1_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +67,7 @@ class ScenarioFile:
             else:
                 if path.parent == user_folder():
                     path.parent.mkdir(parents=True, exist_ok=True)
-                write_text(path, text)
+                write_new(path, text)
         except (OSError, UnreadableError) as error:
             reason = getattr(error, "strerror", None) or error
             raise UserError(f"{path} cannot be written ({reason}): save it under another name") from error
@@ -109,11 +106,9 @@ def _head(scenario: Scenario) -> tuple[object, ...]:
 
 def offered_name(scenario: Scenario) -> str:
     """Return a name that is free among the user's scenarios."""
-    stem = "".join(each if each.isalnum() or each in "-_" else "-" for each in scenario.id)
-    names = (f"{stem}-{number}" for number in range(2, _MOST_TRIED))
-    taken = shipped_names()
-    free = (each for each in (stem, *names) if each not in taken and not _own_path(each).exists())
-    return next(free, stem)
+    # a dot in its id would look like an ending
+    stem = scenario.id.replace(".", "-")
+    return free_name(stem, SUFFIX, user_folder(), shipped_names()).removesuffix(SUFFIX)
 
 
 def path_named(text: str, file: ScenarioFile) -> Path:

@@ -16,6 +16,7 @@ from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters
 from rl_tui.common.errors import UserError
 from rl_tui.runs.export.literals import WIDEST
 from rl_tui.runs.export.template import WorldText, fill, sections
+from rl_tui.runs.export.world_text import world_text
 from rl_tui.runs.recipe import Recipe, begin
 from rl_tui.worlds.mdp.space import FiniteSpace
 
@@ -271,7 +272,7 @@ def script(
     """
     world = world or begin(recipe).world
     check_compatible(world.space, recipe.algorithm, recipe.hyperparameters)
-    text = _world_text(recipe, world)
+    text = world_text(recipe, world)
     params = ParameterText(recipe.algorithm, recipe.hyperparameters)
     planner = params.algorithm.planner
     parts = planner_text(params, text) if planner else learner_text(params, text, world.space)
@@ -302,32 +303,6 @@ def _ends_in_body(part: str) -> bool:
         if line and not line.startswith((" ", ")", "]", "}")):
             return line.startswith(("def ", "class "))
     return False
-
-
-def _world_text(recipe: Recipe, world: World) -> WorldText:
-    from rl_tui.common.streams import streams
-    from rl_tui.runs.export.bandit_text import bandit_text
-    from rl_tui.runs.export.grid_text import grid_text
-    from rl_tui.runs.export.gymnasium_text import gymnasium_text
-    from rl_tui.runs.export.table_text import table_text
-    from rl_tui.worlds.grid.section import GridSection
-    from rl_tui.worlds.gym.section import GymnasiumSection
-    from rl_tui.worlds.sections.bandit_section import BanditSection
-
-    section = recipe.scenario.section
-    if isinstance(section, GymnasiumSection):
-        return gymnasium_text(section, world)
-    if isinstance(section, GridSection):
-        return grid_text(section, streams(recipe.seed).world)
-    if world.prospects:
-        raise UserError(
-            f"no script for {recipe.scenario.id}: some of its states look alike, scripts have all"
-        )
-    if world.mdp is None:
-        raise UserError(f"no script for {recipe.scenario.id}: nobody knows what its actions lead to")
-    if isinstance(section, BanditSection):
-        return bandit_text(section, world.mdp)
-    return table_text(world.mdp)
 
 
 def _remarks_on_run(changed: bool, lane: str) -> list[str]:

@@ -1,21 +1,46 @@
-"""The estimates and the episodes of a run as tables for other programs."""
+"""The estimates, the episodes and the drawn policy of a run as files for other programs."""
 
 from __future__ import annotations
 
 import csv
+import json
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from rl_tui.common.errors import UserError
-from rl_tui.runs.export.files import new_file
+from rl_tui.common.files import new_file
+from rl_tui.runs.answers.policy_values import DrawnPolicy
+from rl_tui.runs.changes import written_value
+from rl_tui.runs.export.recipe_line import allowance, scenario_name
+from rl_tui.runs.policy_file import policy_document
 from rl_tui.runs.recipe import JournalEntry, Recipe, begin
 from rl_tui.runs.run import Run
 from rl_tui.runs.training.episode_rows import HEADER, EpisodeRows
 from rl_tui.runs.training.seeded_runs import Goal, OnProgress, no_progress, train
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.world import World
+
+# The drawn policy, and the command that evaluates it
+
+
+def policy_text(space: FiniteSpace, drawn: DrawnPolicy) -> str:
+    """Return ``drawn`` as the JSON that ``rl-tui evaluate`` reads."""
+    return json.dumps(policy_document(space, drawn.pairs(space)), indent=1, ensure_ascii=False) + "\n"
+
+
+def evaluate_line(recipe: Recipe, file: str) -> str:
+    """Return the command that says what the policy in ``file`` is worth, quoted for a shell.
+
+    γ is that of ``recipe``. Raises UserError where no file holds the scenario.
+    """
+    scenario = recipe.scenario
+    seed = ["--seed", str(recipe.seed)] if scenario.section.drawn_from_seed else []
+    gamma = written_value(recipe.hyperparameters.gamma)
+    words = ["rl-tui", "evaluate", scenario_name(scenario), *allowance(scenario)]
+    return shlex.join([*words, "--policy", file, "--gamma", gamma, *seed])
 
 
 def q_array(space: FiniteSpace, q: FloatArray) -> FloatArray:
@@ -27,8 +52,8 @@ def q_array(space: FiniteSpace, q: FloatArray) -> FloatArray:
 
 def write_q_array(path: Path, space: FiniteSpace, q: FloatArray) -> None:
     """Write :func:`q_array` as a new .npy file. Raises UserError where that cannot be."""
-    with new_file(path, binary=True) as stream:
-        np.save(stream, q_array(space, q), allow_pickle=False)
+    with new_file(path) as stream:
+        np.save(stream.buffer, q_array(space, q), allow_pickle=False)
 
 
 def write_q_csv(path: Path, space: FiniteSpace, q: FloatArray, visits: IntArray) -> None:

@@ -21,8 +21,7 @@ from rl_tui.runs.recipe import (
 )
 from rl_tui.runs.run import Run, RunState
 from rl_tui.runs.timeline.branches import Branch, RunRecord, Timeline
-from rl_tui.runs.timeline.checkpoints import Checkpoints, limits
-from rl_tui.runs.timeline.seek import Seek, Target
+from rl_tui.runs.timeline.checkpoints import Checkpoints, Seek, Target, limits
 from rl_tui.runs.timeline.table_samples import CellHistory, TableSamples
 from rl_tui.runs.timeline.trail import (
     FEW_STEPS,
@@ -31,9 +30,7 @@ from rl_tui.runs.timeline.trail import (
     Trail,
     TrailRecorder,
     TrailReplay,
-    steps_kept,
 )
-from rl_tui.worlds.world import World
 
 # Between two states that are kept in a seek it goes on for so many times as long as to keep one takes
 _COPY_SHARE: Final = 4
@@ -70,6 +67,7 @@ class BranchingRun:
         self.recipe = record.recipe
         """What the run was made from."""
         self._first = first
+        self._limits = limits()
         self.run = self._run_from_seed()
         """The run as it stands."""
         self.seek: Seek | None = None
@@ -90,16 +88,6 @@ class BranchingRun:
         self._replay: TrailReplay | None = None
         self._watching: Watching | None = None
         self._watched_in = first
-
-    @property
-    def world(self) -> World:
-        """The world in force where the run stands."""
-        return self.run.world
-
-    @property
-    def step(self) -> int:
-        """Where the run stands."""
-        return self.run.step
 
     @property
     def timeline(self) -> Timeline:
@@ -194,7 +182,7 @@ class BranchingRun:
         return f"branch {number}"
 
     def _check_room(self) -> None:
-        most = limits()
+        most = self._limits
         changes = sum(len(each.branch.journal) for each in self._branches)
         for count, limit, name in (
             (changes, most.changes, "changes"),
@@ -223,7 +211,7 @@ class BranchingRun:
         target = Target(number, kept.branch.end, step=step, episode=episode)
         start = kept.checkpoints.last_before(target)
         stays = number == self._number and (start is None or start.step <= run.step)
-        if not (stays and target.is_ahead_of(run.step, run.learner.episodes, run.begins_episode)):
+        if not (stays and target.is_ahead_of(run.step, run.learner.episodes, run.learner.begins_episode)):
             run = self._run_at(start)
         run.learner.watch(None)
         self._sought = 0.0
@@ -268,43 +256,40 @@ class BranchingRun:
         return self._recorder.up_to(self.run.learner.last_step)
 
     @property
-    def finds_trail(self) -> bool:
-        """Whether :meth:`find_trail` may tell more of the trail than is known."""
-        run, recorder = self.run, self._recorder
-        may_replay = run.learner.rewindable and self.world.space.pairs <= MOST_PAIRS and self.seek is None
-        return (
-            may_replay
-            and recorder.given_up != run.step
-            and not recorder.is_whole(run.learner.last_step, self._since)
-        )
+    def trail_to_find(self) -> int:
+        """How many steps the trail has once :meth:`find_trail` is done; 0 where it finds no more of them."""
+        learner, recorder = self.run.learner, self._recorder
+        last = learner.last_step
+        may_replay = learner.rewindable and learner.space.pairs <= MOST_PAIRS and self.seek is None
+        if last is None or last.planned or not may_replay or recorder.given_up == last.step:
+            return 0
+        # No step in another world is part of it
+        steps = min(MOST_STEPS, last.episode_step, last.step - learner.world_since)
+        return 0 if len(recorder.up_to(last)) == steps else steps
 
     def find_trail(self, seconds: float) -> None:
-        """Replay the steps of the trail that are not known, for about ``seconds``; call it again for more.
+        """Replay what is missing of the trail, for about ``seconds``; call it again for more.
 
-        They are replayed by another run, which leaves this one as it is.
+        Another run replays it, which leaves this one as it is.
         """
-        last = self.run.learner.last_step
-        if last is None or not self.finds_trail:
+        steps, last = self.trail_to_find, self.run.step
+        if not steps:
             return
-        if self._replay is None or self._replay.last != last.step:
-            first = last.step - steps_kept(last, self._since)
-            start = self.kept.checkpoints.last_before(Target(self._number, last.step, step=first))
+        if self._replay is None or self._replay.last != last:
+            first = last - steps
+            start = self.kept.checkpoints.last_before(Target(self._number, last, step=first))
             journal = self.kept.branch.journal
-            self._replay = TrailReplay(self._run_at(start), journal, first, last.step, self._recorder)
+            self._replay = TrailReplay(self._run_at(start), journal, first, last, self._recorder)
         if self._replay.go_on(seconds, self._clock):
             self._spare, self._replay = self._replay.run, None
 
     def cell_history(self, pair: int) -> CellHistory | None:
         """Return how the estimate of ``pair`` came to be what it is; None if the world has no such pair."""
-        if pair >= self.world.space.pairs:
+        run, changes = self.run, self.run.world_changes
+        if pair >= run.world.space.pairs:
             return None
-        return self.kept.samples.history(pair, self.run.step, self.run.learner.q, self._since)
-
-    @property
-    def _since(self) -> int | None:
-        """After how many steps the world became what it is; None where it was never another one."""
-        changes = self.run.world_changes
-        return changes[-1].step if changes else None
+        since = changes[-1].step if changes else None
+        return self.kept.samples.history(pair, run.step, run.learner.q, since)
 
     def _run_from_seed(self) -> Run:
         # whatever the seed shapes is drawn again, but the same world need not be known twice

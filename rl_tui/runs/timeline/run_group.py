@@ -117,7 +117,7 @@ class RunGroup:
         behind = next((each for each in self._others if self._is_elsewhere(each)), None)
         if behind is None:
             return 0, 0
-        return (behind.step, self.step) if behind.seek is None else behind.seek.progress
+        return (behind.run.step, self.step) if behind.seek is None else behind.seek.progress
 
     def advance(self, steps: int = UNLIMITED, episodes: int = UNLIMITED) -> None:
         """Let the one shown advance by ``steps`` or ``episodes``, and the others follow."""
@@ -131,8 +131,8 @@ class RunGroup:
         self.step = self.current.run.step
         for each in self._others:
             each.run.learner.set_time_budget(math.inf)
-            while each.step < self.step and not each.run.over:
-                each.advance(self.step - each.step)
+            while each.run.step < self.step and not each.run.over:
+                each.advance(self.step - each.run.step)
 
     def resume(self, records: Sequence[RunRecord]) -> None:
         """Begin to seek where the runs of ``records`` stood, of which these were made."""
@@ -174,7 +174,7 @@ class RunGroup:
     def gather(self) -> None:
         """Let the one shown lead again, unless it is over: then the others stay as far as they are."""
         if not self.current.run.over:
-            self.step = self.current.step
+            self.step = self.current.run.step
 
     def _lead_if_there(self) -> None:
         if self.current.seek is not None:
@@ -197,23 +197,24 @@ class RunGroup:
         lane = next((each for each in self._others if self._is_elsewhere(each)), None)
         if lane is None:
             return 0
-        if lane.seek is None and (lane.step > self.step or lane.timeline.in_past):
+        if lane.seek is None and (lane.run.step > self.step or lane.timeline.in_past):
             lane.seek_to(step=self.step)
         if lane.seek is not None:
             return lane.continue_seek(steps)
-        before = lane.step
+        before = lane.run.step
         lane.advance(max(0, min(steps, self.step - before)))
-        return lane.step - before
+        return lane.run.step - before
 
     @property
     def trails_are_whole(self) -> bool:
         """Whether nothing more can be found out of how the episodes of the two runs on view went."""
-        return not any(each.finds_trail for each in self._on_view)
+        return not any(each.trail_to_find for each in self._on_view)
 
     def find_trails(self, seconds: float) -> None:
         """Find out for about ``seconds``, or infinity, how the episodes of the two runs on view went."""
-        for each in self._on_view:
-            each.find_trail(seconds / len(self._on_view))
+        on_view = self._on_view
+        for each in on_view:
+            each.find_trail(seconds / len(on_view))
 
     @property
     def _on_view(self) -> list[BranchingRun]:
@@ -223,7 +224,7 @@ class RunGroup:
     def stop_seek(self) -> None:
         """Seek no further; the others follow to where the one shown stands."""
         self.current.stop_seek()
-        self.step = self.current.step
+        self.step = self.current.run.step
 
     def add(self, changes: Sequence[Setting]) -> None:
         """Add a run that differs from the one shown by ``changes``, from the start.
@@ -237,7 +238,7 @@ class RunGroup:
         recipe = changed_recipe(model.recipe, *changes)
         left_out = {"", *(_subject(change) for change in changes)}
         journal = tuple(entry for entry in model.run.journal if _subject(entry.change) not in left_out)
-        for world in (self.first.world, model.world):
+        for world in (self.first.world, model.run.world):
             _check(world, recipe, journal)
         added = self._new_run(RunRecord(recipe, (Branch("branch 1", journal, end=step),)))
         self._let_catch_up(added)
@@ -288,15 +289,16 @@ class RunGroup:
             del self._runs[number]
             self._lead(self.shown - (number < self.shown or self.shown == len(self._runs)))
             if self.current.seek is None:
-                self.step = max(each.step for each in self._runs)
+                self.step = max(each.run.step for each in self._runs)
                 self.gather()
 
     def apply(self, change: Change) -> None:
-        """Change something in the run shown. Raises UserError where it does not fit.
+        """Change something in the run shown, which leads again. Raises UserError where it does not fit.
 
         The name of a branch that begins is new among all lanes that began alike, be they branches of one run.
         """
         self.current.apply(change, self._names_taken)
+        self.gather()
 
     @property
     def _names_taken(self) -> list[str]:
@@ -317,7 +319,8 @@ class RunGroup:
         return RunGroupView(views, self.shown, beside)
 
     def _is_elsewhere(self, lane: BranchingRun) -> bool:
-        return lane.seek is not None or lane.step > self.step or (lane.step < self.step and not lane.run.over)
+        step = lane.run.step
+        return lane.seek is not None or step > self.step or (step < self.step and not lane.run.over)
 
     def _new_run(self, record: RunRecord) -> BranchingRun:
         return BranchingRun(record, self.first, self._clock)

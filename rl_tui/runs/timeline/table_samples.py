@@ -34,7 +34,8 @@ class TableSamples:
     """
 
     def __init__(self, pairs: int) -> None:
-        room = limits().samples // (8 * pairs)
+        self._limits = limits()
+        room = self._limits.samples // (8 * pairs)
         self._most = min(MOST, room // 2 * 2) if room >= _LEAST else 0
         self._spacing = 1
         self._tables: list[FloatArray] = []
@@ -44,14 +45,14 @@ class TableSamples:
     def add(self, q: FloatArray) -> None:
         """Take the copy that is due, of the estimates ``q``, [P]."""
         self._tables.append(q.copy())
-        if len(self._tables) == self._most or (len(self._tables) > 2 and self._nbytes > limits().samples):
+        if len(self._tables) == self._most or (len(self._tables) > 2 and self._nbytes > self._limits.samples):
             self._tables = self._tables[::2]
             self._spacing *= 2
         self.next_step = len(self._tables) * self._spacing
 
     def thin_out(self, branches: int) -> None:
         """Keep fewer: their branch is one of ``branches`` that were left."""
-        while len(self._tables) > _LEAST and self._nbytes > limits().samples_left // branches:
+        while len(self._tables) > _LEAST and self._nbytes > self._limits.samples_left // branches:
             self._tables = self._tables[::2]
             self._spacing *= 2
             self.next_step = len(self._tables) * self._spacing

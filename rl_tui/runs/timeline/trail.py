@@ -80,15 +80,6 @@ class TrailRecorder:
         is_there = last is not None and len(self._steps) > 0 and self._steps[-1].step == last.step
         return tuple(self._steps) if is_there else ()
 
-    def is_whole(self, last: LastStep | None, since: int | None = None) -> bool:
-        """Return whether all that is ever kept of the episode of ``last`` is known.
-
-        Nothing is kept of another world, which this one came of after ``since`` steps.
-        """
-        if last is None or last.planned:
-            return True
-        return len(self.up_to(last)) == steps_kept(last, since)
-
     def go_back(self, step: int) -> None:
         """Forget what came after ``step``."""
         while self._steps and self._steps[-1].step > step:
@@ -97,11 +88,6 @@ class TrailRecorder:
     def forget(self) -> None:
         """Forget everything."""
         self._steps.clear()
-
-
-def steps_kept(last: LastStep, since: int | None) -> int:
-    """Return how many steps of the episode of ``last`` are kept in a world that is there since ``since``."""
-    return min(MOST_STEPS, last.episode_step, last.step - (since or 0))
 
 
 class TrailReplay:

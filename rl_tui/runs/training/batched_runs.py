@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -13,14 +13,16 @@ from rl_tui.agents.batches.batch import UNLIMITED, DrawnWorld, RunBatch
 from rl_tui.agents.exact.policy_figures import batch_figures
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS
-from rl_tui.agents.kernels.stop import DONE, EPISODES_FULL
+from rl_tui.agents.kernels.position import DONE, EPISODES_FULL
 from rl_tui.runs.bandit import BanditFigures, bandit_figures
-from rl_tui.runs.figures import BANDIT_FIGURES, MOST_STATES, pulls
+from rl_tui.runs.figures import MOST_STATES, row_of
+from rl_tui.runs.measures import NO_EXACT_FIGURES, GreedyFigures, MeasuredRun
 from rl_tui.runs.recipe import Beginning, begin
 from rl_tui.runs.training.seeded_runs import (
     MOST_BINS,
     CurvePoints,
     Goal,
+    RunCurve,
     SeededRuns,
     no_compiling,
     no_progress,
@@ -127,6 +129,11 @@ class BatchedRuns:
             start = time.perf_counter()
 
     @property
+    def step(self) -> int:
+        """How many steps the longest of them has taken."""
+        return self.batch.longest
+
+    @property
     def _done(self) -> int:
         steps, episodes = self.batch.done()
         return episodes if self._goal.steps is None else steps
@@ -141,28 +148,26 @@ class BatchedRuns:
 
         ``check`` is called between what may take long, and may raise to end it.
         """
-        batch, seeded = self.batch, self._seeded
-        values, returns, errors = self._exact(check)
-        last_returns, last_lengths = batch.recent_means()
+        rows = zip(self._seeds, self.measured(check), self._digests(), strict=True)
+        return [row_of(*each) for each in rows]
+
+    def measured(self, check: Callable[[], None]) -> list[MeasuredRun]:
+        """Return each of them as measures see it; ``check`` is as for :meth:`rows`."""
+        batch, exact = self.batch, self._exact(check)
         with np.errstate(invalid="ignore"):  # those without an episode
             means = batch.digest.total_return[:, 0] / batch.episodes
-        columns: dict[str, Sequence[Any]] = {
-            "seed": self._seeds,
+        columns: dict[str, Iterable[Any]] = {
             "steps": batch.steps.tolist(),
             "episodes": batch.episodes.tolist(),
-            "value_at_start": _if_there(values),
-            "expected_return": _if_there(returns),
-            "max_error": _if_there(errors),
-            "return_mean": _if_there(means),
-            "return_last_100": _if_there(last_returns),
-            "length_last_100": _if_there(last_lengths),
-            "first_reward_episode": [first or None for first in batch.first_reward_episode.tolist()],
-            "world": self._digests(),
+            "total_return": batch.digest.total_return[:, 0].tolist(),
+            "mean_return": _if_there(means),
+            "last_100": zip(*map(_if_there, batch.recent_means()), strict=True),
+            "first_reward_episode": batch.first_reward_episode.tolist(),
+            "exact": exact,
+            "bandit": map(self._bandit, range(len(self._seeds))),
         }
-        if seeded.is_bandit:
-            spent = [pulls(self._bandit(index)) for index in range(len(self._seeds))]
-            columns |= {name: [each[name] for each in spent] for name in BANDIT_FIGURES}
-        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+        rows = zip(*columns.values(), strict=True)
+        return [MeasuredRun(**dict(zip(columns, row, strict=True))) for row in rows]
 
     def _digests(self) -> list[str | None]:
         if self._seeded.shared is not None:
@@ -170,34 +175,39 @@ class BatchedRuns:
         return [self._seeded.digest(each.world) for each in self._beginnings]
 
     @property
-    def curves(self) -> CurvePoints:
-        """Their curves, a row each."""
-        curve, episodes = self.batch.digest.curve, self._curve_episodes
-        bins = curve.returns.shape[1]
-        last_episode = np.minimum(np.arange(1, bins + 1) * width_of_bins(episodes, self._most_bins), episodes)
+    def curves(self) -> list[CurvePoints]:
+        """Their curves; none where they are of no episode."""
+        if not self._curve_episodes:
+            return []
+        last_episode = RunCurve(self._curve_episodes, self._most_bins).last_episode
         count = np.diff(last_episode, prepend=0)
-        return CurvePoints(last_episode, *(sums / count for sums in curve))
+        sums_of_each = zip(*self.batch.digest.curve, strict=True)
+        return [CurvePoints(last_episode, *(part / count for part in sums)) for sums in sums_of_each]
 
-    def _exact(self, check: Callable[[], None]) -> FloatArray:
-        """Return value at the start, expected return and greatest error of each, [3, B]; NaN for none."""
+    def _exact(self, check: Callable[[], None]) -> list[GreedyFigures]:
+        """Return value at the start, expected return and greatest error of each; no other exact figures."""
         q, shared = self.batch.q, self._seeded.shared
         at_once = 1
         if shared is not None and not self._drifts:
             at_once = max(1, STATES_AT_ONCE // shared.world.space.states)
-        found = []
+        found = list[GreedyFigures]()
         for index in range(0, len(q), at_once):
             check()
-            found.append(self._exact_in(self._table_now(index), q[index : index + at_once]))
-        return np.concatenate(found, axis=1)
+            found += self._exact_in(self._table_now(index), q[index : index + at_once])
+        return found
 
-    def _exact_in(self, mdp: TabularMDP | None, q: FloatArray) -> FloatArray:
-        """Return the exact figures, [3, B], of the estimates ``q``, [B, P], in the world of ``mdp``."""
+    def _exact_in(self, mdp: TabularMDP | None, q: FloatArray) -> list[GreedyFigures]:
+        """Return the exact figures of the estimates ``q``, [B, P], in the world of ``mdp``."""
         if mdp is None or mdp.states > MOST_STATES:
-            return np.full((3, len(q)), np.nan)
+            return [NO_EXACT_FIGURES] * len(q)
         values = self._seeded.recipe.hyperparameters
         optimum = self._seeded.optimum(mdp, values.gamma)
-        figures = batch_figures(mdp, q, values.ties, values.gamma, optimum)
-        return np.stack((figures.value_at_start, figures.expected_return, figures.max_error))
+        found = batch_figures(mdp, q, values.ties, values.gamma, optimum)
+        columns = map(_if_there, (found.value_at_start, found.expected_return, found.max_error))
+        return [
+            GreedyFigures(value_at_start=value, expected_return=earned, max_error=error)
+            for value, earned, error in zip(*columns, strict=True)
+        ]
 
     @property
     def _drifts(self) -> bool:
@@ -211,14 +221,10 @@ class BatchedRuns:
             return mdp
         return replace(mdp, reward=mdp.reward + self.batch.drift.offset[index][mdp.outcome_pair])
 
-    def total_return(self, index: int) -> float:
-        """Return the sum of the returns of all finished episodes of a run."""
-        return float(self.batch.digest.total_return[index, 0])
-
     def _bandit(self, index: int) -> BanditFigures | None:
         """Return how the pulls of a run were spent, in a world of arms."""
         world = self._beginnings[index].world if self._beginnings else self._seeded.first.world
-        total, drifted = self.total_return(index), self.batch.drifted(index)
+        total, drifted = float(self.batch.digest.total_return[index, 0]), self.batch.drifted(index)
         return bandit_figures(world, self.batch.visits[index], total, drifted)
 
 

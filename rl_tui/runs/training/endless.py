@@ -10,7 +10,7 @@ import numpy as np
 from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.agents.exact.solve import endless_states
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.kernels.stop import LARGEST_ESTIMATE, LONGEST_EPISODE
+from rl_tui.agents.kernels.position import LARGEST_ESTIMATE, LONGEST_EPISODE
 from rl_tui.common.streams import streams
 from rl_tui.runs.library import episodes_of, recipe_for
 from rl_tui.runs.training.learned_length import learned_length

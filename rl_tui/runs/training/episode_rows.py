@@ -1,14 +1,29 @@
-"""One CSV row an episode: run (from 1), episode (from 1), return, length in steps."""
+"""CSV of training: a row an episode (run and episode from 1, return, length in steps), and the mean curve."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
-from typing import Final, TextIO
+from shutil import copyfileobj
+from tempfile import TemporaryDirectory
+from typing import Any, Final, TextIO
 
-from rl_tui.common.files import file_or_stream
+from rl_tui.common.files import file_or_stream, whole_file
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
+
+# The mean learning curve, a row for each bin of episodes
+
+
+def write_curve(stream: TextIO, curve: Mapping[str, list[Any]]) -> None:
+    """Write ``curve``, as ``train --runs --json`` has it, under the names of its lists; None is left empty.
+
+    Numbers keep all their digits.
+    """
+    stream.write(f"{','.join(curve)}\n")
+    for row in zip(*curve.values(), strict=True):
+        stream.write(f"{','.join('' if value is None else repr(value) for value in row)}\n")
+
 
 HEADER: Final = "run,episode,return,length\n"
 
@@ -39,3 +54,42 @@ def csv_file(target: Path | TextIO) -> Iterator[TextIO]:
     with file_or_stream(target) as stream:
         stream.write(HEADER)
         yield stream
+
+
+Listening = Callable[[int], AbstractContextManager[EpisodeRows | None]]
+"""Opens what writes the episodes of a seed."""
+
+
+@contextmanager
+def episodes_in_order(
+    csv: Path | TextIO | None, first_seed: int
+) -> Iterator[tuple[Listening, Callable[[int], None]]]:
+    """Yield what writes the episodes of seeds, trained side by side, and what hands on those of one seed.
+
+    They are handed on to ``csv``, which is kept or removed as :func:`csv_file` does. Run 1 is that of
+    ``first_seed``. Without ``csv`` nothing is written.
+    """
+    if csv is None:
+        yield lambda _: nullcontext(), lambda _: None
+        return
+    with csv_file(csv) as target, TemporaryDirectory() as name:
+        folder = Path(name)
+
+        @contextmanager
+        def listening(seed: int) -> Iterator[EpisodeRows]:
+            draft = folder / f"{seed}.draft"
+            try:
+                with whole_file(draft) as stream:
+                    yield EpisodeRows(stream, seed - first_seed + 1)
+            finally:
+                if draft.exists():
+                    draft.rename(folder / str(seed))
+
+        def hand_on(seed: int) -> None:
+            part = folder / str(seed)
+            if part.exists():  # or it could not even begin, or does not answer
+                with part.open(encoding="utf-8", newline="") as episodes:
+                    copyfileobj(episodes, target)
+                part.unlink()
+
+        yield listening, hand_on

@@ -1,26 +1,24 @@
-"""The same training under many seeds, in parallel on the cores."""
+"""Training under many seeds, in parallel on the cores, and many at once where machine code can do it."""
 
 from __future__ import annotations
 
 import math
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections import deque
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
-from contextlib import ExitStack
-from functools import partial
+from contextlib import closing, nullcontext
+from dataclasses import dataclass, field
 from pathlib import Path
-from shutil import copyfileobj
-from tempfile import TemporaryDirectory
-from typing import Any, Final, Generic, Protocol, TextIO, TypeVar
+from typing import Any, Final, Protocol, TextIO, TypeVar
 
-from rl_tui.common.files import whole_file
 from rl_tui.runs.figures import finite, head, summary
 from rl_tui.runs.recipe import JournalEntry, Recipe
 from rl_tui.runs.run import OnEpisodes
 from rl_tui.runs.training.batched_runs import BatchedRuns, runs_at_once
 from rl_tui.runs.training.compile_or_interpret import cores
-from rl_tui.runs.training.episode_rows import EpisodeRows, csv_file
+from rl_tui.runs.training.episode_rows import Listening, episodes_in_order
 from rl_tui.runs.training.seeded_runs import (
     MOST_BINS,
     CurvePoints,
@@ -34,10 +32,158 @@ from rl_tui.runs.training.seeded_runs import (
     no_progress,
 )
 
+Part = TypeVar("Part")
 Result = TypeVar("Result")
 RunT = TypeVar("RunT")
 
 LONGEST_GOODBYE: Final = 2.0
+"""Seconds that runs under way have to end in where another one fails."""
+
+
+class RunsBySeed(Protocol[RunT]):
+    """Runs of anything that learns, which differ in their seed, as :class:`SeededRuns` has them."""
+
+    first_seed: int
+    """The seed of the first of them."""
+    figures: tuple[str, ...]
+    """The names of a run's figures."""
+    is_bandit: bool
+    """Whether their world is a bandit, whose optimal actions are counted."""
+    plans: bool
+    """Whether they have no episodes, but sweeps."""
+
+    def new_run(self, seed: int, *on_episodes: OnEpisodes | None) -> RunT:
+        """Return the run of ``seed``, not trained; each of ``on_episodes`` hears of its episodes."""
+        ...
+
+    def train(self, run: RunT, goal: Goal, on_progress: OnProgress) -> None:
+        """Advance ``run`` to ``goal``; ``on_progress`` may raise to end it."""
+        ...
+
+    def row(self, run: RunT) -> dict[str, Any]:
+        """Return the seed and the figures of ``run``."""
+        ...
+
+
+# Training
+
+
+@dataclass
+class Curves:
+    """The learning curves of runs over their first ``episodes`` episodes; 0: they have none.
+
+    Each has at most ``most_bins`` bins. ``points`` are in the order of the seeds.
+    """
+
+    episodes: int
+    most_bins: int = MOST_BINS
+    points: list[CurvePoints] = field(default_factory=list)
+
+
+class _GivenUpError(Exception):
+    """Another run failed, or no more rows are wanted: this run need not go on."""
+
+
+def rows(
+    seeded: RunsBySeed[RunT],
+    seeds: range,
+    goal: Goal,
+    measure: Callable[[RunT], Result],
+    measure_batch: Callable[[BatchedRuns, Callable[[], None]], Iterable[Result]] | None = None,
+    *,
+    curves: Curves | None = None,
+    watch: Callable[[RunT | BatchedRuns], OnProgress] = lambda _: no_progress,
+    listening: Listening = lambda _: nullcontext(),
+    workers: int = 0,
+) -> Generator[Result, None, None]:
+    """Train ``seeded`` to ``goal`` under each of ``seeds``, and yield what ``measure`` returns, in order.
+
+    With ``measure_batch`` many are trained at once where they can be, with the same bits; it calls its second
+    argument now and then. ``curves`` gets the curve of each run. ``watch`` returns what hears of the progress
+    of a run or of a batch, and may raise to end all training. ``listening`` opens what hears of the episodes
+    of a seed that is trained alone. All of these are called in the thread that trains, one of so many
+    ``workers``. Without ``workers`` nothing is trained before it is asked for. Raises UserError of the first
+    of the seeds that broke down.
+    """
+    is_ended = threading.Event()
+    batched = seeded if measure_batch is not None and isinstance(seeded, SeededRuns) else None
+    episodes, most_bins = (0, 0) if curves is None else (curves.episodes, curves.most_bins)
+
+    def check() -> None:
+        if is_ended.is_set():
+            raise _GivenUpError
+
+    def watched(run: RunT | BatchedRuns) -> OnProgress:
+        hear = watch(run)
+
+        def on_progress(done: int, wanted: int) -> None:
+            check()
+            hear(done, wanted)
+
+        return on_progress
+
+    def trained(part: range) -> tuple[Iterable[Result], list[CurvePoints]]:
+        if len(part) > 1 and batched is not None and measure_batch is not None:
+            batch = BatchedRuns(batched, part, goal, curve_episodes=episodes, most_bins=most_bins)
+            batch.train(watched(batch))
+            return measure_batch(batch, check), batch.curves
+        curve = RunCurve(episodes, most_bins) if episodes else None
+        with listening(part.start) as listener:
+            run = seeded.new_run(part.start, listener, curve)
+            seeded.train(run, goal, watched(run))
+        return [measure(run)], [curve.points] if curve else []
+
+    crew = max(1, min(workers, len(seeds)))
+    parts = _parts(seeds, crew, runs_at_once(batched) if batched else 0)
+    for found, points in _in_parallel(trained, parts, crew, is_ended) if workers else map(trained, parts):
+        if curves is not None:
+            curves.points += points
+        yield from found
+
+
+def train_curves(
+    seeded: RunsBySeed[RunT],
+    seeds: range,
+    curves: Curves,
+    watch: Callable[[RunT | BatchedRuns], OnProgress] = lambda _: no_progress,
+    workers: int = 0,
+) -> None:
+    """Train ``seeds``, which a number of steps ended, once more for their ``curves``.
+
+    How wide the bins are shows only when all are done. The same recipes give the same episodes, in no memory
+    to speak of.
+    """
+    goal = Goal(episodes=curves.episodes)
+    deque(rows(seeded, seeds, goal, id, lambda *_: (), curves=curves, watch=watch, workers=workers), maxlen=0)
+
+
+def _parts(seeds: range, workers: int, at_once: int) -> list[range]:
+    """Return ``seeds`` in parts of one, or about equal ones of at most ``at_once``."""
+    runs = len(seeds)
+    each = math.ceil(runs / (workers * math.ceil(runs / (workers * at_once)))) if at_once > 1 else 1
+    return [seeds[first : first + each] for first in range(0, runs, each)]
+
+
+def _in_parallel(
+    work: Callable[[Part], Result], parts: Sequence[Part], workers: int, is_ended: threading.Event
+) -> Iterator[Result]:
+    """Yield ``work`` of every part, in order; ``is_ended`` is set where one fails or no more are wanted."""
+    pool = ThreadPoolExecutor(workers, thread_name_prefix="run")
+    futures = [pool.submit(work, part) for part in parts]
+    try:
+        for future in futures:
+            wait([future])
+            yield future.result()
+    except BaseException:
+        is_ended.set()
+        pool.shutdown(wait=False, cancel_futures=True)
+        running = [future for future in futures if not future.cancelled()]  # to wait, those are not done
+        wait(running, LONGEST_GOODBYE)  # an environment that does not answer is not waited for
+        raise
+    pool.shutdown()
+
+
+# The document of train --runs --json
 
 
 def many_runs(
@@ -61,45 +207,7 @@ def many_runs(
     """
     seeded = SeededRuns(recipe, journal)
     seeded.get_machine_code(runs, goal, on_compiling)
-    batched = seeded if csv is None else None  # a row an episode is what a batch does without
-    figures = figures_of_runs(seeded, runs, goal, csv, on_progress, workers, batched, most_bins)
-    return {**head(recipe), **figures}
-
-
-class RunsBySeed(Protocol[RunT]):
-    """Runs of anything that learns, which differ in their seed, as :class:`SeededRuns` has them."""
-
-    @property
-    def first_seed(self) -> int:
-        """The seed of the first of them."""
-        ...
-
-    @property
-    def figures(self) -> tuple[str, ...]:
-        """The names of a run's figures."""
-        ...
-
-    @property
-    def is_bandit(self) -> bool:
-        """Whether their world is a bandit, whose optimal actions are counted."""
-        ...
-
-    @property
-    def plans(self) -> bool:
-        """Whether they have no episodes, but sweeps."""
-        ...
-
-    def new_run(self, seed: int, *on_episodes: OnEpisodes | None) -> RunT:
-        """Return the run of ``seed``, not trained; each of ``on_episodes`` hears of its episodes."""
-        ...
-
-    def train(self, run: RunT, goal: Goal, on_progress: OnProgress) -> None:
-        """Advance ``run`` to ``goal``; ``on_progress`` may raise to end it."""
-        ...
-
-    def row(self, run: RunT) -> dict[str, Any]:
-        """Return the seed and the figures of ``run``."""
-        ...
+    return {**head(recipe), **figures_of_runs(seeded, runs, goal, csv, on_progress, workers, most_bins)}
 
 
 def figures_of_runs(
@@ -109,171 +217,63 @@ def figures_of_runs(
     csv: Path | TextIO | None,
     on_progress: OnProgress = no_progress,
     workers: int | None = None,
-    batched: SeededRuns | None = None,
     most_bins: int = MOST_BINS,
 ) -> dict[str, Any]:
     """Train ``runs`` of ``seeded`` and return what came of it: the document without its head.
 
-    ``batched`` are the same runs, where they are to be trained in batches if they can. The rest is as for
-    :func:`many_runs`.
+    The rest is as for :func:`many_runs`.
     """
-    experiment = _Experiment(seeded, runs, goal, on_progress, workers or cores(), batched, most_bins)
+    seeds, crew = range(seeded.first_seed, seeded.first_seed + runs), workers or cores()
+    curves = Curves(0 if seeded.plans else goal.episodes or 0, most_bins)
+    wanted = runs * (goal.steps or goal.episodes or 0)
+    counting, in_all = threading.Lock(), 0
+
+    def watch(_: object) -> OnProgress:
+        counted = 0
+
+        def count(done: int, _: int) -> None:
+            nonlocal counted, in_all
+            with counting:
+                in_all += done - counted
+                counted = done
+                on_progress(in_all, wanted)
+
+        return count
+
     start = time.perf_counter()
-    rows = experiment.rows(csv)
+    found = list[dict[str, Any]]()
+    with (
+        episodes_in_order(csv, seeds.start) as (listening, hand_on),
+        closing(
+            rows(
+                seeded,
+                seeds,
+                goal,
+                lambda run: finite(seeded.row(run)),
+                BatchedRuns.rows if csv is None else None,  # a row an episode is what a batch does without
+                curves=curves,
+                watch=watch,
+                listening=listening,
+                workers=crew,
+            )
+        ) as each,
+    ):
+        for seed in seeds:
+            try:
+                found.append(next(each))
+            finally:  # where it fails too, or the user breaks off
+                hand_on(seed)
     seconds = time.perf_counter() - start
-    curve = experiment.curve(min(row["episodes"] for row in rows))
+    curve, fewest = no_curve(seeded.is_bandit), min(row["episodes"] for row in found)
+    if fewest and not seeded.plans:  # the sweeps of a planner have no returns
+        if not curves.episodes:
+            curves.episodes = fewest
+            train_curves(seeded, seeds, curves, workers=crew)
+        curve = mean_curve(curves.points, seeded.is_bandit)
     return {
         "seconds": seconds,
-        "steps_per_second": sum(row["steps"] for row in rows) / seconds,
-        "runs": rows,
-        "summary": finite({name: summary([row[name] for row in rows]) for name in seeded.figures}),
+        "steps_per_second": sum(row["steps"] for row in found) / seconds,
+        "runs": found,
+        "summary": finite({name: summary([row[name] for row in found]) for name in seeded.figures}),
         "curve": finite(curve),
     }
-
-
-class _GivenUpError(Exception):
-    """Another run failed or the user broke off: this one need not go on."""
-
-
-class _Experiment(Generic[RunT]):
-    """The runs, in parallel."""
-
-    def __init__(
-        self,
-        seeded: RunsBySeed[RunT],
-        runs: int,
-        goal: Goal,
-        on_progress: OnProgress,
-        workers: int,
-        batched: SeededRuns | None,
-        most_bins: int,
-    ) -> None:
-        self._runs = seeded
-        self._batched = batched
-        self._parts = _parts(runs, min(workers, runs), runs_at_once(batched) if batched else 0)
-        self._count = runs
-        self._goal = goal
-        self._on_progress = on_progress
-        self._workers = min(workers, len(self._parts))
-        self._most_bins = most_bins
-        self._lock = threading.Lock()
-        self._given_up = False
-        self._done = [0] * len(self._parts)
-        self._curves: list[CurvePoints | None] = [None] * len(self._parts)
-
-    def rows(self, csv: Path | TextIO | None) -> list[dict[str, Any]]:
-        """Train every run to the goal and return its figures."""
-        with ExitStack() as stack:
-            if csv is None:
-                found = self._in_parallel(self._rows_of_part, lambda part: None)
-                return [row for rows in found for row in rows]
-            target = stack.enter_context(csv_file(csv))
-            parts = Path(stack.enter_context(TemporaryDirectory()))
-
-            def append(index: int) -> None:
-                part = parts / str(index)
-                if part.exists():  # or it could not even begin
-                    with part.open(encoding="utf-8", newline="") as rows:
-                        copyfileobj(rows, target)
-                    part.unlink()
-
-            return self._in_parallel(lambda index: self._written_row(index, parts / str(index)), append)
-
-    def curve(self, episodes: int) -> dict[str, list[Any]]:
-        """Return the mean curve over the first ``episodes`` episodes, which every run has finished.
-
-        How wide its bins are shows only when all runs are done, if these were given a number of steps: then
-        they are simply done once more, since the same recipe gives the same episodes, in no memory to speak
-        of. The sweeps of a planner have no returns, and so no curve.
-        """
-        if episodes == 0 or self._runs.plans:
-            return no_curve(self._runs.is_bandit)
-        if any(curve is None for curve in self._curves):
-            self._goal = Goal(episodes=episodes)
-            self._on_progress = no_progress
-            self._in_parallel(self._train, lambda part: None)
-        return mean_curve([curve for curve in self._curves if curve is not None], self._runs.is_bandit)
-
-    def _in_parallel(self, work: Callable[[int], Result], on_done: Callable[[int], None]) -> list[Result]:
-        """Return ``work`` of every part, in order; ``on_done`` is called in order too, as soon as may be.
-
-        Where one fails, or the user breaks off, ``on_done`` is called for it too before that is raised.
-        """
-        results = []
-        handed_on = 0
-        pool = ThreadPoolExecutor(self._workers, thread_name_prefix="run")
-        futures = [pool.submit(work, index) for index in range(len(self._parts))]
-        try:
-            for index, future in enumerate(futures):
-                wait([future])
-                handed_on = index + 1
-                on_done(index)
-                results.append(future.result())
-        except BaseException as error:
-            self._given_up = True
-            pool.shutdown(wait=False, cancel_futures=True)
-            running = [future for future in futures if not future.cancelled()]  # to wait, those are not done
-            wait(running, LONGEST_GOODBYE)  # an environment that does not answer is not waited for
-            is_waiting = handed_on == len(results) < len(futures)  # or it was in the middle of handing on
-            if isinstance(error, KeyboardInterrupt) and is_waiting and futures[handed_on].done():
-                on_done(handed_on)
-            raise
-        pool.shutdown()
-        return results
-
-    def _written_row(self, index: int, part: Path) -> dict[str, Any]:
-        with whole_file(part) as stream:
-            row: dict[str, Any] = finite(
-                self._runs.row(self._train_one(index, EpisodeRows(stream, index + 1)))
-            )
-        return row
-
-    def _rows_of_part(self, part: int) -> list[dict[str, Any]]:
-        trained = self._train(part)
-        if isinstance(trained, BatchedRuns):
-            return trained.rows(self._check)
-        return [finite(self._runs.row(trained))]
-
-    def _train(self, part: int) -> RunT | BatchedRuns:
-        indices = self._parts[part]
-        if self._batched is None or len(indices) == 1:
-            return self._train_one(part)
-        seeds = [self._runs.first_seed + index for index in indices]
-        runs = BatchedRuns(
-            self._batched,
-            seeds,
-            self._goal,
-            curve_episodes=self._goal.episodes or 0,
-            most_bins=self._most_bins,
-        )
-        runs.train(partial(self._note_progress, part))
-        if self._goal.episodes:
-            self._curves[part] = runs.curves
-        return runs
-
-    def _train_one(self, part: int, *also: OnEpisodes) -> RunT:
-        curve = None
-        if self._goal.episodes and not self._runs.plans:
-            curve = RunCurve(self._goal.episodes, self._most_bins)
-        run = self._runs.new_run(self._runs.first_seed + self._parts[part].start, *also, curve)
-        self._runs.train(run, self._goal, partial(self._note_progress, part))
-        if curve is not None:
-            self._curves[part] = curve.points
-        return run
-
-    def _check(self) -> None:
-        if self._given_up:
-            raise _GivenUpError
-
-    def _note_progress(self, part: int, done: int, _: int) -> None:
-        self._check()
-        with self._lock:
-            self._done[part] = done
-            wanted = (self._goal.steps or self._goal.episodes or 0) * self._count
-            self._on_progress(sum(self._done), wanted)
-
-
-def _parts(runs: int, workers: int, at_once: int) -> list[range]:
-    """Return so many ``runs`` in parts of one run, or about equal ones of at most ``at_once``."""
-    each = math.ceil(runs / (workers * math.ceil(runs / (workers * at_once)))) if at_once > 1 else 1
-    return [range(first, min(first + each, runs)) for first in range(0, runs, each)]

@@ -21,7 +21,8 @@ from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.runs.changes import written_change
 from rl_tui.runs.edited_world import EditedWorld
-from rl_tui.runs.figures import BANDIT_FIGURES, exact_world, greedy_figures, optimum_of, pulls, world_digest
+from rl_tui.runs.figures import exact_world, greedy_figures, optimum_of, row_of, world_digest
+from rl_tui.runs.measures import BANDIT_FIGURES, FIGURES, measured_run
 from rl_tui.runs.recipe import UNLIMITED, JournalEntry, Recipe, WorldChange, begin
 from rl_tui.runs.run import OnEpisodes, Run, each_of
 from rl_tui.runs.training.compile_or_interpret import Patience, batching_pays, pays, seconds_interpreted
@@ -108,9 +109,9 @@ MOST_BINS: Final = 200
 
 
 class CurvePoints(NamedTuple):
-    """The curves of R runs in the same B bins, that end with episode ``last_episode``, [B].
+    """The curve of a run in B bins, that end with episode ``last_episode``, [B].
 
-    The mean return, the mean length and the share of optimal actions in each bin, [R, B].
+    The mean return, the mean length and the share of optimal actions in each bin, [B].
     """
 
     last_episode: IntArray
@@ -146,10 +147,9 @@ class RunCurve:
 
     @property
     def points(self) -> CurvePoints:
-        """The curve, as that of one run."""
+        """The curve."""
         count = np.diff(self.last_episode, prepend=0)
-        returns, lengths, optimal = (sums[np.newaxis] / count for sums in self.sums)
-        return CurvePoints(self.last_episode, returns, lengths, optimal)
+        return CurvePoints(self.last_episode, *(sums / count for sums in self.sums))
 
 
 def curve_of_run(
@@ -177,7 +177,7 @@ def mean_curve(curves: Sequence[CurvePoints], bandit: bool) -> dict[str, list[An
     The standard errors are those of the runs' means in each bin, None where there is one run.
     """
     last_episodes, *parts = zip(*curves, strict=True)
-    returns, lengths, optimal = map(np.concatenate, parts)
+    returns, lengths, optimal = map(np.array, parts)
     curve: dict[str, list[Any]] = {
         "episode": last_episodes[0].tolist(),
         "return_mean": returns.mean(axis=0).tolist(),
@@ -200,37 +200,12 @@ def _standard_errors(values: FloatArray) -> list[float] | list[None]:
     return errors
 
 
-def first_of(curves: Sequence[CurvePoints], runs: int) -> Sequence[CurvePoints]:
-    """Return the curves of the first so many ``runs`` of ``curves``."""
-    found = list[CurvePoints]()
-    for points in curves:
-        if runs > 0:
-            parts = (part[:runs] for part in points[1:])
-            found.append(CurvePoints(points.last_episode, *parts))
-            runs -= len(points.returns)
-    return found
-
-
 def no_curve(bandit: bool) -> dict[str, list[Any]]:
     """Return the curve of runs of which one finished no episode."""
     return {name: [] for name in mean_curve([RunCurve(1).points], bandit)}
 
 
 # Runs under many seeds
-
-
-FIGURES: Final = (
-    "steps",
-    "episodes",
-    "value_at_start",
-    "expected_return",
-    "max_error",
-    "return_mean",
-    "return_last_100",
-    "length_last_100",
-    "first_reward_episode",
-)
-"""The names of a run's figures, each a key of its row."""
 
 
 def no_compiling() -> None:
@@ -257,8 +232,14 @@ class SeededRuns:
         """The recipe of the first of them."""
         self.first = Run(recipe, begin(recipe, known), evaluate=False)
         """The first of them, not trained."""
+        self.first_seed = recipe.seed
+        """The seed of the first of them."""
         self.is_bandit = isinstance(self.first.world.drawing, Arms)
         """Whether their world is a bandit."""
+        self.plans = self.first.learner.plans
+        """Whether they have no episodes, but the sweeps of a planner."""
+        self.figures: tuple[str, ...] = (*FIGURES, *BANDIT_FIGURES) if self.is_bandit else FIGURES
+        """The names of a run's figures."""
         self.journal = journal
         """What is set in each of them on the way."""
         self.shared = None if recipe.scenario.section.drawn_from_seed else self.first.edited
@@ -282,27 +263,13 @@ class SeededRuns:
     def batched_loop(self) -> Loop | None:
         """The loop that trains many at once: of agents that learn in a table, with nothing set on the way.
 
-        None for others.
+        None for others, and for maps drawn from the seed, as a batch needs worlds of one shape.
         """
         learner, mdp = self.first.learner, self.first.world.mdp
-        if mdp is None or learner.plans or self.journal:
+        have_one_shape = self.shared is not None or self.is_bandit
+        if mdp is None or learner.plans or self.journal or not have_one_shape:
             return None
         return learner.loop._replace(batching=batching_of(mdp, is_shared=self.shared is not None))
-
-    @property
-    def first_seed(self) -> int:
-        """The seed of the first of them."""
-        return self.recipe.seed
-
-    @property
-    def plans(self) -> bool:
-        """Whether they have no episodes, but the sweeps of a planner."""
-        return self.first.learner.plans
-
-    @property
-    def figures(self) -> tuple[str, ...]:
-        """The names of a run's figures."""
-        return (*FIGURES, *BANDIT_FIGURES) if self.is_bandit else FIGURES
 
     def get_machine_code(self, runs: int, goal: Goal, on_compiling: Callable[[], None]) -> None:
         """Have machine code for so many runs where that pays; ``on_compiling`` is called before it is had."""
@@ -338,25 +305,11 @@ class SeededRuns:
         ``check`` is called between what may take long, and may raise to end it.
         """
         check()
-        learner, changes = run.learner, len(run.world_changes)
-        optimum = self.optimum(exact_world(run), learner.hyperparameters.gamma, changes)
+        changes = len(run.world_changes)
+        optimum = self.optimum(exact_world(run), run.learner.hyperparameters.gamma, changes)
         check()
-        exact = greedy_figures(run, optimum)
-        mean_return, mean_length = run.history.last_100
-        return {
-            "seed": run.recipe.seed,
-            "steps": run.step,
-            "episodes": learner.episodes,
-            "value_at_start": exact.value_at_start,
-            "expected_return": exact.expected_return,
-            "max_error": exact.max_error,
-            "return_mean": run.mean_return,
-            "return_last_100": mean_return,
-            "length_last_100": mean_length,
-            "first_reward_episode": learner.first_reward_episode or None,
-            "world": self.digest(run.world, changes),
-            **pulls(run.bandit),
-        }
+        measured = measured_run(run, greedy_figures(run, optimum))
+        return row_of(run.recipe.seed, measured, self.digest(run.world, changes))
 
     def optimum(self, mdp: TabularMDP | None, gamma: float, changes: int = 0) -> Solution | None:
         """Return the exact answer of ``mdp``, in which a run is after so many ``changes`` of its world.

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import shlex
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -28,7 +29,6 @@ from textual.worker import WorkerFailed
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.runs.library import recipe_for
-from rl_tui.screen.app.bugs import bug_of
 from rl_tui.screen.app.display import Display
 from rl_tui.screen.app.opening import MakePlayer, Opener, Start, beginning_of, live_player
 from rl_tui.screen.app.palette_entries import ActionProvider
@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 
     from rl_tui.lessons.file.view import LessonRecord
     from rl_tui.live.record import Record
-    from rl_tui.live.sessions.autosave import KeptSession
+    from rl_tui.live.sessions.autosave import Autosave, KeptSession
     from rl_tui.screen.catalogue.catalogue import CatalogueScreen
     from rl_tui.screen.catalogue.lessons import LessonsScreen
     from rl_tui.screen.playground.actions.next_lesson import LessonWanted
@@ -177,10 +177,15 @@ class RlTuiApp(LinkedApp[UserError]):
             end_on_signal(self._end, self.give_back_terminal)
         return driver
 
+    @property
+    def _is_ending(self) -> bool:
+        """Whether it was told to end: an attribute of Textual's, which another version may not have."""
+        return getattr(self, "_exit", False)
+
     async def on_event(self, event: Event) -> None:
         """Take keys one at a time, and everything else as it comes."""
         if isinstance(event, InputEvent):
-            if getattr(self, "_exit", False):
+            if self._is_ending:
                 return  # the end shall not wait for what was typed before it
             self._idleness.stir()
             await asyncio.sleep(0)  # or a flood of it would let nothing else happen, not even an end
@@ -197,7 +202,7 @@ class RlTuiApp(LinkedApp[UserError]):
 
     def on_type_first(self, message: TypeFirst) -> None:
         """Take keys that were held back as typed before all that waits."""
-        if not getattr(self, "_exit", False):
+        if not self._is_ending:
             self._key_queue.take_first(message.keys)
 
     def on_notify(self, event: Notify) -> None:
@@ -379,7 +384,7 @@ class RlTuiApp(LinkedApp[UserError]):
 
     def _handle_exception(self, error: Exception) -> None:
         fault = error.error if isinstance(error, WorkerFailed) else error
-        if getattr(self, "_exit", False) and isinstance(fault, _GONE):
+        if self._is_ending and isinstance(fault, _GONE):
             return  # of a screen that opens while the program ends, the widgets may be gone already
         super()._handle_exception(error)
 
@@ -396,6 +401,7 @@ class RlTuiApp(LinkedApp[UserError]):
             for widget in screen.walk_children(with_self=True):
                 if hasattr(widget, "look"):
                     widget.look = look
+                    getattr(widget, "redraw", widget.refresh)()
                     widget.refresh()
 
 
@@ -409,3 +415,14 @@ def _built(lesson: LessonRecord) -> Record:
     record = beginning_of(lesson)
     begin(record.lanes[0].recipe)
     return record
+
+
+def bug_of(fault: Exception | None, autosave: Autosave | None) -> Exception:
+    """Return the fault behind ``fault``, with a note on how to go on with the session, if any."""
+    if isinstance(fault, WorkerFailed) and isinstance(fault.error, Exception):
+        fault = fault.error
+    if fault is None:
+        fault = RuntimeError("no reason is known")
+    if autosave is not None and autosave.path is not None:
+        fault.add_note(f"what was done is kept: rl-tui play {shlex.quote(str(autosave.path))}")
+    return fault

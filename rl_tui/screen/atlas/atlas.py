@@ -24,6 +24,7 @@ from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.errors import UserError
 from rl_tui.common.words import counted
 from rl_tui.runs.background.background import Background
+from rl_tui.runs.measures import Measure
 from rl_tui.runs.recipe import Recipe
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.dialogs.dialog import Dialog
@@ -34,8 +35,8 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.studies.atlas.cells import CellGrid
 from rl_tui.studies.atlas.figures import Atlas, AtlasStandings, AtlasState
 from rl_tui.studies.atlas.request import WORK, AtlasRequest, surroundings
+from rl_tui.studies.sweeps.cell import JUDGED_BY, MEASURES
 from rl_tui.studies.sweeps.cells.variation import Variation
-from rl_tui.studies.sweeps.measures import JUDGED_BY, MEASURES, SweepMeasure
 
 # The picture
 
@@ -58,7 +59,7 @@ class AtlasScene:
     look: Look
     cells: CellGrid
     atlas: Atlas
-    measure: SweepMeasure
+    measure: Measure
     cursor: int
     in_force: int
 

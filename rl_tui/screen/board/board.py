@@ -15,6 +15,7 @@ from textual.layout import Layout
 from textual.message import Message
 from textual.widget import Widget
 
+from rl_tui.lessons.file.view import LessonView
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.live.viewport import Viewport
 from rl_tui.screen.board.board_layout import BoardLayout
@@ -109,24 +110,23 @@ class LessonPlace:
             before, self._focused_before = self._focused_before, None
             self._board.screen.set_focus(before if before is not None and before.is_attached else None)
 
-    def place(self, snapshot: Snapshot, size: Size) -> None:
-        """Let the panels know, before they draw ``snapshot``, how page and world share the board."""
-        if snapshot.lesson is None:
-            return
+    def place(self, lesson: LessonView, size: Size) -> None:
+        """Let the panels know, before they draw a page of ``lesson``, how page and world share the board."""
         self.panel.set_class(self._arrangement.has_lesson_in_a_row(size), IN_A_ROW)
         self.panel.takes_turns = self.reads and not self.is_docked
         if self.panel.takes_turns:
             self.focus()
-        self._point_at(open_page(snapshot.lesson.record).spotlight, size)
+        self._point_at(open_page(lesson.record).spotlight, size)
 
     def _point_at(self, wanted: str | None, size: Size) -> None:
         row = None if wanted is None else self._board.rows.get(wanted)
         spotlit = None if row is None else row.id
         for panel, is_spotlit in ((self._spotlit, False), (spotlit, True)):
-            if panel is not None:
+            if panel is not None and spotlit != self._spotlit:
                 widget = self._board.panel(panel)
                 widget.is_spotlit = is_spotlit
                 widget.set_class(is_spotlit, SPOTLIT)
+                widget.redraw()
         self._spotlit = spotlit
         self.panel.spotlight = (
             None
@@ -169,6 +169,10 @@ class Board(Container):
         self.legends, self.rows = legends, {row.id: row for row in panels}
         self._panels = {row.id: row.make(look) for row in panels}
         self._pair = LanePair(self._panels, look)
+        self.table = self._made(TABLE, QTable)
+        """The table of the lane that is led."""
+        self.world: WorldView | None = None
+        """The world of the lane that is led, None before the first snapshot."""
         self._is_one_lane = self.keeps_focus = False
         self._made(WORLD, WorldPlaceholder).expect(shape.drawing)
         self.curve = self._made(CURVE, ReturnCurve)
@@ -193,38 +197,26 @@ class Board(Container):
         assert isinstance(made, kind)
         return made
 
-    @property
-    def table(self) -> QTable:
-        """The table of the lane that is led."""
-        return self._made(self._pair.led(TABLE), QTable)
-
-    @property
-    def world(self) -> WorldView | None:
-        """The world of the lane that is led, None before the first snapshot."""
-        made = self.panel(self._pair.led(WORLD))
-        return made if isinstance(made, WorldView) else None
-
     def compose(self) -> ComposeResult:
         """Yield the panels in the order of the tab key."""
         yield from self._panels.values()
 
     def panel(self, panel: str) -> BoardPanel:
         """Return the widget with the id ``panel``."""
-        return self._widgets()[panel]
-
-    def _widgets(self) -> dict[str, BoardPanel]:
-        return self._panels | {beside(row): twin for row, twin in self._pair.twins.items()}
+        return self._panels[panel]
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``; what a person can set is drawn as it is wanted."""
         self._snapshot = snapshot
         if self.world is None:
-            self._panels[WORLD] = view = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
+            view = make_world_view(snapshot.world, self.look, id=WORLD, classes="panel")
+            self._panels[WORLD] = self.world = view
             view.caption = self.rows[WORLD].caption
             self.apply_switches()
             self.run_worker(self._replace_placeholder(view))
         if snapshot.beside is not None and not self._pair.twins:
             self._pair.make(snapshot, self.rows.values())
+            self._panels |= {beside(row): twin for row, twin in self._pair.twins.items()}
             self.apply_switches()
             self.run_worker(self._mount_twins())
         # of a session the lanes are known before they are there
@@ -234,22 +226,25 @@ class Board(Container):
             is_program=snapshot.program is not None,
             has_lesson=snapshot.lesson is not None,
             legend_rows=int(self.legends.is_on),
+            drawing=snapshot.world.drawing,
+            table_rows=self.table.rows_of(snapshot),
         )
-        self._take_lead(snapshot)
-        self.set_classes(self._arrangement.styles(self.size))
-        self.lesson.place(snapshot, self.size)
+        if self._pair.twins:
+            self._take_lead(snapshot)
+        if snapshot.lesson is not None:
+            self.lesson.place(snapshot.lesson, self.size)
         self.table.sources = lit_sources(snapshot) if self.opened == MICROSCOPE else frozenset()
         self.controls.wanted = self._wanted.recipe.hyperparameters
         self.controls.marks_all_flips = self.opened == DISCOUNT
         self.timeline.sought = self._wanted.step
+        learned, pair = as_learned(snapshot), self._pair.panels if self._pair.is_shown else []
         for panel in self._shown():
             if isinstance(panel, WorldView):
                 panel.names_policies_key = self.opened != POLICIES
-            if not self._pair.has(panel):
-                panel.show(as_learned(snapshot) if isinstance(panel, WorldView | QTable) else snapshot)
-        if self._pair.is_shown:
-            self._pair.show(as_learned(snapshot))
-        self.reshape(drawing=snapshot.world.drawing, table_rows=self.table.rows)
+            if panel not in pair:
+                panel.show(learned if isinstance(panel, WorldView | QTable) else snapshot)
+        if pair:
+            self._pair.show(learned)
 
     def reshape(self, **changes: Any) -> None:
         """Arrange the panels again where what that depends on has changed."""
@@ -264,6 +259,8 @@ class Board(Container):
         is_pair = snapshot.beside is not None and self._arrangement.is_pair(self.size)
         if not self._pair.take_lead(snapshot, is_shown=is_pair):
             return
+        self.table = self._made(self._pair.led(TABLE), QTable)
+        self.world = self._made(self._pair.led(WORLD), WorldView)
         if world is not None and self.world is not None and world is not self.world:
             self.world.is_manual, world.is_manual = world.is_manual, False
             self.world.show_mode(world.title, world.prompt, has_keys=world.has_class("-manual"))
@@ -316,23 +313,24 @@ class Board(Container):
     def apply_switches(self) -> None:
         """Have every panel show what the switches say, the twins of a second lane too."""
         legends = self.legends
-        for panel in self._widgets().values():
+        for panel in self._panels.values():
             panel.is_explained = legends.is_on
             if isinstance(panel, WorldView):
                 panel.is_numbered, panel.shows_actions = legends.numbers_states, legends.shows_actions
+            panel.redraw()
 
     def _shown(self) -> Iterator[BoardPanel]:
         """Yield the panels that are not closed, of which a program that is watched has its own."""
-        shape = self._arrangement.shape
+        shape, opened, pair = self._arrangement.shape, self.opened, self._pair
         for row in self.rows.values():
             if row.of_program if not shape.is_program else row.id == CONTROLS:
                 continue
             if (row.of_lesson and not shape.has_lesson) or (row.of_drawing and not shape.is_drawn):
                 continue
-            if row.opened_by is None or row.id == self.opened:
+            if row.opened_by is None or row.id == opened:
                 yield self._panels[row.id]
-                if self.is_paired and row.id in self._pair.twins:
-                    yield self._pair.twins[row.id]
+                if pair.is_shown and row.id in pair.twins:
+                    yield pair.twins[row.id]
 
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
         """Write the keys of the timeline, which has no border, on the border of the curve above it."""
@@ -353,7 +351,7 @@ class Board(Container):
     def on_pointed(self, event: Pointed) -> None:
         """Show where the cursor of a world or a table stands in all others."""
         self._pair.align(event.panel)
-        for panel in self._widgets().values():
+        for panel in self._panels.values():
             if isinstance(panel, QTable | WorldView) and panel is not event.panel:
                 panel.point_at(self._pairs_in(event, panel))
         cursor = event.panel.cursor_pair if isinstance(event.panel, QTable) else None
@@ -474,6 +472,7 @@ class Board(Container):
         return self._arrangement
 
     def _arrange_again(self) -> None:
+        self.set_classes(self._arrangement.styles(self.size))
         # a child's, since a container forgets its arrangement only for a child
         self.table.refresh(layout=True)
 

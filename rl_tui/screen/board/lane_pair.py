@@ -56,9 +56,10 @@ class LanePair:
         """Return the id of the twofold row that has the widget ``panel``, None for any other."""
         return next((row for row in self.twins if panel in (row, beside(row))), None)
 
-    def has(self, panel: BoardPanel) -> bool:
-        """Return whether ``panel`` shows one of two lanes in view."""
-        return self.is_shown and any(panel in (self._panels[row], twin) for row, twin in self.twins.items())
+    @property
+    def panels(self) -> list[BoardPanel]:
+        """The panels that show one of the two lanes."""
+        return [each for row, twin in self.twins.items() for each in (self._panels[row], twin)]
 
     def take_lead(self, snapshot: Snapshot, *, is_shown: bool) -> bool:
         """Take over which lane of ``snapshot`` is led and if both are in view; return whether that is new."""

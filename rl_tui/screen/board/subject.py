@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.board.board import Board
-from rl_tui.screen.board.player_link import PlayerLink
+from rl_tui.screen.board.wanted import PlayerLink
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.frame.action_screen import ActionScreen
 from rl_tui.screen.theme.glyphs import Glyphs

@@ -1,7 +1,8 @@
-"""What a person asked for: settings until a snapshot has caught up with them, and how all is shown."""
+"""What a person asks the player for, and what was asked until a snapshot has caught up with it."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from rl_tui.lessons.file.view import LessonRecord
@@ -15,6 +16,7 @@ from rl_tui.live.commands import (
     SetSpeed,
     StudyPolicy,
 )
+from rl_tui.live.player import Player
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.runs.recipe import Recipe, Setting, changed_recipe
@@ -95,3 +97,30 @@ def in_force(snapshot: Snapshot) -> Recipe:
     return replace(
         snapshot.recipe, algorithm=snapshot.agent.algorithm, hyperparameters=snapshot.agent.hyperparameters
     )
+
+
+# The way to the player and back
+
+
+class PlayerLink:
+    """Sends commands and holds the newest snapshot, None before the first; ``on_sent`` hears each command."""
+
+    def __init__(self, player: Player, wanted: Wanted, on_sent: Callable[[Command], None]) -> None:
+        self.player = player
+        self.wanted = wanted
+        self.snapshot: Snapshot | None = None
+        self.sent = 0
+        """How many commands were sent, also such as were sent because of what was drawn."""
+        self._on_sent = on_sent
+
+    def send(self, command: Command) -> None:
+        """Ask the player for something."""
+        self.sent += 1
+        self.wanted.note(command)
+        self._on_sent(command)
+        self.player.send(command)
+
+    def receive(self, snapshot: Snapshot) -> None:
+        """Take ``snapshot`` for the newest."""
+        self.snapshot = snapshot
+        self.wanted.reconcile(snapshot)

@@ -68,6 +68,9 @@ class Dialog(ModalScreen[Result | None]):
                 # by the app: what a screen sends does not rise beyond it, to where bindings are looked up
                 self.app.call_later(self.app.simulate_key, key)
 
+    def show(self, snapshot: Snapshot) -> None:
+        """Show the newest snapshot, where the dialog is about the run."""
+
     def action_cancel(self) -> None:
         """Close without an answer."""
         self.dismiss(None)

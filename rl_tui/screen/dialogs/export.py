@@ -13,7 +13,7 @@ from textual.containers import VerticalScroll
 from textual.widgets import Static
 
 from rl_tui.common.errors import UserError
-from rl_tui.runs.export.files import new_path
+from rl_tui.common.files import new_path
 from rl_tui.runs.training.seeded_runs import OnProgress
 from rl_tui.screen.dialogs.choice import Candidate, Choice
 from rl_tui.screen.dialogs.dialog import Dialog, Prompt

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from rl_tui.agents.catalogue import parameters_of
-from rl_tui.agents.hyperparameters import PARAMETERS
-from rl_tui.agents.idle_parameters import why_idle
+from rl_tui.agents.hyperparameters import PARAMETERS, why_idle
 from rl_tui.common.errors import UserError
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.recipe import Recipe, SetParameter, Setting, SwitchAlgorithm, changed_recipe

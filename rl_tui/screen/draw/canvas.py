@@ -84,18 +84,15 @@ class Canvas:
 
     def strips(self) -> list[Strip]:
         """Return the rows, neighbours of one style joined."""
-        return [
-            self._strip(characters, styles)
-            for characters, styles in zip(self._characters, self._styles, strict=True)
-        ]
-
-    def _strip(self, characters: list[str], styles: list[Style]) -> Strip:
-        segments, x = [], 0
-        for style, run in groupby(styles):
-            end = x + len(list(run))
-            segments.append(Segment("".join(characters[x:end]), style))
-            x = end
-        return Strip(segments, self.width)
+        strips = []
+        for characters, styles in zip(self._characters, self._styles, strict=True):
+            segments, x = [], 0
+            for style, run in groupby(styles):
+                end = x + len(list(run))
+                segments.append(Segment("".join(characters[x:end]), style))
+                x = end
+            strips.append(Strip(segments, self.width))
+        return strips
 
 
 def _cells(text: str) -> list[str]:
@@ -150,6 +147,8 @@ Line = Sequence[Piece]
 
 def spelled(line: Line, look: Look) -> list[Piece]:
     """Return ``line`` in the characters that the terminal has."""
+    if look.glyphs.name != "ascii":
+        return list(line)
     return [Piece(to_ascii(piece.text, look.glyphs), piece.style) for piece in line]
 
 

@@ -15,6 +15,7 @@ _COMMA_FROM: Final = 10_000
 _FIGURE_DECIMALS: Final = ((3, 1.0), (2, 100.0), (1, 1_000.0))  # those of figures below that
 _LEAST_FIGURE: Final = 6  # cells of an exact figure in short
 _THOUSANDS_TO: Final = 1e6  # above that exponents are read more easily
+_DIGITS: Final = frozenset("123456789")
 _SCALES: Final = ((1.0, ""), (1e3, "k"), (1e6, "M"), (1e9, "G"), (1e12, "T"))
 
 
@@ -67,9 +68,8 @@ def whole(x: float, glyphs: Glyphs = UNICODE) -> str:
 def fixed(x: float, decimals: int, glyphs: Glyphs = UNICODE, leading_zero: bool = True) -> str:
     """Return ``x`` with so many decimals; without ``leading_zero`` fractions are ``.54``. Never ``−0``."""
     text = f"{x:.{decimals}f}"
-    if not has_digits(text):
-        text = text.removeprefix("-")
-    text = text.replace("-", glyphs.minus)
+    if text.startswith("-"):
+        text = f"{glyphs.minus}{text[1:]}" if has_digits(text) else text[1:]
     return text if leading_zero else _without_leading_zero(text)
 
 
@@ -165,4 +165,4 @@ def _widest_that_fits(forms: Iterable[str], width: int) -> str:
 
 def has_digits(text: str) -> bool:
     """Return whether ``text`` shows more than zeros."""
-    return any(digit in text for digit in "123456789")
+    return not _DIGITS.isdisjoint(text)

@@ -15,7 +15,7 @@ from rl_tui.screen.draw import names
 from rl_tui.screen.draw.action_order import shown_pairs
 from rl_tui.screen.draw.number_form import number_form
 from rl_tui.screen.kit.snapshot_facts import has_estimates, hides_means, is_secret, shown_by
-from rl_tui.screen.panels.model.bellman import SECRET
+from rl_tui.screen.panels.model.pair import SECRET
 from rl_tui.screen.panels.policies.names import POLICY_NAMES
 from rl_tui.screen.panels.q_table.layers import Layer, exact_q, other_lane, policy_q
 from rl_tui.screen.panels.q_table.q_table import QTable

@@ -74,7 +74,7 @@ def _v(lane: Snapshot) -> tuple[FloatArray, BoolArray]:
     if part is None:
         first = first_pair[:-1][np.diff(first_pair) > 0]
     else:
-        pairs = np.unique(part.pairs)
+        pairs = np.flatnonzero(part.held)
         state = np.searchsorted(first_pair, pairs, side="right")
         q, visits, first = q[pairs], visits[pairs], np.flatnonzero(np.diff(state, prepend=-1))
     if not len(first):

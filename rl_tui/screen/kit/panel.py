@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from dataclasses import fields, is_dataclass
 from functools import lru_cache
 from typing import Final, NamedTuple
 
+import numpy as np
 from rich.cells import cell_len
 from rich.style import Style
 from textual import events
@@ -23,6 +25,7 @@ from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Piece, length, spelled, strips_of
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.kit.bindings import key_of_hint
+from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.world import World
 
@@ -138,18 +141,41 @@ def key_at(hints: str, column: int) -> str | None:
     return None
 
 
+def is_same(one: object, other: object) -> bool:
+    """Return whether both have the same value: arrays number by number, tuples and records part by part.
+
+    A world, which may be large, is the same as itself only.
+    """
+    if one is other:
+        return True
+    if type(one) is not type(other) or isinstance(one, World):
+        return False
+    if isinstance(one, np.ndarray):
+        return np.array_equal(one, np.asarray(other), equal_nan=True)
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return len(one) == len(other) and all(map(is_same, one, other))
+    if is_dataclass(one):
+        return all(is_same(getattr(one, each.name), getattr(other, each.name)) for each in fields(one))
+    return one == other
+
+
 class BoardPanel(Widget):
     """What the board asks of each of its panels.
 
     ``caption`` says in some five words what the panel is; it and the legend are seen while ``is_explained``.
     ``is_led`` says that the same panel of the lane beside this one decides which part is in view,
-    ``is_spotlit`` that the page of a lesson points at this one.
+    ``is_spotlit`` that the page of a lesson points at this one. A change of these is seen after the next
+    :meth:`redraw`.
     """
 
+    snapshot: Snapshot | None = None
     is_led: bool = False
     caption: str = ""
     is_explained: bool = False
     is_spotlit: bool = False
+    drawn_from: object = None
+    """What :meth:`depends_on` was for the last snapshot; None has the next one drawn."""
+    _border_texts = ("", "")
 
     @property
     def stance(self) -> object:
@@ -161,15 +187,34 @@ class BoardPanel(Widget):
         """Whether the newest snapshot has all that is in view: what was asked for comes with a later one."""
         return True
 
+    def depends_on(self, snapshot: Snapshot) -> object:
+        """Return all that is seen of ``snapshot``, with the fields of the panel that are set before it draws.
+
+        Where this has the value it had before, see :func:`is_same`, the panel is not drawn again. None: it
+        is drawn for every snapshot.
+        """
+        return None
+
     def show(self, snapshot: Snapshot) -> None:
-        """Draw ``snapshot``."""
-        raise NotImplementedError
+        """Draw ``snapshot``, unless all that is seen of it is drawn already."""
+        self.snapshot, before = snapshot, self.drawn_from
+        self.drawn_from = self.depends_on(snapshot)
+        if self.drawn_from is None or not is_same(self.drawn_from, before):
+            self.redraw()
 
     def align_with(self, twin: BoardPanel) -> None:
         """Take the stance of ``twin``, the same panel of another lane; seen when it is drawn."""
 
     def redraw(self) -> None:
         """Draw again, where anything was drawn."""
+
+    def write_border(self, heading: str, footing: str, glyphs: Glyphs) -> None:
+        """Write ``heading`` on the upper border and ``footing`` on the lower one."""
+        # setting a title refreshes the whole widget, even where it says the same
+        texts = separated(heading, glyphs), separated(footing, glyphs)
+        if texts != self._border_texts:
+            self._border_texts = texts
+            self.border_title, self.border_subtitle = map(Content, texts)
 
 
 class Panel(BoardPanel):
@@ -182,43 +227,15 @@ class Panel(BoardPanel):
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)
-        self.snapshot: Snapshot | None = None
+        self.look = look
+        """The characters and colours it is drawn with; a change is seen after :meth:`redraw`."""
         self.heading = ""
         self.footing = ""
         self.free_rows = 0
-        self._look = look
-        self._is_explained = False
         self._border_legend = ""
         self._least_free: tuple[World | None, Size, int] | None = None
         self._rows: list[Strip] = []
         self._drawn_size = Size(0, 0)
-        self._border_texts = ("", "", "")
-
-    @property
-    def look(self) -> Look:
-        """The characters and colours it is drawn with."""
-        return self._look
-
-    @look.setter
-    def look(self, look: Look) -> None:
-        self._look = look
-        self.redraw()
-
-    @property
-    def is_explained(self) -> bool:
-        """Whether caption and legend are shown."""
-        return self._is_explained
-
-    @is_explained.setter
-    def is_explained(self, is_explained: bool) -> None:
-        if is_explained != self._is_explained:
-            self._is_explained = is_explained
-            self.redraw()
-
-    def show(self, snapshot: Snapshot) -> None:
-        """Draw ``snapshot``."""
-        self.snapshot = snapshot
-        self.redraw()
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return ``height`` strips of ``width`` cells (at least 1); None is before the first snapshot."""
@@ -243,10 +260,11 @@ class Panel(BoardPanel):
         return f"{self.look.glyphs.cursor} " if self.is_spotlit else ""
 
     def redraw(self) -> None:
-        """Draw again and refresh what came out different."""
+        """Draw again, and refresh the rows that came out different."""
         before, size_before = self._rows, self._drawn_size
         self._draw()
-        self._write_border()
+        footing = " · ".join(filter(None, (self._border_legend, self.footing)))
+        self.write_border(f"{self._spot}{self.heading}", footing, self.look.glyphs)
         if self._drawn_size != size_before:
             self.refresh()
             return
@@ -308,13 +326,3 @@ class Panel(BoardPanel):
             least = self.free_rows
         self._least_free = snapshot.world, self._drawn_size, least
         return max(0, least)
-
-    def _write_border(self) -> None:
-        # setting a title refreshes the whole widget, even where it says the same
-        footing = " · ".join(filter(None, (self._border_legend, self.footing)))
-        heading = f"{self._spot}{self.heading}"
-        texts = (heading, footing, self.look.glyphs.name)
-        if texts != self._border_texts:
-            self._border_texts = texts
-            self.border_title = Content(separated(heading, self.look.glyphs))
-            self.border_subtitle = Content(separated(footing, self.look.glyphs))

@@ -1,8 +1,23 @@
-"""Which part is in view of what does not fit."""
+"""What does not fit: which part of it is in view, and panels that keys and the wheel scroll."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+from typing import ClassVar, Final
+
+from textual import events
+from textual.binding import BindingType
 from textual.message import Message
+from textual.strip import Strip
+
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.draw.canvas import Canvas, Line, strips_of
+from rl_tui.screen.kit.bindings import binding
+from rl_tui.screen.kit.blocks import Block, lines_of
+from rl_tui.screen.kit.panel import Panel
+from rl_tui.screen.theme.look import Look
+
+# Which part is in view
 
 
 class Scrolled(Message):
@@ -25,3 +40,118 @@ def kept_in_view(first: int, place: int | None, shown: int, total: int) -> int:
 def scrolled_to(first: int, place: int, shown: int) -> int:
     """Return the first of ``shown`` lines, as near to ``first`` as has ``place`` in view."""
     return max(place - shown + 1, min(first, place))
+
+
+# A panel of rows
+
+
+_WHEEL_ROWS: Final = 3
+
+
+def scroll_bindings(panel: str) -> list[BindingType]:
+    """Return the keys that scroll ``panel``, whose ids begin with that name."""
+    return [
+        binding("up", "scroll_rows(-1)", f"{panel}.up", "Scroll up"),
+        binding("down", "scroll_rows(1)", f"{panel}.down", "Scroll down"),
+        binding("pageup", "scroll_pages(-1)", f"{panel}.page_up", "A page up"),
+        binding("pagedown", "scroll_pages(1)", f"{panel}.page_down", "A page down"),
+        binding("home", "scroll_rows(-999)", f"{panel}.first", "To the top"),
+        binding("end", "scroll_rows(999)", f"{panel}.last", "To the end"),
+    ]
+
+
+class ScrolledPanel(Panel, can_focus=True):
+    """Shows as many of its rows as there is room for, with a bar at the right where there are more.
+
+    Subclasses have a ``title`` and implement :meth:`blocks` or :meth:`rows`, and :meth:`keys` or
+    :meth:`hints` for the lower border.
+    """
+
+    title: ClassVar[str]
+
+    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+        super().__init__(look, id=id, classes=classes)
+        self.heading = self.title
+        self._first = 0
+        self._rows_in_all = 0
+        self._has_bar = False
+
+    def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return all rows, of ``width`` cells each; ``height`` of them are in view."""
+        lines: list[Line] = []
+        for is_short in (False, True):
+            lines = lines_of(self.blocks(snapshot, is_short=is_short), width, self.look)
+            if len(lines) <= height:
+                break
+        self.free_rows = max(0, height - len(lines))
+        return strips_of(lines, width, len(lines), self.look)
+
+    def blocks(self, snapshot: Snapshot | None, *, is_short: bool) -> Iterable[Block]:
+        """Return what stands in it; ``is_short`` where there are not rows for all of that."""
+        raise NotImplementedError
+
+    def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
+        """Return the keys for the lower border besides those that scroll, the longest form first."""
+        raise NotImplementedError
+
+    def hints(self, snapshot: Snapshot | None, *, is_scrolled: bool) -> Sequence[str]:
+        """Return all keys for the lower border, the longest form first."""
+        keys = self.keys(snapshot)
+        if not is_scrolled:
+            return keys
+        return f"↑ ↓ pgup pgdn: more · {keys[0]}", *(f"↑ ↓: more · {form}" for form in keys), *keys
+
+    def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
+        """Return the rows in view."""
+        self.heading = self.fitting((*self.captioned(self.title), self.title), width)
+        rows, is_scrolled = self._fitted(snapshot, width, height)
+        self._rows_in_all = len(rows)
+        self._first = max(0, min(self._first, len(rows) - height))
+        shown = rows[self._first : self._first + height]
+        self.footing = self.fitting(self.hints(snapshot, is_scrolled=is_scrolled), width)
+        shown += [Strip.blank(width, self.look.palette.text)] * (height - len(shown))
+        if not is_scrolled:
+            return shown
+        bar = _scroll_bar(self._first, height, len(rows), self.look)
+        return [Strip([*row, *end], width) for row, end in zip(shown, bar, strict=True)]
+
+    def _fitted(self, snapshot: Snapshot | None, width: int, height: int) -> tuple[list[Strip], bool]:
+        """Return all rows, and whether they need a bar beside them; mostly as it was the last time."""
+        for has_bar in (self._has_bar, not self._has_bar):
+            rows = self.rows(snapshot, width - 1 if has_bar else width, height)
+            self._has_bar = len(rows) > height
+            if self._has_bar is has_bar:
+                break
+        return rows, has_bar
+
+    def action_scroll_rows(self, rows: int) -> None:
+        """Scroll by so many rows."""
+        self._scroll(rows)
+
+    def action_scroll_pages(self, pages: int) -> None:
+        """Scroll by so many pages, a row less each, so that nothing is skipped."""
+        self._scroll(pages * max(1, self.size.height - 1))
+
+    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
+        """Scroll down by a few rows."""
+        event.stop()
+        self._scroll(_WHEEL_ROWS)
+
+    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
+        """Scroll up by a few rows."""
+        event.stop()
+        self._scroll(-_WHEEL_ROWS)
+
+    def _scroll(self, rows: int) -> None:
+        self._first = max(0, min(self._first + rows, self._rows_in_all - self.size.height))
+        self.redraw()
+
+
+def _scroll_bar(first: int, height: int, rows: int, look: Look) -> list[Strip]:
+    canvas, glyphs = Canvas(1, height, look.palette.dim), look.glyphs
+    length = max(1, height * height // rows)
+    start = round((height - length) * first / max(1, rows - height))
+    for y in range(height):
+        inside = start <= y < start + length
+        canvas.put(0, y, glyphs.bar if inside else glyphs.axis_vertical, look.palette.dim)
+    return canvas.strips()

@@ -9,11 +9,9 @@ from rich.cells import cell_len
 from textual import events
 from textual.app import ComposeResult
 from textual.containers import Container
-from textual.content import Content
 from textual.strip import Strip
 from textual.widget import Widget
 
-from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw.canvas import Canvas, shortened
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.kit.panel import BORDER_ENDS, BoardPanel
@@ -139,25 +137,15 @@ class DrawPanel(Container, BoardPanel):
         self.look = look
         self._sheet = ToolSheet()
         self._tools = ToolList(look, id="tools")
-        self._is_explained = False
-
-    @property
-    def is_explained(self) -> bool:
-        """Whether the caption is on the border."""
-        return self._is_explained
-
-    @is_explained.setter
-    def is_explained(self, is_explained: bool) -> None:
-        self._is_explained = is_explained
-        self._write_border()
 
     def compose(self) -> ComposeResult:
         """Yield tools and sliders."""
         yield self._tools
         yield Container(id="world-numbers")
 
-    def show(self, snapshot: Snapshot) -> None:
-        """Draw nothing of ``snapshot`` itself: what there is to draw with comes by :meth:`show_sheet`."""
+    def redraw(self) -> None:
+        """Write the border; what there is to draw with comes by :meth:`show_sheet`."""
+        self._write_border()
 
     def show_sheet(self, sheet: ToolSheet) -> None:
         """Show ``sheet``; a slider that is being dragged stays where it is."""
@@ -200,11 +188,10 @@ class DrawPanel(Container, BoardPanel):
 
     def _write_border(self) -> None:
         glyphs, count = self.look.glyphs, len(self._sheet.numbers)
-        titles = (f"Draw · {self.caption}", "Draw")[not self._is_explained :]
+        titles = (f"Draw · {self.caption}", "Draw")[not self.is_explained :]
         fitting = (each for each in titles if cell_len(each) <= self.size.width - BORDER_ENDS)
         keys = f"1–{count}: its sliders" if count > 1 else "1: its slider" if count else ""
-        self.border_title = Content(separated(next(fitting, titles[-1]), glyphs))
-        self.border_subtitle = Content(separated(keys, glyphs))
+        self.write_border(next(fitting, titles[-1]), keys, glyphs)
 
     def _made(self) -> Iterable[Slider]:
         glyphs = self.look.glyphs

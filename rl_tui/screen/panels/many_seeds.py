@@ -7,32 +7,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import ClassVar, Final, NamedTuple
+from dataclasses import dataclass
+from itertools import product
+from typing import ClassVar, Final
 
 import numpy as np
-from rich.cells import cell_len
 from rich.style import Style
 from textual.binding import BindingType
-from textual.strip import Strip
 
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.bandit import true_means
 from rl_tui.runs.history import RECENT
 from rl_tui.screen.draw import numbers
-from rl_tui.screen.draw.canvas import (
-    Line,
-    Piece,
-    first_that_fits,
-    kept,
-    length,
-    shortened,
-    spelled,
-    strips_of,
-    wrapped,
-)
-from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.draw.canvas import Line, Piece, first_that_fits, kept, length, spelled
 from rl_tui.screen.kit.bindings import binding
-from rl_tui.screen.kit.scrolled_panel import ScrolledPanel, scroll_bindings
+from rl_tui.screen.kit.blocks import BLANK, Block, Column, Columns, Table, Text
+from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
 from rl_tui.screen.kit.snapshot_facts import (
     episodes_reached,
     hides_greedy,
@@ -71,20 +61,15 @@ from rl_tui.worlds.drawing import Arms
 ABOVE_BEST: Final = "is above the best arm's mean"
 
 
-def remarks(study: SeedStudy, snapshot: Snapshot, look: Look, width: int, *, secret: bool) -> Iterator[Line]:
-    """Yield the lines; ``secret`` says that a bandit's true means must not show."""
+def remarks(study: SeedStudy, snapshot: Snapshot, look: Look, *, secret: bool) -> Iterator[Block]:
+    """Yield what is said below the table; ``secret``: a bandit's true means must not show."""
     palette, glyphs = look.palette, look.glyphs
     usual = "" if study.is_outdated else _how_usual(study, shown_lane(study, snapshot), glyphs, secret=secret)
-    texts = [
-        (_luck_now(snapshot, glyphs, secret=secret), palette.text),
-        (usual, palette.text),
-        (_luck_of_100(snapshot, glyphs, secret=secret), palette.text),
-        (_arms(study, snapshot), palette.dim),
-        (_meaning(study), palette.dim),
-    ]
-    for text, style in texts:
-        if text:
-            yield from wrapped(text, width, style, look, " ", "   ")
+    yield Text(_luck_now(snapshot, glyphs, secret=secret), palette.text, rest="   ")
+    yield Text(usual, palette.text, rest="   ")
+    yield Text(_luck_of_100(snapshot, glyphs, secret=secret), palette.text, rest="   ")
+    yield Text(_arms(study, snapshot), palette.dim, rest="   ")
+    yield Text(_meaning(study), palette.dim, rest="   ")
 
 
 def _how_usual(study: SeedStudy, shown: int, glyphs: Glyphs, *, secret: bool) -> str:
@@ -163,64 +148,67 @@ _BLANKS: Final = ((1, 2), (1, 1), (0, 1))  # before the first column and between
 _LEAST_LANE: Final = 8  # cells of the name of a lane, with its number
 
 
-class _Row(NamedTuple):
-    """A row of the table; a heading stands above its figures."""
+def seed_table(
+    study: SeedStudy, snapshot: Snapshot, figures: Sequence[StudyFigure], look: Look, *, is_short: bool
+) -> Table:
+    """Return this seed beside the mean, a row for each lane below the name of each of ``figures``.
 
-    name: str
-    this: str
-    mean: str
-    style: Style
-    is_head: bool = False
-
-
-class _Form(NamedTuple):
-    """How wide the columns are, and what stands above them. Stacked, each figure has a line of its own."""
-
-    width: int
-    name: int
-    this: int = 0
-    mean: int = 0
-    margin: int = 1
-    gap: int = 1
-    heads: tuple[str, str] = ("", "")
-    is_stacked: bool = False
-
-
-def table_lines(
-    study: SeedStudy,
-    names: Sequence[str],
-    shown: int,
-    figures: Sequence[StudyFigure],
-    look: Look,
-    width: int,
-    *,
-    until: str,
-) -> Iterator[Line]:
-    """Yield the lines of ``figures``; ``names`` are those of the lanes, of which ``shown`` is marked.
-
-    ``until`` says at which episode this seed's figures end too, where that is not where the runs are. Below
-    the first verdict stands what its brackets are.
+    A single lane has a row for each figure. Below the first verdict stands what its brackets are.
     """
-    heads = _heads(until)
-    for in_full in (True, False):
-        tables = [(figure, _table(study, names, shown, figure, look, in_full=in_full)) for figure in figures]
-        rows = [row for _, table in tables for row in table]
-        form = _form(rows, heads, look, width)
-        if form.heads == heads[0]:
-            break
-    is_alone, explains = len(study.lanes) == 1, True
-    for number, (figure, table) in enumerate(tables):
-        if number and not is_alone:
-            yield []
-        for row in table:
-            if not (row.is_head and is_alone and number):  # then one heading serves for all figures
-                yield from _lines(row, form, look)
-        yield from _missing(study, figure, look, width)
+    is_alone, palette = len(study.lanes) == 1, look.palette
+    this: list[str | None] = [None] if is_alone else []
+    mean: list[str | None] = [None] if is_alone else []
+    below: dict[int, list[Block]] = {}
+    explains = True
+    for figure in figures:
+        decimals = figure_decimals(figure, study)
+        heading = [] if is_alone else [None]
+        own = (lane.this_seed.get(figure.id) for lane in study.lanes)
+        this += [*heading, *(figure_text(each, decimals, look.glyphs) for each in own)]
+        over = (lane.estimates.get(figure.id) for lane in study.lanes)
+        mean += [*heading, *(estimate_text(each, decimals, look.glyphs) for each in over)]
+        said = below[len(this) - 1] = [*_missing(study, figure, look)]
         for verdict in _verdicts(study, figure, look):
-            yield from wrapped(verdict, width, look.palette.text, look, "   ", "   ")
+            said.append(Text(verdict, palette.text, "   ", "   "))
             if explains and "±" in verdict:
-                yield from wrapped(BRACKETS, width, look.palette.dim, look, "   ", "   ")
+                said.append(Text(BRACKETS, palette.dim, "   ", "   "))
                 explains = False
+        if not (is_alone or is_short or figure is figures[-1]):
+            said.append(BLANK)
+    heads = _heads(until_of(study, episodes_reached(snapshot)))
+
+    def forms() -> Iterator[Columns]:
+        # figures are named in full only below the longest heads; names of lanes are shortened at last
+        for is_least, in_full in product((False, True), (True, False)):
+            called = [figure.in_full if in_full else figure.name for figure in figures]
+            least = max(_LEAST_LANE, *map(len, called)) if is_least and not is_alone else None
+            names = _names(called, study, snapshot, look)
+            for (head, mean_head), (margin, gap) in product(heads[: 1 if in_full else None], _BLANKS):
+                yield (
+                    Column("", names, palette.text, right=False, gap=margin, least=least),
+                    Column(head, this, palette.text, gap=gap),
+                    Column(mean_head, mean, palette.strong, gap=gap),
+                )
+
+    return Table(forms(), has_head=False, is_stacked=True, below=below)
+
+
+def _names(called: Sequence[str], study: SeedStudy, snapshot: Snapshot, look: Look) -> list[Piece | str]:
+    """Return the names of the rows; those of the lanes are left out where they may be others now."""
+    if len(study.lanes) == 1:
+        return [Piece("", look.palette.strong), *called]
+    names = [lane.name for lane in snapshot.run_group.lanes]
+    if len(names) != len(study.lanes) or study.is_outdated:
+        names = [""] * len(study.lanes)
+    shown, styles = shown_lane(study, snapshot), look.palette.lanes
+    lanes = [
+        Piece(
+            f"{look.glyphs.cursor if number == shown else ' '}{number + 1} {name}",
+            styles[number % len(styles)] + Style(bold=number == shown),
+        )
+        for number, name in enumerate(names)
+    ]
+    return [each for figure in called for each in (Piece(figure, look.palette.strong), *lanes)]
 
 
 def _heads(until: str) -> Sequence[tuple[str, str]]:
@@ -237,74 +225,7 @@ def _heads(until: str) -> Sequence[tuple[str, str]]:
     )
 
 
-def _table(
-    study: SeedStudy, names: Sequence[str], shown: int, figure: StudyFigure, look: Look, *, in_full: bool
-) -> list[_Row]:
-    """Return a heading and a row for each lane; what is not headed by the figure's name has it itself."""
-    decimals, palette = figure_decimals(figure, study), look.palette
-    is_alone = len(study.lanes) == 1
-    called = figure.in_full if in_full else figure.name
-    rows = [_Row("" if is_alone else called, "", "", palette.strong, is_head=True)]
-    for number, (lane, name) in enumerate(zip(study.lanes, names, strict=True)):
-        mark = look.glyphs.cursor if number == shown else " "
-        style = palette.lanes[number % len(palette.lanes)]
-        rows.append(
-            _Row(
-                called if is_alone else f"{mark}{number + 1} {name}",
-                figure_text(lane.this_seed.get(figure.id), decimals, look.glyphs),
-                estimate_text(lane.estimates.get(figure.id), decimals, look.glyphs),
-                palette.text if is_alone else style + Style(bold=number == shown),
-            )
-        )
-    return rows
-
-
-def _form(rows: Sequence[_Row], heads: Sequence[tuple[str, str]], look: Look, width: int) -> _Form:
-    """Return columns that fit into ``width``, with the longest headings that leave names enough room."""
-    is_alone = not any(row.is_head and row.name for row in rows)
-    wanted = max((_cells(row.name, look) for row in rows), default=0)
-    named = [row for row in rows if row.is_head or is_alone]
-    least = max((_cells(row.name, look) for row in named), default=0)
-    least = least if is_alone else max(least, min(wanted, _LEAST_LANE))
-    this = max((_cells(row.this, look) for row in rows), default=0)
-    mean = max((_cells(row.mean, look) for row in rows), default=0)
-    for enough in (wanted, least):
-        for head in heads:
-            columns = max(this, _cells(head[0], look)), max(mean, _cells(head[1], look))
-            for margin, gap in _BLANKS:
-                room = width - margin - sum(columns) - 2 * gap
-                if room >= enough:
-                    return _Form(width, min(wanted, room), *columns, margin, gap, head)
-    return _Form(width, max(1, width - 1), heads=heads[-1], is_stacked=True)
-
-
-def _lines(row: _Row, form: _Form, look: Look) -> Iterator[Line]:
-    glyphs, palette = look.glyphs, look.palette
-    this, mean = (to_ascii(text, glyphs) for text in (form.heads if row.is_head else (row.this, row.mean)))
-    name = shortened(to_ascii(row.name, glyphs), form.name, glyphs.ellipsis)
-    own, over = (palette.dim, palette.dim) if row.is_head else (palette.text, palette.strong)
-    if not form.is_stacked:
-        gap = " " * form.gap
-        yield [
-            Piece(f"{' ' * form.margin}{name:<{form.name}}", row.style),
-            Piece(f"{gap}{this:>{form.this}}", own),
-            Piece(f"{gap}{mean:>{form.mean}}", over),
-        ]
-        return
-    if name:
-        yield [Piece(f" {name}", row.style)]
-    for label, text, style in (
-        ((form.heads[0], this, own), (form.heads[1], mean, over)) if not row.is_head else ()
-    ):
-        labelled: Line = [Piece(f"   {label} ", palette.dim), Piece(text, style)]
-        yield first_that_fits((labelled, [Piece(f"  {text}", style)]), form.width, look)
-
-
-def _cells(text: str, look: Look) -> int:
-    return cell_len(to_ascii(text, look.glyphs))
-
-
-def _missing(study: SeedStudy, figure: StudyFigure, look: Look, width: int) -> Iterator[Line]:
+def _missing(study: SeedStudy, figure: StudyFigure, look: Look) -> Iterator[Block]:
     """Yield of the greedy policies, lane by lane, how many have no return, since they may never end."""
     for number, lane in enumerate(study.lanes, 1):
         estimate = lane.estimates.get(figure.id)
@@ -313,7 +234,7 @@ def _missing(study: SeedStudy, figure: StudyFigure, look: Look, width: int) -> I
             whose = "the" if len(study.lanes) == 1 else f"lane {number}'s"
             where = f"in {missing} of {study.seeds} seeds"
             text = f"{where} {whose} greedy policy may never end: these are left out"
-            yield from wrapped(text, width, look.palette.dim, look, "   ", "   ")
+            yield Text(text, look.palette.dim, "   ", "   ")
 
 
 def _verdicts(study: SeedStudy, figure: StudyFigure, look: Look) -> Iterator[str]:
@@ -373,13 +294,32 @@ class ManySeeds(ScrolledPanel):
     ]
     title = "Many seeds"
 
-    def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return all rows of what is known so far."""
-        for is_short in (False, True):
-            lines = list(study_lines(snapshot, self.look, width, is_short=is_short))
-            if len(lines) <= height:
-                break
-        return strips_of(lines, width, len(lines), self.look)
+    def blocks(self, snapshot: Snapshot | None, *, is_short: bool) -> Iterator[Block]:
+        """Yield what is known so far; of a bandit what the agent cannot know only where it is not hidden.
+
+        In short there are no blank lines, and the figures stand above what was counted for them.
+        """
+        study, look = None if snapshot is None else snapshot.study, self.look
+        if snapshot is None or study is None:
+            yield Text("the first seeds are being counted", look.palette.dim)
+            return
+        study = in_percent(study)
+        yield from _how_far(study, snapshot, look)
+        if not study.lanes or not study.seeds:
+            yield from _what_is_counted(study, snapshot, look)
+            return
+        if not is_short:
+            yield from _what_is_counted(study, snapshot, look)
+            yield BLANK
+        secret = hides_greedy(snapshot)
+        yield seed_table(study, snapshot, shown_figures(study, secret=secret), look, is_short=is_short)
+        if hides_means(snapshot) and not keeps_back(snapshot, "answer"):
+            yield Text("h shows regret and best arm", look.palette.dim, rest="   ")
+        if is_short:
+            yield from _what_is_counted(study, snapshot, look)
+        else:
+            yield BLANK
+        yield from remarks(study, snapshot, look, secret=secret)
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
         """Return the key that closes it, and enter where there is something to count again."""
@@ -389,96 +329,59 @@ class ManySeeds(ScrolledPanel):
         return "enter: count again · M: close", "enter: again · M: close"
 
 
-def study_lines(snapshot: Snapshot | None, look: Look, width: int, *, is_short: bool) -> Iterator[Line]:
-    """Yield the lines; of a bandit what the agent cannot know only where it is not hidden.
-
-    Where room ``is_short`` there are no blank lines, and the figures stand above what was counted for them.
-    """
-    study = None if snapshot is None else snapshot.study
-    if snapshot is None or study is None:
-        yield from wrapped("the first seeds are being counted", width, look.palette.dim, look, " ", " ")
-        return
-    study = in_percent(study)
-    yield from _how_far(study, snapshot, look, width)
-    what = _what_is_counted(study, snapshot, look, width)
-    if not study.lanes or not study.seeds:
-        yield from what
-        return
-    if not is_short:
-        yield from what
-        yield []
-    secret = hides_greedy(snapshot)
-    figures = shown_figures(study, secret=secret)
-    until = until_of(study, episodes_reached(snapshot))
-    lanes = _names(study, snapshot), shown_lane(study, snapshot)
-    table = table_lines(study, *lanes, figures, look, width, until=until)
-    yield from (line for line in table if line or not is_short)
-    if hides_means(snapshot) and not keeps_back(snapshot, "answer"):
-        yield from wrapped("h shows regret and best arm", width, look.palette.dim, look, " ", "   ")
-    if is_short:
-        yield from what
-    else:
-        yield []
-    yield from remarks(study, snapshot, look, width, secret=secret)
-
-
-def _names(study: SeedStudy, snapshot: Snapshot) -> Sequence[str]:
-    """Return the names of the lanes when the study began, or none where they may be others now."""
-    names = [lane.name for lane in snapshot.run_group.lanes]
-    return names if len(names) == len(study.lanes) and not study.is_outdated else [""] * len(study.lanes)
-
-
-def _how_far(study: SeedStudy, snapshot: Snapshot, look: Look, width: int) -> Iterator[Line]:
+def _how_far(study: SeedStudy, snapshot: Snapshot, look: Look) -> Iterator[Block]:
     """Yield how far it has come, and whether it is out of date or out of time."""
     palette = look.palette
     if study.most:
-        yield _progress(study, _span(study, snapshot), look, width)
+        yield _Progress(study, _span(study, snapshot))
     elif study.state is StudyState.STARTING:
-        yield [Piece(" starting", palette.dim)]
+        yield Text("starting", palette.dim)
     if study.state in _UNDER_WAY and not study.seeds:
-        yield from wrapped("the first figures come after 8 seeds", width, palette.dim, look, " ", " ")
-    if study.how_long and study.state in _UNDER_WAY:
-        yield from wrapped(study.how_long, width, palette.dim, look, " ", " ")
+        yield Text("the first figures come after 8 seeds", palette.dim)
+    if study.state in _UNDER_WAY:
+        yield Text(study.how_long, palette.dim)
     if study.is_outdated:
-        text = "the run has been changed since: enter counts again"
-        yield from wrapped(text, width, palette.strong, look, " ", " ")
+        yield Text("the run has been changed since: enter counts again", palette.strong)
     if study.state is StudyState.OUT_OF_TIME:
-        text = "it has used up the processor time that it may take"
-        yield from wrapped(text, width, palette.strong, look, " ", " ")
+        yield Text("it has used up the processor time that it may take", palette.strong)
 
 
-def _progress(study: SeedStudy, span: str, look: Look, width: int) -> Line:
-    """Return ``64 of 256 seeds · episodes 1–500`` and a bar, or what is left of that."""
-    palette, glyphs = look.palette, look.glyphs
-    is_whole = study.seeds >= study.most
-    count = f"{study.seeds}" if is_whole else f"{study.seeds} of {study.most}"
-    said = Piece(f" {count} seeds", palette.strong)
-    spans = [[Piece(f" · {form}", palette.dim)] for form in (span, span.partition(" ")[2]) if form]
-    forms: list[Line] = [*([said, *form] for form in spans), [said], [Piece(f" {count}", palette.strong)]]
-    fitting = first_that_fits(forms, width, look)
-    whole = [*forms[0], Piece(" · low priority", palette.dim)]
-    if study.state in _UNDER_WAY and length(spelled(whole, look)) + _LEAST_BAR + 2 <= width:
-        fitting = whole
-    room = min(_MOST_BAR, width - length(spelled(fitting, look)) - 2)
-    if is_whole or room < _LEAST_BAR:
-        return fitting
-    done = max(1, room * study.seeds // study.most) if study.seeds else 0
-    return [
-        *fitting,
-        Piece(f" {glyphs.track_done * done}", palette.slider_done),
-        Piece(glyphs.track_rest * (room - done), palette.slider_rest),
-    ]
+@dataclass(frozen=True, slots=True)
+class _Progress:
+    """``64 of 256 seeds · episodes 1–500`` and a bar, or what is left of that."""
+
+    study: SeedStudy
+    span: str
+
+    def lines(self, width: int, look: Look) -> Sequence[Line]:
+        """Return the line."""
+        palette, glyphs, study = look.palette, look.glyphs, self.study
+        is_whole = study.seeds >= study.most
+        count = f"{study.seeds}" if is_whole else f"{study.seeds} of {study.most}"
+        said = Piece(f" {count} seeds", palette.strong)
+        spans = [
+            Piece(f" · {form}", palette.dim) for form in (self.span, self.span.partition(" ")[2]) if form
+        ]
+        forms: list[Line] = [*([said, form] for form in spans), [said], [Piece(f" {count}", palette.strong)]]
+        fitting = first_that_fits(forms, width, look)
+        whole = [*forms[0], Piece(" · low priority", palette.dim)]
+        if study.state in _UNDER_WAY and length(spelled(whole, look)) + _LEAST_BAR + 2 <= width:
+            fitting = whole
+        room = min(_MOST_BAR, width - length(spelled(fitting, look)) - 2)
+        if is_whole or room < _LEAST_BAR:
+            return [fitting]
+        done = max(1, room * study.seeds // study.most) if study.seeds else 0
+        bar = Piece(f" {glyphs.track_done * done}", palette.slider_done)
+        return [[*fitting, bar, Piece(glyphs.track_rest * (room - done), palette.slider_rest)]]
 
 
-def _what_is_counted(study: SeedStudy, snapshot: Snapshot, look: Look, width: int) -> Iterator[Line]:
+def _what_is_counted(study: SeedStudy, snapshot: Snapshot, look: Look) -> Iterator[Block]:
     """Yield why it is bounded as it is or has failed, and which seeds there are so far."""
     palette = look.palette
-    if study.message:
-        style = palette.strong if study.state in _SAYS_WHY else palette.text
-        yield from wrapped(study.message, width, style, look, " ", " ")
+    yield Text(study.message, palette.strong if study.state in _SAYS_WHY else palette.text)
     if study.seeds and not study.is_outdated:
         first = snapshot.recipe.seed
-        yield from wrapped(f"seeds {first} to {first + study.seeds - 1}", width, palette.dim, look, " ", " ")
+        yield Text(f"seeds {first} to {first + study.seeds - 1}", palette.dim)
 
 
 def _span(study: SeedStudy, snapshot: Snapshot) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from rl_tui.runs.history import RECENT
+from rl_tui.runs.measures import MEASURES
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.kit.snapshot_facts import recent_name
 from rl_tui.screen.theme.glyphs import Glyphs
@@ -33,13 +34,17 @@ class StudyFigure:
     name: str
     in_full: str
     is_secret: bool = False
-    lower_is_better: bool = False
+
+    @property
+    def lower_is_better(self) -> bool:
+        """Whether a lower figure is the better one."""
+        return MEASURES[self.id].larger_is_better is False
 
 
 RETURN: Final = StudyFigure("return_mean", "return", "mean return")
 LAST_100: Final = StudyFigure("return_last_100", "last 100", "last 100")
 WINNINGS: Final = StudyFigure("winnings", "winnings", "winnings")
-REGRET: Final = StudyFigure("regret", "regret", "regret", is_secret=True, lower_is_better=True)
+REGRET: Final = StudyFigure("regret", "regret", "regret", is_secret=True)
 GREEDY: Final = StudyFigure("expected_return", "greedy", "greedy, exact", is_secret=True)
 BEST_ARM: Final = StudyFigure("best_arm_rate", "best arm %", "best arm pulled, %", is_secret=True)
 FIGURES: Final = (

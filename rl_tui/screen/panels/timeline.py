@@ -46,16 +46,6 @@ class TimelineState:
     focused: bool = False
     unit: str = "step"
 
-    @property
-    def end(self) -> int:
-        """The furthest step of the branch in force."""
-        return self.timeline.current.end
-
-    @property
-    def in_past(self) -> bool:
-        """Whether the handle stands before the end."""
-        return self.at < self.end
-
 
 @dataclass(frozen=True, slots=True)
 class Track:
@@ -118,19 +108,21 @@ def timeline_strip(state: TimelineState, look: Look, width: int) -> Strip:
     """Return the row."""
     palette, glyphs = look.palette, look.glyphs
     canvas = Canvas(width, 1, palette.text)
-    if state.end == 0:
+    last = state.timeline.current.end
+    in_past = state.at < last
+    if last == 0:
         text = shortened(f" timeline: no {state.unit} yet ", width, glyphs.ellipsis)
         canvas.put(0, 0, text, palette.focus if state.focused else palette.dim)
         return canvas.strips()[0]
     form = timeline_form(state.timeline, width, state.unit)
-    calm = palette.press if state.in_past else palette.dim
+    calm = palette.press if in_past else palette.dim
     if form.label:
         focus = f" {form.label} ", palette.focus
         canvas.put(0, 0, *(focus if state.focused else (f" {form.label}", calm)))
     if form.digits:
-        here = palette.press + Style(bold=True) if state.in_past else palette.text
+        here = palette.press + Style(bold=True) if in_past else palette.text
         canvas.put(form.track.start - form.digits - 1, 0, numbers.count(state.at, form.digits), here)
-        end = numbers.count(state.end, _END_DIGITS) if state.in_past else NOW
+        end = numbers.count(last, _END_DIGITS) if in_past else NOW
         canvas.put(form.track.start + form.track.cells + 1, 0, end, palette.dim)
     _draw_track(canvas, form.track, state, look)
     return canvas.strips()[0]
@@ -139,13 +131,13 @@ def timeline_strip(state: TimelineState, look: Look, width: int) -> Strip:
 def _draw_track(canvas: Canvas, track: Track, state: TimelineState, look: Look) -> None:
     palette, glyphs = look.palette, look.glyphs
     handle = track.cell_of(state.at)
-    done = palette.slider_done if state.in_past else palette.slider_rest
+    done = palette.slider_done if state.at < track.end else palette.slider_rest
     canvas.put(track.start, 0, glyphs.track_done * handle, done)
     rest = glyphs.track_rest * (track.cells - handle)
     canvas.put(track.start + handle, 0, rest, palette.slider_rest)
     for cell, (mark, style) in _marks(state.timeline, track, look).items():
         canvas.put(track.start + cell, 0, mark, style)
-    thumb = palette.press if state.in_past else palette.slider_thumb
+    thumb = palette.press if state.at < track.end else palette.slider_thumb
     canvas.put(track.start + handle, 0, glyphs.thumb, palette.focus if state.focused else thumb)
 
 

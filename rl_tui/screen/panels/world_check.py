@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import ClassVar, Final
 
 from textual.binding import BindingType
-from textual.strip import Strip
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.common.words import counted
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.draw.canvas import KEPT_BLANK, Line, Piece, kept, length, spelled, strips_of, wrapped
+from rl_tui.screen.draw.canvas import KEPT_BLANK, Piece, kept
 from rl_tui.screen.draw.names import state_name
-from rl_tui.screen.kit.scrolled_panel import ScrolledPanel, scroll_bindings
+from rl_tui.screen.kit.blocks import Block, Labelled, Row, Text
+from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
 from rl_tui.screen.kit.snapshot_facts import hides_means, is_secret, shown_by
 from rl_tui.screen.theme.look import Look
 from rl_tui.studies.world_check.report import CheckStage
-from rl_tui.studies.world_check.words import LABELS, NOT_KNOWN, Row, rows
+from rl_tui.studies.world_check.words import LABELS, NOT_KNOWN, rows
+from rl_tui.studies.world_check.words import Row as CheckRow
 from rl_tui.studies.world_check.world_checks import WorldCheckView
 
 TITLE: Final = "World check"
@@ -39,42 +41,33 @@ class WorldCheckPanel(ScrolledPanel):
     BINDINGS: ClassVar[list[BindingType]] = scroll_bindings("world_check")
     title = TITLE
 
-    def rows(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
-        """Return all rows."""
-        lines = list(check_lines(snapshot, self.look, width))
-        self.free_rows = max(0, height - len(lines))
-        return strips_of(lines, width, max(1, len(lines)), self.look)
+    def blocks(self, snapshot: Snapshot | None, *, is_short: bool) -> Iterator[Block]:
+        """Yield what is known of the check."""
+        palette, view = self.look.palette, None if snapshot is None else snapshot.world_check
+        if snapshot is None or view is None:
+            yield Text(WAITING, palette.dim)
+            return
+        yield _how_far(view, self.look)
+        report, world = view.report, view.world
+        if report is None or world is None:
+            return
+        warnings = report.warnings
+        if warnings and is_secret(snapshot):  # they may tell what the best policy does, or what arms pay
+            warnings = (f"warnings: {shown_by(snapshot, 'them')}",)
+        for warning in warnings:
+            yield Text(warning, palette.dim if view.is_outdated else palette.bad, " ! ", "   ")
+        names = partial(state_name, world, glyphs=self.look.glyphs)
+        for row in rows(report, world.space, view.gamma, names):
+            label = LABELS[row.field]
+            yield Labelled(label, palette.dim, _LABEL, _said(row, snapshot, view, self.look), _BESIDE)
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
         """Return the key that closes it."""
         return ("Q: close",)
 
 
-def check_lines(snapshot: Snapshot | None, look: Look, width: int) -> Iterator[Line]:
-    """Yield the lines of the check that ``snapshot`` knows."""
-    palette = look.palette
-    view = None if snapshot is None else snapshot.world_check
-    if snapshot is None or view is None:
-        yield from wrapped(WAITING, width, palette.dim, look, " ", " ")
-        return
-    yield from _how_far(view, look, width)
-    report, world = view.report, view.world
-    if report is None or world is None:
-        return
-    warnings = report.warnings
-    if warnings and is_secret(snapshot):  # they may tell what the best policy does, or what arms pay
-        warnings = (f"warnings: {shown_by(snapshot, 'them')}",)
-    for warning in warnings:
-        yield from wrapped(
-            warning, width, palette.dim if view.is_outdated else palette.bad, look, " ! ", "   "
-        )
-    listed = rows(report, world.space, view.gamma, lambda state: state_name(world, state, look.glyphs))
-    for row in listed:
-        yield from _row(row, snapshot, view, look, width)
-
-
-def _how_far(view: WorldCheckView, look: Look, width: int) -> Iterator[Line]:
-    """Yield how far the check has come."""
+def _how_far(view: WorldCheckView, look: Look) -> Text:
+    """Return how far the check has come."""
     palette, report = look.palette, view.report
     text, style = WAITING, palette.dim
     if view.refused:
@@ -93,38 +86,23 @@ def _how_far(view: WorldCheckView, look: Look, width: int) -> Iterator[Line]:
         text = "working out the flips" if report.stage is CheckStage.FLIPS else WAITING
     if view.how_long and not view.is_outdated and not view.refused:
         text = f"{text} · {view.how_long}"
-    yield from wrapped(text, width, style, look, " ", " ")
+    return Text(text, style)
 
 
-def _row(row: Row, snapshot: Snapshot, view: WorldCheckView, look: Look, width: int) -> Iterator[Line]:
-    """Yield the lines of ``row``: its label, what is known, and in what sense."""
-    palette = look.palette
+def _said(row: CheckRow, snapshot: Snapshot, view: WorldCheckView, look: Look) -> Block:
+    """Return what is known of ``row``, and in what sense: in one line if there is room for both."""
+    palette, is_hidden = look.palette, _is_hidden(row, snapshot)
     figure, remark = _unbroken(row.figure, look) or look.glyphs.ellipsis, _unbroken(row.remark, look)
     style = palette.bad if _is_warned_of(row, view) else palette.strong
-    if _is_hidden(row, snapshot):
+    if is_hidden:
         figure, remark = shown_by(snapshot), ""
     elif row.figure == NOT_KNOWN:
         figure, remark = f"{NOT_KNOWN}: {remark}", ""
-    if row.figure in ("", NOT_KNOWN) or _is_hidden(row, snapshot) or view.is_outdated:
+    if row.figure in ("", NOT_KNOWN) or is_hidden or view.is_outdated:
         style = palette.dim
-    label, indent = f" {LABELS[row.field]}", "   "
-    if width >= _BESIDE:
-        label, indent = f"{label:<{_LABEL}}", " " * _LABEL
-    both = [Piece(label, palette.dim), Piece(_plain(figure), style)]
-    if remark:
-        both.append(Piece(f"  {_plain(remark)}", palette.dim))
-    if width >= _BESIDE and length(spelled(both, look)) <= width:
-        yield both
-        return
-    lines = wrapped(figure, width, style, look, indent, indent)
-    lines += wrapped(remark, width, palette.dim, look, indent, indent) if remark else []
-    if width < _BESIDE:
-        yield [Piece(label, palette.dim)]
-        yield from lines
-        return
-    (first,), *others = lines
-    yield [Piece(label, palette.dim), Piece(first.text[_LABEL:], first.style)]
-    yield from others
+    pieces = Piece(figure, style), Piece(f"  {remark}" if remark else "", palette.dim)
+    line = [Piece(each.text.replace(KEPT_BLANK, " "), each.style) for each in pieces]
+    return Row(line, instead=(Text(figure, style, "", ""), Text(remark, palette.dim, "", "")))
 
 
 def _unbroken(text: str, look: Look) -> str:
@@ -134,11 +112,7 @@ def _unbroken(text: str, look: Look) -> str:
     return text.replace("γ ", f"γ{KEPT_BLANK}").replace("(0, 1)", kept("(0, 1)"))
 
 
-def _plain(text: str) -> str:
-    return text.replace(KEPT_BLANK, " ")
-
-
-def _is_warned_of(row: Row, view: WorldCheckView) -> bool:
+def _is_warned_of(row: CheckRow, view: WorldCheckView) -> bool:
     """Return whether a warning is about ``row``."""
     report = view.report
     assert report is not None
@@ -149,7 +123,7 @@ def _is_warned_of(row: Row, view: WorldCheckView) -> bool:
     return bool(is_endless.get(row.field))
 
 
-def _is_hidden(row: Row, snapshot: Snapshot) -> bool:
+def _is_hidden(row: CheckRow, snapshot: Snapshot) -> bool:
     """Return whether ``row`` would tell what is hidden."""
     return (is_secret(snapshot) and row.field in _GIVE_AWAY) or (
         hides_means(snapshot) and row.field in _TELL_MEANS

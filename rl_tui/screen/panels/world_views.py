@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from textual.widgets import Static
 
-from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.kit.panel import BoardPanel
 from rl_tui.screen.panels.arms import ARMS, ArmsView
 from rl_tui.screen.panels.graph.graph import GraphView
@@ -43,6 +42,3 @@ class WorldPlaceholder(Static, BoardPanel):
     def expect(self, drawing: Drawing | None) -> None:
         """Have the title of the view that will draw ``drawing``."""
         self.border_title = ARMS if isinstance(drawing, Arms) else TITLE
-
-    def show(self, snapshot: Snapshot) -> None:
-        """Show nothing of it."""

@@ -21,10 +21,9 @@ from rl_tui.live.sessions.session import StoredSession
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.recipe import Recipe
 from rl_tui.screen.board.board import Board
-from rl_tui.screen.board.frames import Frames
-from rl_tui.screen.board.player_link import PlayerLink
-from rl_tui.screen.board.settling import Settling
-from rl_tui.screen.board.wanted import Wanted
+from rl_tui.screen.board.frames import Frames, Settling
+from rl_tui.screen.board.wanted import PlayerLink, Wanted
+from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.frame.action_screen import ActionScreen
 from rl_tui.screen.frame.arrangement import Shape
 from rl_tui.screen.frame.early_keys import EarlyKeys
@@ -35,7 +34,7 @@ from rl_tui.screen.keys.action import Action, Place
 from rl_tui.screen.keys.bindings import bindings_of
 from rl_tui.screen.keys.registry import actions_of
 from rl_tui.screen.kit.pointing import Touched
-from rl_tui.screen.kit.row import PanelRow
+from rl_tui.screen.kit.row import MICROSCOPE, PanelRow
 from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.panels.controls.slider import Slider, key_hints
 from rl_tui.screen.panels.discount import DiscountPanel
@@ -49,11 +48,9 @@ from rl_tui.screen.playground.actions.export import ExportActions
 from rl_tui.screen.playground.actions.kept_back import KeptBack
 from rl_tui.screen.playground.actions.lanes import LaneActions
 from rl_tui.screen.playground.actions.lesson import LessonActions
-from rl_tui.screen.playground.actions.microscope import MicroscopeActions
-from rl_tui.screen.playground.actions.policies import PolicyActions
+from rl_tui.screen.playground.actions.opened_panels import MicroscopeActions, PolicyActions, SeedActions
 from rl_tui.screen.playground.actions.program import ProgramActions
 from rl_tui.screen.playground.actions.run import RunActions, ScenarioActions
-from rl_tui.screen.playground.actions.seeds import SeedActions
 from rl_tui.screen.playground.actions.session import SessionActions
 from rl_tui.screen.playground.actions.time import TimeActions
 from rl_tui.screen.playground.actions.until import UntilActions
@@ -152,6 +149,7 @@ class Playground(ActionScreen):
         self.program = ProgramActions(*of, self.known_actions)
         self.kept_back = KeptBack(*of)
         self.lesson = LessonActions(*of, self.kept_back, self._set_out, self.manual.resume)
+        self._moment: object = None
         self._left_after: int | None = None  # the last deed when escape was pressed, None where it was not
         self._watches = watches
         self.frames = Frames(self, fps)
@@ -180,10 +178,6 @@ class Playground(ActionScreen):
         lesson = self.wanted.lesson
         usual = (each for each in self.known_actions if lesson or not each.of_lesson)
         return *self.editing.actions, *map(self.editing.marked, usual)
-
-    @property
-    def _has_world(self) -> bool:
-        return self.snapshot is not None and self.snapshot.playback.phase is not Phase.PREPARING
 
     @property
     def recipe(self) -> Recipe:
@@ -238,13 +232,24 @@ class Playground(ActionScreen):
     @on(DescendantBlur)
     def show_key_hints(self) -> None:
         """Show on the key line what keys do now: those of a mode, else first those of the slider in focus."""
-        if self.snapshot is not None:
-            self.modes.show(self.snapshot)
+        snapshot = self.snapshot
+        if snapshot is not None:
+            self.modes.show(snapshot)
+            self._moment = self._moment_of(snapshot)
         keys = self.query_one(KeyLine)
         keys.first = key_hints(self.focused) or self.editing.offered
         keys.is_running = self.run.is_under_way
         idle = self.program.idle_keys | self.run.idle_keys | self.lesson.idle_keys
         keys.idle = idle | self.kept_back.idle_keys | self.editing.idle_keys
+
+    def _moment_of(self, snapshot: Snapshot) -> object:
+        """Return what besides the focus decides which keys do something, and whether flips are asked for."""
+        answers, wanted = snapshot.answers, self.wanted
+        return (
+            *(snapshot.playback.phase, snapshot.world, snapshot.program is None, snapshot.agent.algorithm),
+            *(answers.flips, answers.is_hidden, answers.kept_back),
+            *(self.modes.current, self.board.opened, wanted.recipe.algorithm, wanted.lesson and snapshot),
+        )
 
     @on(DescendantFocus)
     def ask_for_flips(self) -> None:
@@ -298,7 +303,7 @@ class Playground(ActionScreen):
 
     def _note_sent(self, command: Command) -> None:
         self.modes.note(command)
-        self.frames.hurry()
+        self.frames.pacer.hurry()
 
     def _start_to_follow(self) -> None:
         if self._watches:
@@ -318,14 +323,26 @@ class Playground(ActionScreen):
         self.link.receive(snapshot)
         if before is None:
             self.agent.set_what_waits()
+            self.follow_panels()
         self.run.announce(snapshot)
         self.time.announce(before, snapshot)
-        self.program.announce(before, snapshot)
-        self.lesson.announce(before, snapshot)
+        if snapshot.program is not None:
+            self.program.announce(before, snapshot)
+        if snapshot.lesson is not None:
+            self.lesson.announce(before, snapshot)
         self.session.compare_with_saved(snapshot)
         self.redraw()
-        if self._has_world:
+        if snapshot.playback.phase is not Phase.PREPARING:
             self.early_keys.release(self.app)
+
+    @on(Board.Toggled)
+    def follow_panels(self) -> None:
+        """Ask for what the opened panel is about, and no more once it is closed."""
+        if self.snapshot is not None:
+            self.microscope.follow_update()
+            self.seeds.follow_panel()
+            self.view.follow_panel()
+            self.policies.follow_panel()
 
     @on(Board.Toggled)
     def redraw(self) -> None:
@@ -333,17 +350,19 @@ class Playground(ActionScreen):
         snapshot = self.snapshot
         if snapshot is None:
             return
-        self.microscope.follow_update()
-        self.seeds.follow_panel()
-        self.view.follow_panels()
-        self.policies.follow_panel()
+        if self.board.opened == MICROSCOPE:
+            self.microscope.follow_update()
         with self.app.batch_update():
             self.session.show_name()
             self.status.show(snapshot)
-            self.show_key_hints()
+            self.modes.show(snapshot)
             self.board.show(snapshot)
-            self.view.show(snapshot)
-            self.why.show(snapshot)
+            if self._moment_of(snapshot) != self._moment:
+                self.show_key_hints()
+                self.view.follow_flips()
+            for dialog in self.app.screen_stack:
+                if isinstance(dialog, Dialog):
+                    dialog.show(snapshot)
 
     def on_scrolled(self) -> None:
         """Have the parts of a large world copied that are in view now."""

@@ -37,7 +37,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from typing import Final, Literal
 
-from rl_tui.screen.theme import colours_16, colours_256, colours_none, colours_truecolor
+from rl_tui.screen.theme import palettes
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE, Glyphs
 from rl_tui.screen.theme.roles import Palette
 
@@ -49,14 +49,14 @@ __all__ = ["Depth", "Palette", "palette_for"]
 Depth = Literal["none", "16", "256", "truecolor"]
 
 _PALETTES: Final[Mapping[tuple[Depth, bool], Palette]] = {
-    ("none", True): colours_none.ANY,
-    ("none", False): colours_none.ANY,
-    ("16", True): colours_16.DARK,
-    ("16", False): colours_16.LIGHT,
-    ("256", True): colours_256.DARK,
-    ("256", False): colours_256.LIGHT,
-    ("truecolor", True): colours_truecolor.DARK,
-    ("truecolor", False): colours_truecolor.LIGHT,
+    ("none", True): palettes.NO_COLOURS,
+    ("none", False): palettes.NO_COLOURS,
+    ("16", True): palettes.DARK_16,
+    ("16", False): palettes.LIGHT_16,
+    ("256", True): palettes.DARK_256,
+    ("256", False): palettes.LIGHT_256,
+    ("truecolor", True): palettes.DARK,
+    ("truecolor", False): palettes.LIGHT,
 }
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
-from rl_tui.studies.sweeps.measures import SweepMeasure
+from rl_tui.runs.measures import Measure
 
 
 class AtlasState(StrEnum):
@@ -33,7 +33,7 @@ class AtlasCell:
     failure: str = ""
     """Why the first of them broke down."""
 
-    def value(self, measure: SweepMeasure) -> float | None:
+    def value(self, measure: Measure) -> float | None:
         """Return by what the cell is judged: the mean of ``measure``, None where no run has it.
 
         Where some runs never arrive it is the mean of arrival or the end of training, whichever comes first.

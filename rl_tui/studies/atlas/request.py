@@ -14,8 +14,7 @@ from typing import Final
 
 from rl_tui.agents.catalogue import BY_ID, algorithm_row, parameters_of
 from rl_tui.agents.compatibility import is_bandit
-from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
-from rl_tui.agents.idle_parameters import why_idle
+from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter, why_idle
 from rl_tui.common.errors import UserError
 from rl_tui.common.kiosk import in_kiosk
 from rl_tui.runs.library import MOST_EPISODES, episodes_of

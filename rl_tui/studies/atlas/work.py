@@ -12,12 +12,12 @@ from typing import Any, Final
 from rl_tui.agents.compiling.background import BACKGROUND
 from rl_tui.agents.compiling.cache_folder import was_compiled
 from rl_tui.runs.background.child import let_others_go_first
+from rl_tui.runs.measures import Measure
 from rl_tui.runs.recipe import begin
 from rl_tui.runs.run import Run
 from rl_tui.studies.atlas.figures import Atlas, AtlasCell, AtlasStandings, AtlasState
 from rl_tui.studies.atlas.request import AtlasRequest
-from rl_tui.studies.sweeps.cell import Cell, SkippedCell
-from rl_tui.studies.sweeps.measures import MEASURES, SweepMeasure
+from rl_tui.studies.sweeps.cell import MEASURES, Cell, SkippedCell
 from rl_tui.studies.sweeps.plan import SweepPlan
 from rl_tui.studies.sweeps.ranking import standings_of
 from rl_tui.studies.sweeps.runs import RunRow, summarized
@@ -164,7 +164,7 @@ def cell_of(rows: Iterable[RunRow]) -> AtlasCell:
     return AtlasCell(summary.runs, summary.failed, figures, summary.first_failure)
 
 
-def _is_better(measure: SweepMeasure, one: AtlasCell, other: AtlasCell) -> bool:
+def _is_better(measure: Measure, one: AtlasCell, other: AtlasCell) -> bool:
     first, second = one.value(measure), other.value(measure)
     if first is None or second is None:
         return False

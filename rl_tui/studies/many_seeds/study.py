@@ -19,15 +19,8 @@ from rl_tui.runs.background.child import let_others_go_first
 from rl_tui.runs.figures import finite, summary
 from rl_tui.runs.run import Run
 from rl_tui.runs.training.batched_runs import BatchedRuns, runs_at_once
-from rl_tui.runs.training.seeded_runs import (
-    CurvePoints,
-    Goal,
-    RunCurve,
-    SeededRuns,
-    first_of,
-    mean_curve,
-    no_compiling,
-)
+from rl_tui.runs.training.many_runs import Curves, rows, train_curves
+from rl_tui.runs.training.seeded_runs import Goal, OnProgress, SeededRuns, mean_curve, no_compiling
 from rl_tui.studies.many_seeds.figures import (
     Estimate,
     LaneStudy,
@@ -212,19 +205,32 @@ class Study:
         return self._study
 
 
+def _bounding(check: Callable[[], None]) -> Callable[[Run | BatchedRuns], OnProgress]:
+    """Return what watches seeds, and ends their training by ``check`` or where one takes too many steps."""
+
+    def watch(run: Run | BatchedRuns) -> OnProgress:
+        def on_progress(done: int, wanted: int) -> None:
+            check()
+            if run.step > MOST_STEPS:
+                raise _TooLongError
+
+        return on_progress
+
+    return watch
+
+
 class _Lane:
     """One of the runs on screen under seed after seed."""
 
     def __init__(self, lane: StudiedRun, known: World | None) -> None:
         self.runs = SeededRuns(lane.recipe, lane.journal, known)
         self.rows: list[Row] = []
-        self._curves: list[CurvePoints] = []
-        self._curve_episodes = 0
+        self._curves = Curves(0)
         self._plans = lane.plans
 
     def begin_anew(self) -> None:
         """Forget all seeds."""
-        self.rows, self._curves, self._curve_episodes = [], [], 0
+        self.rows, self._curves = [], Curves(0)
 
     @property
     def seeds_at_once(self) -> int:
@@ -235,34 +241,20 @@ class _Lane:
     def add_seeds(self, count: int, goal: Goal, check: Callable[[], None]) -> None:
         """Train the next seeds to ``goal``; raises what ``check`` does, which is called now and then."""
         if goal.episodes is not None and not self._plans:
-            self._curve_episodes = goal.episodes
-        if count > 1:
-            self._add_batch(count, goal, check)
-            return
-        curve = RunCurve(self._curve_episodes) if self._curve_episodes else None
-        run = self._trained(len(self.rows), goal, check, curve)
-        self.rows.append(self.runs.row(run, check))
-        if curve is not None:
-            self._curves.append(curve.points)
-        if run.world.space.pairs > COLLECTED_ABOVE:
-            del run
+            self._curves.episodes = goal.episodes
+        first = self.runs.first_seed + len(self.rows)
+        self.rows += rows(
+            self.runs,
+            range(first, first + count),
+            goal,
+            lambda run: self.runs.row(run, check),
+            lambda batch, _: batch.rows(check),
+            curves=self._curves,
+            watch=_bounding(check),
+        )
+        if self.runs.first.world.space.pairs > COLLECTED_ABOVE:
             gc.collect()
         check()
-
-    def _add_batch(self, count: int, goal: Goal, check: Callable[[], None]) -> None:
-        first = self.runs.recipe.seed + len(self.rows)
-        seeds = range(first, first + count)
-        runs = BatchedRuns(self.runs, seeds, goal, curve_episodes=self._curve_episodes)
-
-        def on_progress(done: int, wanted: int) -> None:
-            check()
-            if runs.batch.longest > MOST_STEPS:
-                raise _TooLongError
-
-        runs.train(on_progress)
-        self.rows += runs.rows(check)
-        if self._curve_episodes:
-            self._curves.append(runs.curves)
 
     def complete_curve(self, goal: Goal, check: Callable[[], None]) -> None:
         """Have the curve where a number of steps ends each seed: how wide its bins are shows only now.
@@ -270,25 +262,12 @@ class _Lane:
         The first block is simply trained once more, to the fewest episodes of its seeds: later ones have
         bins of that width.
         """
-        if self._curve_episodes or goal.episodes is not None or self._plans:
+        if self._curves.episodes or goal.episodes is not None or self._plans:
             return
-        self._curve_episodes = min(row["episodes"] for row in self.rows)
-        if self._curve_episodes:
-            for index in range(len(self.rows)):
-                curve = RunCurve(self._curve_episodes)
-                self._trained(index, Goal(episodes=self._curve_episodes), check, curve)
-                self._curves.append(curve.points)
-
-    def _trained(self, index: int, goal: Goal, check: Callable[[], None], curve: RunCurve | None) -> Run:
-        run = self.runs.new_run(self.runs.recipe.seed + index, curve)
-
-        def on_progress(done: int, wanted: int) -> None:
-            check()
-            if run.step > MOST_STEPS or (run.step == MOST_STEPS and done < wanted and not run.over):
-                raise _TooLongError
-
-        self.runs.train(run, goal, on_progress)
-        return run
+        self._curves.episodes = min(row["episodes"] for row in self.rows)
+        if self._curves.episodes:
+            seeds = range(self.runs.first_seed, self.runs.first_seed + len(self.rows))
+            train_curves(self.runs, seeds, self._curves, watch=_bounding(check))
 
     def study(self, seeds: int, shown: _Lane | None) -> LaneStudy:
         """Return what so many seeds say, with the differences from the lane ``shown``, if that is another."""
@@ -302,9 +281,9 @@ class _Lane:
         )
 
     def _mean_curve(self, rows: Sequence[Row]) -> SeedCurve:
-        if sum(len(points.returns) for points in self._curves) < len(rows):
+        if len(self._curves.points) < len(rows):
             return SeedCurve()
-        curve = mean_curve(first_of(self._curves, len(rows)), self.runs.is_bandit)
+        curve = mean_curve(self._curves.points[: len(rows)], self.runs.is_bandit)
         episode = np.array(curve["episode"], np.int64)
         whole = episode <= min(row["episodes"] for row in rows)  # a later seed may have finished fewer
         mean, stderr = np.array(curve["return_mean"]), np.array(curve["return_stderr"])

@@ -18,8 +18,8 @@ from rl_tui.common.findings import one_line, printable
 from rl_tui.common.limits import LARGEST_DRAWN, LARGEST_RESULTS
 from rl_tui.common.text_file import UnreadableError, open_plain, read_text
 from rl_tui.studies.pictures.tables import CellSpread, CurveTable, SweepCell, SweepTable, Value
+from rl_tui.studies.sweeps.cell import MEASURES
 from rl_tui.studies.sweeps.document import best_documents, json_pieces
-from rl_tui.studies.sweeps.measures import MEASURES
 from rl_tui.studies.sweeps.plan import read_plan
 from rl_tui.studies.sweeps.ranking import standings_of
 from rl_tui.studies.sweeps.store import Store

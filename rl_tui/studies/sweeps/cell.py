@@ -8,26 +8,25 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Final, cast
+from typing import Any, Final
 
 import numpy as np
 
 from rl_tui.agents.batches.batch import batching_of
 from rl_tui.agents.catalogue import BY_ID, parameters_of
 from rl_tui.agents.exact.policy_figures import expected_returns, greedy_policy
-from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters
-from rl_tui.agents.idle_parameters import why_idle
+from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, why_idle
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, Loop
+from rl_tui.runs.measures import MEASURES as RUN_MEASURES
+from rl_tui.runs.measures import MeasuredRun, figures_of
 from rl_tui.runs.recipe import Recipe
 from rl_tui.runs.training.batched_runs import BatchedRuns
 from rl_tui.runs.training.seeded_runs import Goal, SeededRuns
 from rl_tui.studies.sweeps.cells.content import WorldContent
 from rl_tui.studies.sweeps.cells.variation import Value, written
-from rl_tui.studies.sweeps.measures import ARRIVED
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
 # The cell and its key
@@ -128,21 +127,43 @@ def used_parameters(
     return used
 
 
-# Many seeds in one call
+# What a run comes to
 
+
+MEASURES: Final = {
+    name: RUN_MEASURES[name]
+    for name in (
+        "expected_return",
+        "value_at_start",
+        "max_error",
+        "area",
+        "arrival",
+        "regret",
+        "steps",
+        "episodes",
+        "return_last_100",
+    )
+}
+"""The measures of a sweep by their ids, in the order of their columns."""
+ARRIVED: Final = "arrived"
+"""The figure beside ``arrival``: 1 where it happened, 0 where training ended before, null if no one knows."""
+JUDGED_BY: Final = ("area", "expected_return")
+"""By the first of these that its runs have a sweep is judged, where nobody says by which."""
 
 Figures = Mapping[str, float | int | None]
 
-# The measures that a row of ``train --runs`` has, and what they are called there
-_COLUMNS: Final = {
-    "expected_return": "expected_return",
-    "value_at_start": "value_at_start",
-    "max_error": "max_error",
-    "area": "return_mean",
-    "steps": "steps",
-    "episodes": "episodes",
-    "return_last_100": "return_last_100",
-}
+
+def figures_of_run(run: MeasuredRun, best: float | None, line: float | None, arrival: int | None) -> Figures:
+    """Return every measure of ``run``, and ``arrived``.
+
+    The best policy earns ``best``; after ``arrival`` episodes the greedy policy first earned ``line``. Each
+    is None where nobody can say, ``arrival`` also where that did not happen.
+    """
+    arrived = None if line is None else int(arrival is not None)
+    return {**figures_of(replace(run, best_return=best, arrival=arrival), MEASURES), ARRIVED: arrived}
+
+
+# Many seeds in one call
 
 
 def loop_in_batches(cell: Cell) -> Loop | None:
@@ -185,14 +206,10 @@ def batched_figures(
     runs.advance(check)
     arrivals = [None] * len(seeds) if line is None else _arrivals(runs, facts.mdp, marks, line, check)
     broken = set(runs.broken)
-    found = list[Figures | None]()
-    for index, row in enumerate(runs.rows(check)):
-        arrived = None if line is None else int(arrivals[index] is not None)
-        total = runs.total_return(index)
-        figures = {name: row[column] for name, column in _COLUMNS.items()}
-        figures |= {"regret": _regret(row, total, facts.best), "arrival": arrivals[index], ARRIVED: arrived}
-        found.append(None if index in broken else figures)
-    return found
+    return [
+        None if index in broken else figures_of_run(run, facts.best, line, arrivals[index])
+        for index, run in enumerate(runs.measured(check))
+    ]
 
 
 def _arrivals(
@@ -218,13 +235,3 @@ def _arrivals(
             found[index] = mark
         waiting = waiting[~(earned >= line)]
     return found
-
-
-def _regret(row: Mapping[str, Any], total: float, best: float | None) -> float | None:
-    """Return what the episodes of a run lost against the ``best`` policy; of a bandit by true means."""
-    if "regret" in row:
-        return cast("float | None", row["regret"])
-    if best is None or not row["episodes"]:
-        return None
-    regret = row["episodes"] * best - total
-    return regret if math.isfinite(regret) else None

@@ -1,28 +1,50 @@
-"""The results of a sweep as the document of `sweep --json`: its cells in the order of the plan.
+"""The results of a sweep as the document of `sweep --json`, its cells in the order of the plan, and as CSV.
 
-It also reports the best cell of each world, on fresh seeds too, and how sensitive each algorithm is to
-its settings over several scenarios.
+The document also reports the best cell of each world, on fresh seeds too, and how sensitive each algorithm is
+to its settings over several scenarios.
 """
 
 from __future__ import annotations
 
+import csv
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
-from typing import Any, Final
+from dataclasses import dataclass
+from typing import Any, Final, TextIO
 
 import numpy as np
 
+from rl_tui.runs.measures import Measure
 from rl_tui.studies.statistics.sensitivity import Sensitivity, sensitivity_of
 from rl_tui.studies.statistics.shrinkage import shrinkage_of
-from rl_tui.studies.sweeps.cell import Cell
-from rl_tui.studies.sweeps.cells.variation import ALGORITHM, SCENARIO, Value
-from rl_tui.studies.sweeps.measures import MEASURES, SweepMeasure
+from rl_tui.studies.sweeps.cell import MEASURES, Cell
+from rl_tui.studies.sweeps.cells.variation import ALGORITHM, SCENARIO, Value, written
 from rl_tui.studies.sweeps.plan import SweepPlan
 from rl_tui.studies.sweeps.ranking import Standings
 from rl_tui.studies.sweeps.runs import CellSummary, summarized, values_by_seed
+from rl_tui.studies.sweeps.schema import FIGURES
 from rl_tui.studies.sweeps.store import Store
 from rl_tui.worlds.mdp.space import FloatArray
+
+# The raw results as CSV, one row a run
+
+
+def write_csv(stream: TextIO, plan: SweepPlan, store: Store) -> None:
+    """Write what ``store`` has of ``plan``: the settings, the seed, every figure, and why a run failed.
+
+    Rows stand by the order of the plan and then by seed, without times or places.
+    """
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow([*plan.names, "seed", *FIGURES, "failed"])
+    for index in range(plan.count):
+        cell = plan.cell(index)
+        if not isinstance(cell, Cell):
+            continue
+        settings = [written(value) for value in cell.settings.values()]
+        for row in store.rows(cell.key, plan.seeds):
+            figures = ("" if each is None else repr(each) for each in map(row.figures.get, FIGURES))
+            writer.writerow([*settings, row.seed, *figures, row.failed or ""])
+
 
 # Sensitivity to settings
 
@@ -30,10 +52,12 @@ from rl_tui.worlds.mdp.space import FloatArray
 SCORES: Final = ("expected_return", "area")
 """The measures that have a scale from the random policy to the best one."""
 
+_SAID: Final = ("id", "title", "formula", "unit", "larger_is_better", "may_never_arrive")
+"""What a document says of a measure."""
 _Settings = tuple[tuple[str, Value], ...]
 
 
-def sensitivities(plan: SweepPlan, store: Store, measure: SweepMeasure) -> list[dict[str, Any]] | None:
+def sensitivities(plan: SweepPlan, store: Store, measure: Measure) -> list[dict[str, Any]] | None:
     """Return, as JSON, how sensitive each algorithm of ``plan`` is to the settings that vary.
 
     None where nothing can be said: fewer than two scenarios, points at random, a measure without a scale, or
@@ -168,7 +192,7 @@ def best_documents(standings: Standings, plan: SweepPlan, store: Store, *, again
     return documents
 
 
-def _again(plan: SweepPlan, store: Store, cell: Cell, measure: SweepMeasure) -> Document:
+def _again(plan: SweepPlan, store: Store, cell: Cell, measure: Measure) -> Document:
     fresh = fresh_seeds(plan)
     before, after = (_values(store, cell, measure, seeds) for seeds in (plan.seeds, fresh))
     shrinkage = shrinkage_of(before, after, larger_is_better=bool(measure.larger_is_better))
@@ -184,7 +208,7 @@ def _again(plan: SweepPlan, store: Store, cell: Cell, measure: SweepMeasure) -> 
     }
 
 
-def _values(store: Store, cell: Cell, measure: SweepMeasure, seeds: range) -> FloatArray:
+def _values(store: Store, cell: Cell, measure: Measure, seeds: range) -> FloatArray:
     found, _ = values_by_seed(store.rows(cell.key, seeds), measure, seeds)
     return _NOBODY if found is None else found[~np.isnan(found)]
 
@@ -204,7 +228,7 @@ def json_pieces(
         "first_seed": plan.first_seed,
         "runs": plan.runs,
         "random": plan.random,
-        "measures": [asdict(each) for each in MEASURES.values()],
+        "measures": [{key: getattr(each, key) for key in _SAID} for each in MEASURES.values()],
         "measure": standings.measure.id,
         "like_best_by": standings.method,
     }

@@ -8,10 +8,10 @@ from typing import Final
 
 import numpy as np
 
+from rl_tui.runs.measures import Measure
 from rl_tui.studies.statistics.comparison import METHOD, not_different
-from rl_tui.studies.sweeps.cell import Cell, SkippedCell
+from rl_tui.studies.sweeps.cell import JUDGED_BY, MEASURES, Cell, SkippedCell
 from rl_tui.studies.sweeps.cells.variation import Value
-from rl_tui.studies.sweeps.measures import JUDGED_BY, MEASURES, SweepMeasure
 from rl_tui.studies.sweeps.plan import SweepPlan, world_settings
 from rl_tui.studies.sweeps.runs import values_by_seed
 from rl_tui.studies.sweeps.store import Store
@@ -59,7 +59,7 @@ class Standings:
     What is earned in one world says nothing of what can be earned in another.
     """
 
-    measure: SweepMeasure
+    measure: Measure
     """By which they are compared."""
     rankings: Mapping[_World, Ranking]
     """One for each world, by the settings that vary of it, in the order of the plan."""
@@ -95,7 +95,7 @@ class Standings:
         return ranked[:count]
 
 
-def standings_of(plan: SweepPlan, store: Store, measure: SweepMeasure | None = None) -> Standings:
+def standings_of(plan: SweepPlan, store: Store, measure: Measure | None = None) -> Standings:
     """Return how the cells of ``plan`` that ``store`` has runs of compare by ``measure``.
 
     Without one it is the first of the usual ones that any run has.
@@ -121,7 +121,7 @@ class _Values:
         self.complete.append(is_complete)
 
 
-def _standings(plan: SweepPlan, store: Store, measure: SweepMeasure) -> Standings:
+def _standings(plan: SweepPlan, store: Store, measure: Measure) -> Standings:
     skipped, reasons, worlds = 0, list[SkippedCell](), dict[_World, _Values]()
     for index in range(plan.count):
         cell = plan.cell(index)
@@ -137,7 +137,7 @@ def _standings(plan: SweepPlan, store: Store, measure: SweepMeasure) -> Standing
     return Standings(measure, rankings, skipped, tuple(reasons))
 
 
-def _ranking(plan: SweepPlan, gathered: _Values, measure: SweepMeasure) -> Ranking:
+def _ranking(plan: SweepPlan, gathered: _Values, measure: Measure) -> Ranking:
     matrix, complete = np.array(gathered.values), np.array(gathered.complete)
     judged = np.where(complete[:, np.newaxis], matrix, np.nan) if complete.any() else matrix
     compared = not_different(judged, bool(measure.larger_is_better))

@@ -10,7 +10,7 @@ import math
 import threading
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
@@ -22,15 +22,24 @@ from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, Loop
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import one_line
 from rl_tui.runs.figures import greedy_figures
+from rl_tui.runs.measures import Measure, measured_run
 from rl_tui.runs.recipe import begin
 from rl_tui.runs.run import Run
 from rl_tui.runs.training.batched_runs import runs_at_once
 from rl_tui.runs.training.seeded_runs import TIME_BUDGET
 from rl_tui.studies.statistics.censored import arrivals_of
 from rl_tui.studies.statistics.intervals import interquartile_mean, summary_of
-from rl_tui.studies.sweeps.cell import Cell, batched_figures, loop_in_batches, runs_in_batches
+from rl_tui.studies.sweeps.cell import (
+    ARRIVED,
+    MEASURES,
+    Cell,
+    Figures,
+    batched_figures,
+    figures_of_run,
+    loop_in_batches,
+    runs_in_batches,
+)
 from rl_tui.studies.sweeps.cells.content import ExactFacts
-from rl_tui.studies.sweeps.measures import ARRIVED, MEASURES, NEAR, SweepMeasure
 from rl_tui.worlds.mdp.space import FloatArray
 
 # When to get machine code
@@ -76,13 +85,14 @@ DEMAND: Final = MachineCodeDemand()
 # One row per seed
 
 
+NEAR: Final = 0.05
+"""So near to the best, as a share of what it is above random, counts as having arrived."""
 GROWTH: Final = 2.0**0.25
 LONGEST_REASON: Final = 200
 # So often at least it is asked whether to go on: some 0.1 s
 _CHUNK: Final = 2_000_000
 _CHUNK_INTERPRETED: Final = 10_000
 
-Figures = Mapping[str, float | int | None]
 GoOn = Callable[[], None]
 
 
@@ -163,19 +173,10 @@ def _figures(cell: Cell, seed: int, check: GoOn) -> Figures:
     if run.learner.drifted is not None:  # each run came to means of its own
         facts = ExactFacts(run.learner.mdp)
     check()
-    exact = greedy_figures(run, facts.optimum(recipe.hyperparameters.gamma)) if facts.mdp else None
-    return {
-        "expected_return": exact.expected_return if exact else None,
-        "value_at_start": exact.value_at_start if exact else None,
-        "max_error": exact.max_error if exact else None,
-        "area": run.mean_return,
-        "arrival": arrival,
-        "regret": _regret(run, facts),
-        "steps": run.step,
-        "episodes": run.learner.episodes,
-        "return_last_100": run.history.last_100[0],
-        ARRIVED: None if line is None else int(arrival is not None),
-    }
+    measured = measured_run(run, greedy_figures(run, facts.optimum(recipe.hyperparameters.gamma)))
+    if run.learner.plans:
+        measured = replace(measured, bandit=None)  # its backups pull no arm
+    return figures_of_run(measured, facts.best, line, arrival)
 
 
 def _arrival_line(facts: ExactFacts) -> float | None:
@@ -217,16 +218,6 @@ def _advance(run: Run, episodes: int, check: GoOn) -> None:
         raise UserError(run.stop_reason)
 
 
-def _regret(run: Run, facts: ExactFacts) -> float | None:
-    """Return what the episodes of ``run`` lost against the best policy; of a bandit by true means."""
-    if run.bandit is not None:
-        return None if run.learner.plans else run.bandit.regret
-    if facts.best is None or run.mean_return is None:
-        return None
-    regret = run.learner.episodes * facts.best - run.history.total_return
-    return regret if math.isfinite(regret) else None
-
-
 # Summary of a cell
 
 
@@ -250,9 +241,7 @@ class CellSummary:
     """Why the first of them broke down."""
 
 
-def values_by_seed(
-    rows: Iterable[RunRow], measure: SweepMeasure, seeds: range
-) -> tuple[FloatArray | None, bool]:
+def values_by_seed(rows: Iterable[RunRow], measure: Measure, seeds: range) -> tuple[FloatArray | None, bool]:
     """Return ``measure`` of each of ``seeds``, [N], NaN where there is none, and whether every row has it.
 
     None where there is no row. Runs that never arrive have the number of episodes that they had.

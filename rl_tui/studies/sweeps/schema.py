@@ -9,7 +9,7 @@ from typing import Final
 
 from rl_tui.common.errors import UserError
 from rl_tui.common.findings import shown
-from rl_tui.studies.sweeps.measures import ARRIVED, MEASURES
+from rl_tui.studies.sweeps.cell import ARRIVED, MEASURES
 
 FORMAT: Final = 1
 """Raised when the tables become others."""

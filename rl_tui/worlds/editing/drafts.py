@@ -4,20 +4,108 @@ from __future__ import annotations
 
 import pkgutil
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from rl_tui.common.errors import UserError
+from rl_tui.worlds.drawing import CellKind, Grid
+from rl_tui.worlds.editing.grid_draft import GridDraft, draft_of_lines
+from rl_tui.worlds.gym.section import GymnasiumSection
+from rl_tui.worlds.mdp.digest import table_digest
 
 if TYPE_CHECKING:
     from rl_tui.worlds.editing.arms_draft import Draft
     from rl_tui.worlds.files.scenario import Scenario
+    from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
     from rl_tui.worlds.world import World
+
+
+# Gymnasium's lakes and cliff as maps: the same table, bit for bit
+
+
+_CHARACTERS: Final[Mapping[CellKind, str]] = {
+    CellKind.START: "S",
+    CellKind.FLOOR: ".",
+    CellKind.HOLE: "H",
+    CellKind.GOAL: "G",
+    CellKind.CLIFF: "C",
+}
+_STEP: Final = -1.0  # what every step of Gymnasium's CliffWalking costs, and a fall in all
+_FALL: Final = -100.0
+_STEPPED: Final = "is stepped for real: nobody knows its table"
+_MAPS: Final = "maps, graphs and bandits of scenario files, lakes and the cliff"
+
+
+def gymnasium_draft(scenario: Scenario, seed: int) -> GridDraft:
+    """Return the map that is the same world as the environment of ``scenario``.
+
+    Raises UserError, with the reason, where it is no lake and no cliff, or no map says what it does.
+    """
+    section = scenario.section
+    assert isinstance(section, GymnasiumSection)
+    if section.bins is not None or section.table is False:
+        raise _refused(section.id, _STEPPED)
+    import numpy as np
+
+    world = scenario.build(np.random.default_rng(seed))
+    refused = seen_at_once(section, world)
+    if refused is not None:
+        raise refused
+    assert isinstance(world.drawing, Grid)
+    assert world.mdp is not None
+    return _same_map(section.id, world.drawing, world.mdp, world)
+
+
+def seen_at_once(section: GymnasiumSection, world: World) -> UserError | None:
+    """Return why ``world``, which ``section`` has made, is no map, as far as a look at it tells."""
+    if world.mdp is None:
+        return _refused(section.id, _STEPPED)
+    if not isinstance(world.drawing, Grid) or world.drawing.legend or None in world.drawing.directions:
+        return _refused(section.id, "has states that are no cells to walk about in")
+    return None
+
+
+def _same_map(name: str, drawing: Grid, mdp: TabularMDP, world: World) -> GridDraft:
+    characters = [_CHARACTERS.get(kind, "?") for kind in drawing.kinds]
+    columns = drawing.columns
+    lines = ["".join(characters[row * columns : (row + 1) * columns]) for row in range(drawing.rows)]
+    for rules in _rules(mdp):
+        draft = draft_of_lines(lines, rules)
+        if draft.findings:
+            continue
+        built = draft.build()
+        same = built.mdp is not None and table_digest(built.mdp) == table_digest(mdp)
+        if same and built.drawing == world.drawing:
+            return draft
+    raise _refused(name, "does what no map can say")
+
+
+def _refused(name: str, why: str) -> UserError:
+    return UserError(f"{name} {why}, so it cannot be drawn; what can be drawn are {_MAPS}")
+
+
+def _rules(mdp: TabularMDP) -> list[dict[str, Any]]:
+    """Return the rules that lakes and the cliff may have, those of the time limit of ``mdp``."""
+    limit = {"time_limit": mdp.time_limit} if mdp.time_limit else {}
+    cliff = {
+        "moves": "clockwise",
+        "step_reward": _STEP,
+        "legend": {
+            "C": {"kind": "cliff", "back": True, "reward": _FALL - _STEP},
+            "G": {"kind": "goal", "reward": 0.0},
+        },
+    }
+    return [
+        {**rules, **({"slippery": True} if slippery else {}), **limit}
+        for rules in ({}, cliff)
+        for slippery in (False, True)
+    ]
+
 
 _DRAFTED_BY: Final[Mapping[str, str]] = {
     "grid": "rl_tui.worlds.editing.grid_draft:grid_draft",
     "mdp": "rl_tui.worlds.editing.graph_draft:graph_draft",
     "bandit": "rl_tui.worlds.editing.arms_draft:arms_draft",
-    "gymnasium": "rl_tui.worlds.editing.gymnasium_draft:gymnasium_draft",
+    "gymnasium": "rl_tui.worlds.editing.drafts:gymnasium_draft",
 }
 """For each kind of table what makes its draft, ``module:function``, imported when it is asked for."""
 
@@ -46,7 +134,6 @@ def seen_refusal(scenario: Scenario, world: World) -> str:
     It makes no draft, so it is quick; a map that turns out to be none is refused by :func:`first_draft` only.
     """
     if scenario.kind == "gymnasium":
-        from rl_tui.worlds.editing.gymnasium_draft import seen_at_once
         from rl_tui.worlds.gym.section import GymnasiumSection
 
         assert isinstance(scenario.section, GymnasiumSection)

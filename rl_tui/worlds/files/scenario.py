@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 from pydantic import Field
 
 from rl_tui.common.errors import Fault, ScenarioError, UserError
-from rl_tui.common.findings import Finding, in_file_order, one_line, place, shown
+from rl_tui.common.findings import Finding, in_file_order, is_plain, one_line, place, shown
 from rl_tui.common.limits import MOST_FINDINGS
 from rl_tui.common.streams import streams
 from rl_tui.common.text_file import UnreadableError, read_text
@@ -25,7 +25,6 @@ from rl_tui.worlds.sections.schema import (
     FileSection,
     WorldRefusedError,
     WorldSection,
-    is_plain,
     is_table,
     markdown,
     parsed,

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
-from rl_tui.common.findings import Finding, shown
+from rl_tui.common.findings import Finding, is_plain, shown
 from rl_tui.common.limits import LONGEST_SIDE
 from rl_tui.worlds.drawing import CellKind
 from rl_tui.worlds.grid.moves import MOVES, STEPS, Terrain
@@ -19,7 +19,6 @@ from rl_tui.worlds.sections.schema import (
     Number,
     TruthValue,
     WorldRefusedError,
-    is_plain,
     number,
     whole_number,
     with_control_character,

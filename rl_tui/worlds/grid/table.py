@@ -17,9 +17,8 @@ import numpy.typing as npt
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.grid.map import CellMap, LegendEntry, with_border
 from rl_tui.worlds.grid.moves import MOVES, STEPS, Gust, Landings, Slip, Terrain
-from rl_tui.worlds.mdp.number_names import NumberNames
 from rl_tui.worlds.mdp.reachable import reachable
-from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray, NumberNames
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP, TransitionArrays, mdp_of_arrays
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 from pydantic import Field
 
-from rl_tui.common.findings import Finding, Location, shown
+from rl_tui.common.findings import Finding, Location, is_plain, shown
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.environment import EnvironmentFailedError
 from rl_tui.worlds.gym.bins import BinsSection
@@ -16,7 +16,6 @@ from rl_tui.worlds.sections.schema import (
     Expect,
     WorldRefusedError,
     WorldSection,
-    is_plain,
     is_table,
     is_truth_value,
     text,

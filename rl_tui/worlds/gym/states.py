@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, overload
 import numpy as np
 
 from rl_tui.common.limits import MOST_PARTS
-from rl_tui.worlds.mdp.number_names import NumberNames
+from rl_tui.worlds.mdp.space import NumberNames
 
 if TYPE_CHECKING:
     from gymnasium import Space

@@ -22,8 +22,7 @@ from rl_tui.worlds.gym.registered import (
     truth_of,
 )
 from rl_tui.worlds.gym.table_layout import Layout, layout_of
-from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
-from rl_tui.worlds.mdp.tolerance import PROBABILITY_TOLERANCE
+from rl_tui.worlds.mdp.tabular_mdp import PROBABILITY_TOLERANCE, Outcome, Transition, tabular_mdp
 from rl_tui.worlds.sections.schema import WorldRefusedError
 from rl_tui.worlds.world import World
 

@@ -23,7 +23,7 @@ from rl_tui.common.limits import (
     MOST_TRANSITIONS,
 )
 from rl_tui.worlds.drawing import Graph
-from rl_tui.worlds.mdp.tolerance import PROBABILITY_TOLERANCE
+from rl_tui.worlds.mdp.tabular_mdp import PROBABILITY_TOLERANCE
 from rl_tui.worlds.sections.schema import (
     Expect,
     FileSection,

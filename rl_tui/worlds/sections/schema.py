@@ -7,7 +7,6 @@ pydantic become findings: what was found, what was expected, and where.
 from __future__ import annotations
 
 import typing
-import unicodedata
 from abc import abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -17,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, TypeVar
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, ValidationError, model_validator
 from pydantic_core import CoreSchema, ErrorDetails, PydanticCustomError, core_schema
 
-from rl_tui.common.findings import Finding, Location, near, shown
+from rl_tui.common.findings import Finding, Location, control_character, is_plain, near, shown
 from rl_tui.common.limits import LARGEST_NUMBER, LONGEST_NAME, MOST_FINDINGS, MOST_KEYS
 from rl_tui.worlds.drawing import Drawing
 from rl_tui.worlds.world import World
@@ -30,7 +29,6 @@ if TYPE_CHECKING:
 
 
 _IN_LINES: Final = "\n\t"
-_BIDIRECTIONAL: Final = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 
 
 class FileSection(BaseModel):
@@ -94,24 +92,6 @@ def whole_number(low: int, high: int) -> Expect:
         f"a whole number from {low:,} to {high:,}",
         lambda value: is_number(value) and isinstance(value, int) and low <= value <= high,
     )
-
-
-def is_plain(text: str, also: str = "") -> bool:
-    """Return whether a text has no control character but those in ``also``: none may reach a terminal."""
-    return not control_character(text, also)
-
-
-def control_character(text: str, also: str = "") -> str:
-    """Return the first control character of a text besides those in ``also``, as U+001B; empty if none.
-
-    What turns the direction of writing or ends a line counts as one, and so does half a character.
-    """
-    for letter in dict.fromkeys(text):  # each character once: notes are long
-        if letter not in also and (
-            unicodedata.category(letter) in ("Cc", "Cs", "Zl", "Zp") or letter in _BIDIRECTIONAL
-        ):
-            return f"U+{ord(letter):04X}"
-    return ""
 
 
 def with_control_character(value: object, also: str = "") -> str:

@@ -17,8 +17,8 @@ from rl_tui.studies.book_figures.catalogue import FIGURES, measure
 from rl_tui.studies.book_figures.figure import BookComparison, MeasuredCurve, MeasuredFigure, read_off
 from rl_tui.studies.book_figures.files import HEADER, document_of, write_csv
 from rl_tui.studies.book_figures.measuring import Measuring, mean_and_error, recipe_of
+from rl_tui.studies.pictures.files import svg_of
 from rl_tui.studies.pictures.picture import Chart
-from rl_tui.studies.pictures.svg import svg_of
 
 pytestmark = pytest.mark.slow
 

@@ -11,10 +11,8 @@ import pytest
 from drawn_samples import atlas, chart, curve, picture
 
 from rl_tui.common.errors import UserError
-from rl_tui.studies.pictures.files import picture_file
+from rl_tui.studies.pictures.files import SCALE, picture_file, png_of, svg_of
 from rl_tui.studies.pictures.layout import laid_out
-from rl_tui.studies.pictures.png import SCALE, png_of
-from rl_tui.studies.pictures.svg import svg_of
 
 SVG = "{http://www.w3.org/2000/svg}"
 SAMPLE = picture(
@@ -49,7 +47,7 @@ def test_the_same_picture_has_the_same_bytes_in_every_process() -> None:
     code = (
         "import sys; sys.path[:0] = [sys.argv[1]]\n"
         "from drawn_samples import *\n"
-        "from rl_tui.studies.pictures.svg import svg_of\n"
+        "from rl_tui.studies.pictures.files import svg_of\n"
         "sys.stdout.reconfigure(encoding='utf-8')\n"
         "print(svg_of(picture(chart(curve('a', [1.0, 2.5]), curve('b', [2.0, 0.1], 1)))), end='')"
     )

@@ -16,7 +16,7 @@ from click.testing import CliRunner
 from dask_cluster import Cluster
 from plans import plan_of
 
-from rl_tui.agents.kernels.stepped_loop import MOST_SEEDS
+from rl_tui.agents.kernels.environment_loop import MOST_SEEDS
 from rl_tui.commands.by_name.sweeping.sweep import command
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
@@ -24,7 +24,7 @@ from rl_tui.studies.sweeps.cell import Cell
 from rl_tui.studies.sweeps.cluster import connection
 from rl_tui.studies.sweeps.cluster import dask_workers as placement
 from rl_tui.studies.sweeps.cluster.dask_workers import DaskWorkers
-from rl_tui.studies.sweeps.csv_rows import write_csv
+from rl_tui.studies.sweeps.document import write_csv
 from rl_tui.studies.sweeps.merge import merge
 from rl_tui.studies.sweeps.plan import SweepPlan
 from rl_tui.studies.sweeps.runs import RunRow

@@ -11,7 +11,7 @@ import pytest
 from plans import cell_of, plan_of
 
 from rl_tui.common.errors import UserError
-from rl_tui.studies.sweeps.csv_rows import write_csv
+from rl_tui.studies.sweeps.document import write_csv
 from rl_tui.studies.sweeps.merge import merge
 from rl_tui.studies.sweeps.plan import Shard, SweepPlan
 from rl_tui.studies.sweeps.runs import RunRow, run_rows

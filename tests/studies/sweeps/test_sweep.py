@@ -12,7 +12,7 @@ from plans import plan_of, seeds_in
 
 from rl_tui.common.errors import UserError
 from rl_tui.studies.sweeps.cell import Cell
-from rl_tui.studies.sweeps.csv_rows import write_csv
+from rl_tui.studies.sweeps.document import write_csv
 from rl_tui.studies.sweeps.plan import Shard, SweepPlan
 from rl_tui.studies.sweeps.runs import RunRow, run_rows
 from rl_tui.studies.sweeps.store import Store

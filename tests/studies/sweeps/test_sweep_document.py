@@ -11,9 +11,8 @@ import pytest
 from plans import plan_of
 
 from rl_tui.studies.statistics.intervals import summary_of
-from rl_tui.studies.sweeps.cell import Cell
+from rl_tui.studies.sweeps.cell import MEASURES, Cell
 from rl_tui.studies.sweeps.document import best_documents, json_pieces, sensitivities
-from rl_tui.studies.sweeps.measures import MEASURES
 from rl_tui.studies.sweeps.plan import SweepPlan
 from rl_tui.studies.sweeps.ranking import Standings, standings_of
 from rl_tui.studies.sweeps.runs import NO_FIGURES, RunRow, summarized

@@ -36,12 +36,16 @@ def winnings_of(policy: str) -> tuple[int, ...]:
 
 @pytest.mark.parametrize("algorithm", BY_ID)
 def test_the_steps_of_an_algorithm(algorithm: str) -> None:
-    assert STEPS[KERNELS][algorithm] == steps_of(algorithm), "raise KERNELS in studies/sweeps/cell.py"
+    steps = steps_of(algorithm)
+    assert algorithm in STEPS[KERNELS], f"a new algorithm: add {algorithm!r}: {steps} to STEPS"
+    assert STEPS[KERNELS][algorithm] == steps, "raise KERNELS in studies/sweeps/cell.py"
 
 
 @pytest.mark.parametrize("policy", POLICY_BY_ID)
 def test_the_winnings_of_a_policy(policy: str) -> None:
-    assert WINNINGS[KERNELS][policy] == winnings_of(policy), "raise KERNELS in studies/sweeps/cell.py"
+    winnings = winnings_of(policy)
+    assert policy in WINNINGS[KERNELS], f"a new action rule: add {policy!r}: {winnings} to WINNINGS"
+    assert WINNINGS[KERNELS][policy] == winnings, "raise KERNELS in studies/sweeps/cell.py"
 
 
 STEPS: Final = {

@@ -2,19 +2,207 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from rl_tui.agents.exact.backward_induction import policy_values
 from rl_tui.agents.exact.policy_evaluation import NoExactAnswer, PolicyChain
-from rl_tui.agents.exact.small_worlds.unlimited import find_values, new_memory, new_values
-from rl_tui.agents.exact.small_worlds.within_limit import find_returns, new_taken
-from rl_tui.agents.exact.small_worlds.world import small_world
+from rl_tui.agents.exact.small_worlds.chain import Chain, follow_policy, leave_out_endless, new_chain
+from rl_tui.agents.exact.small_worlds.double_double import plus, two_product
+from rl_tui.agents.exact.small_worlds.elimination import (
+    ENDLESS,
+    SOLVABLE,
+    Factors,
+    Unknowns,
+    eliminate,
+    new_factors,
+    new_unknowns,
+    refine,
+)
+from rl_tui.agents.exact.small_worlds.world import LimitedWorld, UnlimitedWorld, as_small_world, small_world
+from rl_tui.agents.kernels.compiled import compiled_for, for_kernels
 from rl_tui.agents.kernels.machine_code import COMPILED_LOOPS, SHARED, fastest
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
-from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+from rl_tui.worlds.mdp.tabular_mdp import TabularMDP, smallest_mdp
+
+# Over an unlimited horizon
+
+
+class Values(NamedTuple):
+    """The values of B policies: ``v`` of N live states, [B, N], and ``at_start``, [B].
+
+    NaN where there is none; those of a policy that is ``left``, [B], were not found.
+    """
+
+    v: FloatArray
+    at_start: FloatArray
+    left: BoolArray
+
+
+class Memory(NamedTuple):
+    """What the kernel writes to on its way: for one call at a time."""
+
+    chain: Chain
+    factors: Factors
+    unknowns: Unknowns
+
+
+def new_values(world: UnlimitedWorld, policies: int) -> Values:
+    """Return the memory for the values of so many policies."""
+    states = len(world.first_pair) - 1
+    return Values(np.zeros((policies, states)), np.zeros(policies), np.zeros(policies, dtype=np.bool_))
+
+
+def new_memory(world: UnlimitedWorld) -> Memory:
+    """Return the memory for any policies in ``world``."""
+    states = len(world.first_pair) - 1
+    return Memory(new_chain(world), new_factors(states), new_unknowns(states))
+
+
+def _no_policies() -> tuple[Any, ...]:
+    mdp = smallest_mdp()
+    world = as_small_world(mdp).unlimited
+    return world, np.zeros((0, mdp.pairs)), 0.5, new_values(world, 0), new_memory(world)
+
+
+@compiled_for(_no_policies)
+def find_values(
+    world: UnlimitedWorld, policies: FloatArray, gamma: float, values: Values, memory: Memory
+) -> None:
+    """Find the values of ``policies``, [B, P], for ``gamma`` in [0, 1].
+
+    Left are those that take too many steps until an end to be solved in doubles, or too much work. What is
+    found is exact to the last digit but for its rounding.
+    """
+    chain, factors, found = memory.chain, memory.factors, memory.unknowns
+    for row in range(len(policies)):
+        follow_policy(world, policies, row, gamma, chain)
+        for state in range(len(found.unknown)):
+            found.unknown[state], found.undefined[state] = True, False
+        outcome = eliminate(chain, gamma, found.unknown, factors)
+        if outcome == ENDLESS:
+            leave_out_endless(chain, found.pays, found.unknown, found.undefined)
+            outcome = eliminate(chain, gamma, found.unknown, factors)
+        values.left[row] = outcome != SOLVABLE or not refine(chain, gamma, factors, found)
+        if not values.left[row]:
+            for state in range(len(found.value)):
+                values.v[row, state] = math.nan if found.undefined[state] else found.value[state]
+            values.at_start[row] = _average_at_start(world, values.v, row, found.rest)
+
+
+@for_kernels
+def _average_at_start(world: UnlimitedWorld, v: FloatArray, row: int, rest: FloatArray) -> float:
+    """Return the mean of ``v``[row] + ``rest``, [N], over the start distribution."""
+    average, average_rest = 0.0, 0.0
+    for place in range(len(world.start)):
+        state, chance = world.start[place], world.start_probability[place]
+        more, more_rest = two_product(v[row, state], chance)
+        average, average_rest = plus(average, average_rest, more, more_rest + rest[state] * chance)
+    return average
+
+
+# Within the time limit: the sums of backward_induction.policy_values in the same order, for the same bits
+
+
+class Taken(NamedTuple):
+    """The pairs that a policy may take, n of them, with their outcomes, and the values of two sweeps.
+
+    Live state s takes ``first_pair``[s] .. ``first_pair``[s+1], each with a ``probability`` and an expected
+    ``reward``; the outcomes of pair p are ``first_outcome``[p] .. ``first_outcome``[p+1], each with its
+    ``landing`` and ``chance``. ``values`` are [2 N].
+    """
+
+    first_pair: IntArray
+    probability: FloatArray
+    reward: FloatArray
+    first_outcome: IntArray
+    landing: IntArray
+    chance: FloatArray
+    values: FloatArray
+
+
+def new_taken(world: LimitedWorld) -> Taken:
+    """Return the memory for the pairs of any policy in ``world``."""
+    states, pairs, outcomes = len(world.first_pair) - 1, len(world.reward), len(world.landing)
+    return Taken(
+        first_pair=np.zeros(states + 1, dtype=np.int64),
+        probability=np.zeros(pairs),
+        reward=np.zeros(pairs),
+        first_outcome=np.zeros(pairs + 1, dtype=np.int64),
+        landing=np.zeros(outcomes, dtype=np.int64),
+        chance=np.zeros(outcomes),
+        values=np.zeros(2 * states),
+    )
+
+
+def _within_limit_no_policies() -> tuple[Any, ...]:
+    mdp = smallest_mdp()
+    world = as_small_world(mdp).limited
+    return world, np.zeros((0, mdp.pairs)), 0, np.zeros(0), new_taken(world)
+
+
+@compiled_for(_within_limit_no_policies)
+def find_returns(
+    world: LimitedWorld, policies: FloatArray, steps: int, earned: FloatArray, taken: Taken
+) -> None:
+    """Find what each of ``policies``, [B, P], earns in so many steps from the start: ``earned``, [B]."""
+    for row in range(len(policies)):
+        _take(world, policies, row, taken)
+        earned[row] = _sum_of_rewards(world, steps, taken)
+
+
+@for_kernels
+def _take(world: LimitedWorld, policies: FloatArray, row: int, taken: Taken) -> None:
+    """Note the pairs that the policy ``policies``[row], one of [B, P], may take."""
+    states = len(world.first_pair) - 1
+    pairs, outcomes = 0, 0
+    for state in range(states):
+        taken.first_pair[state] = pairs
+        for pair in range(world.first_pair[state], world.first_pair[state + 1]):
+            if policies[row, pair] > 0.0:
+                taken.probability[pairs] = policies[row, pair]
+                taken.reward[pairs] = world.reward[pair]
+                taken.first_outcome[pairs] = outcomes
+                pairs += 1
+                for outcome in range(world.first_outcome[pair], world.first_outcome[pair + 1]):
+                    taken.landing[outcomes] = world.landing[outcome]
+                    taken.chance[outcomes] = world.chance[outcome]
+                    outcomes += 1
+    taken.first_pair[states] = pairs
+    taken.first_outcome[pairs] = outcomes
+
+
+@for_kernels
+def _sum_of_rewards(world: LimitedWorld, steps: int, taken: Taken) -> float:
+    """Return the expected sum of rewards of so many steps from the start."""
+    states = len(world.first_pair) - 1
+    values = taken.values
+    for place in range(2 * states):
+        values[place] = 0.0
+    now, later = 0, states
+    for _ in range(steps):
+        now, later = later, now
+        moved = False
+        for state in range(states):
+            value = 0.0
+            for pair in range(taken.first_pair[state], taken.first_pair[state + 1]):
+                total = taken.reward[pair]
+                for outcome in range(taken.first_outcome[pair], taken.first_outcome[pair + 1]):
+                    total += taken.chance[outcome] * values[later + taken.landing[outcome]]
+                value += taken.probability[pair] * total
+            values[now + state] = value
+            moved = moved or value != values[later + state]
+        # What has come to rest, to the last bit, rests for ever
+        if not moved:
+            break
+    average = 0.0
+    for place in range(len(world.start)):
+        average += world.start_probability[place] * values[now + world.start[place]]
+    return average
+
 
 ChainOf = Callable[[int], PolicyChain]
 """Returns the chain of the policy of a row, for what the kernels leave."""

@@ -8,8 +8,7 @@ from typing import Any, Final
 import click
 
 from rl_tui.commands.options.display import display_of, display_options
-from rl_tui.commands.options.help_sections import SectionedCommand
-from rl_tui.commands.options.run import allow_module_option, run_options, seed_option
+from rl_tui.commands.options.run import SectionedCommand, allow_module_option, run_options, seed_option
 from rl_tui.common.findings import shown
 
 _BLANK: Final = "my-world.toml"

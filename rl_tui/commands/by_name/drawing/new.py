@@ -30,7 +30,7 @@ def command(name: str, template: str, seed: int, rows: int | None, columns: int 
     Nothing that is there already is written over. Then draw in it, and look at what came of it.
     """
     from rl_tui.common.errors import UserError
-    from rl_tui.runs.export.files import new_path, write_text
+    from rl_tui.common.files import new_path, write_new
     from rl_tui.worlds.editing.templates import named, template_text
     from rl_tui.worlds.files.shipped import SUFFIX
 
@@ -38,7 +38,7 @@ def command(name: str, template: str, seed: int, rows: int | None, columns: int 
     if not any(map(str.isalnum, stem)) or "/" in stem or "\\" in stem:
         raise UserError(f"{shown(name)}: expected a name such as my-maze, which becomes my-maze{SUFFIX}")
     path = new_path(f"{stem}{SUFFIX}")
-    write_text(path, named(template_text(template, seed, rows, columns), stem))
+    write_new(path, named(template_text(template, seed, rows, columns), stem))
     complain(f"{path} is written")
     argument = shlex.quote(f"./{path}" if stem.startswith("-") else str(path))
     click.echo(f"rl-tui edit {argument}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Callable
 from functools import partial
@@ -11,9 +12,10 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from rl_tui.commands.line.output import WORTH_A_FORECAST, complain, finish_compiling, progress
-from rl_tui.commands.options.help_sections import SectionedCommand
 from rl_tui.commands.options.run import (
     CsvTarget,
+    OptionValue,
+    SectionedCommand,
     Whole,
     allow_module_option,
     check_targets,
@@ -24,13 +26,12 @@ from rl_tui.commands.options.run import (
     seed_option,
     target_option,
 )
-from rl_tui.commands.options.sweep import MeasureValue, SchedulerValue, ShardValue, VariationValue
 from rl_tui.common.limits import MOST_SWEEP_CELLS, MOST_SWEEP_EPISODES, MOST_SWEEP_RUNS
 from rl_tui.common.words import counted, lasting, short_count
 
 if TYPE_CHECKING:
+    from rl_tui.runs.measures import Measure
     from rl_tui.studies.sweeps.cells.variation import Variation
-    from rl_tui.studies.sweeps.measures import SweepMeasure
     from rl_tui.studies.sweeps.plan import Shard, SweepPlan
     from rl_tui.studies.sweeps.store import Store
     from rl_tui.studies.sweeps.sweep import SweepProgress, Workers
@@ -38,6 +39,82 @@ if TYPE_CHECKING:
     MakeWorkers = Callable[[Callable[[str], None]], Workers]
 
 _STORE: Final = click.Path(dir_okay=False, path_type=Path)
+MOST_SHARDS: Final = 100_000
+_ADDRESS: Final = re.compile(r"(?:tcp|tls)://(?:[\w.-]+|\[[0-9a-fA-F:.]+\]):\d{1,5}", re.ASCII)
+
+
+# Values of options
+
+
+class VariationValue(OptionValue):
+    """What varies, NAME=FROM:TO[:log]:COUNT or NAME=A,B,C."""
+
+    name = "NAME=FROM:TO[:log]:COUNT|NAME=A,B,C"
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
+        """Return what the help shows in place of a value."""
+        return self.name
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Variation:
+        """Return the variation; fails naming what is expected."""
+        from rl_tui.studies.sweeps.cells.variation import Variation, read_variation
+
+        if isinstance(value, Variation):
+            return value
+        try:
+            return read_variation(str(value))
+        except ValueError as fault:
+            self.fail(str(fault), param, ctx)
+
+
+class ShardValue(OptionValue):
+    """One of several parts, I/N."""
+
+    name = "I/N"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Shard:
+        """Return the shard; fails naming what is expected."""
+        from rl_tui.studies.sweeps.plan import Shard
+
+        if isinstance(value, Shard):
+            return value
+        found = re.fullmatch(r"(\d{1,6})/(\d{1,6})", str(value), re.ASCII)
+        number, count = (int(found[1]), int(found[2])) if found else (0, 0)
+        if not 1 <= number <= count <= MOST_SHARDS:
+            self.fail(f"{value} is not I/N, part I of N, such as 1/3", param, ctx)
+        return Shard(number, count)
+
+
+class MeasureValue(OptionValue):
+    """The id of a measure."""
+
+    name = "MEASURE"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> Measure:
+        """Return the measure; fails naming those there are."""
+        from rl_tui.runs.measures import Measure
+        from rl_tui.studies.sweeps.cell import MEASURES
+
+        if isinstance(value, Measure):
+            return value
+        if str(value) not in MEASURES:
+            self.fail(f"there is no measure {value}; expected one of {', '.join(MEASURES)}", param, ctx)
+        return MEASURES[str(value)]
+
+
+class SchedulerValue(OptionValue):
+    """The address of a Dask scheduler."""
+
+    name = "ADDRESS"
+
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Return the address; fails naming what is expected."""
+        if not _ADDRESS.fullmatch(str(value)):
+            self.fail(f"{value} is no address of a Dask scheduler, such as tcp://node1:8786", param, ctx)
+        return str(value)
+
+
+# The commands
 
 
 @click.command("merge")
@@ -125,7 +202,7 @@ def command(
     jobs: int | None,
     dask: str | None,
     shard: Shard | None,
-    measure: SweepMeasure | None,
+    measure: Measure | None,
     no_again: bool,
     csv: CsvTarget,
     overrides: dict[str, object],
@@ -251,7 +328,7 @@ def _report(
     plan: SweepPlan,
     store: Store,
     done: SweepProgress,
-    measure: SweepMeasure | None,
+    measure: Measure | None,
     workers: MakeWorkers,
     csv: CsvTarget,
     *,
@@ -260,8 +337,7 @@ def _report(
 ) -> None:
     """Train the best cell once more, and print what came of the whole."""
     from rl_tui.common.files import file_or_stream
-    from rl_tui.studies.sweeps.csv_rows import write_csv
-    from rl_tui.studies.sweeps.document import best_documents, json_pieces
+    from rl_tui.studies.sweeps.document import best_documents, json_pieces, write_csv
     from rl_tui.studies.sweeps.ranking import standings_of
     from rl_tui.studies.sweeps.sweep import run_again
 

@@ -26,7 +26,7 @@ import numpy as np
 
 from rl_tui.common.after_import import after_import
 from rl_tui.programs.watched.child.channel import Channel, Gate
-from rl_tui.programs.watched.child.line_trace import described, users_place
+from rl_tui.programs.watched.child.errors import described, users_place
 from rl_tui.programs.watched.child.making import Making
 from rl_tui.programs.watched.child.recorder import Recorder
 from rl_tui.programs.watched.child.script import read_script, run_script

@@ -6,15 +6,13 @@ from typing import Final
 
 from textual.app import ComposeResult
 from textual.containers import Container
-from textual.content import Content
 
 from rl_tui.agents.catalogue import parameters_of
-from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter
-from rl_tui.agents.idle_parameters import why_idle
+from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparameters, Parameter, why_idle
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.flip_answer import beyond
 from rl_tui.runs.recipe import Recipe
-from rl_tui.screen.draw.to_ascii import separated, to_ascii
+from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.panel import BORDER_ENDS, BoardPanel, Legend, LegendSign, legend_text
 from rl_tui.screen.kit.snapshot_facts import is_secret, keeps_back
 from rl_tui.screen.panels.controls.settings import AgentSettings
@@ -79,7 +77,6 @@ class Controls(Container, BoardPanel):
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)
         self._look = look
-        self._is_explained = False
         self.wanted = Hyperparameters()
         self.marks_all_flips = False
         """Whether the slider of γ marks every flip, not only those that turn the way from the start."""
@@ -90,16 +87,6 @@ class Controls(Container, BoardPanel):
     def has_slider(self, name: str) -> bool:
         """Return whether the hyper-parameter ``name`` has a slider here."""
         return any(parameter.name == name for parameter in self._parameters)
-
-    @property
-    def is_explained(self) -> bool:
-        """Whether caption and legend are on the border."""
-        return self._is_explained
-
-    @is_explained.setter
-    def is_explained(self, is_explained: bool) -> None:
-        self._is_explained = is_explained
-        self._write_border()
 
     def give_away(self, keys: frozenset[str]) -> None:
         """Say nothing of ``keys``, as people see them, as long as they are about something else."""
@@ -112,15 +99,14 @@ class Controls(Container, BoardPanel):
     def _write_border(self) -> None:
         look = self._look
         title, legend = "Controls", ""
-        if self._is_explained:
+        if self.is_explained:
             signs = tuple(
                 LegendSign(to_ascii(each.symbol, look.glyphs), each.short_name, look.palette.text)
                 for each in self._parameters
             )
             title = f"Controls · {self.caption}"
             legend = self._legend(signs)
-        self.border_title = Content(separated(title, look.glyphs))
-        self.border_subtitle = Content(separated(legend, look.glyphs))
+        self.write_border(title, legend, look.glyphs)
 
     def _legend(self, signs: Legend) -> str:
         """Return ``signs`` behind that of a flip, which comes later, where that moves none of them."""
@@ -142,8 +128,25 @@ class Controls(Container, BoardPanel):
         yield Container(*self._sliders.values(), id="sliders")
         yield AgentSettings(self._look, id="settings")
 
-    def show(self, snapshot: Snapshot) -> None:
+    def depends_on(self, snapshot: Snapshot) -> object:
+        """Return what is in force and what is wanted, the speed, and the flips that may be marked."""
+        agent, playback, episode = snapshot.agent, snapshot.playback, snapshot.counters.episodes
+        values = agent.hyperparameters
+        return (
+            *(agent.algorithm, values, self.wanted, isinstance(snapshot.world.drawing, Arms)),
+            *(values.alpha_at(episode), values.epsilon_at(episode)),
+            *(snapshot.recipe.seed, playback.phase, playback.speed),
+            *(snapshot.run_group.shown, len(snapshot.run_group.lanes)),
+            *(self.marks_all_flips, snapshot.answers.flips, snapshot.answers.is_hidden),
+            snapshot.answers.kept_back,
+        )
+
+    def redraw(self) -> None:
         """Show the settings in force, and what is wanted on the sliders."""
+        self._write_border()
+        snapshot = self.snapshot
+        if snapshot is None:
+            return
         self.query_one(AgentSettings).show(snapshot)
         agent, is_bandit = snapshot.agent, isinstance(snapshot.world.drawing, Arms)
         parameters = sliders_of(agent.algorithm, agent.hyperparameters, is_bandit=is_bandit)

@@ -13,8 +13,7 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from rl_tui.agents.catalogue import POLICY_BY_ID, parameters_of
-from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter
-from rl_tui.agents.idle_parameters import why_idle
+from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter, why_idle
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.glyphs import Glyphs

@@ -8,21 +8,23 @@ from rich.cells import cell_len
 from textual.strip import Strip
 
 from rl_tui.agents.catalogue import algorithm_row
-from rl_tui.live.snapshot import Snapshot
+from rl_tui.live.snapshot import Phase, Snapshot
+from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.runs.recipe import Recipe
 from rl_tui.screen.draw.canvas import Piece, strips_of
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.scale import Scale, settled
 from rl_tui.screen.draw.to_ascii import separated
 from rl_tui.screen.kit.panel import Legend, LegendSign, Panel, legend_text
-from rl_tui.screen.kit.snapshot_facts import is_new_run, passes_too_fast
+from rl_tui.screen.kit.snapshot_facts import has_estimates, is_new_run, passes_too_fast
 from rl_tui.screen.panels.curve.chart import draw_chart, plot_columns, plot_of
-from rl_tui.screen.panels.curve.data import CurveData, curve_data, unit_of
+from rl_tui.screen.panels.curve.data import CurveData, curve_data, is_decided, unit_of
 from rl_tui.screen.panels.curve.lane_text import lane_remark, lane_titles, steps_note
 from rl_tui.screen.panels.curve.seed_band import seed_bands, seed_sign, with_room_for
 from rl_tui.screen.panels.curve.text import all_words, below_note, decimals_for, gap_note, remark, titles
 from rl_tui.screen.panels.curve.words import TITLES
 from rl_tui.screen.panels.curve.world_marks import world_signs
+from rl_tui.screen.panels.policies.studied import studied_answer
 from rl_tui.worlds.drawing import Arms
 
 WAITING: Final = "the world is being built"
@@ -56,10 +58,25 @@ class ReturnCurve(Panel, can_focus=True):
             self._hints = hints
             self.redraw()
 
+    def depends_on(self, snapshot: Snapshot) -> object:
+        """Return results, exact answers and how the agent explores; of estimates only whether they differ."""
+        values, episodes = snapshot.agent.hyperparameters, snapshot.counters.episodes
+        answers, playback, lanes = snapshot.answers, snapshot.playback, snapshot.run_group.lanes
+        return (
+            *(snapshot.world, snapshot.world_changes, snapshot.results, snapshot.study),
+            *(snapshot.agent.algorithm, values.policy, values.epsilon_at(episodes), is_decided(snapshot)),
+            *(episodes, snapshot.program is None, has_estimates(snapshot), snapshot.timeline.in_past),
+            *(snapshot.exact_answer.expected_return, snapshot.exact_answer.refused),
+            *(answers.is_hidden, answers.kept_back, answers.first_update, answers.studied),
+            *(answers.policies.get(PolicyKind.BEHAVIOUR), studied_answer(snapshot)),
+            *(playback.phase is Phase.SPENT, passes_too_fast(snapshot), snapshot.run_group.shown),
+            *((each.name, each.algorithm, each.episodes, each.results) for each in lanes),
+        )
+
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``; the past of a run has the same axis as its present."""
         if is_new_run(self.snapshot, snapshot):
-            self.scale = None
+            self.scale = self.drawn_from = None
         super().show(snapshot)
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:

@@ -190,7 +190,7 @@ def curve_data(snapshot: Snapshot) -> CurveData:
         has_key=not keeps_back(snapshot, "answer"),
         barren=_barren(snapshot),
         unlearned=_is_unlearned(snapshot),
-        is_decided=_is_decided(snapshot),
+        is_decided=is_decided(snapshot),
         greedy_ends=None if hidden else snapshot.results.greedy_ends,
         acting_now=_acting(snapshot),
         studied=_studied(snapshot),
@@ -268,7 +268,8 @@ def _greedy(results: RunResults, episodes: int) -> Steps:
     return Steps(episode, end, value, value)
 
 
-def _is_decided(snapshot: Snapshot) -> bool:
+def is_decided(snapshot: Snapshot) -> bool:
+    """Return whether the greedy policy has a return and somewhere one action is estimated above another."""
     if snapshot.results.greedy_return is None:  # then nothing is said of the greedy policy
         return False
     space, q = snapshot.world.space, snapshot.agent.q

@@ -21,7 +21,7 @@ from rl_tui.screen.kit.snapshot_facts import recent_name
 from rl_tui.screen.panels.curve import words
 from rl_tui.screen.panels.curve.data import CurveData
 from rl_tui.screen.panels.policies.names import POLICY_NAMES
-from rl_tui.screen.panels.policies.table import cost_of_exploring
+from rl_tui.screen.panels.policies.notes import cost_of_exploring
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 

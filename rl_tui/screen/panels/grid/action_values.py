@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import lru_cache, partial
 from typing import Final, NamedTuple
 
 from rich.style import Style
+from textual.strip import Strip
 
 from rl_tui.screen.draw.block_signs import Direction
 from rl_tui.screen.draw.canvas import Canvas
 from rl_tui.screen.draw.number_form import NumberForm
 from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.action_form import FRAME, ActionForm, Places, side_of
-from rl_tui.screen.panels.grid.cells import CellArtist, Drawn
+from rl_tui.screen.panels.grid.cells import MOST_ROWS, CellArtist, Drawn, Face, strips_of_row
 from rl_tui.screen.panels.grid.form import LEAST_DIGITS, CellForm
 from rl_tui.screen.panels.grid.map import PLAIN, ActionValue, CellContent, Sign
 from rl_tui.screen.panels.grid.marks import mark_of, put_reward, reward_text, sign_text, value_text
@@ -39,7 +39,10 @@ class ActionEntry(NamedTuple):
 
 
 class ActionFace(NamedTuple):
-    """All that makes a cell look as it does. See :class:`CellContent`."""
+    """All that makes a cell look as it does. See :class:`CellContent`.
+
+    Numbers on its sides take ``field`` characters, which may be fewer than there is room for.
+    """
 
     kind: CellKind
     agent: bool
@@ -52,6 +55,7 @@ class ActionFace(NamedTuple):
     name: str
     edit_marks: EditMarks
     way: Direction | None
+    field: int
 
 
 class ActionArtist:
@@ -62,6 +66,7 @@ class ActionArtist:
         self.form = form
         self._idle = CellArtist(look, CellForm(form.width, form.height))  # without values
         # what looks the same is drawn once
+        self.strips = lru_cache(MOST_ROWS)(self._strips)
         self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
         self._text = lru_cache(_MOST_TEXTS)(partial(value_text, look=look))
 
@@ -69,20 +74,20 @@ class ActionArtist:
         """Return how a cell without other signs shows what it pays."""
         return reward_text(reward, _reward_room(self.form), self.look)
 
-    def drawn(self, cells: Sequence[CellContent], scale: ValueScale, number_form: NumberForm) -> list[Drawn]:
-        """Return the rows of each of ``cells``, each action tinted by its value on ``scale``."""
-        faces = [self._face(cell, scale, number_form) if cell.actions else None for cell in cells]
-        field = max(LEAST_DIGITS, number_form.cells)  # of the widest number so far: they stay as wide
-        return [
-            self._drawn(face, field) if face is not None else self._idle.drawn((cell,), scale, number_form)[0]
-            for face, cell in zip(faces, cells, strict=True)
-        ]
+    def _strips(self, faces: tuple[ActionFace | Face, ...], left: int, width: int) -> tuple[Strip, ...]:
+        """Return a row of cells with these ``faces``."""
+        cells = [self._idle.drawn(each) if isinstance(each, Face) else self._drawn(each) for each in faces]
+        return strips_of_row(cells, left, width, self.look.palette.text)
 
-    def _face(self, cell: CellContent, scale: ValueScale, number_form: NumberForm) -> ActionFace:
+    def face(self, cell: CellContent, scale: ValueScale, number_form: NumberForm) -> ActionFace | Face:
+        """Return how ``cell`` looks, each action tinted by its value on ``scale``."""
+        if not cell.actions:
+            return self._idle.face(cell, scale, number_form)
+        field = max(LEAST_DIGITS, number_form.cells)  # of the widest number so far: they stay as wide
         entries = tuple(self._entry(action, scale, number_form) for action in cell.actions)
         extra = cell.extra or PLAIN
         marks = cell.reward, cell.stops, cell.cursor, cell.differs, extra.trace, extra.name, extra.marks
-        return ActionFace(cell.kind, cell.agent, entries, *marks, extra.way)
+        return ActionFace(cell.kind, cell.agent, entries, *marks, extra.way, field)
 
     def _entry(self, action: ActionValue, scale: ValueScale, number_form: NumberForm) -> ActionEntry:
         palette = self.look.palette
@@ -95,15 +100,14 @@ class ActionArtist:
         return ActionEntry(sign, text, style, is_new, is_greedy)
 
 
-def _drawn(face: ActionFace, field: int, form: ActionForm, look: Look) -> Drawn:
-    """Return the rows of a cell; on its sides numbers take ``field`` characters, which may be fewer."""
+def _drawn(face: ActionFace, form: ActionForm, look: Look) -> Drawn:
     canvas = Canvas(form.width, form.height, look.palette.text)
     if form.places.is_list:
         _draw_list(canvas, face, form, look)
     elif form.places is Places.TINTS:
         _draw_tints(canvas, face, form, look)
     else:
-        _draw_sides(canvas, face, form._replace(digits=field), look)
+        _draw_sides(canvas, face, form._replace(digits=face.field), look)
     put_marks(canvas, face.edit_marks, (form.width - 1, 0), look)
     put_trail(canvas, face.trace, look, inner=form.width, ink=Style.null())
     return [list(strip) for strip in canvas.strips()]

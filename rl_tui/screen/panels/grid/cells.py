@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache, partial
+from itertools import chain
 from typing import Final, NamedTuple
 
 from rich.segment import Segment
 from rich.style import Style
+from textual.strip import Strip
 
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.block_signs import Direction, SignName, block_sign, sign_size
@@ -41,10 +43,24 @@ _LEADS: Final = 4
 _MOST_KEPT: Final = 20_000
 _LEAST_STAR: Final = 4  # rows of a cell
 _BOLD: Final = Style(bold=True)
+MOST_ROWS: Final = 512
 
 _ALIVE: Final = (CellKind.FLOOR, CellKind.START)
 
 Drawn = list[list[Segment]]
+
+
+def strips_of_row(cells: Sequence[Drawn], left: int, width: int, style: Style) -> tuple[Strip, ...]:
+    """Return the strips of ``width`` characters for a row of ``cells``, which begins at column ``left``."""
+    strips = []
+    for lines in zip(*cells, strict=True):
+        inside = list(chain.from_iterable(lines))
+        taken = left + sum(len(each.text) for each in inside)
+        before = [Segment(" " * left, style)] if left else []
+        after = [Segment(" " * (width - taken), style)] if taken < width else []
+        strip = Strip(Segment.simplify([*before, *inside, *after]), max(taken, width))
+        strips.append(strip if taken <= width else strip.adjust_cell_length(width, style))
+    return tuple(strips)
 
 
 class Face(NamedTuple):
@@ -81,33 +97,34 @@ class CellArtist:
             CellKind.WALL: palette.wall,
             CellKind.CLIFF: palette.cliff,
         }
-        self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
+        # what looks the same is drawn once
+        self.strips = lru_cache(MOST_ROWS)(self._strips)
+        self.drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
         self._text = lru_cache(_MOST_KEPT)(partial(value_text, look=look))
 
-    def drawn(self, cells: Sequence[CellContent], scale: ValueScale, number_form: NumberForm) -> list[Drawn]:
-        """Return the rows of each of ``cells``, tinted by its value on ``scale``."""
-        clear = CLEAR_LEAD * (scale.high - scale.low)
-        number_form = number_form._replace(leading_zero=False)
-        return [self._drawn(self._face(cell, scale, clear, number_form)) for cell in cells]
+    def _strips(self, faces: tuple[Face, ...], left: int, width: int) -> tuple[Strip, ...]:
+        """Return a row of cells with these ``faces``."""
+        return strips_of_row([self.drawn(face) for face in faces], left, width, self.look.palette.text)
 
     def shown_reward(self, reward: CellReward) -> str:
         """Return how a cell without other signs shows what it pays."""
         # a single row has one character for it, two rows have arrows beside it
         return reward_text(reward, self.form.width if self.form.height > 2 else 1, self.look)
 
-    def _face(self, cell: CellContent, scale: ValueScale, clear: float, number_form: NumberForm) -> Face:
+    def face(self, cell: CellContent, scale: ValueScale, number_form: NumberForm) -> Face:
+        """Return how ``cell`` looks, tinted by its value on ``scale``; fractions are ``.54``."""
         palette, extra = self.look.palette, cell.extra or PLAIN
+        marks = cell.reward, cell.stops, cell.cursor, cell.differs, extra
         if cell.value is None:
             style = self._end_styles.get(cell.kind, palette.unvisited)
-            marks = cell.reward, cell.stops, cell.cursor, cell.differs, extra
             return Face(cell.kind, cell.agent, None, (), style, _LEADS, *marks)
         style = scale.style(cell.value, palette) if cell.known else palette.unvisited
         if abs(cell.value) < numbers.NEGLIGIBLE:
             text = "0" if cell.known else ""
         else:
-            text = self._text(cell.value, number_form)
+            text = self._text(cell.value, number_form._replace(leading_zero=False))
+        clear = CLEAR_LEAD * (scale.high - scale.low)
         lead = _LEADS if cell.lead >= clear else int(_LEADS * cell.lead / clear)
-        marks = cell.reward, cell.stops, cell.cursor, cell.differs, extra
         return Face(cell.kind, cell.agent, text, cell.greedy, style, lead, *marks)
 
 

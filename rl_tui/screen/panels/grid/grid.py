@@ -6,7 +6,6 @@ A map larger than the panel is cut to the part around the agent or the cursor.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import chain
 from typing import Final
 
 from rich.segment import Segment
@@ -18,7 +17,7 @@ from rl_tui.runs.large_worlds import is_large
 from rl_tui.screen.draw.number_form import SteadyForms
 from rl_tui.screen.kit.counterparts import are_same_size
 from rl_tui.screen.kit.numbers_in_common import all_q, all_v, ends
-from rl_tui.screen.kit.panel import BoardPanel, Legend, LegendSign
+from rl_tui.screen.kit.panel import BoardPanel, LegendSign
 from rl_tui.screen.kit.scrolling import Scrolled, kept_in_view, scrolled_to
 from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.action_form import ActionForm, part_form, whole_map_form
@@ -111,19 +110,13 @@ def draw_grid(
     """
     form, text = artist.form, artist.look.palette.text
     number_form = number_forms.form(type(form).__name__, values, form.digits, most=_DECIMALS)
-    drawn = artist.drawn(cells, scale, number_form)
+    faces = [artist.face(cell, scale, number_form) for cell in cells]
     left, top = origin(form, part, width, height)
-    taken = left + part.columns * form.width
-    before = [Segment(" " * left, text)] if left else []
-    after = [Segment(" " * (width - taken), text)] if taken < width else []
-    strips = [Strip([Segment(" " * width, text)], width)] * top
-    for row in range(part.rows):
-        faces = drawn[row * part.columns : (row + 1) * part.columns]
-        for line in range(form.height):
-            segments = chain(before, chain.from_iterable(face[line] for face in faces), after)
-            strip = Strip(Segment.simplify(segments), max(taken, width))
-            strips.append(strip if taken <= width else strip.adjust_cell_length(width, text))
-    return strips + [Strip([Segment(" " * width, text)], width)] * (height - len(strips))
+    blank = Strip([Segment(" " * width, text)], width)
+    strips = [blank] * top
+    for first in range(0, len(faces), part.columns):
+        strips += artist.strips(tuple(faces[first : first + part.columns]), left, width)
+    return strips + [blank] * (height - len(strips))
 
 
 # The panel
@@ -384,11 +377,8 @@ class GridView(WorldView):
         has_names = 0 < self._longest_name <= self._room_for_names(form) and not form.has_values
         return self._own_name.rjust(self._longest_name) if has_names and not self._action_form else ""
 
-    def signs(self) -> Legend:
-        """Return the signs of cells that this map has."""
-        return tuple(self._signs())
-
-    def _signs(self) -> Iterator[LegendSign]:
+    def signs(self) -> Iterator[LegendSign]:
+        """Yield the signs of cells that this map has."""
         palette, glyphs = self.look.palette, self.look.glyphs
         form, signs, actions = self._form, self._map.signs, self._action_form
         name = self._name_beside_arrows(form) if form else ""

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Final
 
 from textual.strip import Strip
@@ -43,6 +44,9 @@ class StepWriter:
         self._story = words.story
         self._last = words.story.last
         self._look = look
+        self._dim = partial(Piece, style=look.palette.dim)
+        self._plain = partial(Piece, style=look.palette.text)
+        self._strong = partial(Piece, style=look.palette.strong)
         self._minus = look.glyphs.minus
         self._times = f" {look.glyphs.times} "
 
@@ -372,15 +376,6 @@ class StepWriter:
 
     def _label(self, text: str) -> Piece:
         return self._dim(f" {text:<{_LABEL}}" if self.width >= _ROOM_FOR_LABELS else " ")
-
-    def _dim(self, text: str) -> Piece:
-        return Piece(text, self._look.palette.dim)
-
-    def _plain(self, text: str) -> Piece:
-        return Piece(text, self._look.palette.text)
-
-    def _strong(self, text: str) -> Piece:
-        return Piece(text, self._look.palette.strong)
 
     def _fitting(self, forms: Iterable[Line]) -> Line:
         return first_that_fits(forms, self.width, self._look)

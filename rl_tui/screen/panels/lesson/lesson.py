@@ -12,7 +12,7 @@ from textual.strip import Strip
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw.canvas import strips_of
 from rl_tui.screen.kit.bindings import binding
-from rl_tui.screen.kit.scrolled_panel import ScrolledPanel, scroll_bindings
+from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
 from rl_tui.screen.panels.lesson.page_lines import Spotlight, page_lines
 from rl_tui.screen.panels.lesson.stage import PageStage, open_page, page_place, stage_of
 from rl_tui.screen.panels.lesson.words import next_keys, summary_line

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-
-from rich.style import Style
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final, NamedTuple
 
 from rl_tui.lessons.file.schema import Ask, Page, Task
 from rl_tui.lessons.file.view import NO_STEP, ConditionView, Given, LessonView
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.draw.canvas import Line, Piece, wrapped
+from rl_tui.screen.draw.canvas import Line, Piece
+from rl_tui.screen.kit.blocks import BLANK, Block, Flow, Labelled, Row, Text
 from rl_tui.screen.panels.lesson.prose import prose_lines
 from rl_tui.screen.panels.lesson.stage import PageStage, open_page, stage_of, steps_to_truth
 from rl_tui.screen.panels.lesson.words import (
@@ -26,7 +26,7 @@ from rl_tui.screen.panels.lesson.words import (
 )
 from rl_tui.screen.theme.look import Look
 
-_MARGIN = 1
+_SIGN: Final = 3  # cells of a sign before a text
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,23 +41,48 @@ class Spotlight:
     key: str = ""
 
 
-@dataclass(slots=True)
-class PageLines:
+class PageLines(NamedTuple):
     """The lines of a page; ``news`` is the place of what came last: answer, hint or explanation."""
 
-    lines: list[Line] = field(default_factory=list)
-    news: int = 0
+    lines: list[Line]
+    news: int
 
 
 def page_lines(
     view: LessonView, snapshot: Snapshot, look: Look, width: int, spotlight: Spotlight | None = None
 ) -> PageLines:
     """Return the open page in ``width`` cells, all of it."""
-    return _Writer(view, snapshot, look, width).written(spotlight)
+    lines: list[Line] = []
+    news = 0
+    for block in _Page(view, snapshot, look).blocks(spotlight):
+        if block is _NEWS:
+            news = len(lines)
+        elif block is not BLANK or (lines and lines[-1]):
+            lines += block.lines(max(1, width - 1), look)
+    return PageLines(lines, news)
 
 
-class _Writer:
-    def __init__(self, view: LessonView, snapshot: Snapshot, look: Look, width: int) -> None:
+_NEWS: Final = Flow(())
+"""What stands below it came last."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Prose:
+    """A text with paragraphs, lists and equations."""
+
+    text: str
+
+    def lines(self, width: int, look: Look) -> Sequence[Line]:
+        """Return its lines behind a margin."""
+        margin = Piece(" ", look.palette.text)
+        lines = prose_lines(self.text, max(1, width - 1), look)
+        return [[margin, *line] if line else [] for line in lines]
+
+
+class _Page:
+    """What stands on the open page, where it has come to."""
+
+    def __init__(self, view: LessonView, snapshot: Snapshot, look: Look) -> None:
         self._view = view
         self._record = view.record
         self._page: Page = open_page(view.record)
@@ -65,118 +90,97 @@ class _Writer:
         self._stage = stage_of(view, snapshot)
         self._look = look
         self._palette = look.palette
-        self._room = max(1, width - 2 * _MARGIN)
-        self._out = PageLines()
 
-    def written(self, spotlight: Spotlight | None) -> PageLines:
-        page = self._page
-        self._say(page.title, is_strong=True)
+    def blocks(self, spotlight: Spotlight | None) -> Iterator[Block]:
+        page, stage = self._page, self._stage
+        yield Text(page.title, self._palette.strong)
         if spotlight is not None:
-            self._look_at(spotlight)
+            yield self._look_at(spotlight)
         if page.text:
-            self._gap()
-            self._prose(page.text)
+            yield from (BLANK, _Prose(page.text))
         if page.prediction is not None:
-            self._prediction(page.prediction)
+            yield from self._prediction(page.prediction)
         if page.question is not None:
-            self._question(page.question)
+            yield from self._question(page.question)
         if page.task is not None:
-            self._task(page.task)
-        if page.explanation and self._stage in (PageStage.TOLD, PageStage.ANSWERED, PageStage.PASSED):
-            self._gap()
-            self._prose(page.explanation)
-        if self._stage is PageStage.TO_READ and page.explanation:
-            self._gap()
-            self._prose(page.explanation)
-        return self._out
+            yield from self._task(page.task)
+        explains = (PageStage.TO_READ, PageStage.TOLD, PageStage.ANSWERED, PageStage.PASSED)
+        if page.explanation and stage in explains:
+            yield from (BLANK, _Prose(page.explanation))
 
-    def _prediction(self, ask: Ask) -> None:
-        self._head("Guess" if self._page.guess else "Predict")
-        self._prose(ask.ask)
-        given = self._record.given_on(self._page.id)
+    def _prediction(self, ask: Ask) -> Iterator[Block]:
+        palette, given = self._palette, self._record.given_on(self._page.id)
+        yield from self._head("Guess" if self._page.guess else "Predict")
+        yield _Prose(ask.ask)
         if given is None:
-            self._choices(ask)
-            self._gap()
-            self._key("A", "say what you expect; no step is taken before")
+            yield from self._choices(ask)
+            yield from (BLANK, self._key("A", "say what you expect; no step is taken before"))
             return
-        self._gap()
-        self._news()
-        self._locked(ask, given)
+        yield from (BLANK, _NEWS, self._locked(ask, given))
         missing = steps_to_truth(ask, given, self._snapshot)
         if missing:
             to_go = f": {missing:,} to go" if missing < ask.steps else ""
-            self._say(f"The truth comes {counted(ask.steps, 'step')} later{to_go}.", is_dim=True)
+            yield Text(f"The truth comes {counted(ask.steps, 'step')} later{to_go}.", palette.dim)
             return
         truth = truth_text(ask, given, self._look.glyphs)
-        self._row([verdict_piece(given.is_right, self._look), Piece(truth, self._palette.text)])
-        self._in_run(ask)
-        self._reply(reply_to(ask, given.answer, is_right=given.is_right))
-        if self._page.guess:
-            self._say(NOT_COUNTED, is_dim=True)
-            return
+        yield self._row(verdict_piece(given.is_right, self._look), Piece(truth, palette.text))
+        yield from self._in_run(ask)
+        yield _Prose(reply_to(ask, given.answer, is_right=given.is_right))
         right, made = self._record.predictions
-        self._say(f"{right} of {counted(made, 'prediction')} right so far.", is_dim=True)
+        told = f"{right} of {counted(made, 'prediction')} right so far."
+        yield Text(NOT_COUNTED if self._page.guess else told, palette.dim)
 
-    def _in_run(self, ask: Ask) -> None:
+    def _in_run(self, ask: Ask) -> Iterator[Block]:
         in_run = self._view.in_run
         if in_run is None:
             return
-        self._say(f"In your run: {in_run_text(in_run, self._look.glyphs)}", is_strong=True)
+        yield Text(f"In your run: {in_run_text(in_run, self._look.glyphs)}", self._palette.strong)
         if went_another_way(ask, in_run):
-            self._say("Your run went another way: b goes back, N sets it up again.")
+            yield Text("Your run went another way: b goes back, N sets it up again.", self._palette.text)
 
-    def _locked(self, ask: Ask, given: Given) -> None:
+    def _locked(self, ask: Ask, given: Given) -> Block:
         at = "" if given.step == NO_STEP else f" at step {given.step:,}"
         said = answer_text(ask, given.answer, self._look.glyphs)
         text = f"You said: {said} (locked{at})" if ask.choices else f"You said {said}{at}; locked."
-        self._say(text, is_strong=True)
+        return Text(text, self._palette.strong)
 
-    def _question(self, ask: Ask) -> None:
-        self._head("Question")
-        self._prose(ask.ask)
+    def _question(self, ask: Ask) -> Iterator[Block]:
+        yield from self._head("Question")
+        yield _Prose(ask.ask)
         given = self._record.last_given_on(self._page.id)
-        if given is None:
-            self._choices(ask)
-            self._gap()
-            self._key("A", "answer")
-            return
-        self._gap()
-        self._news()
-        said = answer_text(ask, given.answer, self._look.glyphs)
-        self._row([verdict_piece(given.is_right, self._look), Piece(f" – {said}", self._palette.text)])
-        self._reply(reply_to(ask, given.answer, is_right=given.is_right))
-        if not given.is_right:
-            self._gap()
-            self._choices(ask)
-            self._gap()
-            self._key("A", "try again")
+        if given is not None:
+            said = answer_text(ask, given.answer, self._look.glyphs)
+            verdict = verdict_piece(given.is_right, self._look)
+            yield from (BLANK, _NEWS, self._row(verdict, Piece(f" – {said}", self._palette.text)))
+            yield _Prose(reply_to(ask, given.answer, is_right=given.is_right))
+            if given.is_right:
+                return
+            yield BLANK
+        yield from self._choices(ask)
+        yield from (BLANK, self._key("A", "answer" if given is None else "try again"))
 
-    def _choices(self, ask: Ask) -> None:
-        for choice in ask.choices:
-            self._prose(f"- {choice.text}")
+    def _choices(self, ask: Ask) -> Iterator[Block]:
+        return (_Prose(f"- {choice.text}") for choice in ask.choices)
 
-    def _task(self, task: Task) -> None:
-        self._head("Do")
-        self._prose(task.do)
-        self._gap()
+    def _task(self, task: Task) -> Iterator[Block]:
+        yield from self._head("Do")
+        yield from (_Prose(task.do), BLANK)
         view = self._view.task
         is_passed = self._stage is PageStage.PASSED
         for condition in self._conditions(task):
-            sign = condition_sign(condition.holds, self._look)
             found = f" ({condition.found})" if condition.found else ""
-            self._beside(sign, condition.text, found)
-        if view is not None and view.waits and not is_passed:
-            self._say(view.waits, is_dim=True)
-        self._remarks(() if view is None else view.remarks)
+            yield self._beside(condition_sign(condition.holds, self._look), f"{condition.text}{found}")
+        if view is not None:
+            yield Text("" if is_passed else view.waits, self._palette.dim)
+            yield from (BLANK, _NEWS) if view.remarks else ()
+            for remark in view.remarks:  # what was found of a program
+                yield self._beside(Piece(self._look.glyphs.cursor, self._palette.strong), remark)
         if not is_passed:
-            self._hints(task)
-            self._gap()
-            self._what_to_press(task)
+            yield from self._hints(task)
+            yield from (BLANK, *self._what_to_press(task))
             return
-        self._gap()
-        self._news()
-        self._row([Piece(f"{self._look.glyphs.holds} PASSED", self._palette.good)])
-        self._hints(task)
+        yield from (BLANK, _NEWS, self._row(Piece(f"{self._look.glyphs.holds} PASSED", self._palette.good)))
+        yield from self._hints(task)
 
     def _conditions(self, task: Task) -> Sequence[ConditionView]:
         """Return how the conditions stood when the task was passed, until then how they stand.
@@ -188,92 +192,45 @@ class _Writer:
             return [ConditionView(each.text, True) for each in task.conditions]
         return () if self._view.task is None else self._view.task.conditions
 
-    def _remarks(self, remarks: Sequence[str]) -> None:
-        """Write what was found of a program, each with a sign of its own."""
-        if not remarks:
-            return
-        self._gap()
-        self._news()
-        for remark in remarks:
-            self._beside(Piece(self._look.glyphs.cursor, self._palette.strong), remark)
-
-    def _what_to_press(self, task: Task) -> None:
+    def _what_to_press(self, task: Task) -> Iterator[Block]:
+        dim = self._palette.dim
         if task.program is None:
-            dim = self._palette.dim
-            self._beside(Piece("A", dim), "if you think that it cannot be done", style=dim)
+            yield Labelled("A", dim, _SIGN, Text("if you think that it cannot be done", dim, "", ""))
             return
-        self._key("A", f"writes {task.program.file}, and once it is there checks it")
-        self._say(f"rl-tui watch {task.program.file} in another terminal shows it at work.", is_dim=True)
+        yield self._key("A", f"writes {task.program.file}, and once it is there checks it")
+        yield Text(f"rl-tui watch {task.program.file} in another terminal shows it at work.", dim)
 
-    def _hints(self, task: Task) -> None:
-        all_hints = [*task.hints, *([task.solution] if task.solution else [])]
-        asked = min(self._record.hints_on(self._page.id), len(all_hints))
-        for number, hint in enumerate(all_hints[:asked], start=1):
-            is_solution = bool(task.solution) and number == len(all_hints)
-            self._gap()
-            if number == asked and self._stage is not PageStage.PASSED:
-                self._news()
-            self._say("Solution" if is_solution else f"Hint {number} of {len(task.hints)}", is_strong=True)
-            self._prose(hint)
-        if self._stage is not PageStage.PASSED and asked < len(all_hints):
-            is_solution = bool(task.solution) and asked + 1 == len(all_hints)
-            self._gap()
-            self._key("H", "the solution" if is_solution else f"hint {asked + 1} of {len(task.hints)}")
+    def _hints(self, task: Task) -> Iterator[Block]:
+        hints = {f"hint {number} of {len(task.hints)}": each for number, each in enumerate(task.hints, 1)}
+        hints |= {"solution": task.solution} if task.solution else {}
+        asked, is_passed = self._record.hints_on(self._page.id), self._stage is PageStage.PASSED
+        for number, (name, hint) in enumerate(hints.items(), start=1):
+            if number <= asked:
+                yield BLANK
+                if number == min(asked, len(hints)) and not is_passed:
+                    yield _NEWS
+                yield from (Text(name.capitalize(), self._palette.strong), _Prose(hint))
+        if not is_passed and asked < len(hints):
+            following = list(hints)[asked]
+            yield from (BLANK, self._key("H", "the solution" if following == "solution" else following))
 
-    def _reply(self, text: str) -> None:
-        if text:
-            self._prose(text)
-
-    def _look_at(self, spotlight: Spotlight) -> None:
+    def _look_at(self, spotlight: Spotlight) -> Block:
         mark = self._look.glyphs.cursor
         opens = f": {spotlight.key} opens it" if spotlight.key else ": not in view here, f zooms a panel"
         where = "" if spotlight.is_seen else opens
-        self._row([Piece(f"{mark} look at {spotlight.title}{where}", self._palette.strong)])
+        return self._row(Piece(f"{mark} look at {spotlight.title}{where}", self._palette.strong))
 
-    # How it is written
+    def _head(self, text: str) -> Sequence[Block]:
+        return BLANK, self._row(Piece(text, self._palette.strong))
 
-    def _news(self) -> None:
-        """Note that what is written next came last."""
-        self._out.news = len(self._out.lines)
+    def _key(self, key: str, does: str) -> Block:
+        return self._beside(Piece(key, self._palette.press), does)
 
-    def _gap(self) -> None:
-        if self._out.lines and self._out.lines[-1]:
-            self._out.lines.append([])
+    def _beside(self, sign: Piece, text: str) -> Block:
+        return Labelled(sign.text, sign.style, _SIGN, Text(text, self._palette.text, "", ""))
 
-    def _head(self, text: str) -> None:
-        self._gap()
-        self._row([Piece(text, self._palette.strong)])
-
-    def _key(self, key: str, does: str) -> None:
-        self._beside(Piece(key, self._palette.press), does)
-
-    def _say(self, text: str, *, is_strong: bool = False, is_dim: bool = False) -> None:
-        palette = self._palette
-        style = palette.strong if is_strong else palette.dim if is_dim else palette.text
-        for line in wrapped(text, self._room, style, self._look):
-            self._put(line)
-
-    def _beside(self, sign: Piece, text: str, note: str = "", style: Style | None = None) -> None:
-        """Write ``text`` behind ``sign``, its further lines below its first."""
-        room = max(1, self._room - 2)
-        lines = wrapped(f"{text}{note}", room, style or self._palette.text, self._look)
-        for number, line in enumerate(lines):
-            first = sign if not number else Piece(" ", sign.style)
-            self._put([first, Piece(" ", self._palette.text), *line])
-
-    def _row(self, pieces: Sequence[Piece]) -> None:
-        """Write ``pieces`` in a row, in further ones of the last one's style where they are too long."""
-        first, *rest = pieces
-        text = "".join(piece.text for piece in rest)
-        lines = wrapped(f"{first.text}{text}", self._room, first.style, self._look, "", "  ")
-        self._put([first, *rest] if len(lines) == 1 else lines[0])
-        for line in lines[1:]:
-            self._put(line)
-
-    def _prose(self, text: str) -> None:
-        for line in prose_lines(text, self._room, self._look):
-            self._put(line)
-
-    def _put(self, line: Line) -> None:
-        margin = Piece(" " * _MARGIN, self._palette.text)
-        self._out.lines.append([margin, *line] if line else [])
+    def _row(self, *pieces: Piece) -> Block:
+        """Return ``pieces`` in a row, in further ones of the first one's style where they are too long."""
+        text = "".join(piece.text for piece in pieces)
+        whole = [Piece(" ", self._palette.text), *pieces]
+        return Row(whole, instead=[Text(text, pieces[0].style, rest="   ")])

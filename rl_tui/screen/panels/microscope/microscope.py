@@ -7,7 +7,6 @@ columns where there is room. While steps pass too fast, only the history of the 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
 from itertools import groupby
 from typing import ClassVar, Final
 
@@ -16,26 +15,23 @@ from rich.segment import Segment
 from textual.binding import BindingType
 from textual.strip import Strip
 
-from rl_tui.live.last_step.backup import Backup, Leaf
 from rl_tui.live.last_step.step_report import StepStory, story_of
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.timeline.table_samples import CellHistory
 from rl_tui.screen.draw import braille, names
-from rl_tui.screen.draw.action_order import shown_place
 from rl_tui.screen.draw.axes import draw_count_axis, draw_value_axis, value_axis_columns
 from rl_tui.screen.draw.braille import Steps
-from rl_tui.screen.draw.canvas import KEPT_BLANK, Canvas, Line, Piece, first_that_fits, strips_of, wrapped
+from rl_tui.screen.draw.canvas import KEPT_BLANK, Canvas, Line, Piece, length, spelled, strips_of
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.names import COUNTED
 from rl_tui.screen.draw.number_form import number_form
 from rl_tui.screen.draw.scale import round_range, round_scale
-from rl_tui.screen.kit.scrolled_panel import ScrolledPanel, scroll_bindings
+from rl_tui.screen.kit.blocks import Labelled, Row, Section, Text, stacked
+from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
 from rl_tui.screen.kit.snapshot_facts import is_secret, keeps_back, passes_too_fast
 from rl_tui.screen.panels.last_step.last_step import ENDED, ENDED_SWEEP, nothing_yet
 from rl_tui.screen.panels.last_step.words import StepWords, words_of
-from rl_tui.screen.panels.microscope.backup_columns import outcome_rows
-from rl_tui.screen.panels.microscope.section import MicroscopeSection, columns_of, stacked
-from rl_tui.screen.panels.microscope.targets import target_lines
+from rl_tui.screen.panels.microscope.backup import BACKUP_HEADING, backup_rows, backup_section
 from rl_tui.screen.panels.microscope.update import (
     RETURN_HEADING,
     RETURN_ROWS,
@@ -44,120 +40,9 @@ from rl_tui.screen.panels.microscope.update import (
     update_rows,
     update_section,
 )
-from rl_tui.screen.panels.model.bellman import means_key
+from rl_tui.screen.panels.model.pair import means_key
 from rl_tui.screen.panels.q_table.layers import exact_q
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
-from rl_tui.worlds.world import World
-
-# The backup as a tree
-
-
-BACKUP_HEADING: Final = "The backup"
-AFTER_END: Final = "the episode has ended: after its end there is nothing to look up"
-NOT_KNOWN: Final = "which estimates your program looked up is not known"
-MOST_LEAVES: Final = 8
-TARGET_ROWS: Final = 4
-_HEAD_ROWS: Final = 3
-_TRUNK: Final = 5  # the cells of the tree before the first column
-
-
-def backup_section(words: StepWords, look: Look, width: int, *, secret: Sequence[str]) -> MicroscopeSection:
-    """Return the tree over all outcomes and the targets below it.
-
-    ``secret`` stands in place of what true rewards decide, the longest form first; none where they may be
-    seen.
-    """
-    world, backup = words.story.world, words.story.backup
-    if backup is None:
-        text = _why_none(words)
-        waiting = wrapped(text, width, look.palette.dim, look, " ", " ")
-        return MicroscopeSection(BACKUP_HEADING, waiting, 1)
-    lines = _tree(world, backup, look, width, secret=bool(secret))
-    lines += [[Piece("", look.palette.text)]] * (_HEAD_ROWS + _leaf_rows(world) - len(lines))
-    lines += target_lines(words, backup, look, width, secret=secret)
-    return MicroscopeSection(BACKUP_HEADING, lines, backup_rows(world), _remarks(world, backup))
-
-
-def _why_none(words: StepWords) -> str:
-    """Return why there is no backup: nothing was looked up, it is not known what, or it is not the book's."""
-    story = words.story
-    if story.program is None or story.program.table is None or story.reads_by_the_book:
-        return story.terms.waiting
-    if story.last.terminated and not story.bootstraps:
-        return AFTER_END
-    if story.has_equation and words.bootstrap:
-        return f"your program looked up {words.bootstrap}: the book has no such backup"
-    return NOT_KNOWN  # the update says why
-
-
-def backup_rows(world: World) -> int:
-    """Return how many rows the tree of any pair of ``world`` and the targets take."""
-    return _HEAD_ROWS + _leaf_rows(world) + TARGET_ROWS
-
-
-def _remarks(world: World, backup: Backup) -> Sequence[str]:
-    if world.mdp is None:
-        return ("what else may follow is not known", "one sample")
-    return () if backup.is_current else ("estimates as they are now", "as they are now")
-
-
-@lru_cache(maxsize=1)  # one world is on screen; no other is kept alive
-def _most_outcomes(mdp: TabularMDP) -> int:
-    return int(np.diff(mdp.first_outcome).max())
-
-
-def _leaf_rows(world: World) -> int:
-    """Return how many rows the leaves of any pair of ``world`` take."""
-    return 1 if world.mdp is None else min(_most_outcomes(world.mdp), MOST_LEAVES)
-
-
-def _tree(world: World, backup: Backup, look: Look, width: int, *, secret: bool) -> list[Line]:
-    """Return the state, the action below it, and the leaves that hang from it."""
-    palette, glyphs = look.palette, look.glyphs
-    leaves = sorted(backup.leaves, key=lambda leaf: shown_place(world, leaf.action))
-    shown, left_out = _chosen(leaves)
-    heads, *rows = outcome_rows(world, backup, shown, look, width - _TRUNK, secret=secret)
-    state = names.state_name(world, backup.state, glyphs)
-    action = names.action_name(world, int(world.space.pair_action[backup.pair]), glyphs)
-    lines: list[Line] = [
-        [Piece(f" {glyphs.state_node} ", palette.strong), Piece(state, palette.text)],
-        [
-            Piece(f" {glyphs.axis_corner}", palette.dim),
-            Piece(f"{glyphs.action_node} ", palette.strong),
-            Piece(action, palette.text),
-        ],
-        [Piece(f"  {glyphs.thin_vertical}  ", palette.dim), Piece(heads, palette.dim)],
-    ]
-    for number, (leaf, row_text) in enumerate(zip(shown, rows, strict=True), start=1):
-        is_last = number == len(shown) and not left_out
-        mark = Piece(f" {glyphs.cursor if leaf.happened else ' '}", palette.strong)
-        branch = Piece(glyphs.axis_corner if is_last else glyphs.fork, palette.dim)
-        node = Piece(f"{glyphs.state_node} ", palette.strong if leaf.happened else palette.dim)
-        row = Piece(row_text, palette.strong if leaf.happened else palette.text)
-        lines.append([mark, branch, node, row])
-    if left_out:
-        chance = names.chance(sum(leaf.probability or 0.0 for leaf in left_out), glyphs)
-        lines.append(
-            [
-                Piece(f"  {glyphs.axis_corner}{glyphs.ellipsis} ", palette.dim),
-                Piece(f"{len(left_out):,} more, together p {chance}", palette.dim),
-            ]
-        )
-    return lines
-
-
-def _chosen(leaves: Sequence[Leaf]) -> tuple[list[Leaf], list[Leaf]]:
-    """Return the leaves that are drawn, in their order, and those that have no room: the least likely.
-
-    What happened always is drawn.
-    """
-    if len(leaves) <= MOST_LEAVES:
-        return list(leaves), []
-    ranked = sorted(enumerate(leaves), key=lambda each: (not each[1].happened, -(each[1].probability or 0.0)))
-    kept, left_out = ranked[: MOST_LEAVES - 1], ranked[MOST_LEAVES - 1 :]
-    return [leaf for _, leaf in sorted(kept, key=lambda each: each[0])], [leaf for _, leaf in left_out]
-
 
 # The history of a cell
 
@@ -180,22 +65,20 @@ def history_strips(snapshot: Snapshot, pair: int | None, look: Look, width: int,
 
     The exact value is shown where it is known and not hidden.
     """
-    rows = height - 1
+    rows, dim, cell = height - 1, look.palette.dim, snapshot.cell
     if pair is None:
-        return _instead(NO_CELL, HISTORY, (), look, width, rows)
+        return _strips([Section(HISTORY, [Text(NO_CELL, dim)], rows)], look, width)
     known = exact_q(snapshot)
     exact = None if known is None else float(known[0][pair])
     values = _values_text(snapshot, pair, exact, look)
-    name = f"Q({names.pair_name(snapshot.world, pair, look.glyphs)})"
-    heading = f"{HISTORY} of {name}"
-    if columns_of(f" {heading}  {values[0]} ", look) > width:
-        heading = name
-    cell = snapshot.cell
+    heading = name = f"Q({names.pair_name(snapshot.world, pair, look.glyphs)})"
+    if length(spelled([Piece(f" {HISTORY} of {name}  {values[0]} ", dim)], look)) <= width:
+        heading = f"{HISTORY} of {name}"
     if cell is None or cell.pair != pair:
-        return _instead(COMING, heading, values, look, width, rows)
-    if not _is_kept(cell):
-        return _instead(NOT_KEPT, heading, values, look, width, rows)
-    head = stacked([MicroscopeSection(heading, [], 0, values)], look, width)
+        return _strips([Section(heading, [Text(COMING, dim)], rows, values)], look, width)
+    if cell.step[0]:
+        return _strips([Section(heading, [Text(NOT_KEPT, dim)], rows, values)], look, width)
+    head = _strips([Section(heading, remarks=values)], look, width)
     return [*head, *draw_history(cell, exact, look, width, rows)]
 
 
@@ -210,17 +93,6 @@ def _values_text(snapshot: Snapshot, pair: int, exact: float | None, look: Look)
     if exact is None:
         return (f"now {now}",)
     return f"now {now}, exact {form.text(exact, look.glyphs)}", f"now {now}"
-
-
-def _is_kept(cell: CellHistory) -> bool:
-    return not cell.step[0]
-
-
-def _instead(
-    text: str, heading: str, values: tuple[str, ...], look: Look, width: int, rows: int
-) -> list[Strip]:
-    lines = wrapped(text, width, look.palette.dim, look, " ", " ")
-    return stacked([MicroscopeSection(heading, lines, rows, values)], look, width)
 
 
 def draw_history(cell: CellHistory, exact: float | None, look: Look, width: int, height: int) -> list[Strip]:
@@ -268,23 +140,25 @@ def _draw_line(canvas: Canvas, plot: Plot, cell: CellHistory, look: Look) -> Non
 
 STEP_HEADING: Final = "The step"
 STEP_ROWS: Final = 5
-_LABEL: Final = 8
+_LABEL: Final = 9
 _STEP_GAP: Final = "   "
 
 _Form = tuple[str, str, str]  # symbol, value and remark
 
 
-def step_section(words: StepWords, look: Look, width: int) -> MicroscopeSection:
+def step_section(words: StepWords, look: Look) -> Section:
     """Return state, action and why, reward, next state, and what was updated: a line each."""
+    places = words.place, words.place.removesuffix(COUNTED), ""
     parts = {
-        "state": [
-            ("s = ", words.state, remark) for remark in (words.place, words.place.removesuffix(COUNTED), "")
-        ],
+        "state": [("s = ", words.state, place) for place in places],
         **(_planned() if words.story.last.planned else _taken(words)),
         "update": _update(words),
     }
-    lines = [_line(label, forms, look, width) for label, forms in parts.items()]
-    return MicroscopeSection(STEP_HEADING, lines, STEP_ROWS, _which(words.story))
+    rows = [
+        Labelled(label, look.palette.dim, _LABEL, Row(*(_pieces(form, look) for form in forms)))
+        for label, forms in parts.items()
+    ]
+    return Section(STEP_HEADING, rows, STEP_ROWS, _which(words.story))
 
 
 def _planned() -> dict[str, list[_Form]]:
@@ -322,16 +196,11 @@ def _step_remarks(*texts: str) -> list[_Form]:
     return [("", "", text) for text in texts]
 
 
-def _line(label: str, forms: Sequence[_Form], look: Look, width: int) -> Line:
-    """Return the first of ``forms`` that fits, behind ``label``."""
+def _pieces(form: _Form, look: Look) -> Line:
+    symbol, value, remark = form
+    gap = _STEP_GAP if value and remark else ""
     palette = look.palette
-    head = Piece(f" {label:<{_LABEL}}", palette.dim)
-    lines = []
-    for symbol, value, remark in forms:
-        gap = _STEP_GAP if value else ""
-        tail = [Piece(f"{gap}{remark}", palette.text)] if remark else []
-        lines.append([head, Piece(symbol, palette.dim), Piece(value, palette.strong), *tail])
-    return first_that_fits(lines, width, look)
+    return [Piece(symbol, palette.dim), Piece(value, palette.strong), Piece(f"{gap}{remark}", palette.text)]
 
 
 def _moved(words: StepWords) -> list[str]:
@@ -411,13 +280,13 @@ def page(snapshot: Snapshot | None, pair: int | None, look: Look, width: int, he
     room = (width - _GAP * (columns - 1)) // columns
     story = None if snapshot is None else story_of(snapshot)
     if snapshot is None or story is None:
-        nothing: list[Line] = [[Piece(f" {nothing_yet(snapshot)}", look.palette.dim)]]
+        nothing = [[Piece(f" {nothing_yet(snapshot)}", look.palette.dim)]]
         return strips_of(nothing, width, 1, look)
-    sections = _sections(snapshot, story, look, room, secret=means_key(snapshot))
+    sections = _sections(snapshot, story, look)
     parts = (sections,) if columns == 1 else (sections[:2] + sections[3:], sections[2:3])
     least = _HISTORY_ROWS if columns == 1 else _HISTORY_ROWS - 1
     sides = [
-        stacked(part, look, room, height - below)
+        _strips(part, look, room, height - below)
         for part, below in zip(parts, (0, least + 1)[-columns:], strict=True)
     ]
     left = max(least, height - len(sides[-1]))
@@ -425,33 +294,28 @@ def page(snapshot: Snapshot | None, pair: int | None, look: Look, width: int, he
     return sides[0] if columns == 1 else _beside(sides[0], sides[1], room, width, look)
 
 
-def _sections(
-    snapshot: Snapshot, story: StepStory, look: Look, width: int, *, secret: Sequence[str]
-) -> list[MicroscopeSection]:
-    """Return the step, the update, the backup and the return."""
+def _sections(snapshot: Snapshot, story: StepStory, look: Look) -> list[Section]:
+    """Return the step, the update, the backup and the return; headings alone where steps pass too fast."""
     if passes_too_fast(snapshot):
-        return _calm(story, look, width)
+        return [
+            Section(STEP_HEADING, [Text(TOO_FAST, look.palette.dim)], STEP_ROWS),
+            Section(UPDATE_HEADING, rows=update_rows(story.terms)),
+            Section(BACKUP_HEADING, rows=backup_rows(story.world)),
+            Section(RETURN_HEADING, rows=RETURN_ROWS),
+        ]
     words = words_of(story, look.glyphs)
     return [
-        step_section(words, look, width),
-        update_section(words, look, width),
-        backup_section(words, look, width, secret=secret),
-        return_section(story, look, width),
+        step_section(words, look),
+        update_section(words, look),
+        backup_section(words, look, secret=means_key(snapshot)),
+        return_section(story, look),
     ]
 
 
-def _calm(story: StepStory, look: Look, width: int) -> list[MicroscopeSection]:
-    """Return the headings with nothing below them that changes from frame to frame."""
-    return [
-        MicroscopeSection(
-            STEP_HEADING,
-            wrapped(TOO_FAST, width, look.palette.dim, look, " ", " "),
-            STEP_ROWS,
-        ),
-        MicroscopeSection(UPDATE_HEADING, [], update_rows(story.terms)),
-        MicroscopeSection(BACKUP_HEADING, [], backup_rows(story.world)),
-        MicroscopeSection(RETURN_HEADING, [], RETURN_ROWS),
-    ]
+def _strips(sections: Sequence[Section], look: Look, width: int, height: int = 0) -> list[Strip]:
+    """Return ``sections`` below one another, set apart where ``height`` has room for that."""
+    lines = stacked(sections, width, height, look)
+    return strips_of(lines, width, len(lines), look)
 
 
 def _beside(left: list[Strip], right: list[Strip], room: int, width: int, look: Look) -> list[Strip]:

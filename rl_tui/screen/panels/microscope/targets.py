@@ -2,74 +2,67 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final
 
-from rl_tui.agents.update_terms import Lookup
+from rl_tui.agents.catalogue import Lookup
 from rl_tui.live.last_step.backup import Backup
 from rl_tui.live.last_step.step_report import StepStory
 from rl_tui.screen.draw import numbers
-from rl_tui.screen.draw.canvas import Line, Piece, first_that_fits, wrapped
+from rl_tui.screen.draw.canvas import Piece
 from rl_tui.screen.draw.precision import agrees, column_figure, leading_zeros, parsed
+from rl_tui.screen.kit.blocks import Block, Flow, Labelled, Row, Text
 from rl_tui.screen.panels.last_step.words import StepWords
-from rl_tui.screen.panels.microscope.section import flowed
 from rl_tui.screen.theme.look import Look
 
-_LABEL: Final = 11
+_LABEL: Final = 12
 _FEWEST: Final = 2
 _MORE: Final = 6  # decimals beyond the fewest
 
 
-def target_lines(
-    words: StepWords, backup: Backup, look: Look, width: int, *, secret: Sequence[str]
-) -> list[Line]:
-    """Return the sampled target, the expected one and their difference, each where it is known.
+def target_blocks(words: StepWords, backup: Backup, look: Look, *, secret: Sequence[str]) -> Iterator[Block]:
+    """Yield the sampled target, the expected one and their difference, each where it is known.
 
     ``secret`` stands in place of the expected one, the longest form first; none where that may be seen.
     """
-    palette, planned = look.palette, words.story.last.planned
+    dim, planned = look.palette.dim, words.story.last.planned
     if backup.sampled is None:
-        return _said(_no_sample(words), look, width)
+        yield Text(_no_sample(words), dim)
+        return
     decimals = _decimals(backup.sampled, backup.expected, look)
-    label = "target" if planned else "sampled"
-    lines = [_target(label, _symbols(words), backup.sampled, decimals, look, width)]
+    yield _target("target" if planned else "sampled", _symbols(words), backup.sampled, decimals, look)
     if secret:
-        hidden = [[_label("expected", look), Piece(each, palette.dim)] for each in secret]
-        return [*lines, first_that_fits(hidden, width, look)]
-    if backup.expected is None:
-        return [*lines, *_said(_not_known(words.story), look, width)]
-    if planned:
-        return [*lines, *_said("a planner takes the expectation itself: no luck in it", look, width)]
-    symbols = "mean reward" if words.story.is_bandit else "Σ p (r + γ V(s′))"
-    lines.append(_target("expected", symbols, backup.expected, decimals, look, width))
-    difference = backup.sampled - backup.expected
-    reason = _drifted(words.story) or _after_end(words.story) or _reason(backup, difference)
-    return [*lines, *_difference(difference, reason, decimals, look, width)]
+        yield Labelled("expected", dim, _LABEL, Row(*([Piece(each, dim)] for each in secret)))
+    elif backup.expected is None:
+        yield Text(_not_known(words.story), dim)
+    elif planned:
+        yield Text("a planner takes the expectation itself: no luck in it", dim)
+    else:
+        symbols = "mean reward" if words.story.is_bandit else "Σ p (r + γ V(s′))"
+        yield _target("expected", symbols, backup.expected, decimals, look)
+        difference = backup.sampled - backup.expected
+        reason = _drifted(words.story) or _after_end(words.story) or _reason(backup, difference)
+        yield _difference(difference, reason, decimals, look)
 
 
-def _target(label: str, symbols: str, target: float, decimals: int, look: Look, width: int) -> Line:
+def _target(label: str, symbols: str, target: float, decimals: int, look: Look) -> Block:
     """Return ``target`` behind its ``symbols``, or alone where they do not fit."""
     number = Piece(column_figure(target, decimals, look.glyphs), look.palette.strong)
-    texts = (f"{symbols} = ", "")
-    forms = [[_label(label, look), Piece(each, look.palette.text), number] for each in texts]
-    return first_that_fits(forms, width, look)
+    row = Row([Piece(f"{symbols} = ", look.palette.text), number], [number])
+    return Labelled(label, look.palette.dim, _LABEL, row)
 
 
-def _difference(difference: float, reason: str, decimals: int, look: Look, width: int) -> list[Line]:
+def _difference(difference: float, reason: str, decimals: int, look: Look) -> Block:
     palette = look.palette
     if abs(difference) < numbers.NEGLIGIBLE:
         shown, style = "0", palette.text
     else:
         shown = column_figure(difference, decimals, look.glyphs)
         shown, style = (shown, palette.bad) if difference < 0.0 else (f"+{shown}", palette.good)
-    head: list[Line] = [[_label("difference", look), Piece(shown, style)]]
-    words = reason.split(" ")
-    return flowed(
-        [*head, *([Piece(f"{'   ' if n == 0 else ' '}{word}", palette.dim)] for n, word in enumerate(words))],
-        width,
-        look,
-        indent=_LABEL + 1,
-    )
+    head = [Piece(f" {'difference':<{_LABEL - 1}}", palette.dim), Piece(shown, style)]
+    first, *rest = reason.split(" ")
+    words = (f"   {first}", *(f" {word}" for word in rest))
+    return Flow([head, *([Piece(word, palette.dim)] for word in words)], _LABEL)
 
 
 def _drifted(story: StepStory) -> str:
@@ -109,10 +102,6 @@ def _not_known(story: StepStory) -> str:
     return "expected: not known, not all estimates that it needs are at hand"
 
 
-def _said(text: str, look: Look, width: int) -> list[Line]:
-    return list(wrapped(text, width, look.palette.dim, look, " ", " "))
-
-
 def _symbols(words: StepWords) -> str:
     terms = words.story.terms
     return f"{terms.gathered} + {terms.discount}·{words.bootstrap}" if words.bootstrap else terms.gathered
@@ -137,7 +126,3 @@ def _decimals(sampled: float, expected: float | None, look: Look) -> int:
         if round(difference, decimals) and agrees(between, printed, look.glyphs, decimals, digits=0.5):
             return decimals
     return fewest + _MORE
-
-
-def _label(text: str, look: Look) -> Piece:
-    return Piece(f" {text:<{_LABEL}}", look.palette.dim)

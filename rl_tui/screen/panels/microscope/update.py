@@ -5,19 +5,20 @@ The discounted return of the episode so far is written out below (Sutton & Barto
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import Final
 
-from rl_tui.agents.update_terms import Lookup, UpdateTerms
+from rl_tui.agents.catalogue import Lookup, UpdateTerms
 from rl_tui.live.last_step.step_report import StepStory, discounted_sum
 from rl_tui.screen.draw import names, numbers
 from rl_tui.screen.draw.action_order import shown_pairs
-from rl_tui.screen.draw.canvas import Line, Piece, first_that_fits, length, spelled, wrapped
+from rl_tui.screen.draw.canvas import Line, Piece, length, spelled
 from rl_tui.screen.draw.precision import column_figure, comes_to, parsed
 from rl_tui.screen.draw.to_ascii import separated
+from rl_tui.screen.kit.blocks import Block, Flow, Labelled, Row, Section, Text
 from rl_tui.screen.panels.last_step.update_text import setting
 from rl_tui.screen.panels.last_step.words import StepWords, bracketed, equation, error_piece, in_brackets
-from rl_tui.screen.panels.microscope.section import MicroscopeSection, columns_of, flowed
 from rl_tui.screen.panels.program.words import fit_texts, open_text, update_texts
 from rl_tui.screen.theme.look import Look
 
@@ -30,53 +31,48 @@ MEANING: Final = "Gₜ = Rₜ₊₁ + γ Rₜ₊₂ + γ² Rₜ₊₃ + …"
 PLANNER: Final = "a planner takes no steps: nothing is earned"
 OPEN_DISCOUNT: Final = "the γ of your program is open: no step has decided it yet"
 _LEFT_OUT: Final = "…"
+_START: Final = 6  # cells of what stands before the terms
 _SUPERSCRIPTS: Final = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _FEWEST_DECIMALS: Final = 3  # decimals of a reward
 _MOST_DECIMALS: Final = 6
 
 
-def return_section(story: StepStory, look: Look, width: int) -> MicroscopeSection:
+def return_section(story: StepStory, look: Look) -> Section:
     """Return the return from the start of the episode, its first and last terms, and what it means."""
+    remarks = (f"t = {story.steps:,}",) if story.rewards and not story.last.planned else ()
+    return Section(RETURN_HEADING, [*_return_blocks(story, look)], RETURN_ROWS, remarks)
+
+
+def _return_blocks(story: StepStory, look: Look) -> Iterator[Block]:
     palette, rewards = look.palette, story.rewards
     if story.last.planned:
-        planner = wrapped(PLANNER, width, palette.dim, look, " ", " ")
-        return MicroscopeSection(RETURN_HEADING, planner, RETURN_ROWS)
+        yield Text(PLANNER, palette.dim)
+        return
     if not rewards:
-        nothing: Line = [Piece(" no reward yet in this episode", palette.dim)]
-        return MicroscopeSection(RETURN_HEADING, [nothing], RETURN_ROWS)
+        yield Row([Piece(" no reward yet in this episode", palette.dim)])
+        return
+    is_known = len(rewards) == story.steps
+    undiscounted = Piece(numbers.brief(sum(rewards), look.glyphs, decimals=4), palette.text)
     if has_open_discount(story):
-        return _undiscounted(story, look, width)
-    total = numbers.brief(story.discounted_return, look.glyphs, decimals=4)
-    start: Line = [Piece(" G₀ = ", palette.dim)]
-    result: Line = [Piece("    = ", palette.dim), Piece(total, palette.strong)]
-    plain: Line = []
-    if len(rewards) == story.steps:
-        amount = numbers.brief(sum(rewards), look.glyphs, decimals=4)
-        plain = [Piece("   undiscounted ", palette.dim), Piece(amount, palette.text)]
-    lines: list[Line] = [[*start, Piece(total, palette.strong)]]
-    if story.steps > 1:
-        room = width - length(spelled(start, look))
-        terms = terms_of(rewards, story.steps, story.last.gamma, look, room, total)
-        lines = [
-            [*start, Piece(terms, palette.text)],
-            first_that_fits([[*result, *plain], result], width, look),
-        ]
-    lines += wrapped(_meaning(story), width, palette.dim, look, " ", " ")
-    return MicroscopeSection(RETURN_HEADING, lines, RETURN_ROWS, (f"t = {story.steps:,}",))
+        start = " " if is_known else f" of the last {len(rewards):,} steps, "
+        yield Row([Piece(f"{start}undiscounted ", palette.dim), Piece(undiscounted.text, palette.strong)])
+        yield Text(_open_discount(story), palette.dim)
+        return
+    total = Piece(numbers.brief(story.discounted_return, look.glyphs, decimals=4), palette.strong)
+    if story.steps == 1:
+        yield Row([Piece(" G₀ = ", palette.dim), total])
+    else:
+        terms = partial(terms_of, rewards, story.steps, story.last.gamma, look, total=total.text)
+        yield Labelled("G₀ =", palette.dim, _START, Text(terms, palette.text, ""))
+        result = [Piece("    = ", palette.dim), total]
+        plain = [Piece("   undiscounted ", palette.dim), undiscounted] if is_known else []
+        yield Row([*result, *plain], result)
+    yield Text(_meaning(story), palette.dim)
 
 
 def has_open_discount(story: StepStory) -> bool:
     """Return whether nobody knows the γ of a program: what its rewards come to, discounted, is open too."""
     return story.program is not None and story.program.verdict.update.gamma is None
-
-
-def _undiscounted(story: StepStory, look: Look, width: int) -> MicroscopeSection:
-    amount = numbers.brief(sum(story.rewards), look.glyphs, decimals=4)
-    known = len(story.rewards) == story.steps
-    start = "undiscounted " if known else f"of the last {len(story.rewards):,} steps, undiscounted "
-    lines: list[Line] = [[Piece(f" {start}", look.palette.dim), Piece(amount, look.palette.strong)]]
-    lines += wrapped(_open_discount(story), width, look.palette.dim, look, " ", " ")
-    return MicroscopeSection(RETURN_HEADING, lines, RETURN_ROWS, (f"t = {story.steps:,}",))
 
 
 def _open_discount(story: StepStory) -> str:
@@ -93,7 +89,7 @@ def _meaning(story: StepStory) -> str:
     return MEANING if story.has_one_gamma else "γ was changed on the way: each step counts with its own"
 
 
-def terms_of(rewards: Sequence[float], steps: int, gamma: float, look: Look, room: int, total: str) -> str:
+def terms_of(rewards: Sequence[float], steps: int, gamma: float, look: Look, room: int, *, total: str) -> str:
     """Return as many terms as ``room`` holds: all, or the first and the last with an ellipsis between.
 
     They have as many decimals as let them come out at the printed ``total``. Of an episode of more steps than
@@ -168,25 +164,31 @@ _MOST: Final = 9
 _GAP: Final = "   "
 
 
-def update_section(words: StepWords, look: Look, width: int) -> MicroscopeSection:
+def update_section(words: StepWords, look: Look) -> Section:
     """Return the update in numbers and where each comes from; of a planner also what becomes of the state."""
     terms = words.story.terms
     if not words.estimate:
-        waiting = list(wrapped(terms.waiting, width, look.palette.text, look, " ", " "))
-        return MicroscopeSection(UPDATE_HEADING, waiting, update_rows(terms))
-    if not words.story.has_equation:
-        return MicroscopeSection(UPDATE_HEADING, _change_lines(words, look, width), update_rows(terms))
-    writer = _Writer(words, look)
-    groups = ((writer.equation(), 4), (writer.terms(), 1), (writer.mixture(), 4), (writer.gathered(width), 4))
-    lines = [line for group, indent in groups for line in flowed(group, width, look, indent)]
-    if words.backup is not None:
-        whole = words.backup.lines(look.glyphs.arrow_update)[0]
-        bellman: list[Line] = [[Piece(f" {each}", look.palette.text)] for each in whole.split(" ")]
-        lines += flowed(bellman, width, look, 4)
-    for remark in ([TABLES] if words.story.last.table else []) + [*words.others[:1]]:
-        lines += flowed([[Piece(f" {remark}", look.palette.dim)]], width, look)
-    lines += _evidence_lines(words.story, look, width)
-    return MicroscopeSection(UPDATE_HEADING, lines, update_rows(terms))
+        blocks: list[Block] = [Text(terms.waiting, look.palette.text)]
+    elif not words.story.has_equation:
+        blocks = _change_blocks(words, look)
+    else:
+        blocks = _equation_blocks(words, look)
+    return Section(UPDATE_HEADING, blocks, update_rows(terms))
+
+
+def _equation_blocks(words: StepWords, look: Look) -> list[Block]:
+    writer, palette = _Writer(words, look), look.palette
+    whole = [] if words.backup is None else words.backup.lines(look.glyphs.arrow_update)[0].split(" ")
+    remarks = ([TABLES] if words.story.last.table else []) + [*words.others[:1]]
+    return [
+        Flow(writer.equation(), 4),
+        Flow(writer.terms()),
+        Flow(writer.mixture(), 4),
+        *writer.gathered(),
+        Flow([[Piece(f" {each}", palette.text)] for each in whole], 4),
+        *(Flow([[Piece(f" {remark}", palette.dim)]]) for remark in remarks),
+        *_evidence(words.story, look),
+    ]
 
 
 def update_rows(terms: UpdateTerms) -> int:
@@ -194,7 +196,7 @@ def update_rows(terms: UpdateTerms) -> int:
     return _LEAST_ROWS + (terms.lookup in (Lookup.MEAN, Lookup.OTHER) or not terms.one_step)
 
 
-def _change_lines(words: StepWords, look: Look, width: int) -> list[Line]:
+def _change_blocks(words: StepWords, look: Look) -> list[Block]:
     """Return which cell moved from what to what, why nothing else is said, and what fits other steps."""
     palette, update = look.palette, words.update
     moved: list[Line] = [
@@ -209,26 +211,24 @@ def _change_lines(words: StepWords, look: Look, width: int) -> list[Line]:
             [Piece(" your program changed nothing:", palette.dim)],
             [Piece(f" {words.estimate} stays ", palette.text), Piece(update.after, palette.updated)],
         ]
-    lines = flowed(moved, width, look)
-    if words.why_no_equation:
-        lines += wrapped(words.why_no_equation[0], width, palette.text, look, " ", " ")
-    return [*lines, *_evidence_lines(words.story, look, width)]
+    why = [Text(words.why_no_equation[0], palette.text)] if words.why_no_equation else []
+    return [Flow(moved), *why, *_evidence(words.story, look)]
 
 
-def _evidence_lines(story: StepStory, look: Look, width: int) -> list[Line]:
+def _evidence(story: StepStory, look: Look) -> list[Block]:
     """Return the update that fits a program, its α and γ, and the share of steps; nothing for ours."""
     if story.program is None:
         return []
-    update, palette = story.program.verdict.update, look.palette
+    update, dim = story.program.verdict.update, look.palette.dim
     equations = update_texts(update, look.glyphs)[:-1]  # without the rule alone, which stands below
     if not equations:
         return []
     is_open, texts = open_text(update, look.glyphs), fit_texts(update)
     fits = [" " + " · ".join(filter(None, (each, is_open))) for each in texts or ("",)]
-    fitting = (each for each in equations if columns_of(each, look) < width)
+    in_full = ([Piece(f" {each}", dim)] for each in equations)
     return [
-        *wrapped(next(fitting, equations[1]), width, palette.dim, look, " ", "    "),
-        first_that_fits([[Piece(separated(each, look.glyphs), palette.dim)] for each in fits], width, look),
+        Row(*in_full, instead=[Text(equations[1], dim, rest="    ")]),
+        Row(*([Piece(separated(each, look.glyphs), dim)] for each in fits)),
     ]
 
 
@@ -238,6 +238,8 @@ class _Writer:
         self._story = words.story
         self._look = look
         self._palette = look.palette
+        self._dim = partial(Piece, style=look.palette.dim)
+        self._plain = partial(Piece, style=look.palette.text)
         self._bootstrap_style = look.palette.source if words.story.sources else look.palette.strong
 
     def equation(self) -> list[Line]:
@@ -299,15 +301,14 @@ class _Writer:
                 break
         return shown
 
-    def gathered(self, width: int) -> list[Line]:
+    def gathered(self) -> list[Block]:
         """Return the rewards of a target of several steps, ``.3 = 0 + .9·0 + .9²·.37``; nothing elsewhere."""
         rewards, total = self._story.gathered_rewards, self._words.update.gathered
         if not rewards:
             return []
-        start = self._plain(f" {total} = ")
-        room = width - columns_of(start.text, self._look)
-        terms = terms_of(rewards, len(rewards), self._story.last.gamma, self._look, room, total)
-        return [[start, self._plain(terms)]]
+        terms = partial(terms_of, rewards, len(rewards), self._story.last.gamma, self._look, total=total)
+        text = Text(terms, self._palette.text, "")
+        return [Labelled(f"{total} =", self._palette.text, len(f" {total} = "), text)]
 
     def _looked_up(self) -> str:
         """Return what the bootstrap is, with the cell it was read from where that is known."""
@@ -318,9 +319,3 @@ class _Writer:
         action = int(story.world.space.pair_action[pairs[0]])
         name = names.action_name(story.world, action, self._look.glyphs)
         return f"{bootstrap}: {name if len(pairs) == 1 else f'one of {len(pairs)} equal'}"
-
-    def _plain(self, text: str) -> Piece:
-        return Piece(text, self._palette.text)
-
-    def _dim(self, text: str) -> Piece:
-        return Piece(text, self._palette.dim)

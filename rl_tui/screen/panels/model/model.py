@@ -1,18 +1,16 @@
-"""The model of a scenario, ⟨S, A, P, R, γ⟩, with the outcomes of one state–action pair in full.
+"""The model of a scenario, ⟨S, A, P, R, γ⟩, and one of its pairs in full.
 
 The notation follows Sutton & Barto, 2nd ed., section 3.1.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from typing import ClassVar, Final
 
 import numpy as np
 from rich.cells import cell_len
-from textual import events
 from textual.binding import BindingType
 from textual.strip import Strip
 
@@ -20,16 +18,13 @@ from rl_tui.common.words import counted
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw import names, numbers
 from rl_tui.screen.draw.action_order import shown_order, shown_pairs, shown_place
-from rl_tui.screen.draw.canvas import Line, Piece, strips_of, wrapped
-from rl_tui.screen.draw.precision import column_figure
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.bindings import binding
-from rl_tui.screen.kit.panel import Panel
-from rl_tui.screen.kit.scrolling import Scrolled
-from rl_tui.screen.kit.snapshot_facts import has_estimates, hides_means, is_secret
+from rl_tui.screen.kit.blocks import BLANK, Block, Labelled, Text
+from rl_tui.screen.kit.scrolling import Scrolled, ScrolledPanel, scroll_bindings
+from rl_tui.screen.kit.snapshot_facts import hides_means
 from rl_tui.screen.panels.last_step.update_text import setting
-from rl_tui.screen.panels.model.bellman import bellman_lines, decimals_of, means_key
-from rl_tui.screen.panels.model.outcomes import outcome_lines, prospect_lines
+from rl_tui.screen.panels.model.pair import UNKNOWN, action_text, means_key, pair_blocks
 from rl_tui.screen.panels.model.reward_range import reward_range
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
@@ -40,41 +35,34 @@ from rl_tui.worlds.world import World
 # The model in words
 
 
-UNKNOWN: Final = "unknown: stepped for real, nobody wrote its table down"
 ALIKE: Final = "none: states look alike, so what follows depends on how one came there, not on s and a alone"
 _MANY_NAMES: Final = 100  # no two lines hold more
-_LABEL: Final = 8
+_LABEL: Final = 9
 
 
-def model_lines(snapshot: Snapshot, look: Look, width: int) -> list[Line]:
-    """Return the five parts, the start and the end of episodes."""
-    space, mdp = snapshot.world.space, snapshot.world.mdp
+def model_blocks(snapshot: Snapshot, look: Look) -> Iterator[Block]:
+    """Yield the five parts, the start and the end of episodes."""
+    world, space, mdp = snapshot.world, snapshot.world.space, snapshot.world.mdp
     others = _without_pairs(space)
     actors = f"; {space.states - len(others):,} with actions" if len(others) else ""
-    room = width - _LABEL - 1
-    actions = _actions(snapshot, look)
+    actions = [action_text(world, action, look) for action in shown_order(world)]
     pairs = f"{counted(space.pairs, 'legal pair')} (s, a)"
-    if mdp is None:
-        reason = ALIKE if snapshot.world.prospects else UNKNOWN
-        chances, rewards, start = f"{reason}; {pairs}", reason, "drawn by the environment"
-        end = "where the environment says so" + _time_limit(space)
-    else:
-        chances = f"{pairs}, {counted(len(mdp.next_state), 'outcome')}"
-        rewards = _rewards(snapshot, mdp, look)
-        start, end = _start(snapshot.world, mdp, look, room), _end(snapshot.world, mdp, look, room)
-    parts = [
-        ("S", f"{counted(space.states, 'state')}: {_listed(space.state_names, room, look)}{actors}"),
-        ("A", f"{counted(len(actions), 'action')}: {_listed(actions, room, look)}"),
-        ("P", chances),
-        ("R", rewards),
-        ("γ", setting(snapshot.agent.hyperparameters.gamma, look.glyphs)),
-        ("start", start),
-        ("end", end),
-    ]
-    lines: list[Line] = []
-    for label, text in parts:
-        lines += _labelled(label, text, look, width)
-    return lines
+    reason = ALIKE if world.prospects else UNKNOWN
+    parts: dict[str, str | Callable[[int], str]] = {
+        "S": lambda room: (
+            f"{counted(space.states, 'state')}: {_listed(space.state_names, room, look)}{actors}"
+        ),
+        "A": lambda room: f"{counted(len(actions), 'action')}: {_listed(actions, room, look)}",
+        "P": f"{reason}; {pairs}" if mdp is None else f"{pairs}, {counted(len(mdp.next_state), 'outcome')}",
+        "R": reason if mdp is None else _rewards(snapshot, mdp, look),
+        "γ": setting(snapshot.agent.hyperparameters.gamma, look.glyphs),
+        "start": "drawn by the environment" if mdp is None else lambda room: _start(world, mdp, look, room),
+        "end": f"where the environment says so{_time_limit(space)}"
+        if mdp is None
+        else lambda room: _end(world, mdp, look, room),
+    }
+    for label, text in parts.items():
+        yield Labelled(label, look.palette.strong, _LABEL, Text(text, look.palette.text, "", ""))
 
 
 # What takes a look at every state is worked out once for the world on screen, not for every frame
@@ -86,51 +74,6 @@ def _without_pairs(space: FiniteSpace) -> IntArray:
 @lru_cache(maxsize=1)
 def _terminal(mdp: TabularMDP) -> IntArray:
     return np.intersect1d(mdp.next_state[mdp.terminated], _without_pairs(mdp))
-
-
-def pair_lines(snapshot: Snapshot, pair: int, look: Look, width: int) -> list[Line]:
-    """Return the outcomes of ``pair`` and its Bellman optimality equation with numbers put in."""
-    world, space, palette, glyphs = snapshot.world, snapshot.world.space, look.palette, look.glyphs
-    state, action = space.state_of(pair), int(space.pair_action[pair])
-    secret = hides_means(snapshot)
-    number = 1 + space.pairs_of(state).start + shown_pairs(world, space.pairs_of(state)).index(pair)
-    head: list[Piece] = [
-        Piece(" state ", palette.dim),
-        Piece(names.with_minus(space.state_names[state], look.glyphs), palette.strong),
-        *([Piece(f" ({place})", palette.dim)] if (place := names.place(world, state)) else []),
-        Piece("   action ", palette.dim),
-        Piece(_action(snapshot, action, look), palette.strong),
-        Piece(f"   pair {number:,} of {space.pairs:,}", palette.dim),
-    ]
-    taken = int(snapshot.agent.visits[pair])
-    learned = _learned(snapshot, pair, look) if taken else "not yet visited"
-    if taken and not has_estimates(snapshot):
-        learned = "not known, no table was found in your program"
-    if not snapshot.agent.holds(pair):  # the next snapshot of a large world will have it
-        learned = glyphs.ellipsis
-    estimate: Line = [
-        Piece(f" learned Q({names.pair_name(world, pair, glyphs)}) = ", palette.dim),
-        Piece(learned, palette.text),
-        Piece(f", taken {counted(taken, 'time')}" if taken else "", palette.dim),
-    ]
-    unknown: Line = [Piece(f"   {UNKNOWN}", palette.dim)]
-    mdp = world.mdp
-    without = prospect_lines(world, pair, look) if world.prospects else [unknown]
-    return [
-        head,
-        *(without if mdp is None else outcome_lines(world, mdp, pair, look, secret=secret)),
-        estimate,
-        [Piece("", palette.text)],
-        *bellman_lines(snapshot, pair, look, width),
-    ]
-
-
-def _learned(snapshot: Snapshot, pair: int, look: Look) -> str:
-    """Return the estimate of ``pair``, with as many decimals as the exact value shown below it."""
-    x, mdp, exact = float(snapshot.agent.q[pair]), snapshot.world.mdp, snapshot.exact_answer.solution
-    if mdp is None or exact is None or is_secret(snapshot) or not math.isfinite(x):
-        return numbers.value(x, 7, look.glyphs)
-    return column_figure(x, decimals_of(mdp, exact, pair), look.glyphs)
 
 
 def _rewards(snapshot: Snapshot, mdp: TabularMDP, look: Look) -> str:
@@ -185,18 +128,6 @@ def _time_limit(space: FiniteSpace) -> str:
     )
 
 
-def _actions(snapshot: Snapshot, look: Look) -> list[str]:
-    return [_action(snapshot, action, look) for action in shown_order(snapshot.world)]
-
-
-def _action(snapshot: Snapshot, action: int, look: Look) -> str:
-    """Return the arrow and the name of ``action``, or its name alone."""
-    name = snapshot.world.space.action_names[action]
-    arrow = names.action_name(snapshot.world, action, look.glyphs)
-    is_direction = names.is_direction(snapshot.world, action)
-    return f"{arrow} {name}" if is_direction and arrow != name else name
-
-
 def _listed(items: Sequence[str], room: int, look: Look) -> str:
     """Return ``items`` separated by commas; the first ones and the last if they take more than two lines.
 
@@ -213,36 +144,24 @@ def _listed(items: Sequence[str], room: int, look: Look) -> str:
     return between.join(shown)
 
 
-def _labelled(label: str, text: str, look: Look, width: int) -> list[Line]:
-    palette = look.palette
-    spelled = to_ascii(label, look.glyphs)
-    lines: list[Line] = []
-    for number, line in enumerate(wrapped(text, max(1, width - _LABEL - 1), palette.text, look)):
-        lines.append([Piece(f" {spelled if number == 0 else '':<{_LABEL}}", palette.strong), *line])
-    return lines
-
-
 # The panel
 
 
 WAITING: Final = "the world is being built"
 
 
-class ModelPanel(Panel, can_focus=True):
+class ModelPanel(ScrolledPanel):
     """⟨S, A, P, R, γ⟩ above one pair: up and down change its state, left and right its action."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
+        *scroll_bindings("model")[2:],
         binding("up", "move_state(-1)", "model.up", "Previous state"),
         binding("down", "move_state(1)", "model.down", "Next state"),
         binding("left", "move_action(-1)", "model.left", "Previous action"),
         binding("right", "move_action(1)", "model.right", "Next action"),
-        binding("pageup", "scroll_by(-1)", "model.page_up", "Scroll up"),
-        binding("pagedown", "scroll_by(1)", "model.page_down", "Scroll down"),
     ]
-
+    title = "Model"
     _pair: int | None = None
-    _first = 0
-    _lines = 0
 
     @property
     def pair(self) -> int | None:
@@ -263,20 +182,30 @@ class ModelPanel(Panel, can_focus=True):
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the part of the model that is in view."""
+        strips = super().picture(snapshot, width, height)
+        if snapshot is not None:
+            self.heading = f"Model ⟨S, A, P, R, γ⟩ · {snapshot.recipe.scenario.title}"
+        return strips
+
+    def blocks(self, snapshot: Snapshot | None, *, is_short: bool) -> Iterator[Block]:
+        """Yield the model and one pair; where not all fits, that is above, so that it stays in view."""
         pair = self.pair
         if snapshot is None or pair is None:
-            return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
-        self.heading = f"Model ⟨S, A, P, R, γ⟩ · {snapshot.recipe.scenario.title}"
-        model = model_lines(snapshot, self.look, width)
-        one_pair = pair_lines(snapshot, pair, self.look, width)
-        blank: Line = [Piece("", self.look.palette.text)]
-        lines = [*model, blank, *one_pair]
-        if len(lines) > height:  # what the arrows change stays in view
-            lines = [*one_pair, blank, *model]
-        self._lines = len(lines)
-        self._first = max(0, min(self._first, len(lines) - height))
-        self.footing = self.fitting(_keys(is_scrolled=len(lines) > height), width)
-        return strips_of(lines[self._first :], width, height, self.look)
+            yield Text(WAITING, self.look.palette.dim)
+            return
+        parts = model_blocks(snapshot, self.look), pair_blocks(snapshot, pair, self.look)
+        above, below = parts[::-1] if is_short else parts
+        yield from above
+        yield BLANK
+        yield from below
+
+    def hints(self, snapshot: Snapshot | None, *, is_scrolled: bool) -> Sequence[str]:
+        """Return the keys, the longest form first; arrows choose a pair."""
+        pair, close = "↑ ↓: state   ← →: action", "m: close"
+        if not is_scrolled:
+            return f"{pair}   {close}", close
+        scroll = f"pgup pgdn: scroll   {close}"
+        return f"{pair}   {scroll}", scroll, close
 
     def action_move_state(self, step: int) -> None:
         """Go to the next state that owns pairs, ``step`` of them on, keeping the action where it is legal."""
@@ -302,30 +231,3 @@ class ModelPanel(Panel, can_focus=True):
         place = pairs.index(self.pair) + step
         if 0 <= place < len(pairs):
             self.show_pair(pairs[place])
-
-    def action_scroll_by(self, pages: int) -> None:
-        """Scroll by so many pages."""
-        self._scroll(pages * max(1, self.size.height - 2))
-
-    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
-        """Scroll down by a few lines."""
-        event.stop()
-        self._scroll(3)
-
-    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
-        """Scroll up by a few lines."""
-        event.stop()
-        self._scroll(-3)
-
-    def _scroll(self, lines: int) -> None:
-        self._first = max(0, min(self._first + lines, self._lines - self.size.height))
-        self.redraw()
-
-
-def _keys(*, is_scrolled: bool) -> list[str]:
-    """Return the keys of the panel, longest form first."""
-    pair, scroll, close = "↑ ↓: state   ← →: action", "pgup pgdn: scroll", "m: close"
-    forms = [(pair, close), (close,)]
-    if is_scrolled:
-        forms = [(pair, scroll, close), (scroll, close), (close,)]
-    return ["   ".join(form) for form in forms]

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from functools import cache, partial
+from itertools import product
+from typing import ClassVar, Final, NamedTuple
 
 from textual import events
 from textual.binding import BindingType
@@ -13,13 +15,105 @@ from textual.strip import Strip
 
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.runs.answers.policy_values import PolicyAnswer
 from rl_tui.runs.exact_answers import NO_TABLE
-from rl_tui.screen.draw.canvas import Line, Piece, strips_of, wrapped
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.draw.canvas import Piece, strips_of
 from rl_tui.screen.kit.bindings import binding
+from rl_tui.screen.kit.blocks import Column, Columns, Table, Text, laid
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.panels.policies.names import POLICY_NAMES
-from rl_tui.screen.panels.policies.table import head_line, notes, row_lines, table_form
+from rl_tui.screen.panels.policies.notes import WIDEST, amount, answer_of, known_answers, may_not_end, notes
+from rl_tui.screen.panels.policies.studied import is_kept_back
+from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
+
+# The table
+
+
+class Figure(NamedTuple):
+    """A figure of every policy; ``rank``: those of the greatest are left out first."""
+
+    id: str
+    head: str
+    rank: int
+    has_sign: bool = False
+
+
+RETURN: Final = Figure("expected_return", "return", 0, has_sign=True)
+REWARD: Final = Figure("expected_return", "a pull", 0, has_sign=True)  # of a bandit
+VALUE: Final = Figure("value_at_start", "at start", 1, has_sign=True)
+STEPS: Final = Figure("steps", "length", 2)
+ENDS: Final = Figure("ends", "ending", 3)
+FIGURES: Final = (RETURN, REWARD, VALUE, STEPS, ENDS)
+_LEAST_NAME: Final = 8  # cells of a name with the mark before it
+
+
+def policy_table(snapshot: Snapshot, look: Look) -> Table:
+    """Return a row for each policy, that which is studied with the cursor."""
+    known = known_answers(snapshot)
+    figures = _figures(snapshot, known)
+    found = [getattr(each, figure.id) for each in known for figure in figures if figure.id != ENDS.id]
+    needed = max((len(amount(each, look)) for each in found if each is not None), default=0)
+
+    names = [_names(snapshot, look, is_short=is_short) for is_short in (False, True)]
+    column = cache(partial(_column, snapshot, look))
+
+    def forms() -> Iterator[Columns]:
+        # short names come before numbers that are cut, and these before figures that are left out
+        ways = product(range(len(figures)), (False, True), names, (WIDEST, WIDEST - 1, WIDEST - 2))
+        for left_out, is_cut, named, cells in ways:
+            if (cells < needed) is is_cut:
+                shown = (each for each in figures if each.rank < len(figures) - left_out)
+                yield named, *(column(each, cells) for each in shown)
+        yield names[-1]._replace(least=_LEAST_NAME), column(figures[0], WIDEST - 2)
+
+    return Table(forms(), margin=1)
+
+
+def _figures(snapshot: Snapshot, known: Sequence[PolicyAnswer]) -> list[Figure]:
+    if isinstance(snapshot.world.drawing, Arms):
+        return [REWARD]
+    if may_not_end(known):
+        return [RETURN, VALUE, STEPS._replace(rank=ENDS.rank), ENDS._replace(rank=STEPS.rank)]
+    return [RETURN, VALUE, STEPS]
+
+
+def _names(snapshot: Snapshot, look: Look, *, is_short: bool) -> Column:
+    names = {kind: name.line if is_short else name.row for kind, name in POLICY_NAMES.items()}
+    cells = [
+        Piece(f"{look.glyphs.cursor}{name}", look.palette.focus)
+        if kind is snapshot.answers.studied
+        else f" {name}"
+        for kind, name in names.items()
+    ]
+    return Column("", cells, look.palette.text, right=False, gap=0)
+
+
+def _column(snapshot: Snapshot, look: Look, figure: Figure, cells: int) -> Column:
+    """Return the column of ``figure``, in ``cells`` if its head has room in them."""
+    width = max(cells - (not figure.has_sign), len(figure.head))
+    texts = [_said(snapshot, kind, figure, width, look) for kind in POLICY_NAMES]
+    return Column(
+        figure.head, texts, look.palette.strong if figure.rank == 0 else look.palette.text, width=width
+    )
+
+
+def _said(snapshot: Snapshot, kind: PolicyKind, figure: Figure, cells: int, look: Look) -> str:
+    """Return a figure; in its place a dash where there is none, … while it is worked out, ? where hidden."""
+    if is_kept_back(snapshot, kind):
+        return "?"
+    answer = answer_of(snapshot, kind)
+    if not answer.is_known and not answer.refused:
+        return look.glyphs.ellipsis
+    x: float | None = getattr(answer, figure.id)
+    if x is None:
+        return numbers.missing(look.glyphs)
+    return numbers.percent(x) if figure.id == ENDS.id else amount(x, look, cells)
+
+
+# The panel
+
 
 TITLE: Final = "Policies"
 WAITING: Final = "they are being worked out"
@@ -76,22 +170,18 @@ class Policies(Panel, can_focus=True):
         if snapshot.world.mdp is None:
             # rows and explanations of figures would be about nothing
             self.footing = self.fitting(_KEYS[-1:], width)
-            why = wrapped(_NOT_KNOWN, width, self.look.palette.dim, self.look, " ", " ")
+            why = Text(_NOT_KNOWN, self.look.palette.dim).lines(width, self.look)
             self.free_rows = height - len(why)
             return strips_of(why, width, height, self.look)
-        table = self._table(snapshot, width, height)
-        lines = list(table)
-        room = height - len(lines)
-        for note, is_plain in notes(snapshot, self.look):
-            style = self.look.palette.text if is_plain else self.look.palette.dim
-            wrapped_note = wrapped(note, width, style, self.look, " ", "   ")
-            gap = int(len(lines) == len(table) and room > len(wrapped_note))
-            if gap + len(wrapped_note) <= room:
-                lines += [*([[]] if gap else []), *wrapped_note]
-                room -= gap + len(wrapped_note)
-        if height <= len(table):
+        palette = self.look.palette
+        texts = (
+            Text(note, palette.text if is_plain else palette.dim, rest="   ")
+            for note, is_plain in notes(snapshot, self.look)
+        )
+        table, cursor = policy_table(snapshot, self.look), list(POLICY_NAMES).index(snapshot.answers.studied)
+        lines, self._places, self.free_rows = laid(table, cursor, texts, width, height, self.look)
+        if height <= len(self._places):
             self.heading = self.fitting(self._headings_with_cost(snapshot), width) or self.heading
-        self.free_rows = room
         return strips_of(lines, width, height, self.look)
 
     def _headings(self, snapshot: Snapshot | None) -> tuple[str, ...]:
@@ -117,18 +207,6 @@ class Policies(Panel, can_focus=True):
         """Tell the keys that choose only where they do."""
         super().watch_has_focus(has_focus)
         self.redraw()
-
-    def _table(self, snapshot: Snapshot, width: int, height: int) -> list[Line]:
-        """Return the rows that fit, those around the cursor first, below a heading if there is room."""
-        form = table_form(snapshot, width, self.look)
-        rows = row_lines(snapshot, form, self.look)
-        has_head = height > len(rows)
-        studied = snapshot.answers.studied
-        cursor = list(POLICY_NAMES).index(studied) if studied is not None else 0
-        first = max(0, min(cursor - height // 2, len(rows) - height))
-        self._places = [has_head + place - first for place in range(len(rows))]
-        head = [head_line(form, self.look)] if has_head else []
-        return [*head, *rows[first : first + height]]
 
     def on_click(self, event: events.Click) -> None:
         """Choose the policy under the pointer."""

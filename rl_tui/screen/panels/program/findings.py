@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
@@ -14,9 +14,10 @@ from rl_tui.common.findings import one_line
 from rl_tui.live.program_view import ProgramView
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.programs.evidence.verdict import CodeFinding, Rule, step_number
-from rl_tui.screen.draw.canvas import Line, Piece, first_that_fits, length, spelled, strips_of, wrapped
+from rl_tui.screen.draw.canvas import Piece, length, spelled, strips_of
 from rl_tui.screen.kit.bindings import binding
-from rl_tui.screen.kit.scrolled_panel import ScrolledPanel, scroll_bindings
+from rl_tui.screen.kit.blocks import BLANK, Block, Row, Text, lines_of
+from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
 from rl_tui.screen.panels.program.source import source_lines
 from rl_tui.screen.panels.program.words import (
     IN_SHORT,
@@ -98,20 +99,19 @@ class FindingsPanel(ScrolledPanel):
         program = None if snapshot is None else snapshot.program
         if snapshot is None or program is None:
             return []
-        findings = ranked(program.verdict.findings)
-        lines: list[Line] = [] if findings else _nothing_found(snapshot, program, self.look, width)
-        chosen = self.chosen
+        findings, chosen = ranked(program.verdict.findings), self.chosen
+        dim, strong = self.look.palette.dim, self.look.palette.strong
+        lines = [] if findings else lines_of(_nothing_found(snapshot, program, self.look), width, self.look)
         for finding in findings:
             if finding is chosen and self._has_moved:
                 self._first, self._has_moved = len(lines), False
-            lines += finding_lines(finding, program, self.look, width, is_chosen=finding is chosen)
+            blocks = finding_blocks(finding, program, self.look, width, is_chosen=finding is chosen)
+            lines += lines_of(blocks, width, self.look)
             if finding is chosen and finding is not findings[-1]:
-                lines.append([Piece("", self.look.palette.text)])
-        notes = notes_of(program)
-        if notes:
-            lines += [[Piece("", self.look.palette.text)], [Piece(" Notes", self.look.palette.strong)]]
-        for note in notes:
-            lines += _paragraph(note, self.look, width, is_dim=True)
+                lines.append([])
+        if notes := notes_of(program):
+            said = (Text(note, dim, _INDENT, _INDENT) for note in notes)
+            lines += lines_of((BLANK, Row([Piece(" Notes", strong)]), *said), width, self.look)
         return strips_of(lines, width, len(lines), self.look)
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
@@ -127,33 +127,29 @@ class FindingsPanel(ScrolledPanel):
         )
 
 
-def finding_lines(
+def finding_blocks(
     finding: CodeFinding, program: ProgramView, look: Look, width: int, *, is_chosen: bool
-) -> list[Line]:
-    """Return what is said of ``finding``: one line, or all of it where it ``is_chosen``."""
-    palette, glyphs = look.palette, look.glyphs
+) -> Iterator[Block]:
+    """Yield what is said of ``finding``: one line, or all of it where it ``is_chosen``."""
+    palette = look.palette
     place = place_text(finding.file, finding.line, program)
-    mark = glyphs.cursor if is_chosen else " "
     style = palette.bad if finding.kind == "fault" else palette.strong
-    name = Piece(f" {mark} {finding.kind}: {IN_SHORT[finding.fault]}", style)
-    where = [Piece(f"   {place}", palette.text)] if place else []
-    head = first_that_fits([[name, *where], [name]], width, look)
+    named = f"{look.glyphs.cursor if is_chosen else ' '} {finding.kind}: {IN_SHORT[finding.fault]}"
+    name, where = Piece(f" {named}", style), Piece(f"   {place}" if place else "", palette.text)
+    yield Row([name, where], [name], instead=[Text(named, style, rest=_INDENT)] if is_chosen else ())
     if not is_chosen:
-        return [head]
+        return
     said = sentence(finding.text)
-    if place and len(head) == 1:  # there was no room for it
+    if place and length(spelled([name, where], look)) > width:  # there was no room for it
         said = f"{place}: {said}"
-    heads: list[Line] = [head]
-    if length(spelled(head, look)) > width:
-        heads = list(wrapped(name.text.lstrip(), width, style, look, " ", _INDENT))
-    lines = [*heads, *_paragraph(said, look, width)]
-    lines += _paragraph(evidence_text(finding), look, width, is_dim=True)
-    code = _code(finding, program, look, width)
-    if code:
-        lines += [[Piece("", palette.text)], *code, [Piece("", palette.text)]]
+    yield Text(said, palette.text, _INDENT, _INDENT)
+    yield Text(evidence_text(finding), palette.dim, _INDENT, _INDENT)
+    if finding.line is not None and is_own(finding.file, program):  # of another file there is no source
+        code = source_lines(program.source, finding.line, look, width)
+        yield from (BLANK, *map(Row, code), BLANK) if code else ()
     if finding.correction:
-        lines += _paragraph(f"Instead: {one_line(finding.correction, LONGEST_SENTENCE)}", look, width)
-    return lines
+        correction = f"Instead: {one_line(finding.correction, LONGEST_SENTENCE)}"
+        yield Text(correction, palette.text, _INDENT, _INDENT)
 
 
 def evidence_text(finding: CodeFinding) -> str:
@@ -171,26 +167,20 @@ def evidence_text(finding: CodeFinding) -> str:
     return f"{certain}{steps}. Enter goes to the first, step {step_number(finding.step):,}."
 
 
-def _code(finding: CodeFinding, program: ProgramView, look: Look, width: int) -> list[Line]:
-    """Return the source around the finding; of another file than the program's own there is none."""
-    if finding.line is None or not is_own(finding.file, program):
-        return []
-    return source_lines(program.source, finding.line, look, width)
-
-
-def _nothing_found(snapshot: Snapshot, program: ProgramView, look: Look, width: int) -> list[Line]:
-    """Return that there is no finding, and what was examined; without a table what was looked for."""
-    counters, update = snapshot.counters, program.verdict.update
+def _nothing_found(snapshot: Snapshot, program: ProgramView, look: Look) -> Iterator[Block]:
+    """Yield that there is no finding, and what was examined; without a table what was looked for."""
+    counters, update, style = snapshot.counters, program.verdict.update, look.palette.text
     if not counters.step and not program.ended:
-        return _paragraph(NO_STEP_YET, look, width)
+        yield Text(NO_STEP_YET, style, _INDENT, _INDENT)
+        return
     if program.table is None:
-        lines = _paragraph("no table was found in your program, so nothing was examined", look, width)
+        said = "no table was found in your program, so nothing was examined"
+        yield Text(said, style, _INDENT, _INDENT)
         if program.looked_for:
-            lines += _paragraph("looked for:", look, width)
-            for each in program.looked_for:
-                text = one_line(each, LONGEST_SENTENCE)
-                lines += wrapped(text, width, look.palette.text, look, f"{_INDENT}- ", f"{_INDENT}  ")
-        return lines
+            yield Text("looked for:", style, _INDENT, _INDENT)
+        for each in program.looked_for:
+            yield Text(one_line(each, LONGEST_SENTENCE), style, f"{_INDENT}- ", f"{_INDENT}  ")
+        return
     is_open = update.rule is Rule.UNKNOWN
     is_too_early = is_early(update) or (is_open and counters.step < WORTH_SAYING)
     head = f"{NO_JUDGEMENT}: no fault was seen" if is_too_early else NOTHING
@@ -205,9 +195,4 @@ def _nothing_found(snapshot: Snapshot, program: ProgramView, look: Look, width: 
             f" {EXAMINED} On {update.informative:,} steps the next state had a value that was not 0: "
             "only those tell γ, and which value is looked up."
         )
-    return _paragraph(text, look, width)
-
-
-def _paragraph(text: str, look: Look, width: int, *, is_dim: bool = False) -> list[Line]:
-    style = look.palette.dim if is_dim else look.palette.text
-    return list(wrapped(text, width, style, look, _INDENT, _INDENT))
+    yield Text(text, style, _INDENT, _INDENT)

@@ -13,7 +13,7 @@ from rl_tui.common.findings import one_line
 from rl_tui.live.program_view import ProgramView
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw.canvas import Line, Piece, strips_of
-from rl_tui.screen.kit.scrolled_panel import ScrolledPanel, scroll_bindings
+from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
 from rl_tui.screen.panels.program.source import broken, in_characters, safe_line, source_lines
 from rl_tui.screen.panels.program.words import LONGEST_NAME, LONGEST_SENTENCE, is_own, place_text
 from rl_tui.screen.theme.look import Look

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Final, NamedTuple
 
 from rich.cells import cell_len, set_cell_size
@@ -13,8 +13,9 @@ from rl_tui.common.findings import one_line
 from rl_tui.live.program_view import ProgramView
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.programs.evidence.verdict import Rule
-from rl_tui.screen.draw.canvas import Line, Piece, first_that_fits, length, spelled, strips_of, wrapped
+from rl_tui.screen.draw.canvas import Line, Piece, length, spelled, strips_of
 from rl_tui.screen.draw.to_ascii import separated
+from rl_tui.screen.kit.blocks import Block, Row, Text, lines_of
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.panels.program.findings import NO_JUDGEMENT, WORTH_SAYING
 from rl_tui.screen.panels.program.words import (
@@ -49,13 +50,14 @@ _HINTS: Final = ("F: findings · O: output", "F O")
 
 
 class _Part(NamedTuple):
-    """Some lines; where there is no room for all parts, those of the highest ``rank`` are left out.
+    """Some blocks; where there is no room for all parts, those of the highest ``rank`` are left out.
 
-    Behind lines that are cut off stands where there is ``more``.
+    They are cut off after ``most`` lines, and behind that stands where there is ``more``.
     """
 
     rank: int
-    lines: list[Line]
+    blocks: Sequence[Block]
+    most: int = 99
     more: str = ""
 
 
@@ -79,22 +81,23 @@ def program_lines(
     snapshot: Snapshot, program: ProgramView, look: Look, width: int, height: int
 ) -> list[Line]:
     """Return what the panel says in ``height`` rows of ``width`` cells, at most so many lines."""
-    writer = _Writer(snapshot, program, look, width)
-    parts = [part for part in writer.parts() if part.lines]
-    kept: list[_Part] = []
-    room = height
-    for part in sorted(parts, key=lambda part: part.rank):
-        if room <= 0:
-            break
-        if len(part.lines) > room:
-            part.lines[room:] = []
-            part.lines[-1] = _unfinished(part.lines[-1], look, width, part.more)
-        kept.append(part)
-        room -= len(part.lines)
-    return [line for part in parts if part in kept for line in part.lines]
+    parts = list(_Writer(snapshot, program, look).parts())
+    shown: dict[int, list[Line]] = {}
+    for place in sorted(range(len(parts)), key=lambda place: parts[place].rank):
+        part, room = parts[place], height - sum(map(len, shown.values()))
+        lines = _cut(lines_of(part.blocks, width, look), part.most, look, width)
+        shown[place] = _cut(lines, room, look, width, part.more)
+    return [line for place in range(len(parts)) for line in shown[place]]
 
 
-def _unfinished(line: Line, look: Look, width: int, more: str = "") -> Line:
+def _cut(lines: list[Line], rows: int, look: Look, width: int, more: str = "") -> list[Line]:
+    """Return the first ``rows`` of ``lines``, with a sign where there are more."""
+    if len(lines) <= rows or not rows:
+        return lines[:rows]
+    return [*lines[: rows - 1], _unfinished(lines[rows - 1], look, width, more)]
+
+
+def _unfinished(line: Line, look: Look, width: int, more: str) -> Line:
     """Return ``line`` with a sign at its end that there is more, and where, if there is room for that."""
     *whole, last = spelled(line, look)
     room = max(0, width - length(whole) - 1)
@@ -106,93 +109,89 @@ def _unfinished(line: Line, look: Look, width: int, more: str = "") -> Line:
 
 
 class _Writer:
-    def __init__(self, snapshot: Snapshot, program: ProgramView, look: Look, width: int) -> None:
+    def __init__(self, snapshot: Snapshot, program: ProgramView, look: Look) -> None:
         self._steps = snapshot.counters.step
         self._program = program
         self._look = look
-        self._width = width
         self._palette = look.palette
 
     def parts(self) -> Iterator[_Part]:
         """Yield the parts in the order in which they stand below one another."""
         program = self._program
-        yield _Part(0, self._end())
         if program.refused:
+            refused = f"{self._look.glyphs.stopped} {one_line(program.refused, LONGEST_SENTENCE)}"
+            yield _Part(0, [self._text(refused, self._palette.bad)])
             return
-        yield _Part(4, self._news())
+        yield _Part(0, self._error(), _ERROR_ROWS)
+        yield _Part(4, self._news(), _NEWS_ROWS)
         yield _Part(5, self._table())
         yield _Part(6, self._looked_for())
-        yield _Part(2, self._update())
+        yield _Part(2, self._update(), _REASON_ROWS)
         yield _Part(6, self._fit())
         yield _Part(1 if program.verdict.findings else 3, self._findings())
         yield _Part(7, self._gamma())
         yield _Part(7, self._choices())
-        yield _Part(8, self._notes(), _ALL_NOTES)
+        yield _Part(8, self._notes(), more=_ALL_NOTES)
 
-    def _end(self) -> list[Line]:
-        """Return why the program goes no further, if it does not for a reason that is to be seen at once."""
-        program, stopped = self._program, f" {self._look.glyphs.stopped} "
-        if program.refused:
-            return self._wrapped(f"{stopped}{one_line(program.refused, LONGEST_SENTENCE)}", self._palette.bad)
-        if program.error is None:
+    def _error(self) -> Sequence[Block]:
+        """Return what the program raised, and where."""
+        error = self._program.error
+        if error is None:
             return []
-        error = program.error
-        what = one_line(error.type, LONGEST_NAME)
-        place = place_text(error.file, error.line, program)
+        place = place_text(error.file, error.line, self._program)
         at = f" ({place})" if place else ""
         text = one_line(error.text, LONGEST_SENTENCE)
-        return self._at_most(_ERROR_ROWS, self._wrapped(f"{stopped}{what}{at}: {text}", self._palette.bad))
+        what = f"{self._look.glyphs.stopped} {one_line(error.type, LONGEST_NAME)}{at}: {text}"
+        return [self._text(what, self._palette.bad)]
 
-    def _news(self) -> list[Line]:
+    def _news(self) -> Sequence[Block]:
         """Return what the file that was saved last has changed."""
-        news = one_line(self._program.reloaded, LONGEST_SENTENCE)
-        return self._at_most(_NEWS_ROWS, self._wrapped(f" {news}", self._palette.strong) if news else [])
+        return [self._text(one_line(self._program.reloaded, LONGEST_SENTENCE), self._palette.strong)]
 
-    def _table(self) -> list[Line]:
+    def _table(self) -> Sequence[Block]:
         program = self._program
         environment = one_line(program.environment, LONGEST_NAME)
         if program.table is None and not self._steps:
             later = (f" {environment} · {LOOKED_FOR_LATER}", f" {LOOKED_FOR_LATER}")
-            return [self._fitting(later, self._palette.text)]
+            return [self._row(later, self._palette.text)]
         if program.table is None:
             start = f" {environment} · {NO_TABLE}" if environment else f" {NO_TABLE}"
             looked = f"{start}: F says what was looked for" if program.looked_for else start
-            return [self._fitting((looked, start, f" {NO_TABLE}"), self._palette.text)]
+            return [self._row((looked, start, f" {NO_TABLE}"), self._palette.text)]
         tables = table_texts(program.table)
         forms = (
             f" {environment} · {tables[0]}",
             f" {environment} · {tables[1]}",
             *(f" {each}" for each in tables),
         )
-        return [self._fitting(forms, self._palette.text)]
+        return [self._row(forms, self._palette.text)]
 
-    def _looked_for(self) -> list[Line]:
+    def _looked_for(self) -> Sequence[Block]:
         """Return what was looked for where no table was found: all of it stands in the findings as well."""
         looked = "; ".join(one_line(each, LONGEST_SENTENCE) for each in self._program.looked_for)
         if not looked or not self._steps or self._program.table is not None:
             return []
-        return self._wrapped(f" looked for: {looked}", self._palette.dim)
+        return [self._text(f"looked for: {looked}", self._palette.dim)]
 
-    def _update(self) -> list[Line]:
+    def _update(self) -> Sequence[Block]:
         update = self._program.verdict.update
         texts = update_texts(update, self._look.glyphs)
         if texts:
-            return [self._fitting([f" {each}" for each in texts], self._palette.strong)]
+            return [self._row([f" {each}" for each in texts], self._palette.strong)]
         if self._program.table is None:
             return []
         reason = f": {clause(update.reason)}" if update.reason else ""
         numbers = fitting_numbers(update, self._look.glyphs)
         known = f"update known in part, {numbers}" if numbers else UNKNOWN if reason else f"{UNKNOWN} yet"
-        lines = self._wrapped(f" {known}{reason}", self._palette.text)
-        return self._at_most(_REASON_ROWS, lines)
+        return [self._text(f"{known}{reason}", self._palette.text)]
 
-    def _fit(self) -> list[Line]:
+    def _fit(self) -> Sequence[Block]:
         update = self._program.verdict.update
         is_open, texts = open_text(update, self._look.glyphs), fit_texts(update)
         forms = [" · ".join(filter(None, (each, is_open))) for each in texts] + list(texts)
-        return [self._fitting([f" {each}" for each in forms], self._palette.dim)] if forms else []
+        return [self._row([f" {each}" for each in forms], self._palette.dim)] if forms else []
 
-    def _gamma(self) -> list[Line]:
+    def _gamma(self) -> Sequence[Block]:
         """Return which γ the exact answers are for, where it is not the one that the steps have told."""
         program = self._program
         if program.gamma is None or program.gamma_source not in _GAMMA_FROM:
@@ -200,9 +199,9 @@ class _Writer:
         source = _GAMMA_FROM[program.gamma_source]
         gamma = number_text(program.gamma, self._look.glyphs)
         forms = (f" exact answers are for γ {gamma}: {source}", f" exact for γ {gamma}: {source}")
-        return [self._fitting(forms, self._palette.dim)]
+        return [self._row(forms, self._palette.dim)]
 
-    def _findings(self) -> list[Line]:
+    def _findings(self) -> Sequence[Block]:
         program, findings = self._program, ranked(self._program.verdict.findings)
         if not findings:
             return self._nothing_wrong()
@@ -217,15 +216,15 @@ class _Writer:
         forms += [
             [Piece(text, style)] for text in (f"{count}{said}{at}", f"{count}{said}", count.rstrip(": "))
         ]
-        return [first_that_fits(forms, self._width, self._look)]
+        return [Row(*forms)]
 
-    def _nothing_wrong(self) -> list[Line]:
+    def _nothing_wrong(self) -> Sequence[Block]:
         """Return over how many steps nothing wrong was found, where anything could be."""
         if self._steps < WORTH_SAYING or self._program.table is None:
             return []
         if is_early(self._program.verdict.update):
             early = f" {NO_JUDGEMENT}"
-            return [self._fitting((f"{early}   F says what was examined", early), self._palette.dim)]
+            return [self._row((f"{early}   F says what was examined", early), self._palette.dim)]
         found = f" nothing wrong found in {self._steps:,} steps"
         is_open = self._program.verdict.update.rule is Rule.UNKNOWN
         in_part = f"{found}, as far as can be told"
@@ -237,36 +236,27 @@ class _Writer:
             ),
             found,
         )
-        return [self._fitting(forms, self._palette.dim)]
+        return [self._row(forms, self._palette.dim)]
 
-    def _choices(self) -> list[Line]:
+    def _choices(self) -> Sequence[Block]:
         """Return what else might be the table, and how to choose it."""
         table = self._program.table
         if table is None or not table.others:
             return []
         names = ", ".join(one_line(each, LONGEST_NAME) for each in table.others[:4])
         forms = (f" T chooses another table: {names}", f" T: another table ({len(table.others):,})")
-        return [self._fitting(forms, self._palette.dim)]
+        return [self._row(forms, self._palette.dim)]
 
-    def _notes(self) -> list[Line]:
+    def _notes(self) -> Sequence[Block]:
         """Return what cannot be told and what had to be done otherwise: the first, and how many there are."""
         notes = notes_of(self._program)
         if not notes:
             return []
-        count = f" note 1 of {len(notes):,}: " if len(notes) > 1 else " note: "
-        return self._wrapped(f"{count}{notes[0]}", self._palette.dim)
+        count = f"note 1 of {len(notes):,}: " if len(notes) > 1 else "note: "
+        return [self._text(f"{count}{notes[0]}", self._palette.dim)]
 
-    def _at_most(self, rows: int, lines: list[Line]) -> list[Line]:
-        """Return the first ``rows`` of ``lines``, with a sign where there are more."""
-        if len(lines) <= rows:
-            return lines
-        return [*lines[: rows - 1], _unfinished(lines[rows - 1], self._look, self._width)]
+    def _text(self, text: str, style: Style) -> Text:
+        return Text(text, style, rest="   ")
 
-    def _wrapped(self, text: str, style: Style) -> list[Line]:
-        start = text[: len(text) - len(text.lstrip(" "))]
-        return list(wrapped(text.lstrip(" "), self._width, style, self._look, start, "   "))
-
-    def _fitting(self, forms: Iterator[str] | tuple[str, ...] | list[str], style: Style) -> Line:
-        return first_that_fits(
-            [[Piece(separated(form, self._look.glyphs), style)] for form in forms], self._width, self._look
-        )
+    def _row(self, forms: Iterable[str], style: Style) -> Row:
+        return Row(*([Piece(separated(form, self._look.glyphs), style)] for form in forms))

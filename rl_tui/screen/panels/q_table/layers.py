@@ -174,7 +174,7 @@ class Figures:
         self._sources = sources if is_learned else frozenset()
         self._values: npt.NDArray[np.float64] | npt.NDArray[np.int64] = _values(snapshot, layer, exact)
         window = snapshot.agent.part if is_learned else None
-        self._held = None if window is None else window.held
+        self._held = None if window is None else window.held  # of a large world: which numbers are known
         self._is_unknown = layer is Layer.Q and not has_estimates(snapshot)
         self.numbers = _numbers(snapshot, layer, exact)
         self.low, self.high = ends(self.numbers)
@@ -186,7 +186,7 @@ class Figures:
 
     def text(self, pair: int, width: int) -> str:
         """Return the number of ``pair`` in at most ``width`` cells; a dot for what has none yet."""
-        if not self.holds(pair):
+        if self._held is not None and not self._held[pair]:
             return ""
         x = self._values[pair].item()
         glyphs = self._look.glyphs
@@ -194,7 +194,7 @@ class Figures:
             return "." if glyphs.name == "ascii" else "·"
         if self.layer is Layer.VISITS:
             return numbers.count(int(x), width)
-        if self._is_none(x):
+        if self.layer is Layer.POLICY and math.isnan(x):  # an estimate that ran away is another matter
             return numbers.missing(glyphs)
         return self._form(width).text(x, glyphs)
 
@@ -204,26 +204,19 @@ class Figures:
             return len(numbers.count(int(self.high), width))
         return self._form(width).cells
 
-    def holds(self, pair: int) -> bool:
-        """Return whether the number of ``pair`` is known: of a large world the snapshot has a part only."""
-        return self._held is None or bool(self._held[pair])
+    def style(self, pair: int, *, is_tinted: bool = True) -> Style:
+        """Return the style of the number of ``pair``: that of a pair looked up or never tried.
 
-    def style(self, pair: int) -> Style:
-        """Return the style of the cell of ``pair``: its tint, or that of one looked up or never updated."""
-        if not self.holds(pair):
-            return self._look.palette.text
-        return self._special_style(pair) or self._tint(self._values[pair].item())
-
-    def plain_style(self, pair: int) -> Style:
-        """Return the style of the number of ``pair`` where another layer is the tinted one."""
-        return self._special_style(pair) or self._look.palette.text
-
-    def _special_style(self, pair: int) -> Style | None:
-        """Return the style of a pair that was looked up or never visited; None of any other."""
+        Any other has the tint of its number, unless another layer is the tinted one.
+        """
         palette = self._look.palette
+        if is_tinted and self._held is not None and not self._held[pair]:
+            return palette.text
         if pair in self._sources:
             return palette.source
-        return palette.unvisited if self._is_unknown or self._is_new(pair) else None
+        if self._is_unknown or self._is_new(pair):
+            return palette.unvisited
+        return self._tint(self._values[pair].item()) if is_tinted else palette.text
 
     def share(self, pair: int) -> float:
         """Return how much of all visits went to ``pair``, 0 to 1."""
@@ -237,11 +230,13 @@ class Figures:
 
     def side(self, pair: int) -> int:
         """Return −1 where the number of ``pair`` lies below the scale of the tints, 1 where above, else 0."""
-        return self._scale.side(self._values[pair].item()) if self._is_value and self.holds(pair) else 0
+        if not self._is_value or (self._held is not None and not self._held[pair]):
+            return 0
+        return self._scale.side(self._values[pair].item())
 
     def greedy(self, pairs: range) -> tuple[int, ...]:
         """Return the greedy ones of ``pairs``, which are those of one state."""
-        if not self.holds(pairs.start):
+        if self._held is not None and not self._held[pairs.start]:
             return ()
         inside = slice(pairs.start, pairs.stop)
         if self._exact_greedy is not None:
@@ -263,16 +258,12 @@ class Figures:
             return False
         return self.layer not in LEARNED_NOT and not self._visits[pair]
 
-    def _is_none(self, x: float) -> bool:
-        """Return whether ``x`` says that there is no value, which is not so of an estimate that ran away."""
-        return self.layer is Layer.POLICY and math.isnan(x)
-
     def _tint(self, x: float) -> Style:
         palette = self._look.palette
         if self.layer is Layer.VISITS:
             return palette.visit_count(math.log1p(x) / math.log1p(self.high))
         if not math.isfinite(x):
-            return palette.text if self._is_none(x) else palette.bad
+            return palette.text if self.layer is Layer.POLICY and math.isnan(x) else palette.bad
         if self.layer in (Layer.ERROR, Layer.LANES):
             largest = max(abs(self.low), abs(self.high))
             return palette.signed_value(x / largest if largest > numbers.NEGLIGIBLE else 0.0)

@@ -121,7 +121,7 @@ def greedy_line(scene: Scene) -> str:
         shown = [pair for pair in world.pairs_shown(state) if pair in greedy]
         states.append("=".join(world.action_names[world.action_of(pair)] for pair in shown) or NOT_TRIED)
     known = any(state != NOT_TRIED for state in states)
-    what = "likeliest" if scene.layer is Layer.POLICY else "greedy"
+    what = "likeliest" if scene.shown.layer is Layer.POLICY else "greedy"
     return f"{what}: {' · '.join(states)}" if known else ""
 
 
@@ -129,13 +129,13 @@ def _pair_columns(scene: Scene, width: int) -> list[Column]:
     world, look = scene.world, scene.look
     around = 1 + _STATE_GAP + 1 + COUNT
     natural = world.state_width + world.action_width
-    values = _beside(scene.layer)
+    values = _beside(scene.shown.layer)
     if width < around + natural + BOX * len(values):
-        values = [_only_value(scene.layer)]
+        values = [_only_value(scene.shown.layer)]
     room = width - around - BOX * len(values)
     gap = _STATE_GAP
     if room < natural:  # names matter more than the column that is left out first
-        room += BOX if scene.layer is Layer.VISITS else COUNT
+        room += BOX if scene.shown.layer is Layer.VISITS else COUNT
     if room < natural:
         gap, room = _LEAST_GAP, room + _STATE_GAP - _LEAST_GAP
     end = 1
@@ -181,7 +181,7 @@ def _arm_columns(scene: Scene, width: int) -> list[Column]:
     label = max(len("arm"), world.action_width)
     exact = _compared(scene)
     if width < label + 2 + 3 * BOX + COUNT + LEAST_BAR:
-        in_force = scene.layer if scene.layer in (Layer.ERROR, Layer.LANES) else Layer.OPTIMAL
+        in_force = scene.shown.layer if scene.shown.layer in (Layer.ERROR, Layer.LANES) else Layer.OPTIMAL
         exact = [layer for layer in exact if layer is in_force]
 
     def last(pair: int, _: bool) -> Pieces:
@@ -214,7 +214,7 @@ def _compared(scene: Scene) -> list[Layer]:
 
     A bandit is asked for its means by a key of its own; until then the figures have nothing exact.
     """
-    compared = (*EXACT_LAYERS, Layer.LANES) if scene.layer is Layer.LANES else EXACT_LAYERS
+    compared = (*EXACT_LAYERS, Layer.LANES) if scene.shown.layer is Layer.LANES else EXACT_LAYERS
     return [layer for layer in compared if layer in scene.figures]
 
 
@@ -259,8 +259,10 @@ def _value_columns(scene: Scene, layers: Sequence[Layer]) -> list[Column]:
     While visits are in force they have them.
     """
     _share_form(scene, layers)
-    main = scene.layer if scene.layer in LEARNED_NOT and scene.layer in layers else layers[0]
-    counts = scene.layer is Layer.VISITS
+    main = (
+        scene.shown.layer if scene.shown.layer in LEARNED_NOT and scene.shown.layer in layers else layers[0]
+    )
+    counts = scene.shown.layer is Layer.VISITS
     shown = replace(scene, cursor=None) if counts else scene
     columns = []
     for layer in layers:
@@ -284,28 +286,28 @@ def _value(scene: Scene, layer: Layer, is_main: bool, has_frames: bool) -> Draw:
     figures, world = scene.figures[layer], scene.world
 
     def draw(pair: int, _: bool) -> Pieces:
-        if is_main or layer is scene.layer:
+        if is_main or layer is scene.shown.layer:
             greedy = (
                 is_main
                 and has_frames
                 and pair in figures.framed(world.space.pairs_of(world.space.state_of(pair)))
             )
             return boxed(scene, figures, pair, DIGITS, DIGITS, greedy)
-        return [Segment(_right(figures.text(pair, DIGITS), BOX), figures.plain_style(pair))]
+        return [Segment(_right(figures.text(pair, DIGITS), BOX), figures.style(pair, is_tinted=False))]
 
     return draw
 
 
 def _count_column(scene: Scene) -> Column:
     figures, world, text = scene.figures[Layer.VISITS], scene.world, scene.look.palette.text
-    is_shown = scene.layer is Layer.VISITS
+    is_shown = scene.shown.layer is Layer.VISITS
 
     def draw(pair: int, _: bool) -> Pieces:
         number = figures.text(pair, COUNT - 2).rjust(COUNT - 2)
         if is_shown:
             greedy = figures.framed(world.space.pairs_of(world.space.state_of(pair)))
             return framed(scene, figures, pair, number, pair in greedy)
-        return [Segment(" ", text), Segment(number, figures.plain_style(pair)), Segment(" ", text)]
+        return [Segment(" ", text), Segment(number, figures.style(pair, is_tinted=False)), Segment(" ", text)]
 
     return Column("N", COUNT, 0 if is_shown else 3, draw, _right)
 

@@ -11,7 +11,7 @@ from rich.segment import Segment
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.panels.q_table.layers import LEARNED_NOT, Layer
-from rl_tui.screen.panels.q_table.world import Pieces, Scene, TableWorld, aligned_right, boxed, padded
+from rl_tui.screen.panels.q_table.world import Pieces, Scene, aligned_right, boxed, padded
 
 LEAST_FIELD: Final = 3  # .54
 FIELD_WITH_SIGN: Final = 4
@@ -32,28 +32,24 @@ class MatrixForm:
     label: int
 
     @property
-    def _world(self) -> TableWorld:
-        return self.scene.world
-
-    @property
     def _column(self) -> int:
         return self.field + _MARKS + _GAP
 
     @property
     def block_width(self) -> int:
         """The cells that a block takes."""
-        return self.label + _AROUND_LABEL + len(self._world.action_names) * self._column
+        return self.label + _AROUND_LABEL + len(self.scene.world.action_names) * self._column
 
     @property
     def entries(self) -> int:
         """How many entries there are: one for each live state."""
-        return len(self._world.live)
+        return len(self.scene.world.live)
 
     def heads(self) -> Pieces:
         """Return the actions, each above the middle of its column."""
         width, ellipsis = self.field + _MARKS, self.scene.look.glyphs.ellipsis
         text = " " * (self.label + _AROUND_LABEL)
-        names = [self._world.action_names[action] for action in self._world.shown_actions]
+        names = [self.scene.world.action_names[action] for action in self.scene.world.shown_actions]
         for name, following in zip(names, (*names[1:], ""), strict=True):
             # the gap may be used where no other name begins right behind it
             reach = width + _GAP if cell_len(following) < width - 1 else width
@@ -62,7 +58,7 @@ class MatrixForm:
 
     def entry(self, entry: int, is_first: bool) -> Pieces:
         """Return the row of a state, empty where an action is not legal."""
-        scene, world = self.scene, self._world
+        scene, world, shown = self.scene, self.scene.world, self.scene.shown
         palette = scene.look.palette
         state = int(world.live[entry])
         pairs = world.space.pairs_of(state)
@@ -74,33 +70,34 @@ class MatrixForm:
             Segment(name, palette.focus if scene.is_pointed(pairs) else style),
             scene.mark_behind(state) or Segment(" ", style),
         ]
-        greedy = scene.shown.framed(pairs)
+        greedy = shown.framed(pairs)
         digits = min(self.field, MOST_DIGITS)
+        blank, gap = Segment(" " * self._column, palette.text), Segment(" " * _GAP, palette.text)
         pair_of = world.pair_of_action(state)
         for action in world.shown_actions:
             pair = pair_of.get(action)
             if pair is None:
-                pieces.append(Segment(" " * self._column, palette.text))
+                pieces.append(blank)
                 continue
-            pieces += boxed(scene, scene.shown, pair, self.field, digits, pair in greedy)
-            pieces.append(Segment(" " * _GAP, palette.text))
+            pieces += boxed(scene, shown, pair, self.field, digits, pair in greedy)
+            pieces.append(gap)
         return pieces
 
     def pairs_in(self, entry: int) -> range:
         """Return the pairs of the state."""
-        return self._world.space.pairs_of(int(self._world.live[entry]))
+        return self.scene.world.space.pairs_of(int(self.scene.world.live[entry]))
 
     def entry_of(self, state: int) -> int:
         """Return the row of ``state``."""
-        return self._world.row_of(state)
+        return self.scene.world.row_of(state)
 
     def entry_of_pair(self, pair: int) -> int:
         """Return the row of the state that owns ``pair``."""
-        return self._world.row_of(self._world.space.state_of(pair))
+        return self.scene.world.row_of(self.scene.world.space.state_of(pair))
 
     def moved(self, pair: int, rows: int, columns: int) -> int:
         """Return the nearest pair so many rows below, or so many legal actions to the right."""
-        world, state = self._world, self._world.space.state_of(pair)
+        world, state = self.scene.world, self.scene.world.space.state_of(pair)
         if rows:
             row = max(0, min(self.entries - 1, world.row_of(state) + rows))
             return world.pair_near(int(world.live[row]), world.action_of(pair))
@@ -110,10 +107,10 @@ class MatrixForm:
     def pair_at(self, entry: int, x: int) -> int | None:
         """Return the pair of the action whose column is at ``x``."""
         column = (x - self.label - _AROUND_LABEL) // self._column
-        if not 0 <= column < len(self._world.shown_actions):
+        if not 0 <= column < len(self.scene.world.shown_actions):
             return None
-        pair_of = self._world.pair_of_action(int(self._world.live[entry]))
-        return pair_of.get(self._world.shown_actions[column])
+        pair_of = self.scene.world.pair_of_action(int(self.scene.world.live[entry]))
+        return pair_of.get(self.scene.world.shown_actions[column])
 
 
 def matrix_form(scene: Scene, width: int, lines: int) -> MatrixForm | None:

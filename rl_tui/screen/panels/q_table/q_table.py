@@ -103,6 +103,8 @@ class QTable(Panel, can_focus=True):
         # where the user put the cursor; None while the table follows the agent
         self.cursor_pair: int | None = None
         self.heading = "Q"
+        self.layer_choices = layer_choices(None)
+        """The layers that there are."""
         self._layer = Layer.Q
         self._following = True
         self.pointed = NOWHERE
@@ -125,22 +127,14 @@ class QTable(Panel, can_focus=True):
         self._layer = layer
         self.redraw()
 
-    @property
-    def layer_choices(self) -> tuple[Layer, ...]:
-        """The layers there are: see :func:`layer_choices`."""
-        return layer_choices(self.snapshot)
-
     def next_layer(self) -> None:
         """Go to the next layer, from the last to the first."""
         layers = self.layer_choices
         self.shown_layer = layers[(layers.index(self.shown_layer) + 1) % len(layers)]
 
-    @property
-    def rows(self) -> int:
-        """How many rows the whole table takes below its heads, what is noted below it included."""
-        if self.snapshot is None:
-            return 1
-        world = self._world_of(self.snapshot)
+    def rows_of(self, snapshot: Snapshot) -> int:
+        """Return how many rows the whole table takes below its heads, with what is noted below it."""
+        world = self._world_of(snapshot)
         return world.space.pairs + 2 if world.is_sparse else len(world.live)
 
     @property
@@ -182,6 +176,7 @@ class QTable(Panel, can_focus=True):
         if is_new_run(self.snapshot, snapshot):
             self._forms.clear()
             self._scale.clear()
+        self.layer_choices = layer_choices(snapshot)
         super().show(snapshot)
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
@@ -189,8 +184,9 @@ class QTable(Panel, can_focus=True):
         self._sheet = None
         if snapshot is None:
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
-        if self.shown_layer in EXACT_LAYERS and exact_q(snapshot) is None:
-            self.heading = TITLES[self.shown_layer]
+        layer = self.shown_layer
+        if layer in EXACT_LAYERS and exact_q(snapshot) is None:
+            self.heading = TITLES[layer]
             self.footing = self._footing(width, is_scrolled=False)
             return strips_of(no_answer(snapshot, width, self.look), width, height, self.look)
         form, scene = self._form(snapshot, width, height)
@@ -208,7 +204,7 @@ class QTable(Panel, can_focus=True):
         self._first = sheet.first
         self.free_rows = sheet.free_rows
         self.heading = self.fitting(
-            headings(snapshot, self.shown_layer, size_in_words(scene, form), self, self.lane), width
+            headings(snapshot, layer, size_in_words(scene, form), self, self.lane), width
         )
         self.footing = self._footing(width, is_scrolled=sheet.is_scrolled and not self.pointed)
         return sheet.strips(self._cache)
@@ -217,15 +213,16 @@ class QTable(Panel, can_focus=True):
         """Return the signs that cells have."""
         palette, glyphs = self.look.palette, self.look.glyphs
         frame, state = glyphs.mark_left + glyphs.mark_right, snapshot.world.space.states > 1
-        is_learned = self.shown_layer not in LEARNED_NOT
+        layer = self.shown_layer
+        is_learned = layer not in LEARNED_NOT
         greedy = GREEDY_IN_FULL if is_learned else ""  # of Q* it is best
-        framed = "likeliest" if self.shown_layer is Layer.POLICY else "greedy"
-        if self.shown_layer is Layer.Q and not has_estimates(snapshot):
+        framed = "likeliest" if layer is Layer.POLICY else "greedy"
+        if layer is Layer.Q and not has_estimates(snapshot):
             return ()
         return (
             *mark_signs(snapshot.editor, self.look),
             LegendSign(frame, framed, palette.best, greedy),
-            *([no_value_sign(self.look)] if lacks_values(snapshot, self.shown_layer) else []),
+            *([no_value_sign(self.look)] if lacks_values(snapshot, layer) else []),
             *([LegendSign(glyphs.lit, "just updated", palette.good)] if is_learned and self.lights else []),
             LegendSign(glyphs.agent, agent_meaning(snapshot) if state else "last pull", palette.agent),
             *([LegendSign(glyphs.untried, "not tried", palette.unvisited)] if is_learned else []),
@@ -364,9 +361,10 @@ class QTable(Panel, can_focus=True):
         return world.pairs_shown(state)[0]
 
     def _world_of(self, snapshot: Snapshot) -> TableWorld:
-        if self._world is None or not self._world.describes(snapshot.world, self.look.glyphs):
-            self._world = TableWorld(snapshot.world, self.look.glyphs)
-        return self._world
+        known, glyphs = self._world, self.look.glyphs
+        if known is None or known.world is not snapshot.world or known.glyphs is not glyphs:
+            known = self._world = TableWorld(snapshot.world, glyphs)
+        return known
 
     def _form(self, snapshot: Snapshot, width: int, height: int) -> tuple[Form, Scene]:
         if not self._world_of(snapshot).is_sparse:
@@ -382,14 +380,15 @@ class QTable(Panel, can_focus=True):
         exact = {layer: exact_of(snapshot, layer) for layer in layers}
         lit = lit_pair(snapshot) if self.lights else None
         scale = self._scale.of(as_studied(snapshot))
+        figures = {
+            layer: Figures(snapshot, layer, self.look, known, self._forms, scale, lit, self.sources)
+            for layer, known in exact.items()
+            if known is not None or layer not in EXACT_LAYERS
+        }
         return Scene(
             world=self._world_of(snapshot),
-            figures={
-                layer: Figures(snapshot, layer, self.look, known, self._forms, scale, lit, self.sources)
-                for layer, known in exact.items()
-                if known is not None or layer not in EXACT_LAYERS
-            },
-            layer=self.shown_layer,
+            figures=figures,
+            shown=figures[self.shown_layer],
             state=snapshot.counters.state,
             last_pair=None if snapshot.counters.last_step is None else snapshot.counters.last_step.pair,
             cursor=self.shown_cursor if self.has_focus else None,

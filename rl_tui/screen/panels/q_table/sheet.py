@@ -45,13 +45,11 @@ class Sheet:
         self._width = width
         self._height = height
         self._head_rows = 1 if height > 1 else 0
-        self._lines = min(height - self._head_rows, -(-form.entries // form.blocks))
-        self.shown = min(form.entries, self._lines * form.blocks)
-
-    @property
-    def is_scrolled(self) -> bool:
-        """Return whether there are more entries than are in view."""
-        return self.shown < self.form.entries
+        self._entries, self._block_width = form.entries, form.block_width
+        self._lines = min(height - self._head_rows, -(-self._entries // form.blocks))
+        self.shown = min(self._entries, self._lines * form.blocks)
+        self.is_scrolled = self.shown < self._entries
+        """Whether there are more entries than are in view."""
 
     @property
     def free_rows(self) -> int:
@@ -75,7 +73,7 @@ class Sheet:
     def scroll(self, first: int, state: int | None = None) -> None:
         """Start at about entry ``first``, with ``state`` in view (None: whatever is)."""
         entry = NO_ROW if state is None else self.form.entry_of(state)
-        self.first = kept_in_view(first, None if entry == NO_ROW else entry, self.shown, self.form.entries)
+        self.first = kept_in_view(first, None if entry == NO_ROW else entry, self.shown, self._entries)
 
     def scroll_to(self, first: int, pair: int) -> None:
         """Start at entry ``first``, or as near to it as keeps ``pair`` in view."""
@@ -91,10 +89,10 @@ class Sheet:
 
     def pair_at(self, x: int, y: int) -> int | None:
         """Return the pair drawn at column ``x`` of row ``y``."""
-        block, x = divmod(x, max(1, self.form.block_width))
+        block, x = divmod(x, max(1, self._block_width))
         line = y - self._head_rows
         entry = self.first + block * self._lines + line
-        if not 0 <= line < self._lines or block >= self.form.blocks or entry >= self.form.entries:
+        if not 0 <= line < self._lines or block >= self.form.blocks or entry >= self._entries:
             return None
         return self.form.pair_at(entry, x)
 
@@ -108,20 +106,21 @@ class Sheet:
 
     def _row(self, line: int) -> Pieces:
         pieces: Pieces = []
+        gap = self._width - 1
         for block in range(self.form.blocks):
             entry = self.first + block * self._lines + line
-            if entry < self.form.entries:
+            if entry < self._entries:
                 pieces += self.form.entry(entry, is_first=line == 0)
+                gap -= self._block_width
         if not self.is_scrolled:
             return pieces
-        gap = self._width - 1 - sum(segment.cell_length for segment in pieces)
         return [*pieces, Segment(" " * gap, self._scene.look.palette.text), self._scroll_bar(line)]
 
     def _scroll_bar(self, line: int) -> Segment:
         palette, glyphs = self._scene.look.palette, self._scene.look.glyphs
-        length = max(1, self._lines * self.shown // self.form.entries)
+        length = max(1, self._lines * self.shown // self._entries)
         room = self._lines - length
-        start = round(room * self.first / (self.form.entries - self.shown))
+        start = round(room * self.first / (self._entries - self.shown))
         inside = start <= line < start + length
         return Segment(glyphs.bar if inside else glyphs.axis_vertical, palette.dim)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Final
 
 import numpy as np
@@ -32,8 +32,7 @@ from rl_tui.screen.panels.world.edit_marks import marks_of
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.mdp.number_names import NumberNames
-from rl_tui.worlds.mdp.space import IntArray
+from rl_tui.worlds.mdp.space import IntArray, NumberNames
 from rl_tui.worlds.world import World
 
 # States and actions
@@ -42,6 +41,7 @@ from rl_tui.worlds.world import World
 LONGEST_STATE: Final = 14
 NO_ROW: Final = -1
 MOST_MEASURED: Final = 10_000
+_MOST_NAMES: Final = 4_096
 _LEADING_ZERO: Final = re.compile(r"(?<![\d.])0(?=\.\d)")
 
 
@@ -52,11 +52,14 @@ class TableWorld:
     """
 
     def __init__(self, world: World, glyphs: Glyphs) -> None:
-        self._world = world
+        self.world = world
         self.space = world.space
         self.glyphs = glyphs
         self.is_bandit = isinstance(world.drawing, Arms)
         self.live: IntArray = np.flatnonzero(np.diff(self.space.first_pair))
+        cells = len(self.live) * len(self.space.action_names)
+        self.is_sparse = len(self.live) == 1 or 2 * self.space.pairs <= cells
+        """Whether one row a pair says it better: one state, or half the cells of a matrix would be empty."""
         self.state_width = min(LONGEST_STATE, self._longest(str))
         self.shown_actions = shown_order(world)
         self.action_names = tuple(
@@ -64,6 +67,8 @@ class TableWorld:
             for action in range(len(self.space.action_names))
         )
         self.action_width = max(map(cell_len, self.action_names))
+        self.state_name = lru_cache(_MOST_NAMES)(self._state_name)
+        """The name of a state in so many cells: as it is, written close together, or shortened."""
 
     @cached_property
     def brief_width(self) -> int:
@@ -73,7 +78,7 @@ class TableWorld:
     @cached_property
     def least_reward(self) -> float:
         """The least mean reward of an outcome; 0 where none is less or there is no table."""
-        mdp = self._world.mdp
+        mdp = self.world.mdp
         return 0.0 if mdp is None else min(0.0, float(mdp.reward.min()))
 
     def _longest(self, form: Callable[[str], str]) -> int:
@@ -88,18 +93,7 @@ class TableWorld:
             live = np.append(live[:: -(-len(live) // MOST_MEASURED)], live[-1])
         return max(cell_len(form(names[state])) for state in live.tolist())
 
-    def describes(self, world: World, glyphs: Glyphs) -> bool:
-        """Return whether this is what is known of ``world`` in these characters."""
-        return world is self._world and glyphs is self.glyphs
-
-    @property
-    def is_sparse(self) -> bool:
-        """Whether one row a pair says it better: one state, or half the cells of a matrix would be empty."""
-        cells = len(self.live) * len(self.space.action_names)
-        return len(self.live) == 1 or 2 * self.space.pairs <= cells
-
-    def state_name(self, state: int, width: int) -> str:
-        """Return the name of ``state`` in ``width`` cells: written close together, or shortened."""
+    def _state_name(self, state: int, width: int) -> str:
         name = to_ascii(with_minus(self.space.state_names[state], self.glyphs), self.glyphs)
         return name if cell_len(name) <= width else shortened(_brief(name), width, self.glyphs.ellipsis)
 
@@ -109,11 +103,12 @@ class TableWorld:
 
     def pairs_shown(self, state: int) -> list[int]:
         """Return the pairs of ``state`` in the order in which their actions are shown."""
-        return shown_pairs(self._world, self.space.pairs_of(state))
+        return shown_pairs(self.world, self.space.pairs_of(state))
 
     def pair_of_action(self, state: int) -> dict[int, int]:
         """Return the pair of each action that is legal in ``state``."""
-        return {self.action_of(pair): pair for pair in self.space.pairs_of(state)}
+        pairs = self.space.pairs_of(state)
+        return dict(zip(self.space.pair_action[pairs.start : pairs.stop].tolist(), pairs, strict=True))
 
     def row_of(self, state: int) -> int:
         """Return which of the live states ``state`` is, ``NO_ROW`` if none."""
@@ -122,10 +117,10 @@ class TableWorld:
 
     def pair_near(self, state: int, action: int) -> int:
         """Return the pair of ``state`` whose column is nearest to that of ``action``."""
-        column = shown_place(self._world, action)
+        column = shown_place(self.world, action)
         return min(
             self.pairs_shown(state),
-            key=lambda pair: abs(shown_place(self._world, self.action_of(pair)) - column),
+            key=lambda pair: abs(shown_place(self.world, self.action_of(pair)) - column),
         )
 
 
@@ -151,6 +146,7 @@ NOBODY_DRAWS: Final = EditorView()
 class Scene:
     """What is drawn: the figures of each layer that can be shown, the agent's state and the cursor's pair.
 
+    ``shown`` are those of the layer in force.
     ``last_pair`` is the pair taken last. ``cursor`` is None where no cursor is to be seen; ``pointed`` are
     the pairs on which the cursor of another panel stands, or none. ``hides_means`` says that the means of a
     bandit are hidden. ``differing`` are the states whose greedy actions are others in the lane beside,
@@ -159,7 +155,7 @@ class Scene:
 
     world: TableWorld
     figures: dict[Layer, Figures]
-    layer: Layer
+    shown: Figures
     state: int
     last_pair: int | None
     cursor: int | None
@@ -170,11 +166,6 @@ class Scene:
     pointed: range = NOWHERE
     differing: frozenset[int] = frozenset()
     editor: EditorView = NOBODY_DRAWS
-
-    @property
-    def shown(self) -> Figures:
-        """The figures of the layer in force."""
-        return self.figures[self.layer]
 
     def state_mark(self, state: int) -> Segment:
         """Return the mark before a state: of the agent, of a breakpoint, or of both, or a blank."""
@@ -208,10 +199,7 @@ def framed(scene: Scene, figures: Figures, pair: int, number: str, is_greedy: bo
     the place of the left one.
     """
     palette, glyphs = scene.look.palette, scene.look.glyphs
-    if pair == scene.cursor:
-        style = palette.focus
-    else:
-        style = figures.style(pair) if figures.layer is scene.layer else figures.plain_style(pair)
+    style = palette.focus if pair == scene.cursor else figures.style(pair, is_tinted=figures is scene.shown)
     left = Segment(glyphs.mark_left if is_greedy else " ", palette.best)
     right = Segment(glyphs.mark_right if is_greedy else " ", palette.best)
     if side := figures.side(pair):

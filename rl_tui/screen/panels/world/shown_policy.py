@@ -30,7 +30,7 @@ from rl_tui.screen.kit.panel import (
 )
 from rl_tui.screen.kit.snapshot_facts import is_new_run
 from rl_tui.screen.kit.value_scale import SteadyScale, ValueScale, scale_sign
-from rl_tui.screen.panels.policies.studied import studied_kind, study_headings
+from rl_tui.screen.panels.policies.studied import as_studied, studied_kind, study_headings
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 
@@ -97,12 +97,34 @@ class PolicyPicture(Panel):
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)
+        self.studied: PolicyKind | None = None
+        """The policy whose values and actions are drawn; None: they are what the agent has learned."""
+        self.shows_kept_policy = False
+        """Whether arrows and values are those of the policy that a planner keeps, not the greedy ones."""
+        self.shows_drawing = False
+        """Whether actions are those that a person drew, whether their values are known or not."""
+        self.policy_shown = "greedy"
+        """What the arrows are, in a word."""
+        self.lacks_table = False
+        """Whether a program is watched of which no table is known."""
         self.names_policies_key = True
         """Whether its border names the key that opens the panel of policies: not while that is open."""
         self.differing: frozenset[int] = frozenset()
         """The states whose greedy actions are others in the lane beside; seen when it is drawn again."""
         self.steady_scale = SteadyScale()
         """The scale of all tints, which that of the lane beside shares."""
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw ``snapshot`` with values and actions of the policy that is studied, else of the agent."""
+        shown, program = as_studied(snapshot), snapshot.program
+        self.studied = studied_kind(snapshot)
+        self.shows_kept_policy = len(shown.agent.policy) > 0
+        self.shows_drawing = snapshot.answers.studied is PolicyKind.DRAWN
+        self.policy_shown = (
+            "drawn" if self.shows_drawing else "policy" if self.shows_kept_policy else "greedy"
+        )
+        self.lacks_table = program is not None and program.table is None and self.studied is None
+        super().show(shown)
 
     def begins_anew(self, snapshot: Snapshot) -> bool:
         """Return whether the numbers of ``snapshot`` have nothing in common with those drawn until now."""
@@ -115,11 +137,6 @@ class PolicyPicture(Panel):
     def waits_for_study(snapshot: Snapshot) -> bool:
         """Return whether values of a policy are to come in place of those that ``snapshot`` shows."""
         return snapshot.answers.studied is not None and studied_kind(snapshot) is None
-
-    @property
-    def studied(self) -> PolicyKind | None:
-        """The policy whose values and actions are drawn; None: they are what the agent has learned."""
-        return None if self.snapshot is None else studied_kind(self.snapshot)
 
     def study_headings(self, what: str) -> tuple[str, ...]:
         """Return headings that say of which policy ``what`` is, or how to see it; none for the agent's."""
@@ -166,29 +183,6 @@ class PolicyPicture(Panel):
     def value_scale(self) -> ValueScale:
         """The scale of the tints of V."""
         return ValueScale() if self.snapshot is None else self.steady_scale.of(self.snapshot)
-
-    @property
-    def lacks_table(self) -> bool:
-        """Whether a program is watched of which no table is known."""
-        program = None if self.snapshot is None else self.snapshot.program
-        return program is not None and program.table is None and self.studied is None
-
-    @property
-    def shows_kept_policy(self) -> bool:
-        """Whether arrows and values are those of the policy that a planner keeps, not the greedy ones."""
-        return self.snapshot is not None and len(self.snapshot.agent.policy) > 0
-
-    @property
-    def shows_drawing(self) -> bool:
-        """Whether actions are those that a person drew, whether their values are known or not."""
-        return self.snapshot is not None and self.snapshot.answers.studied is PolicyKind.DRAWN
-
-    @property
-    def policy_shown(self) -> str:
-        """What the arrows are, in a word."""
-        if self.shows_drawing:
-            return "drawn"
-        return "policy" if self.shows_kept_policy else "greedy"
 
     def policy_sign(self, sign: str, style: Style) -> LegendSign:
         """Return the ``sign`` of the actions that are drawn."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import ClassVar, Final
 
 from textual import events
@@ -29,7 +29,6 @@ from rl_tui.screen.kit.pointing import (
 )
 from rl_tui.screen.kit.snapshot_facts import is_new_run, passes_too_fast
 from rl_tui.screen.panels.last_step.state_backup_text import backup_text
-from rl_tui.screen.panels.policies.studied import as_studied
 from rl_tui.screen.panels.world.edit_marks import edit_signs, with_signs
 from rl_tui.screen.panels.world.shown_policy import TITLE, PolicyPicture
 from rl_tui.screen.theme.look import Look
@@ -175,10 +174,13 @@ class WorldView(DrawnPicture, can_focus=True):
         self.prompt: tuple[str, ...] = ()
         self.lane: tuple[str, ...] = ()
         self.note: tuple[str, ...] = ()
-        self._is_manual = False
+        self.is_manual = False
+        """Whether a person takes the actions."""
         self._has_equation = False
-        self._is_numbered = False
-        self._shows_actions = False
+        self.is_numbered = False
+        """Whether the cells of a map have the numbers of their states."""
+        self.shows_actions = False
+        """Whether the cells of a map show Q of every action, where they have room, in place of V."""
         self.enter(world)
 
     def enter(self, world: World, *, goes_on: bool = False) -> None:
@@ -192,17 +194,6 @@ class WorldView(DrawnPicture, can_focus=True):
         self._pointed: int | None = None  # where the cursor of another panel stands
 
     @property
-    def shows_actions(self) -> bool:
-        """Whether the cells of a map show Q of every action, where they have room, in place of V."""
-        return self._shows_actions
-
-    @shows_actions.setter
-    def shows_actions(self, shows_actions: bool) -> None:
-        if shows_actions != self._shows_actions:
-            self._shows_actions = shows_actions
-            self.redraw()
-
-    @property
     def lacks_room(self) -> bool:
         """Whether cells are too small for Q of every action, though they are to show it."""
         return False
@@ -210,27 +201,6 @@ class WorldView(DrawnPicture, can_focus=True):
     def has_room_in(self, width: int, height: int) -> bool:
         """Return whether cells have room for what they are to show in a panel of that size."""
         return True
-
-    @property
-    def is_numbered(self) -> bool:
-        """Whether the cells of a map have the numbers of their states."""
-        return self._is_numbered
-
-    @is_numbered.setter
-    def is_numbered(self, is_numbered: bool) -> None:
-        if is_numbered != self._is_numbered:
-            self._is_numbered = is_numbered
-            self.redraw()
-
-    @property
-    def is_manual(self) -> bool:
-        """Whether a person takes the actions."""
-        return self._is_manual
-
-    @is_manual.setter
-    def is_manual(self, is_manual: bool) -> None:
-        self._is_manual = is_manual
-        self.redraw()
 
     def show_mode(self, title: tuple[str, ...], prompt: tuple[str, ...], *, has_keys: bool) -> None:
         """Write on the border what mode is on, and which keys it has; without a title none is.
@@ -251,7 +221,7 @@ class WorldView(DrawnPicture, can_focus=True):
             if goes_on and self.cursor is not None and self.snapshot is not None:
                 self.cursor = self.carried(self.cursor, self.snapshot, snapshot)
             self.enter(snapshot.world, goes_on=goes_on)
-        super().show(as_studied(snapshot))
+        super().show(snapshot)
 
     @property
     def cells(self) -> Cells | None:
@@ -270,7 +240,7 @@ class WorldView(DrawnPicture, can_focus=True):
             () if is_taken else (*self.random_signs(), *edit_signs(snapshot.editor, self.look), *self.signs())
         )
 
-    def signs(self) -> Legend:
+    def signs(self) -> Iterable[LegendSign]:
         """Return the signs that pictures of this world may have, those that matter most first."""
         raise NotImplementedError
 
@@ -400,8 +370,10 @@ class WorldView(DrawnPicture, can_focus=True):
 
     def _equation(self, snapshot: Snapshot) -> Sequence[str]:
         """Return the Bellman equation of the state that a planner backed up last, the longest form first."""
-        is_followed = self.studied is None and not passes_too_fast(snapshot)
-        story = story_of(snapshot) if is_followed else None
+        last = snapshot.counters.last_step
+        if last is None or not last.planned or self.studied is not None or passes_too_fast(snapshot):
+            return ()
+        story = story_of(snapshot)
         if story is None or story.state_backup is None:
             return ()
         glyphs = self.look.glyphs

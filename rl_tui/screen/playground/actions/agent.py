@@ -14,7 +14,6 @@ from rl_tui.agents.exact.first_update import Remedy
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.common.errors import UserError
 from rl_tui.live.commands import Apply, AskWhy, Restart
-from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.recipe import Recipe, SetParameter, SwitchAlgorithm, changed_recipe
 from rl_tui.runs.settings import settings_for
 from rl_tui.screen.board.subject import Subject
@@ -119,7 +118,7 @@ class AgentActions(Subject):
             settings = settings_for(self.snapshot.world.space, self.recipe, setting)
         except UserError as fault:
             self.screen.tell(str(fault), severity="warning")
-            self.board.show(self.snapshot)  # the sliders go back
+            self.board.controls.redraw()  # the sliders go back
             return
         if name == "policy" and len(settings) > 1:
             alpha = Hyperparameters().alpha
@@ -161,23 +160,15 @@ class WhyActions(Subject):
     """The wait for the first update; a remedy is set by the ``agent``."""
 
     agent: AgentActions
-    _dialog: Why | None = None
 
     def explain(self) -> None:
         """Show how long nothing is learned, why, and what would help, until it is closed."""
         if self.snapshot is None:
             return
         self.link.send(AskWhy(is_asked=True))
-        self._dialog = Why(self.screen.look, self.snapshot)
-        self.screen.app.push_screen(self._dialog, self._closed)
-
-    def show(self, snapshot: Snapshot) -> None:
-        """Tell it of ``snapshot``, if that is open."""
-        if self._dialog is not None:
-            self._dialog.show(snapshot)
+        self.screen.app.push_screen(Why(self.screen.look, self.snapshot), self._closed)
 
     def _closed(self, remedy: Remedy | None) -> None:
-        self._dialog = None
         self.link.send(AskWhy(is_asked=False))
         if remedy is not None:
             self.agent.set_parameter(remedy.setting, remedy.value)

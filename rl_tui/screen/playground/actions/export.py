@@ -7,9 +7,9 @@ from functools import partial
 from pathlib import Path
 
 from rl_tui.common.errors import UserError
+from rl_tui.common.files import free_name, write_new
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.edited_world import drawn_recipe
-from rl_tui.runs.export.files import free_name, write_text
 from rl_tui.runs.export.recipe_line import entries_until, recipe_line
 from rl_tui.runs.library import episodes_of
 from rl_tui.runs.recipe import JournalEntry, Recipe, WorldChange, begin
@@ -78,7 +78,7 @@ class ExportActions(Subject):
         self._ask_command(snapshot, line, _about_command(snapshot))
 
     def _export_script(self, snapshot: Snapshot) -> None:
-        self._ask_file(snapshot, "Python script", ".py", partial(write_text, text=script_of(snapshot)))
+        self._ask_file(snapshot, "Python script", ".py", partial(write_new, text=script_of(snapshot)))
 
     def _export_q_csv(self, snapshot: Snapshot) -> None:
         from rl_tui.runs.export.tables import write_q_csv
@@ -112,13 +112,13 @@ class ExportActions(Subject):
         self._ask_file(snapshot, "Returns as CSV", "-returns.csv", write, takes_time=True)
 
     def _export_policy(self, snapshot: Snapshot) -> None:
-        from rl_tui.runs.export.policy import evaluate_line, policy_text
+        from rl_tui.runs.export.tables import evaluate_line, policy_text
 
         text = policy_text(snapshot.world.space, snapshot.answers.drawn)
 
         def write(path: Path) -> None:
             line = evaluate_line(in_force(snapshot), str(path))
-            write_text(path, text)
+            write_new(path, text)
             self._ask_command(snapshot, line, "It prints what the policy you drew is worth in each state.")
 
         self._ask_file(snapshot, "Drawn policy as JSON", "-policy.json", write, is_of_agent=False)
@@ -127,13 +127,13 @@ class ExportActions(Subject):
         """Show ``line`` to copy, or to write to a file."""
 
         def write(_: str) -> None:
-            self._ask_file(snapshot, "Command", ".txt", partial(write_text, text=f"{line}\n"))
+            self._ask_file(snapshot, "Command", ".txt", partial(write_new, text=f"{line}\n"))
 
         self.ask(CommandLine(line, hint), write)
 
     def _export_picture(self, snapshot: Snapshot) -> None:
         def write(path: Path) -> None:
-            write_text(path, self.screen.app.export_screenshot(title="rl-tui", simplify=True))
+            write_new(path, self.screen.app.export_screenshot(title="rl-tui", simplify=True))
 
         self._ask_file(snapshot, "Screen as SVG", ".svg", write)
 

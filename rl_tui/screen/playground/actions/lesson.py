@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Final
 
 from rl_tui.common.errors import UserError
+from rl_tui.common.files import new_path, write_new
 from rl_tui.lessons.file.schema import Ask, Page, ProgramToWrite, is_file_name
 from rl_tui.lessons.file.setups import recipe_of
 from rl_tui.lessons.file.view import Given, LessonRecord, Passed
 from rl_tui.live.commands import KeepLesson, Restart, SetSpeed, WatchProgram
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.runs.export.files import new_path, write_text
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.dialogs.choice import Candidate, Choice
 from rl_tui.screen.dialogs.dialog import Confirm, Prompt
@@ -84,7 +84,7 @@ class OwnProgram(Subject):
         try:
             written = not path.exists()
             if written:
-                write_text(path, program.skeleton)
+                write_new(path, program.skeleton)
         except (UserError, OSError) as fault:
             self.screen.notify(str(fault), severity="error", markup=False)
             return

@@ -9,8 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
-from rl_tui.agents.catalogue import algorithm_row
-from rl_tui.agents.sweep_phases import SweepPhase
+from rl_tui.agents.catalogue import SweepPhase, algorithm_row
 from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.findings import one_line
 from rl_tui.live.commands import Pause, Play, Restart, RunEpisode, RunSweep, SetSpeed, Step, WatchLearning

@@ -26,11 +26,14 @@ class SessionActions(Subject):
     status: StatusLine
     autosave: Autosave | None
     resumed: StoredSession | None
+    _name: str = ""
 
     def show_name(self) -> None:
         """Show on the ``status`` line what the session is called, if a person gave it a name."""
         name = "" if self.autosave is None else self.autosave.title
-        self.status.name_session(one_line(name, LONGEST_NAME))
+        if name != self._name:
+            self._name = name
+            self.status.name_session(one_line(name, LONGEST_NAME))
 
     def listen(self) -> None:
         """Show from now on what there is to know about the session; it comes from any thread."""

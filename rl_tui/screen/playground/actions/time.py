@@ -54,8 +54,12 @@ class TimeActions(Subject):
 
     def announce(self, before: Snapshot | None, now: Snapshot) -> None:
         """Say where a branch has begun between two snapshots, and where the run has come to."""
-        self._announce_fork(before, now)
-        self._announce_arrival(now)
+        if before is not None and _has_forked(before, now):
+            branch = now.timeline.current
+            parent = now.timeline.branches[branch.parent or 0]
+            self.screen.tell(f"{branch.name} begins here; j goes back to {parent.name}")
+        if self._sought_episode is not None or self._sought_branch is not None:
+            self._announce_arrival(now)
 
     def _announce_arrival(self, now: Snapshot) -> None:
         """Say where the run has come to: on another branch, or not as far as was asked."""
@@ -74,13 +78,6 @@ class TimeActions(Subject):
         if now.counters.episodes < episode - 1 and not now.timeline.in_past:
             here = f"{unit_of(now)} {episode_shown(now):,}, step {now.counters.step:,}"
             self.screen.tell(f"the run ends here so far: {here}; space goes on")
-
-    def _announce_fork(self, before: Snapshot | None, now: Snapshot) -> None:
-        """Say so where another branch begins between two snapshots."""
-        if before is not None and _has_forked(before, now):
-            branch = now.timeline.current
-            parent = now.timeline.branches[branch.parent or 0]
-            self.screen.tell(f"{branch.name} begins here; j goes back to {parent.name}")
 
     def _go_back(self, command: StepBack | EpisodeBack) -> None:
         now = self.snapshot

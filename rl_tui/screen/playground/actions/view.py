@@ -28,14 +28,8 @@ class ViewActions(Subject):
         pair = self._model.pair if self._model else None
         self.link.send(LookAt(self.board.viewport._replace(pair=pair)))
 
-    def show(self, snapshot: Snapshot) -> None:
-        """Draw ``snapshot`` in the model, if that is open."""
-        if self._model is not None:
-            self._model.show(snapshot)
-
-    def follow_panels(self) -> None:
-        """Ask for what the opened panel is about, and no more once it is closed."""
-        self.follow_flips()
+    def follow_panel(self) -> None:
+        """Have the world checked when that panel has been opened, and no more once it is closed."""
         is_open = self.board.opened == WORLD_CHECK
         if is_open != self._asks_check:
             self._asks_check = is_open

@@ -128,6 +128,7 @@ class ManualControl(KeyMode):
     def _show(self, *, is_on: bool) -> None:
         if self.board.world is not None:
             self.board.world.is_manual = is_on
+            self.board.world.redraw()
         for each in (self.screen.query_one(StatusLine), self.board.lesson.panel):
             each.is_manual = is_on
             each.redraw()

@@ -16,17 +16,15 @@ from rl_tui.agents.kernels.compiled import compiled
 from rl_tui.agents.kernels.machine_code import interpreted, machine_code
 from rl_tui.agents.kernels.parameters import KernelParameters, Schedules, scheduled, with_alpha
 from rl_tui.agents.kernels.position import (
-    REWARDS_KEPT,
-    EpisodeLog,
-    Position,
-    discount_rewards,
-)
-from rl_tui.agents.kernels.stop import (
     ENDLESS_EPISODE,
     EPISODES_FULL,
     LONGEST_EPISODE,
     MEMORY_FULL,
+    REWARDS_KEPT,
+    EpisodeLog,
+    Position,
     Stop,
+    discount_rewards,
 )
 from rl_tui.agents.kernels.tables import Tables, pairs_of
 from rl_tui.agents.kernels.watch import Watch, watched

@@ -10,7 +10,7 @@ import pytest
 
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import Hyperparameters
-from rl_tui.agents.kernels.stop import LONGEST_EPISODE, Stop
+from rl_tui.agents.kernels.position import LONGEST_EPISODE, Stop
 from rl_tui.agents.learner import EPISODES_LOGGED, UNLIMITED, Learner
 from rl_tui.common.errors import UserError
 from rl_tui.common.streams import streams
@@ -77,7 +77,7 @@ def facts(learner: Learner) -> list[Any]:
         learner.episodes,
         learner.state,
         learner.episode_step,
-        learner.episode_return,
+        learner.counters.episode_return,
         learner.first_reward_episode,
         replace(learner.last_step, outcome=-1),
         learner.streams.learner.bit_generator.state,

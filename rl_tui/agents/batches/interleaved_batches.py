@@ -14,14 +14,14 @@ from rl_tui.agents.batches.rows import generator_at, row
 from rl_tui.agents.kernels.compiled import compiled, for_kernels, inlined
 from rl_tui.agents.kernels.loop import draw_outcome, draw_reward, start_state
 from rl_tui.agents.kernels.parameters import alpha_in, epsilon_in, with_alpha
-from rl_tui.agents.kernels.position import EpisodeLog
-from rl_tui.agents.kernels.stop import (
+from rl_tui.agents.kernels.position import (
     DIVERGED,
     DONE,
     ENDLESS_EPISODE,
     LARGEST_ESTIMATE,
     LONGEST_EPISODE,
     MEMORY_FULL,
+    EpisodeLog,
 )
 from rl_tui.agents.kernels.tables import IndexArray, Tables, landing
 from rl_tui.agents.policies.family import in_force

@@ -1,0 +1,215 @@
+"""Errors of the user's code: the line that raised one, what it says, and advice on those that many meet."""
+
+from __future__ import annotations
+
+import linecache
+import re
+import sys
+import sysconfig
+import traceback
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from types import FrameType, TracebackType
+from typing import Any, Final
+
+from rl_tui.common.errors import UserError
+
+# Errors and their lines
+
+
+_OURS: Final = str(Path(__file__).parents[3])
+_LIBRARIES: Final = tuple(
+    {sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")}
+    | {"<frozen", sys.prefix + "/lib"}
+)
+_LONGEST_TEXT: Final = 1_000
+_LONGEST_TRACEBACK: Final = 12_000
+_MOST_FRAMES: Final = 40
+
+
+def is_users_file(file: str) -> bool:
+    """Return whether code of ``file`` is the user's own: none of ours, no library and no part of Python."""
+    return not (file.startswith((_OURS, *_LIBRARIES)) or "site-packages" in file or "dist-packages" in file)
+
+
+def users_place(frame: FrameType | None) -> tuple[str, int] | None:
+    """Return file and line of the user's code that runs in ``frame`` or led to it, None without any."""
+    while frame is not None:
+        if is_users_file(frame.f_code.co_filename):
+            return frame.f_code.co_filename, line_of(frame)
+        frame = frame.f_back
+    return None
+
+
+def line_of(frame: FrameType) -> int:
+    """Return the line that ``frame`` is at.
+
+    Some instructions have none, such as the jump back to the head of a loop: then it is the line before them.
+    """
+    if frame.f_lineno is not None:
+        return frame.f_lineno
+    before = [line for start, _, line in frame.f_code.co_lines() if line and start <= frame.f_lasti]
+    return before[-1] if before else frame.f_code.co_firstlineno
+
+
+def described(error: BaseException) -> dict[str, Any]:
+    """Return what is told of ``error``: type, text, file, line and traceback, without frames of ours.
+
+    The place is the innermost one in the user's code; of a syntax error it is the line that has it.
+    """
+    if isinstance(error, UserError) and isinstance(error.__cause__, SyntaxError):
+        error = error.__cause__
+    frames = [each for each in _walk(error.__traceback__) if not _is_ours(each[0])]
+    own = [each for each in frames if is_users_file(each[0].f_code.co_filename)] or frames
+    file, line = (own[-1][0].f_code.co_filename, own[-1][1]) if own else ("", None)
+    if isinstance(error, SyntaxError) and error.filename:
+        file, line = error.filename, error.lineno
+    text = _text_of(error)
+    advice = _advice_on(error, text, [frame for frame, _ in own[::-1]], line)
+    return {
+        "type": type(error).__name__,
+        "text": _bounded(f"{text}: {advice}" if text and advice else text or advice, _LONGEST_TEXT),
+        "file": file,
+        "line": line,
+        "traceback": _bounded(_formatted(error), _LONGEST_TRACEBACK),
+    }
+
+
+def _walk(trace: TracebackType | None) -> Iterator[tuple[FrameType, int]]:
+    while trace is not None:
+        yield trace.tb_frame, trace.tb_lineno
+        trace = trace.tb_next
+
+
+def _is_ours(frame: FrameType) -> bool:
+    return frame.f_code.co_filename.startswith(_OURS)
+
+
+def _text_of(error: BaseException) -> str:
+    if isinstance(error, SyntaxError):
+        return error.msg or ""
+    try:
+        return str(error)
+    except Exception:  # a class of the user's may say what it likes
+        return ""
+
+
+def _formatted(error: BaseException) -> str:
+    report = traceback.TracebackException.from_exception(error, compact=True)
+    chain: traceback.TracebackException | None = report
+    while chain is not None:
+        kept = [each for each in chain.stack if not each.filename.startswith(_OURS)]
+        dropped = kept[_MOST_FRAMES // 2 : -_MOST_FRAMES // 2] if len(kept) > _MOST_FRAMES else []
+        chain.stack = traceback.StackSummary.from_list([each for each in kept if each not in dropped])
+        chain = chain.__cause__ or chain.__context__
+    return "".join(report.format())
+
+
+def _bounded(text: str, longest: int) -> str:
+    """Return a text of at most ``longest`` characters: its beginning and its end, where it is longer."""
+    half = longest // 2
+    return text if len(text) <= longest else f"{text[:half]}\n…\n{text[len(text) - half :]}"
+
+
+# Advice: modules that are missing, and the API of the old Gym
+
+
+_PACKAGES: Final = {
+    **{
+        name: name
+        for name in (
+            *("gymnasium", "imageio", "ipywidgets", "jax", "keras", "matplotlib", "mlflow", "networkx"),
+            *("numba", "numpy", "pandas", "pettingzoo", "plotly", "pygame", "requests", "scipy", "seaborn"),
+            *("statsmodels", "sympy", "tensorboard", "tensorflow", "torch", "tqdm", "wandb"),
+        )
+    },
+    "bs4": "beautifulsoup4",
+    "cv2": "opencv-python",
+    "dotenv": "python-dotenv",
+    "gym_toytext": "gymnasium[toy-text]",
+    "IPython": "ipython",
+    "PIL": "pillow",
+    "serial": "pyserial",
+    "skimage": "scikit-image",
+    "sklearn": "scikit-learn",
+    "stable_baselines3": "stable-baselines3",
+    "tensorboardX": "tensorboardX",
+    "yaml": "PyYAML",
+}
+"""Modules that are well known, and the package that one installs for each.
+
+Any other name may be a misspelt one or somebody's own, and a package of that name may be anything.
+"""
+_GYM: Final = (
+    "Gym is Gymnasium now: write `import gymnasium as gym`, which is installed; "
+    "reset then returns (observation, info), and step (observation, reward, terminated, truncated, info)"
+)
+_STEP: Final = (
+    "step returns five values since Gym 0.26: write `next_state, reward, terminated, truncated, info = "
+    "env.step(action)`, and `done = terminated or truncated`"
+)
+_RESET: Final = "reset returns (observation, info) since Gym 0.26: write `state, info = env.reset()`"
+_UNKNOWN: Final = "if it is a file of yours, put it beside the script"
+_NOTEBOOK: Final = "only a notebook has it: delete the line, which was exported from one"
+_ATTRIBUTES: Final = {
+    "seed": "environments are seeded by reset since Gym 0.26: write `env.reset(seed=0)`",
+    **dict.fromkeys(
+        ("P", "nS", "nA", "s", "desc", "nrow", "ncol"),
+        "wrappers pass no attributes on since Gymnasium 1.0: write `env.unwrapped.{name}`",
+    ),
+}
+_TOO_MANY: Final = re.compile(r"too many values to unpack \(expected [34]\)")
+
+
+def _advice_on(error: BaseException, text: str, frames: Sequence[FrameType], line: int | None) -> str:
+    """Return a sentence that says how to mend ``error``, or nothing.
+
+    ``text`` is what it says, ``frames`` are those of the user's code, the innermost first, and ``line`` is
+    the one in the innermost of them that raised it.
+    """
+    if isinstance(error, ModuleNotFoundError):
+        return _on_missing(error.name or "")
+    if isinstance(error, ValueError) and _TOO_MANY.search(text):
+        return _STEP if _calls_step(frames, line) else ""
+    if isinstance(error, NameError) and error.name in ("get_ipython", "display"):
+        return _NOTEBOOK
+    if isinstance(error, AttributeError):
+        is_environment = _is_environment(error.obj)
+        return _ATTRIBUTES.get(error.name or "", "").format(name=error.name) if is_environment else ""
+    if isinstance(error, TypeError) and "render()" in text and "mode" in text:
+        return "how to draw is said to gymnasium.make since Gym 0.26, by its argument `render_mode`"
+    if isinstance(error, TypeError | LookupError | ValueError) and _has_whole_reset(frames):
+        return _RESET
+    return ""
+
+
+def _on_missing(name: str) -> str:
+    top = name.partition(".")[0]
+    if top == "gym":
+        return _GYM
+    if top in _PACKAGES:
+        return f"install it with `pip install {_PACKAGES[top]}`"
+    return _UNKNOWN if top else ""
+
+
+def _calls_step(frames: Sequence[FrameType], line: int | None) -> bool:
+    if not frames or line is None:
+        return False
+    code = frames[0].f_code
+    around = [linecache.getline(code.co_filename, each) for each in range(line - 1, line + 3)]
+    return ".step(" in "".join(around)
+
+
+def _has_whole_reset(frames: Sequence[FrameType]) -> bool:
+    """Return whether a variable there is all that ``reset`` returned, the observation and the info."""
+    return any(
+        type(value) is tuple and len(value) == 2 and type(value[1]) is dict
+        for frame in frames
+        for value in frame.f_locals.values()
+    )
+
+
+def _is_environment(value: object) -> bool:
+    from gymnasium import Env
+
+    return isinstance(value, Env)

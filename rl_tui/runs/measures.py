@@ -1,0 +1,238 @@
+"""The measures of a run: what each is, and how its value is worked out.
+
+The figures of ``train --json``, the rows of many seeds and the columns of sweeps come from this table.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from rl_tui.runs.bandit import BanditFigures
+    from rl_tui.runs.run import Run
+
+# A run as measures see it
+
+
+@dataclass(frozen=True, slots=True)
+class GreedyFigures:
+    """Exact figures of a run's greedy policy and estimates, None where there is no exact answer."""
+
+    value_at_start: float | None = None
+    optimal_value_at_start: float | None = None
+    expected_return: float | None = None
+    max_error: float | None = None
+    greedy_ends: float | None = None
+
+
+NO_EXACT_FIGURES: Final = GreedyFigures()
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuredRun:
+    """What measures are worked out from: a run at the step that it has reached."""
+
+    steps: int
+    episodes: int
+    """Finished episodes, and sweeps of a planner."""
+    total_return: float
+    """The sum of the undiscounted returns of all finished episodes."""
+    mean_return: float | None
+    """Their mean; None before the first has ended."""
+    last_100: tuple[float | None, float | None]
+    """Mean return and mean length of the last 100 episodes, or of as many as there are."""
+    first_reward_episode: int
+    """The first episode, from 1, with a reward that is not 0; 0 if there was none."""
+    exact: GreedyFigures = NO_EXACT_FIGURES
+    bandit: BanditFigures | None = None
+    """How its pulls were spent; None where the world is not a bandit."""
+    best_return: float | None = None
+    """What the best policy, which may look at the clock, earns in an episode; None if that is not known."""
+    arrival: int | None = None
+    """After which episode its greedy policy was first seen within 5 % of the best; None if it never was."""
+
+
+def measured_run(run: Run, exact: GreedyFigures = NO_EXACT_FIGURES) -> MeasuredRun:
+    """Return ``run`` as measures see it; what is known of its greedy policy is ``exact``."""
+    return MeasuredRun(
+        run.step,
+        run.learner.episodes,
+        run.history.total_return,
+        run.mean_return,
+        run.history.last_100,
+        run.learner.first_reward_episode,
+        exact,
+        run.bandit,
+    )
+
+
+# The table
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """A measure: ``of`` gives its value in a run, None where it has none.
+
+    Its ``formula`` is in words. ``larger_is_better`` is None where it is neither. ``may_never_arrive``: what
+    it counts to may not have happened when training ended; then its value is None, and known to be later
+    than that.
+    """
+
+    id: str
+    title: str
+    unit: str
+    formula: str
+    of: Callable[[MeasuredRun], float | None]
+    larger_is_better: bool | None = None
+    may_never_arrive: bool = False
+
+
+def _regret(run: MeasuredRun) -> float | None:
+    if run.bandit is not None:
+        return run.bandit.regret
+    if run.best_return is None or run.mean_return is None:
+        return None
+    regret = run.episodes * run.best_return - run.total_return
+    return regret if math.isfinite(regret) else None
+
+
+_TABLE: Final = (
+    Measure(
+        "expected_return",
+        "expected return",
+        "return",
+        "exact expected undiscounted return of the greedy policy of the final estimates, from the start, "
+        "within the time limit",
+        lambda run: run.exact.expected_return,
+        larger_is_better=True,
+    ),
+    Measure(
+        "value_at_start",
+        "value at the start",
+        "discounted return",
+        "exact expected discounted return of that policy from the start, without a time limit",
+        lambda run: run.exact.value_at_start,
+        larger_is_better=True,
+    ),
+    Measure(
+        "optimal_value_at_start",
+        "optimal value at the start",
+        "discounted return",
+        "the same of the optimal policy",
+        lambda run: run.exact.optimal_value_at_start,
+    ),
+    Measure(
+        "greedy_ends",
+        "greedy policy ends",
+        "share",
+        "exact probability that an episode of the greedy policy ends, 0 to 1",
+        lambda run: run.exact.greedy_ends,
+    ),
+    Measure(
+        "max_error",
+        "largest error of Q",
+        "discounted return",
+        "max over all pairs of |Q(s, a) - Q*(s, a)|",
+        lambda run: run.exact.max_error,
+        larger_is_better=False,
+    ),
+    Measure(
+        "area",
+        "return per episode over all of training",
+        "return",
+        "sum of the returns of all finished episodes / their number: the area under the learning curve, a "
+        "share of its width",
+        lambda run: run.mean_return,
+        larger_is_better=True,
+    ),
+    Measure(
+        "arrival",
+        "episodes to 5 % from the best",
+        "episodes",
+        "first mark at which best - g <= 0.05 (best - random); g is the exact expected return of the greedy "
+        "policy, best that of the best policy that may look at the clock, random that of a policy that takes "
+        "any action alike; marks are after episodes 1, 2, 3 and so on, each at most 2^(1/4) times the one "
+        "before or the next, and after the last",
+        lambda run: run.arrival,
+        larger_is_better=False,
+        may_never_arrive=True,
+    ),
+    Measure(
+        "regret",
+        "regret",
+        "return",
+        "episodes x best - sum of their returns; of a bandit the sum over all pulls of max q* - "
+        "q*(pulled arm)",
+        _regret,
+        larger_is_better=False,
+    ),
+    Measure("steps", "steps", "steps", "steps taken in all", lambda run: run.steps),
+    Measure(
+        "episodes", "episodes", "episodes", "finished episodes; sweeps of a planner", lambda run: run.episodes
+    ),
+    Measure(
+        "return_last_100",
+        "return, last 100 episodes",
+        "return",
+        "mean undiscounted return of the last 100 finished episodes, or of as many as there are",
+        lambda run: run.last_100[0],
+        larger_is_better=True,
+    ),
+    Measure(
+        "length_last_100",
+        "length, last 100 episodes",
+        "steps",
+        "mean length of these",
+        lambda run: run.last_100[1],
+    ),
+    Measure(
+        "return_mean",
+        "mean return",
+        "return",
+        "mean undiscounted return of all finished episodes",
+        lambda run: run.mean_return,
+        larger_is_better=True,
+    ),
+    Measure(
+        "first_reward_episode",
+        "first reward that is not 0, episode",
+        "episodes",
+        "the first episode with a reward other than 0, from 1",
+        lambda run: run.first_reward_episode or None,
+        larger_is_better=False,
+        may_never_arrive=True,
+    ),
+    Measure(
+        "winnings",
+        "winnings",
+        "return",
+        "of a bandit, the sum of all rewards",
+        lambda run: None if run.bandit is None else run.bandit.winnings,
+        larger_is_better=True,
+    ),
+    Measure(
+        "best_arm_rate",
+        "best arm, share of pulls",
+        "share",
+        "of a bandit, the share of pulls on the truly best arm, 0 to 1",
+        lambda run: None if run.bandit is None else run.bandit.best_arm_rate,
+        larger_is_better=True,
+    ),
+)
+MEASURES: Final = {measure.id: measure for measure in _TABLE}
+"""All measures by their ids."""
+EXACT: Final = ("value_at_start", "expected_return", "max_error")
+"""Those that have exact values alone."""
+_LAST_100: Final = ("return_last_100", "length_last_100")
+FIGURES: Final = ("steps", "episodes", *EXACT, "return_mean", *_LAST_100, "first_reward_episode")
+"""The measures in a row of ``train --runs --json``, in its order."""
+BANDIT_FIGURES: Final = ("winnings", "regret", "best_arm_rate")
+"""Those that a row has besides where the world is a bandit."""
+
+
+def figures_of(run: MeasuredRun, names: Iterable[str]) -> dict[str, float | None]:
+    """Return the values of the measures of these ``names`` in ``run``, in that order."""
+    return {name: MEASURES[name].of(run) for name in names}

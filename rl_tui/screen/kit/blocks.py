@@ -1,0 +1,289 @@
+"""Blocks, of which panels of text are made: a panel says what stands there, a block how it is fitted in.
+
+A block chooses the longest of its forms that fits, wraps, aligns, and spells in the terminal's characters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple, Protocol
+
+from rich.cells import cell_len
+from rich.style import Style
+
+from rl_tui.screen.draw.canvas import (
+    Line,
+    Piece,
+    first_that_fits,
+    fitted,
+    length,
+    shortened,
+    spelled,
+    wrapped,
+)
+from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.theme.look import Look
+
+
+class Block(Protocol):
+    """Some lines of a panel."""
+
+    def lines(self, width: int, look: Look) -> Sequence[Line]:
+        """Return it in lines, of at most ``width`` cells where it can be made to fit."""
+
+
+def lines_of(blocks: Iterable[Block], width: int, look: Look) -> list[Line]:
+    """Return ``blocks`` below one another."""
+    return [line for block in blocks for line in block.lines(width, look)]
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A paragraph, behind ``first`` in its first line and ``rest`` in the others.
+
+    A function makes the text for the cells that there are for it.
+    """
+
+    text: str | Callable[[int], str]
+    style: Style
+    first: str = " "
+    rest: str = " "
+
+    def lines(self, width: int, look: Look) -> Sequence[Line]:
+        """Return it wrapped; no line for no text."""
+        text = self.text if isinstance(self.text, str) else self.text(width)
+        return wrapped(text, width, self.style, look, self.first, self.rest) if text else ()
+
+
+class Row:
+    """One line: the first of ``forms``, the longest first, that fits; else ``instead``, or the last form."""
+
+    def __init__(self, *forms: Line, instead: Sequence[Block] = ()) -> None:
+        self._forms = forms
+        self._instead = instead
+
+    def lines(self, width: int, look: Look) -> Sequence[Line]:
+        """Return the line."""
+        line = first_that_fits(self._forms, width, look)
+        if self._instead and length(spelled(line, look)) > width:
+            return lines_of(self._instead, width, look)
+        return [line]
+
+
+BLANK = Row([])
+"""A blank line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Flow:
+    """Groups of pieces, none of which is broken, in as many lines as they take.
+
+    Blanks before a group set it off from the one before and go where a line begins. All lines but the first
+    begin after ``indent`` blanks, that after one.
+    """
+
+    groups: Iterable[Line]
+    indent: int = 1
+
+    def lines(self, width: int, look: Look) -> Sequence[Line]:
+        """Return the lines."""
+        lines: list[list[Piece]] = []
+        used = 0
+        for group in self.groups:
+            needed = length(spelled(group, look))
+            if lines and used + needed <= width:
+                lines[-1] += group
+                used += needed
+                continue
+            first, *rest = group
+            margin = Piece(" " * (self.indent if lines else 1), look.palette.text)
+            lines.append([margin, Piece(first.text.lstrip(" "), first.style), *rest])
+            used = length(spelled(lines[-1], look))
+        return lines
+
+
+@dataclass(frozen=True, slots=True)
+class Labelled:
+    """A block beside its label of ``cells``; below it where there are fewer than ``beside_from`` in all."""
+
+    label: str
+    style: Style
+    cells: int
+    body: Block
+    beside_from: int = 0
+
+    def lines(self, width: int, look: Look) -> Sequence[Line]:
+        """Return the label and the body."""
+        label = f" {to_ascii(self.label, look.glyphs)}"
+        if width < self.beside_from:
+            below = self.body.lines(width - 3, look)
+            return [[Piece(label, self.style)], *([Piece("   ", self.style), *line] for line in below)]
+        body = self.body.lines(max(1, width - self.cells), look)
+        return [
+            [Piece(f"{label if number == 0 else '':<{self.cells}}", self.style), *line]
+            for number, line in enumerate(body)
+        ]
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """Blocks below a heading with a rule behind it, and between them the longest of ``remarks`` that fits.
+
+    The blocks take at least ``rows`` lines, so that what stands below stays where it is.
+    """
+
+    heading: str
+    blocks: Sequence[Block] = ()
+    rows: int = 0
+    remarks: Sequence[str] = ()
+
+    def lines(self, width: int, look: Look) -> Sequence[Line]:
+        """Return heading and blocks."""
+        palette = look.palette
+        head = Piece(f" {self.heading} ", palette.strong)
+        forms = [[head, Piece(f" {remark} ", palette.text)] for remark in self.remarks if remark]
+        kept = fitted(first_that_fits([*forms, [head]], width, look), width, look)
+        rule = Piece(look.glyphs.thin * max(0, width - length(kept)), palette.dim)
+        lines = lines_of(self.blocks, width, look)
+        return [[*kept, rule], *lines, *([[]] * (self.rows - len(lines)))]
+
+
+def stacked(sections: Sequence[Section], width: int, height: int, look: Look) -> list[Line]:
+    """Return ``sections`` below one another, a blank line between them where ``height`` has room for it."""
+    parts = [section.lines(width, look) for section in sections]
+    is_roomy = sum(map(len, parts)) + len(parts) - 1 <= height
+    lines: list[Line] = []
+    for part in parts:
+        lines += [*([[]] if lines and is_roomy else []), *part]
+    return lines
+
+
+class Column(NamedTuple):
+    """A column of a table: its head and what stands in each row, None for the head once more.
+
+    Cells are in ``style`` unless they bring their own. The column has at least ``width`` cells, with ``gap``
+    blanks before them. Where there is no room it may be shortened to ``least`` cells, None: not at all.
+    """
+
+    head: str
+    cells: Sequence[str | Piece | None]
+    style: Style
+    right: bool = True
+    gap: int = 1
+    width: int = 0
+    least: int | None = None
+
+    def longest(self, look: Look) -> int:
+        """Return the cells of the longest of its texts, the head aside."""
+        texts = (cell.text if isinstance(cell, Piece) else cell for cell in self.cells if cell is not None)
+        return max((cell_len(to_ascii(text, look.glyphs)) for text in texts), default=0)
+
+    def pieces(self, look: Look) -> list[Piece]:
+        """Return head and cells, as they are spelled."""
+        head = Piece(self.head, look.palette.dim)
+        cells = (
+            head if c is None else c if isinstance(c, Piece) else Piece(c, self.style) for c in self.cells
+        )
+        return spelled([head, *cells], look)
+
+
+Columns = Sequence[Column]
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Rows in columns, in the first of ``forms``, the best first, that fits.
+
+    A form in which nothing is shortened has to leave ``margin`` cells free. Where none fits, the last one is
+    taken as far as it goes; if the table ``is_stacked`` then, each cell has a line of its own. What stands
+    ``below`` a row, by its place, has the whole width.
+    """
+
+    forms: Iterable[Columns]
+    margin: int = 0
+    has_head: bool = True
+    is_stacked: bool = False
+    below: Mapping[int, Sequence[Block]] = field(default_factory=dict)
+
+    def lines(self, width: int, look: Look) -> Sequence[Line]:
+        """Return the head and the rows."""
+        columns, widths, fits = self._chosen(width, look)
+        pieces = [column.pieces(look) for column in columns]
+        aligned = [
+            [_aligned(piece, column, cells, look) for piece in texts]
+            for column, cells, texts in zip(columns, widths, pieces, strict=True)
+        ]
+        head, *rows = zip(*aligned, strict=True)
+        is_stacked = self.is_stacked and not fits
+        lines: list[Line] = [head] if self.has_head and not is_stacked else []
+        for place, row in enumerate(rows):
+            lines += _stacked(columns, pieces, place, width, look) if is_stacked else [row]
+            lines += lines_of(self.below.get(place, ()), width, look)
+        return lines
+
+    def _chosen(self, width: int, look: Look) -> tuple[Columns, list[int], bool]:
+        """Return the columns, the cells of each, and whether they fit."""
+        columns: Columns = ()
+        wanted: list[int] = []
+        least: list[int] = []
+        room = 0
+        known: dict[int, tuple[object, int]] = {}  # forms mostly have cells in common
+        for columns in self.forms:
+            for each in columns:
+                if id(each.cells) not in known:
+                    known[id(each.cells)] = each.cells, each.longest(look)
+            heads = [cell_len(to_ascii(each.head, look.glyphs)) for each in columns]
+            wanted = [
+                max(c.width, head, known[id(c.cells)][1]) for c, head in zip(columns, heads, strict=True)
+            ]
+            least = [w if c.least is None else min(w, c.least) for c, w in zip(columns, wanted, strict=True)]
+            room = width - sum(least) - sum(each.gap for each in columns)
+            if room >= (self.margin if least == wanted else 0):
+                break
+        cells = [min(w, each + max(0, room)) for w, each in zip(wanted, least, strict=True)]
+        return columns, cells, room >= 0
+
+
+def _aligned(piece: Piece, column: Column, cells: int, look: Look) -> Piece:
+    text = shortened(piece.text, cells, look.glyphs.ellipsis)
+    blanks = " " * (cells - cell_len(text))
+    gap = " " * column.gap
+    return Piece(gap + (blanks + text if column.right else text + blanks), piece.style)
+
+
+def _stacked(
+    columns: Columns, pieces: Sequence[Sequence[Piece]], place: int, width: int, look: Look
+) -> Iterator[Line]:
+    """Yield the name of a row and below it the other cells, behind the heads of their columns."""
+    (_, *names), *others = pieces
+    if names[place].text:
+        yield [Piece(f" {shortened(names[place].text, width - 1, look.glyphs.ellipsis)}", names[place].style)]
+    for column, (head, *cells) in zip(columns[1:], others, strict=True):
+        if column.cells[place] is not None:
+            text, style = cells[place].text, cells[place].style
+            labelled = [Piece(f"   {head.text} ", head.style), Piece(text, style)]
+            yield from Row(labelled, [Piece(f"  {text}", style)]).lines(width, look)
+
+
+class Laid(NamedTuple):
+    """Lines, the line of each row of the table, and how many are left over."""
+
+    lines: list[Line]
+    places: Sequence[int]
+    free: int
+
+
+def laid(table: Table, cursor: int, texts: Iterable[Text], width: int, height: int, look: Look) -> Laid:
+    """Return ``table``, the rows around ``cursor`` where it is too high, and the ``texts`` that have room."""
+    head, *rows = table.lines(width, look)
+    has_head = height > len(rows)
+    first = max(0, min(cursor - height // 2, len(rows) - height))
+    lines = [*([head] if has_head else []), *rows[first : first + height]]
+    top = len(lines)
+    for text in texts:
+        said = text.lines(width, look)
+        gap = int(len(lines) == top and height - top > len(said))
+        if len(lines) + gap + len(said) <= height:
+            lines += [*([[]] * gap), *said]
+    return Laid(lines, [has_head + place - first for place in range(len(rows))], height - len(lines))

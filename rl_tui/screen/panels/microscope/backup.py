@@ -1,0 +1,242 @@
+"""The last backup as a tree: the state, the action below it, and its outcomes in columns hanging from it.
+
+The tree is that of Sutton & Barto, 2nd ed., Fig. 3.4; below it stand the targets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+
+from rl_tui.agents.catalogue import Lookup
+from rl_tui.live.last_step.backup import Backup, Leaf
+from rl_tui.screen.draw import names, numbers
+from rl_tui.screen.draw.action_order import shown_place
+from rl_tui.screen.draw.canvas import Piece
+from rl_tui.screen.draw.precision import agrees, column_figure, leading_zeros, parsed
+from rl_tui.screen.kit.blocks import BLANK, Block, Column, Columns, Row, Section, Table, Text
+from rl_tui.screen.panels.last_step.words import StepWords
+from rl_tui.screen.panels.microscope.targets import target_blocks
+from rl_tui.screen.panels.model.pair import HIDDEN
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION, TabularMDP
+from rl_tui.worlds.world import World
+
+BACKUP_HEADING: Final = "The backup"
+AFTER_END: Final = "the episode has ended: after its end there is nothing to look up"
+NOT_KNOWN: Final = "which estimates your program looked up is not known"
+MOST_LEAVES: Final = 8
+TARGET_ROWS: Final = 4
+_HEAD_ROWS: Final = 3
+_VALUE: Final = "V(s′)"
+_VALUE_HEADS: Final = {
+    Lookup.BEST: "max Q(s′,·)",
+    Lookup.NEXT: "Σ π Q(s′,·)",
+    Lookup.MEAN: "Σ π Q(s′,·)",
+}
+_SHARE: Final = "p·(r + γV)"
+_DECIMALS: Final = 3
+_MORE: Final = 5  # decimals beyond the fewest
+
+
+def backup_section(words: StepWords, look: Look, *, secret: Sequence[str]) -> Section:
+    """Return the tree over all outcomes and the targets below it.
+
+    ``secret`` stands in place of what true rewards decide, the longest form first; none where they may be
+    seen.
+    """
+    world, backup = words.story.world, words.story.backup
+    if backup is None:
+        return Section(BACKUP_HEADING, [Text(_why_none(words), look.palette.dim)], 1)
+    blocks = [
+        *_tree(world, backup, look, secret=bool(secret)),
+        *target_blocks(words, backup, look, secret=secret),
+    ]
+    remarks = () if backup.is_current else ("estimates as they are now", "as they are now")
+    if world.mdp is None:
+        remarks = ("what else may follow is not known", "one sample")
+    return Section(BACKUP_HEADING, blocks, backup_rows(world), remarks)
+
+
+def _why_none(words: StepWords) -> str:
+    """Return why there is no backup: nothing was looked up, it is not known what, or it is not the book's."""
+    story = words.story
+    if story.program is None or story.program.table is None or story.reads_by_the_book:
+        return story.terms.waiting
+    if story.last.terminated and not story.bootstraps:
+        return AFTER_END
+    if story.has_equation and words.bootstrap:
+        return f"your program looked up {words.bootstrap}: the book has no such backup"
+    return NOT_KNOWN  # the update says why
+
+
+def backup_rows(world: World) -> int:
+    """Return how many rows the tree of any pair of ``world`` and the targets take."""
+    return _HEAD_ROWS + _leaf_rows(world) + TARGET_ROWS
+
+
+@lru_cache(maxsize=1)  # one world is on screen; no other is kept alive
+def _most_outcomes(mdp: TabularMDP) -> int:
+    return int(np.diff(mdp.first_outcome).max())
+
+
+def _leaf_rows(world: World) -> int:
+    """Return how many rows the leaves of any pair of ``world`` take."""
+    return 1 if world.mdp is None else min(_most_outcomes(world.mdp), MOST_LEAVES)
+
+
+# The tree
+
+
+def _tree(world: World, backup: Backup, look: Look, *, secret: bool) -> Iterator[Block]:
+    """Yield the state, the action below it, and the leaves that hang from it, in as many rows as any has."""
+    palette, glyphs = look.palette, look.glyphs
+    leaves = sorted(backup.leaves, key=lambda leaf: shown_place(world, leaf.action))
+    shown, left_out = _chosen(leaves)
+    state = names.state_name(world, backup.state, glyphs)
+    action = names.action_name(world, int(world.space.pair_action[backup.pair]), glyphs)
+    yield Row([Piece(f" {glyphs.state_node} ", palette.strong), Piece(state, palette.text)])
+    yield Row(
+        [
+            Piece(f" {glyphs.axis_corner}", palette.dim),
+            Piece(f"{glyphs.action_node} ", palette.strong),
+            Piece(action, palette.text),
+        ]
+    )
+    yield outcome_table(world, backup, shown, look, is_whole=not left_out, secret=secret)
+    if left_out:
+        chance = names.chance(sum(leaf.probability or 0.0 for leaf in left_out), glyphs)
+        more = Piece(f"{len(left_out):,} more, together p {chance}", palette.dim)
+        yield Row([Piece(f"  {glyphs.axis_corner}{glyphs.ellipsis} ", palette.dim), more])
+    yield from [BLANK] * (_leaf_rows(world) - len(shown) - bool(left_out))
+
+
+def _chosen(leaves: Sequence[Leaf]) -> tuple[list[Leaf], list[Leaf]]:
+    """Return the leaves that are drawn, in their order, and those that have no room: the least likely.
+
+    What happened always is drawn.
+    """
+    if len(leaves) <= MOST_LEAVES:
+        return list(leaves), []
+    ranked = sorted(enumerate(leaves), key=lambda each: (not each[1].happened, -(each[1].probability or 0.0)))
+    kept, left_out = ranked[: MOST_LEAVES - 1], ranked[MOST_LEAVES - 1 :]
+    return [leaf for _, leaf in sorted(kept, key=lambda each: each[0])], [leaf for _, leaf in left_out]
+
+
+# The outcomes
+
+
+def outcome_table(
+    world: World, backup: Backup, leaves: Sequence[Leaf], look: Look, *, is_whole: bool, secret: bool
+) -> Table:
+    """Return a row for each of ``leaves`` at its branch; with ``is_whole`` the last branch ends the tree.
+
+    What an outcome adds to the expected target is left out first, then a long head, then what is said of the
+    next state. ``secret`` hides true rewards.
+    """
+    glyphs, palette = look.glyphs, look.palette
+    decimals = _decimals_that_agree(backup, leaves, look)
+
+    def column(head: str, texts: Sequence[str], *, right: bool = True, gap: int = 2) -> Column:
+        styles = (palette.strong if leaf.happened else palette.text for leaf in leaves)
+        return Column(head, [*map(Piece, texts, styles)], palette.text, right, gap)
+
+    def figures(values: Sequence[float | None]) -> list[str]:
+        return ["?" if each is None else column_figure(each, decimals, glyphs) for each in values]
+
+    def landing(*, remarks: bool) -> Column:
+        return column("s′", [_landing(world, leaf, look, remarks=remarks) for leaf in leaves], right=False)
+
+    branches = [glyphs.fork] * len(leaves)
+    if is_whole:
+        branches[-1:] = [glyphs.axis_corner]
+    marks = [Piece(f" {glyphs.cursor if leaf.happened else ' '}", palette.strong) for leaf in leaves]
+    nodes = [
+        Piece(f"{glyphs.state_node} ", palette.strong if leaf.happened else palette.dim) for leaf in leaves
+    ]
+    tree = (
+        Column("", marks, palette.dim, right=False, gap=0),
+        Column(glyphs.thin_vertical, branches, palette.dim, right=False, gap=0),
+        Column("", nodes, palette.dim, right=False, gap=0),
+    )
+    chances = ["?" if leaf.probability is None else names.chance(leaf.probability, glyphs) for leaf in leaves]
+    went = _went(world, backup, leaves, look)
+    always = (
+        *tree,
+        *([column("went", went, right=False, gap=0)] if went else []),
+        column("p", chances, gap=2 if went else 0),
+        column("r", [_reward(leaf, look, secret=secret) for leaf in leaves]),
+    )
+    if isinstance(world.drawing, Arms):
+        return Table([always])
+    values = [leaf.value for leaf in leaves]
+    shares = [_share(backup, leaf, leaf.value) for leaf in leaves]
+    long, short = (
+        column(head, figures(values)) for head in (_VALUE_HEADS.get(backup.lookup, _VALUE), _VALUE)
+    )
+    forms: list[Columns] = [
+        (*always, landing(remarks=True), long),
+        (*always, landing(remarks=True), short),
+        (*always, landing(remarks=False), short),
+    ]
+    if None not in shares:
+        forms.insert(0, (*forms[0], column(_SHARE, figures(shares))))
+    return Table(forms)
+
+
+def _went(world: World, backup: Backup, leaves: Sequence[Leaf], look: Look) -> list[str]:
+    """Return what really happens, where the world slips; else nothing."""
+    meant = int(world.space.pair_action[backup.pair])
+    if all(leaf.action in (UNKNOWN_ACTION, meant) for leaf in backup.leaves):
+        return []
+    return [
+        "?" if leaf.action == UNKNOWN_ACTION else names.action_name(world, leaf.action, look.glyphs)
+        for leaf in leaves
+    ]
+
+
+def _reward(leaf: Leaf, look: Look, *, secret: bool) -> str:
+    """Return the mean reward and the noise around it."""
+    if secret:
+        return HIDDEN
+    noise = f"±{numbers.brief(leaf.noise, look.glyphs, decimals=2)}" if leaf.noise else ""
+    return numbers.brief(leaf.reward, look.glyphs, decimals=4) + noise
+
+
+def _landing(world: World, leaf: Leaf, look: Look, *, remarks: bool) -> str:
+    """Return the next state, with what is to be said of it."""
+    name = names.state_name(world, leaf.next_state, look.glyphs)
+    remark = names.landmark(world, leaf.next_state) or ("ends" if leaf.terminated else "")
+    return f"{name}: {remark}" if remark and remarks else name
+
+
+def _share(backup: Backup, leaf: Leaf, value: float | None) -> float | None:
+    """Return what an outcome of this ``value`` adds to the expected target, where that is known."""
+    if leaf.probability is None or value is None:
+        return None
+    return leaf.probability * (leaf.reward + backup.gamma * value)
+
+
+def _decimals_that_agree(backup: Backup, leaves: Sequence[Leaf], look: Look) -> int:
+    """Return the fewest decimals with which the shares are those of the printed values."""
+    known = [leaf.value for leaf in leaves if leaf.value and abs(leaf.value) >= numbers.NEGLIGIBLE]
+    fewest = _DECIMALS + max(0, leading_zeros(*known) - 1)
+    most = fewest + _MORE
+    return next((each for each in range(fewest, most) if _agree(backup, leaves, look, each)), most)
+
+
+def _agree(backup: Backup, leaves: Sequence[Leaf], look: Look, decimals: int) -> bool:
+    for leaf in leaves:
+        share = _share(backup, leaf, leaf.value)
+        if share is None or leaf.value is None:
+            return True
+        printed = parsed(column_figure(leaf.value, decimals, look.glyphs), look.glyphs)
+        shown, worked_out = column_figure(share, decimals, look.glyphs), _share(backup, leaf, printed)
+        assert worked_out is not None
+        if not agrees(worked_out, shown, look.glyphs, decimals):
+            return False
+    return True

@@ -1,0 +1,108 @@
+"""What opened panels ask the player for: the microscope, many seeds, and the values of policies."""
+
+from __future__ import annotations
+
+from rl_tui.live.commands import EndStudy, FollowCell, StudyPolicy, StudySeeds
+from rl_tui.live.snapshot import Phase
+from rl_tui.runs.answers.policy_kind import PolicyKind
+from rl_tui.screen.board.subject import Subject
+from rl_tui.screen.kit.row import MANY_SEEDS, MICROSCOPE, POLICIES
+from rl_tui.screen.panels.policies.names import POLICY_NAMES
+from rl_tui.screen.panels.seed_figures import may_count_again
+
+
+class MicroscopeActions(Subject):
+    """Which cell has its history shown under the microscope."""
+
+    def follow_update(self) -> None:
+        """Show the history of the pair updated last, as long as there is none yet, or while nothing runs."""
+        runs = self.snapshot is not None and self.snapshot.playback.phase is Phase.RUNNING
+        if self.board.opened != MICROSCOPE:
+            self._show_history(None)
+        elif self.board.microscope.pair is None or not runs:
+            self._follow_cell()
+
+    def follow_cursor(self) -> None:
+        """Show the history of the cell that the cursor went to."""
+        if self.board.opened == MICROSCOPE:
+            self._follow_cell()
+            self.board.microscope.redraw()
+
+    def _follow_cell(self) -> None:
+        """Ask for the history of the cursor's pair, or of the one updated last."""
+        if self.snapshot is None:
+            return
+        pair, last = self.board.table.cursor_pair, self.snapshot.counters.last_step
+        if pair is None and last is not None:
+            pair = last.updated_pair if last.learned else self.board.microscope.pair
+        if pair is not None and pair >= self.snapshot.world.space.pairs:
+            pair = None  # of the world before this one
+        self._show_history(pair)
+
+    def _show_history(self, pair: int | None) -> None:
+        if pair != self.board.microscope.pair:
+            self.board.microscope.pair = pair
+            self.link.send(FollowCell(pair))
+
+
+class SeedActions(Subject):
+    """When many seeds are counted: while their panel is open."""
+
+    _counts: bool = False
+
+    def follow_panel(self) -> None:
+        """Begin to count when the panel has been opened, and end when it has been closed."""
+        is_open = self.board.opened == MANY_SEEDS
+        if is_open != self._counts:
+            self._counts = is_open
+            self.link.send(StudySeeds() if is_open else EndStudy())
+
+    def count_again(self) -> None:
+        """Count the runs as they are now, unless that is under way."""
+        if self.snapshot is not None and may_count_again(self.snapshot.study):
+            self.link.send(StudySeeds())
+
+
+class PolicyActions(Subject):
+    """Which policy is studied: the one under the cursor of the panel, and after that the one kept."""
+
+    _is_open = _is_kept = False
+    _chosen = PolicyKind.UNIFORM
+
+    def follow_panel(self) -> None:
+        """Study a policy when the panel has been opened, and none when it has been closed, unless kept."""
+        is_open = self.board.opened == POLICIES
+        if is_open == self._is_open:
+            return
+        self._is_open = is_open
+        if is_open:
+            self._is_kept = False
+            self._study(self._current)
+        elif not self._is_kept:
+            self.link.send(StudyPolicy(None))
+
+    def choose(self, offset: int) -> None:
+        """Study the policy so many rows further down, or the last one there is."""
+        kinds = list(POLICY_NAMES)
+        self.study(kinds[max(0, min(kinds.index(self._current) + offset, len(kinds) - 1))])
+
+    def study(self, kind: PolicyKind) -> None:
+        """Study ``kind``."""
+        if kind is not self._current:
+            self._study(kind)
+
+    @property
+    def _current(self) -> PolicyKind:
+        """The one that is studied, be it kept or drawn; else the one last chosen."""
+        return self.link.wanted.studied or self._chosen
+
+    def _study(self, kind: PolicyKind) -> None:
+        self._chosen = kind
+        self.link.send(StudyPolicy(kind))
+
+    def keep(self) -> None:
+        """Close the panel, and go on to show the policy under its cursor."""
+        self._is_kept = True
+        self.board.close()
+        name = POLICY_NAMES[self._current].of
+        self.screen.tell(f"kept: {name}; v: Qπ in the table; P and P again end it")
