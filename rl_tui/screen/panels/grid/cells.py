@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache, partial
-from itertools import chain
 from typing import Final, NamedTuple
 
 from rich.segment import Segment
@@ -13,7 +12,7 @@ from textual.strip import Strip
 
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.block_signs import Direction, SignName, block_sign, sign_size
-from rl_tui.screen.draw.canvas import Canvas
+from rl_tui.screen.draw.canvas import Canvas, Drawn, strips_of_row
 from rl_tui.screen.draw.number_form import NumberForm
 from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.draft_cells import DraftCell, draw_draft_cell
@@ -40,27 +39,13 @@ from rl_tui.worlds.drawing import CellKind
 
 CLEAR_LEAD: Final = 0.15  # of the range of V; a greedy action that leads by that has all its ink
 _LEADS: Final = 4
+_DIGIT: Final = "\ue000"  # in place of each character of a number; nothing else has it
 _MOST_KEPT: Final = 20_000
 _LEAST_STAR: Final = 4  # rows of a cell
 _BOLD: Final = Style(bold=True)
 MOST_ROWS: Final = 512
 
 _ALIVE: Final = (CellKind.FLOOR, CellKind.START)
-
-Drawn = list[list[Segment]]
-
-
-def strips_of_row(cells: Sequence[Drawn], left: int, width: int, style: Style) -> tuple[Strip, ...]:
-    """Return the strips of ``width`` characters for a row of ``cells``, which begins at column ``left``."""
-    strips = []
-    for lines in zip(*cells, strict=True):
-        inside = list(chain.from_iterable(lines))
-        taken = left + sum(len(each.text) for each in inside)
-        before = [Segment(" " * left, style)] if left else []
-        after = [Segment(" " * (width - taken), style)] if taken < width else []
-        strip = Strip(Segment.simplify([*before, *inside, *after]), max(taken, width))
-        strips.append(strip if taken <= width else strip.adjust_cell_length(width, style))
-    return tuple(strips)
 
 
 class Face(NamedTuple):
@@ -99,12 +84,26 @@ class CellArtist:
         }
         # what looks the same is drawn once
         self.strips = lru_cache(MOST_ROWS)(self._strips)
-        self.drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
+        self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
         self._text = lru_cache(_MOST_KEPT)(partial(value_text, look=look))
 
     def _strips(self, faces: tuple[Face, ...], left: int, width: int) -> tuple[Strip, ...]:
         """Return a row of cells with these ``faces``."""
         return strips_of_row([self.drawn(face) for face in faces], left, width, self.look.palette.text)
+
+    def drawn(self, face: Face) -> Drawn:
+        """Return the rows of a cell. Those that differ by their numbers alone are drawn once without them."""
+        if not face.text:
+            return self._drawn(face)
+        digits, place = _DIGIT * len(face.text), self.form.value_row
+        rows = self._drawn(face._replace(text=digits))
+        told = list(rows[place])
+        for number, (text, style, _) in enumerate(told):
+            if digits in text:
+                told[number] = Segment(text.replace(digits, face.text), style)
+            elif _DIGIT in text:  # something stands over a part of it
+                return self._drawn(face)
+        return [*rows[:place], told, *rows[place + 1 :]]
 
     def shown_reward(self, reward: CellReward) -> str:
         """Return how a cell without other signs shows what it pays."""
@@ -123,6 +122,7 @@ class CellArtist:
             text = "0" if cell.known else ""
         else:
             text = self._text(cell.value, number_form._replace(leading_zero=False))
+            text = self.look.glyphs.no_room if "#" in text else text
         clear = CLEAR_LEAD * (scale.high - scale.low)
         lead = _LEADS if cell.lead >= clear else int(_LEADS * cell.lead / clear)
         return Face(cell.kind, cell.agent, text, cell.greedy, style, lead, *marks)
@@ -325,7 +325,7 @@ class _Cell:
     def _text(self) -> str:
         """The value, never cut: where it does not fit a sign says that there is one."""
         text = self.face.text or ""
-        return text if len(text) <= self.form.inner and "##" not in text else self.glyphs.no_room
+        return text if len(text) <= self.form.inner else self.glyphs.no_room
 
     def _draw_row(self) -> None:
         """Draw mark, letters and value in one row; without room for the value, mark and letters."""
