@@ -12,6 +12,7 @@ from textual.strip import Strip
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw.number_form import SteadyForms
 from rl_tui.screen.kit.numbers_in_common import all_v
+from rl_tui.screen.kit.value_scale import SteadyScale
 from rl_tui.screen.panels.grid.cells import CellArtist
 from rl_tui.screen.panels.grid.form import CellForm
 from rl_tui.screen.panels.grid.grid import GridView, draw_grid
@@ -51,10 +52,11 @@ def small(snapshot: Snapshot, height: int = 4, width: int = 20) -> list[str]:
     grid = snapshot.world.drawing
     assert isinstance(grid, Grid)
     grid_map = GridMap(snapshot.world.space, grid)
-    artist = CellArtist(look(), CellForm(5, 1), has_table=True)
+    artist = CellArtist(look(), CellForm(5, 1))
     part = whole(snapshot)
     cells, values = grid_map.contents(part, snapshot), all_v(snapshot)
-    strips = draw_grid(cells, artist, values, part, width, height, SteadyForms())
+    scale = SteadyScale().of(snapshot)
+    strips = draw_grid(cells, artist, values, scale, part, width, height, SteadyForms())
     return [strip.text for strip in strips]
 
 

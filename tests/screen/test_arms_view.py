@@ -209,8 +209,8 @@ def test_ascii() -> None:
 def test_the_greedy_arm_is_drawn_in_its_own_style() -> None:
     palette = look().palette
     strips = ArmsView(bandit_world(), look()).picture(bandit(), 40, 10)
-    assert style_at(strips[5], 0) == palette.greedy
-    assert style_at(strips[5], strips[5].text.index("●")) == palette.greedy
+    assert style_at(strips[5], 0) == palette.best
+    assert style_at(strips[5], strips[5].text.index("●")) == palette.best
     assert style_at(strips[0], strips[0].text.index("●")) == palette.text
 
 

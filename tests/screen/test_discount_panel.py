@@ -211,7 +211,7 @@ def test_each_sign_means_one_thing_in_chart_list_slider_and_legend(ascii: bool) 
     assert meanings[glyphs.thumb] == "γ now"
     plot = [row[4:] for row in rows[: next(y for y, row in enumerate(rows) if "earns" in row) - 1]]
     assert sum(row.count(glyphs.thumb) for row in plot) == 1, "on the best value at the γ in force"
-    assert sum(glyphs.stay in row for row in plot) > len(plot) - 4
+    assert sum(glyphs.untried in row for row in plot) > len(plot) - 4
 
 
 def test_a_world_without_other_flips_explains_none() -> None:

@@ -69,7 +69,11 @@ async def test_a_way_is_drawn_with_shift_and_arrows_and_where_it_never_comes_not
         assert "You draw a policy · return 1 · all on its way drawn" in str(world.border_title)
         assert worth(pilot).expected_return == 1.0
         arrows = picture(pilot)
-        assert (arrows.count("↓"), arrows.count("→"), arrows.count("?")) == (3, 3, 7)  # the legend has two
+        assert (arrows.count("▜██▛"), arrows.count("█▙▄▖"), arrows.count("?")) == (
+            3,
+            3,
+            7,
+        )  # the legend has two
         await pilot.resize_terminal(80, 24)
         await settle(pilot)
 

@@ -76,7 +76,7 @@ def test_where_the_sample_average_counts_updates_is_said_of_those_and_no_others(
         ("  <.01  0.3", "<", "tiny-number"),
         (" >−1 ", "−", "tiny-number"),
         ("last 12 episodes", "last", "last-100"),
-        ("shade: each episode", "shade", "last-100"),
+        ("mean return: each episode", "mean return", "last-100"),
         ("↓ below the axis", "below", "return"),
         ("greedy: may never end", "never", "greedy"),
         ("ended its episode", "ended", None),

@@ -102,7 +102,7 @@ STUDENT_40 = """\
   check │  ┃ quit 0
 phone 0 │  ┃  study −2     sleep
       ╭─┴──▼─╮  .8 ╭──────╮ +10 ╔══════╗
-      │ Class┝━●━━▶│◉Pass ┝━━━━▶║ Sleep║
+      │ Class┝━●━━▶│◉Pass ├────▶║ Sleep║
       │ 6.37 │◀┛.2 │10.00 │     ║ end  ║
       ╰──────╯     ╰──────╯     ╚══════╝"""
 
@@ -124,7 +124,7 @@ def test_only_what_changes_with_values_is_drawn_again() -> None:
     rows = picture(phone_first, 40, 10)
     assert rows[1].startswith("      │◉Phone├─╮ scroll −1")
     assert rows[4].startswith("  check ┃  ┃ quit 0")
-    assert rows[7].startswith("      │ Class├─●──▶│ Pass ┝━━━━▶║")
+    assert rows[7].startswith("      │ Class├─●──▶│ Pass ├────▶║")
 
 
 def test_before_anything_is_learned_no_action_is_bold() -> None:
@@ -152,7 +152,7 @@ def test_boxes_are_tinted_by_value_and_terminal_ones_are_not() -> None:
 def test_ascii() -> None:
     rows = picture(student(), 40, 10, ascii=True)
     assert "".join(rows).isascii()
-    assert rows[7] == "      | Class+=o==>|@Pass +====>| Sleep|"
+    assert rows[7] == "      | Class+=o==>|@Pass +---->| Sleep|"
 
 
 def test_a_graph_without_room_becomes_a_list_of_its_actions() -> None:
@@ -162,7 +162,7 @@ def test_a_graph_without_room_becomes_a_list_of_its_actions() -> None:
         "              ─check phone 0─▶ Phone",
         " Phone   5.71 ─scroll −1─▶ Phone",
         "              ━quit 0━▶ Class",
-        "◉Pass   10.00 ━sleep +10━▶ Sleep",
+        "◉Pass   10.00 ─sleep +10─▶ Sleep",
         "",
     ]
 

@@ -14,7 +14,7 @@ from samples import lake, learned_from, look
 from seams import on_screen, press, screen_text, snapshot, train
 from snapshots import changed
 
-from rl_tui.live.snapshot import Snapshot
+from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.timeline.trail import TrailStep
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.panels.grid.grid import GridView
@@ -44,46 +44,98 @@ def straight(count: int) -> list[tuple[int, int, int, int]]:
 def test_cells_that_were_left_have_a_mark_and_the_cell_of_the_agent_has_none() -> None:
     snapshot = with_trail((0, RIGHT, RIGHT, 1), (1, RIGHT, RIGHT, 2), (2, DOWN, DOWN, 6))
     rows = picture(snapshot, 40, 8)
-    assert rows[1] == "   .00   •   .00   •   .00   •   .00    "
+    assert rows[0] == "    ·  S•▕    ·   •▕    ·   •▕    ·    ▕"
     assert sum(row.count("•") for row in rows) == 3
-    assert picture(snapshot, 20, 4)[0] == "S•.00• .00• .00  .00"
+    assert picture(snapshot, 20, 4)[0] == "S•·  • ·  • ·    ·  "
 
 
 def test_an_older_mark_is_fainter() -> None:
     snapshot = replace(changed(lake(step=0), state=2), trail=steps(*straight(20)))
     rows = picture(snapshot, 40, 8)
-    assert rows[1][9] == "◦"
-    assert rows[1][19] == "•"
+    assert rows[0][8] == "◦"
+    assert rows[0][18] == "•"
 
 
-def test_a_slip_has_a_sign_of_its_own_with_what_was_meant_where_there_is_room() -> None:
-    snapshot = with_trail((0, RIGHT, RIGHT, 1), (1, DOWN, RIGHT, 2), (2, DOWN, DOWN, 6))
-    rows = picture(snapshot, 40, 8)
-    assert rows[1][17:20] == " ~↓"
-    assert picture(snapshot, 20, 4)[0] == "S•.00~ .00• .00  .00"
-    assert picture(snapshot, 40, 8, ascii=True)[1][17:20] == " ~v"
+def last_step(snapshot: Snapshot, *, rose: bool) -> Snapshot:
+    """The step at the end of the trail was just taken, and its pair was updated."""
+    step, last = snapshot.trail[-1], snapshot.counters.last_step or lake(step=1).counters.last_step
+    assert last is not None
+    pair = snapshot.world.space.pairs_of(step.state).start + step.action
+    state, following = step.state, step.next_state
+    after = 0.5 if rose else 0.1
+    done = replace(last, step=step.step, state=state, pair=pair, next_state=following, updated_pair=pair)
+    return replace(
+        changed(snapshot, last_step=replace(done, before=0.3, after=after), state=following),
+        trail=snapshot.trail,
+    )
 
 
-def test_a_slip_that_led_nowhere_stands_with_the_agent() -> None:
-    rows = picture(with_trail((0, DOWN, LEFT, 0), at=0), 40, 8)
-    assert "◉" in rows[0]
-    assert "~↓" in rows[1]
+@pytest.mark.parametrize(
+    ("way", "sign"),
+    [
+        ((5, RIGHT, RIGHT, 6), "━▶"),
+        ((6, LEFT, LEFT, 5), "◀━"),
+        ((5, DOWN, DOWN, 9), "▼"),
+        ((5, 3, 3, 1), "▲"),
+    ],
+)
+def test_the_way_of_the_last_step_stands_on_the_edge_of_its_cell(
+    way: tuple[int, int, int, int], sign: str
+) -> None:
+    snapshot = last_step(with_trail(way, at=way[3]), rose=True)
+    view = GridView(snapshot.world, look())
+    rows = view.picture(snapshot, 56, 12)
+    ((row, column),) = [(y, row.text.index(sign)) for y, row in enumerate(rows) if sign in row.text]
+    assert (row // 3) * 4 + column // 14 == way[0]
+    style = style_at(rows[row], column)
+    assert style is not None
+    assert style.color == look().palette.agent.color
+
+
+def test_a_slip_is_a_way_in_another_colour() -> None:
+    snapshot = last_step(with_trail((4, DOWN, RIGHT, 5), at=5), rose=True)
+    view = GridView(snapshot.world, look())
+    rows = view.picture(snapshot, 56, 12)
+    row, column = next((row, row.text.index("━▶")) for row in rows if "━▶" in row.text)
+    style = style_at(row, column)
+    assert style is not None
+    assert style.color == look().palette.bad.color
+    view.snapshot = snapshot
+    assert signs(view)["slipped"] == "━▶"
+
+
+@pytest.mark.parametrize("rose", [True, False])
+def test_the_cell_of_the_updated_pair_has_a_frame_in_the_colour_of_its_error(rose: bool) -> None:
+    snapshot = last_step(with_trail((4, DOWN, DOWN, 8), at=8), rose=rose)
+    view, palette = GridView(snapshot.world, look()), look().palette
+    rows = view.picture(snapshot, 56, 12)
+    apart, framed = [" ▕", " ▕", "▁▕"], ["▌▐"] * 3
+    assert [row.text[0] + row.text[13] for row in rows] == [*apart, *framed, *apart, *apart]
+    style = style_at(rows[4], 0)
+    assert style is not None
+    assert style.color == (palette.good if rose else palette.bad).color
+    fast = changed(snapshot, phase=Phase.RUNNING, speed=None)
+    assert "▌" not in "".join(row.text[0] for row in view.picture(fast, 56, 12))
+    plain = GridView(snapshot.world, look(ascii=True)).picture(snapshot, 56, 12)
+    reversed_number = style_at(plain[5], 6)
+    assert reversed_number is not None
+    assert reversed_number.reverse
 
 
 def test_marks_are_seen_without_colours_and_in_ascii() -> None:
     snapshot = with_trail((0, RIGHT, RIGHT, 1), (1, RIGHT, RIGHT, 2), (2, DOWN, DOWN, 6))
-    assert picture(snapshot, 40, 8, ascii=True)[1][9] == "="
+    assert picture(snapshot, 40, 8, ascii=True)[0][8] == "="
     view = GridView(snapshot.world, look(depth="none"))
-    assert view.picture(snapshot, 40, 8)[1].text[9] == "•"
+    assert view.picture(snapshot, 40, 8)[0].text[8] == "•"
 
 
 def test_a_mark_hides_neither_arrows_nor_value_nor_tint() -> None:
     snapshot = visited(with_trail((1, RIGHT, RIGHT, 2)), 1)
     view = GridView(snapshot.world, look())
     rows = view.picture(snapshot, 40, 8)
-    assert set("←↓→↑") <= set(rows[0].text[10:20])
-    assert ".00" in rows[1].text[10:20]
-    style = style_at(rows[1], 19)
+    assert rows[0].text[10:20] == "    ·   •▕"
+    assert "0" in rows[1].text[10:20]
+    style = style_at(rows[0], 18)
     assert style.bgcolor == look().palette.value(0.0).bgcolor
 
 
@@ -105,18 +157,12 @@ def signs(panel: Panel) -> dict[str, str]:
     return {each.meaning: each.sign for each in panel.legend(panel.snapshot)}
 
 
-def test_the_legend_has_trail_and_slip_only_while_they_are_on_screen() -> None:
-    slipping = with_trail((0, RIGHT, RIGHT, 1), (1, DOWN, RIGHT, 2), (2, DOWN, DOWN, 6))
-    view = GridView(slipping.world, look())
-    for moment, expected in (
-        (lake(step=0), set()),
-        (with_trail((0, RIGHT, RIGHT, 1)), {"trail"}),
-        (slipping, {"trail", "meant, slipped"}),
-    ):
+def test_the_legend_has_the_trail_only_while_it_is_on_screen() -> None:
+    view = GridView(lake().world, look())
+    for moment, expected in ((lake(step=0), set()), (with_trail((0, RIGHT, RIGHT, 1)), {"trail"})):
         view.snapshot = moment
         view.picture(moment, 40, 8)
-        assert signs(view).keys() & {"trail", "meant, slipped"} == expected
-    assert signs(view)["meant, slipped"] == "~↓"
+        assert signs(view).keys() & {"trail", "slipped"} == expected
 
 
 def windy(**rules: Any) -> World:
@@ -142,7 +188,7 @@ def in_wind(world: World, state: int, action: int, place: int = 0) -> Snapshot:
 def test_the_wind_stands_below_its_columns() -> None:
     world = windy()
     rows = picture(in_wind(world, 10, RIGHT), 30, 4)
-    assert rows[-1].split() == ["0", "1", "2", "0", "0"]
+    assert rows[-1].split() == ["0", "↑1", "↑2", "0", "0"]
     assert rows[2].strip()[0] == "S"
 
 
@@ -184,7 +230,7 @@ def test_a_gust_that_is_stronger_than_usual_says_so() -> None:
         landing: picture(in_wind(world, 11, RIGHT, place), 30, 4)[-1].split()[1]
         for place, landing in enumerate(landings)
     }
-    assert shown == {12: "1", 7: "1", 2: "1+"}
+    assert shown == {12: "↑1", 7: "↑1", 2: "↑1+"}
 
 
 def test_without_a_free_row_the_wind_stands_on_the_border() -> None:
@@ -192,7 +238,7 @@ def test_without_a_free_row_the_wind_stands_on_the_border() -> None:
     view = GridView(snapshot.world, look())
     rows = view.picture(snapshot, 30, 3)
     assert len(rows) == 3
-    assert view.footing == "wind 0 1 2 0 0"
+    assert view.footing == "wind 0 ↑1 ↑2 0 0"
 
 
 def test_which_part_is_in_view_stands_on_the_border_before_the_wind() -> None:
@@ -200,8 +246,8 @@ def test_which_part_is_in_view_stands_on_the_border_before_the_wind() -> None:
     view = GridView(snapshot.world, look())
     view.picture(snapshot, 24, 2)
     assert view.footing == "1–2 of 3 · 0–3 of 5"
-    view.picture(snapshot, 41, 2)
-    assert view.footing == "wind 0 1 2 0 0 · 1–2 of 3 · 0–4 of 5"
+    view.picture(snapshot, 42, 2)
+    assert view.footing == "wind 0 ↑1 ↑2 0 0 · 1–2 of 3 · 0–4 of 5"
 
 
 def test_a_world_without_wind_has_no_row_for_it() -> None:
@@ -221,9 +267,10 @@ def walled_in() -> Snapshot:
 def test_a_cell_that_is_never_reached_has_a_pattern_unlike_a_wall() -> None:
     snapshot = walled_in()
     rows = picture(snapshot, 25, 2)
-    assert [row[15:20] for row in rows] == ["█" * 5] * 2
     assert [row[20:] for row in rows] == ["░" * 5] * 2
     assert picture(snapshot, 25, 2, ascii=True)[0][15:] == "#####:::::"
+    wall, floor = (style_at(GridView(snapshot.world, look()).picture(snapshot, 25, 2)[0], x) for x in (15, 0))
+    assert wall == look().palette.wall != floor
 
 
 def test_legend_and_cursor_tell_of_cells_that_are_never_reached() -> None:
@@ -242,11 +289,11 @@ def test_legend_and_cursor_tell_of_cells_that_are_never_reached() -> None:
 @pytest.mark.parametrize(
     ("size", "row", "expected"),
     [
-        ((60, 12), 0, "  0             1             2             3"),
-        ((40, 8), 0, "0 S       1 ◉       2         3"),
-        ((32, 8), 1, "    0       1       2       3"),
-        ((32, 4), 0, "  S    0  ◉    1       2       3"),
-        ((26, 5), 0, "  S   0 ◉   1     2     3"),
+        ((60, 12), 0, "  0      start ▕ ◉ 1         ▕2            ▕3            ▕"),
+        ((40, 8), 0, "0   ·   S▕ ◉ 1·    ▕2   ·    ▕3   ·    ▕"),
+        ((32, 8), 1, "   0   ▕   1   ▕   2   ▕   3   ▕"),
+        ((32, 4), 0, " S    0▕ ◉    1▕      2▕      3▕"),
+        ((26, 5), 0, " S   0▕◉   1▕    2▕    3▕"),
     ],
 )
 def test_cells_have_the_numbers_of_their_states(size: tuple[int, int], row: int, expected: str) -> None:
@@ -260,9 +307,9 @@ def test_cells_have_the_numbers_of_their_states(size: tuple[int, int], row: int,
 @pytest.mark.parametrize(
     ("width", "expected", "differs", "tie"),
     [
-        (12, "S 0  1  2  3", "15", None),
-        (16, "S* 0 * 1 * 2 * 3", "↑", "*"),
-        (20, "S*  0≠*  1≠*  2≠*  3", "≠", "*"),
+        (12, "S 0◤ 1◤ 2◤ 3", "15", None),
+        (16, "S  0◤  1◤  2◤  3", "↑", "*"),
+        (20, "S   0◤   1◤   2◤   3", "◤", "*"),
     ],
 )
 def test_what_differs_hides_no_number(width: int, expected: str, differs: str, tie: str | None) -> None:
@@ -273,7 +320,7 @@ def test_what_differs_hides_no_number(width: int, expected: str, differs: str, t
     row = view.picture(snapshot, width, 4)[0]
     assert row.text == expected
     assert (signs(view)["differs"], signs(view).get("tie")) == (differs, tie)
-    if differs != "≠":
+    if differs == "none":
         column = width // 4 + (width // 4 - 1 if tie is None else 1)
         style = style_at(row, column)
         assert style.reverse

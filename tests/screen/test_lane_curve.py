@@ -108,8 +108,6 @@ def test_each_lane_has_a_colour_and_the_shown_one_is_bold() -> None:
     assert styles(snapshot, "α 0.5:") == {palette.lane_2}
     assert styles(snapshot, "SARSA:") == {palette.lane_3 + Style(bold=True)}
     assert {palette.lane_1, palette.lane_2, palette.lane_3, palette.greedy_line} <= dotted(snapshot)
-    assert palette.lane_3 + Style(dim=True) in dotted(snapshot)  # its band, and nobody else's
-    assert palette.band not in dotted(snapshot)
 
 
 def test_the_first_lane_keeps_the_colour_it_had_alone() -> None:

@@ -12,6 +12,7 @@ from snapshots import changed
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.timeline.lane_view import LaneView
 from rl_tui.screen.draw.number_form import SteadyForms
+from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.q_table.layers import Figures, Layer
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.worlds.mdp.space import FloatArray
@@ -56,7 +57,7 @@ def test_it_shows_the_difference_with_colours_for_both_directions() -> None:
     text, _ = table_of(snapshot)
     assert "0.500" in text
     assert "−0.250" in text
-    figures = Figures(snapshot, Layer.LANES, look(), None, SteadyForms())
+    figures = Figures(snapshot, Layer.LANES, look(), None, SteadyForms(), ValueScale())
     palette = look().palette
     assert figures.style(0) == palette.signed_value(1.0)
     assert figures.style(1) == palette.signed_value(-0.5)

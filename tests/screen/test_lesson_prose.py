@@ -58,7 +58,7 @@ def test_marks_are_styles_and_an_asterisk_alone_is_itself() -> None:
     palette = look().palette
     (line,) = prose_lines("**α** is `epsilon` · 2 * 3 [b]x[/b]", 60, look())
     assert styled(line, palette.strong) == ["α"]
-    assert styled(line, palette.accent) == ["epsilon"]
+    assert styled(line, palette.press) == ["epsilon"]
     assert "".join(piece.text for piece in line) == "α is epsilon · 2 * 3 [b]x[/b]"
 
 

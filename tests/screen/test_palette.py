@@ -15,6 +15,7 @@ from textual.app import App
 from textual.strip import Strip
 
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE
+from rl_tui.screen.theme.inks import paled
 from rl_tui.screen.theme.look import (
     Depth,
     Palette,
@@ -56,21 +57,40 @@ VGA = TerminalTheme(
 RGB_PALETTES = [palette_for(depth, dark) for depth in ("truecolor", "256") for dark in BOTH]
 NAMES = [palette.name for palette in RGB_PALETTES]
 LINES = (
-    *("text", "dim", "strong", "accent", "greedy", "optimum", "greedy_line", "episodes", "good", "bad"),
-    *("unvisited", "lane_1", "lane_2", "lane_3", "lane_4"),
+    *(
+        "text",
+        "dim",
+        "strong",
+        "press",
+        "best",
+        "you",
+        "optimum",
+        "greedy_line",
+        "episodes",
+        "good",
+        "bad",
+    ),
+    *("lane_1", "lane_2", "lane_3", "lane_4"),
 )
+GRAPHIC = ("hole", "cliff", "wall")  # signs as large as their cell, or hatching, not text
 
 
 def roles(palette: Palette) -> dict[str, Style]:
     return {
         field.name: getattr(palette, field.name)
         for field in fields(palette)
-        if field.name not in ("name", "values", "signed")
+        if field.name not in ("name", "values", "signed", "visits")
     }
 
 
 def all_styles(palette: Palette) -> list[Style]:
-    return [*palette.values, *palette.signed, *roles(palette).values()]
+    return [*palette.values, *palette.signed, *palette.visits, *roles(palette).values()]
+
+
+def texts(palette: Palette) -> list[Style]:
+    """All styles that may have text on a background of their own."""
+    graphic = [roles(palette)[name] for name in GRAPHIC]
+    return [style for style in all_styles(palette) if style.bgcolor is not None and style not in graphic]
 
 
 def backgrounds(styles: tuple[Style, ...]) -> list[Color]:
@@ -104,6 +124,9 @@ def test_ramps_are_monotone_in_luminance(palette: Palette) -> None:
     values = backgrounds(palette.values)
     assert len(values) == len(palette.values)
     assert is_monotone([luminance(color) for color in values])
+    visits = backgrounds(palette.visits)
+    assert len(visits) == len(palette.visits)
+    assert is_monotone([luminance(color) for color in visits])
     signed = [luminance(color) for color in backgrounds(palette.signed)]
     assert len(signed) == len(palette.signed)
     middle = len(signed) // 2
@@ -114,10 +137,10 @@ def test_ramps_are_monotone_in_luminance(palette: Palette) -> None:
 
 @pytest.mark.parametrize("palette", RGB_PALETTES, ids=NAMES)
 def test_every_text_is_readable_on_its_background(palette: Palette) -> None:
-    for style in all_styles(palette):
-        if style.bgcolor is not None and style is not palette.wall:
-            assert style.color is not None
-            assert contrast(style.color, style.bgcolor) >= 4.5, style
+    for style in texts(palette):
+        assert style.color is not None
+        assert style.bgcolor is not None
+        assert contrast(style.color, style.bgcolor) >= 4.5, style
     for name in LINES:
         color = roles(palette)[name].color
         assert color is not None
@@ -137,9 +160,57 @@ def test_colour_blind_eyes_tell_apart_what_must_be_told_apart(palette: Palette) 
     assert palette.good.color is not None
     assert palette.bad.color is not None
     assert least_distance(palette.good.color, palette.bad.color) > 20
-    assert palette.updated.bgcolor is not None
-    for color in backgrounds(palette.values + palette.signed):
-        assert least_distance(palette.updated.bgcolor, color) > 10
+
+
+def at(palette: Palette, name: str) -> tuple[Color, Color]:
+    """Colour and background of a role that has both."""
+    style = roles(palette)[name]
+    assert style.color is not None
+    assert style.bgcolor is not None
+    return style.color, style.bgcolor
+
+
+@pytest.mark.parametrize("palette", RGB_PALETTES, ids=NAMES)
+def test_a_map_is_seen_before_anything_is_known(palette: Palette) -> None:
+    page = background_of_theme(palette)
+    floor = at(palette, "unvisited")[1]
+    assert palette.page.color is not None
+    assert palette.page.color.get_truecolor() == page.get_truecolor()
+    assert contrast(floor, page) >= 1.3
+    assert contrast(at(palette, "hole")[1], floor) >= 1.5
+    assert contrast(at(palette, "wall")[1], floor) >= 1.4
+    assert contrast(*at(palette, "hole")) >= 3.0
+    assert contrast(*at(palette, "cliff")) >= 2.0
+    assert contrast(*at(palette, "goal")) >= 4.5
+    for name in ("hole", "wall", "cliff", "goal"):
+        assert least_distance(at(palette, name)[1], floor) > 10, name
+
+
+@pytest.mark.parametrize("palette", RGB_PALETTES, ids=NAMES)
+def test_agent_and_goal_are_told_from_the_hottest_cell_and_the_coldest_from_the_page(
+    palette: Palette,
+) -> None:
+    coldest, *_, hottest = backgrounds(palette.values)
+    disc, plate = at(palette, "agent")
+    # on a light page the hottest cell is dark: there the disc carries it
+    assert max(contrast(disc, hottest), contrast(plate, hottest)) >= 3.0
+    assert contrast(disc, plate) >= 15.0
+    assert contrast(at(palette, "goal")[1], hottest) >= 3.0
+    assert contrast(coldest, background_of_theme(palette)) >= 1.1
+    assert least_distance(coldest, at(palette, "unvisited")[1]) > 5
+
+
+@pytest.mark.parametrize("palette", RGB_PALETTES, ids=NAMES)
+@pytest.mark.parametrize("share", [0.0, 0.25, 0.5, 0.75, 1.0])
+def test_an_ink_is_as_pale_as_was_asked_for_and_never_below_3(palette: Palette, share: float) -> None:
+    for style in (*palette.values, *palette.signed, *palette.visits, palette.unvisited):
+        pale = paled(style, share)
+        assert style.color is not None
+        assert style.bgcolor is not None
+        assert pale.color is not None
+        wanted = 3.0 + share * (contrast(style.color, style.bgcolor) - 3.0)
+        assert contrast(pale.color, style.bgcolor) >= wanted - 0.01
+        assert (pale == style) or share < 1.0
 
 
 @pytest.mark.parametrize("palette", RGB_PALETTES, ids=NAMES)
@@ -159,10 +230,15 @@ def test_lanes_have_colours_of_their_own_wherever_there_are_any(dark: bool) -> N
 
 
 @pytest.mark.parametrize("palette", RGB_PALETTES, ids=NAMES)
-def test_unvisited_has_the_background_of_the_panel_and_zero_has_not(palette: Palette) -> None:
-    assert palette.unvisited.bgcolor is None
+def test_unvisited_looks_like_no_value(palette: Palette) -> None:
+    assert palette.unvisited not in (*palette.values, *palette.signed)
     assert palette.value(0.0).bgcolor is not None
     assert palette.signed_value(0.0).bgcolor is not None
+
+
+def shade(number: int) -> int:
+    """How light xterm draws a grey of its ramp or of its cube, 0 to 255."""
+    return 8 + 10 * (number - 232) if number >= 232 else {145: 175, 188: 215}.get(number, -1)
 
 
 @pytest.mark.parametrize("dark", BOTH)
@@ -174,7 +250,8 @@ def test_256_colours_come_back_from_rgb_as_they_were(dark: bool) -> None:
                 assert color.number is not None
                 assert color.number >= 16
                 again = Color.from_triplet(color.get_truecolor()).downgrade(ColorSystem.EIGHT_BIT)
-                assert again.number == color.number
+                assert again.number is not None
+                assert again.number == color.number or shade(again.number) - shade(color.number) == -7
 
 
 @pytest.mark.parametrize("dark", BOTH)
@@ -285,7 +362,7 @@ async def test_the_themes_of_every_depth_can_be_used(depth: Depth, picture: bool
 
 def test_every_kings_move_has_an_arrow() -> None:
     steps = [(rows, columns) for rows in (-1, 0, 1) for columns in (-1, 0, 1)]
-    assert "".join(map(UNICODE.direction, steps)) == "↖↑↗←·→↙↓↘"
+    assert "".join(map(UNICODE.direction, steps)) == "↖↑↗←▫→↙↓↘"
     assert [ASCII.direction(step) for step in steps] == ["^<", "^", "^>", "<", ".", ">", "v<", "v", "v>"]
 
 

@@ -18,7 +18,6 @@ from rl_tui.screen.panels.controls.settings import AgentSettings
 from rl_tui.screen.panels.controls.slider import Slider
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.playground.playground import Playground
-from rl_tui.screen.theme.glyphs import UNICODE
 from rl_tui.worlds.drawing import CellKind, Grid
 
 
@@ -220,5 +219,5 @@ async def test_a_seed_is_typed_and_shows_its_own_map(make_app: MakeApp) -> None:
         assert holes != holes_of(first)
         view = playground(pilot).query_one(GridView)
         text = "".join(view.render_line(y).text for y in range(view.size.height))
-        assert text.count(UNICODE.hole) == len(holes)
+        assert text.count("▄██▄") == len(holes)
         assert (await press(pilot, "e")).counters.episodes == 1

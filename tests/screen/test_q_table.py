@@ -90,8 +90,8 @@ def test_visits_are_tinted_by_their_logarithm() -> None:
     visits = [0, 9, 99, 9_999, *([0] * 40)]
     drawn = Drawn(fresh(lake(0), [0.0] * 44, visits), layer=Layer.VISITS)
     assert drawn.row("0").replace("▌", " ").replace("▐", " ").split() == ["◉", "0", "9,999", "99", "9", "·"]
-    assert drawn.style_of(1, "9,999") == PALETTE.value(1.0)
-    assert drawn.style_of(1, "   99") == PALETTE.value(0.5)
+    assert drawn.style_of(1, "9,999") == PALETTE.visit_count(1.0)
+    assert drawn.style_of(1, "   99") == PALETTE.visit_count(0.5)
 
 
 @pytest.mark.parametrize("layer", [Layer.OPTIMAL, Layer.ERROR])
@@ -103,20 +103,28 @@ def test_without_an_exact_answer_the_panel_says_why(layer: Layer) -> None:
     assert "0." in Drawn(lake(solution=None, refused=reason)).text
 
 
-def test_the_cell_just_updated_is_lit_while_steps_can_be_followed() -> None:
+def test_the_cell_just_updated_is_marked_while_steps_can_be_followed() -> None:
     state = big_lake()
     assert state.counters.last_step is not None
-    assert "▐.21▌" in Drawn(state, 56, 28).text
+    assert "▐.21▐" in Drawn(state, 56, 28).text
     drawn = Drawn(lake())
-    assert drawn.style_of(6, "0.246") == PALETTE.updated
+    assert PALETTE.good in [segment.style for segment in drawn.strips[6] if segment.text == "▐"]
+    assert "▴" in Drawn(lake(), 56).rows[6]
     for dark in (
         Drawn(lake(), lights=False),
         Drawn(lake(phase=Phase.RUNNING, speed=None)),
         Drawn(lake(phase=Phase.RUNNING, speed=100.0)),
         Drawn(lake(), layer=Layer.OPTIMAL),
     ):
-        assert PALETTE.updated not in [segment.style for segment in dark.strips[6]]
-    assert Drawn(lake(phase=Phase.RUNNING, speed=30.0)).style_of(6, "0.246") == PALETTE.updated
+        assert PALETTE.good not in [segment.style for segment in dark.strips[6]]
+    assert PALETTE.good in [each.style for each in Drawn(lake(phase=Phase.RUNNING, speed=30.0)).strips[6]]
+
+
+def test_a_value_beyond_the_scale_of_the_map_has_its_end_and_a_sign() -> None:
+    drawn = Drawn(lake_of({0: 1.0, 1: 0.5, 2: -50.0, 4: 0.6}), 56, 17)
+    cell = next(segment for segment in drawn.strips[1] if "−50" in segment.text)
+    assert cell.text.startswith("‹")
+    assert cell.style == PALETTE.value(0.0)
 
 
 def test_a_long_table_scrolls_and_follows_the_agent() -> None:

@@ -22,6 +22,7 @@ from rl_tui.screen.board.board import Board
 from rl_tui.screen.draw.number_form import SteadyForms
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.snapshot_facts import is_secret
+from rl_tui.screen.kit.value_scale import SteadyScale
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.panels.q_table.layers import Figures, Layer
 from rl_tui.screen.panels.q_table.q_table import QTable
@@ -265,7 +266,9 @@ def test_two_lanes_have_one_form_and_one_scale() -> None:
     shown = changed(side_by_side(2), q=small, visits=visits)
     left, right = sides(replace(shown, beside=changed(shown, q=large)))
     last, forms = space.pairs - 1, SteadyForms()
-    first, second = (Figures(each, Layer.Q, look(), None, forms) for each in (left, right))
+    first, second = (
+        Figures(each, Layer.Q, look(), None, forms, SteadyScale().of(each)) for each in (left, right)
+    )
     assert (first.low, first.high) == (second.low, second.high)
     assert first.text(last, 4) == second.text(last, 4)
     assert first.style(last) == second.style(last)

@@ -17,6 +17,7 @@ from rl_tui.runs.recipe import OrderSweep, SetParameter, SwitchAlgorithm
 from rl_tui.runs.run import Run
 from rl_tui.screen.draw.precision import last_digit, parsed
 from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.panels.last_step.last_step import LastStepPanel
 from rl_tui.screen.panels.last_step.state_backup_text import BackupText, backup_text
@@ -107,7 +108,7 @@ def test_what_is_printed_can_be_worked_out(scenario: str, algorithm: str) -> Non
 def test_the_value_told_is_the_one_drawn(phase: SweepPhase) -> None:
     shown = snapshot_of(swept("student", "evaluation", phase))
     backup = backup_in(shown)
-    assert state_values(shown.world.space, shown).value[backup.state] == backup.value
+    assert state_values(shown.world.space, shown, ValueScale()).value[backup.state] == backup.value
 
 
 def test_an_evaluation_is_the_mean_over_the_policy() -> None:

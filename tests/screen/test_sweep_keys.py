@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from conftest import MakeApp
 from drawn_text import words_of
 from seams import notes, on_screen, playground, press, screen_text, switch
@@ -12,19 +14,21 @@ from rl_tui.screen.frame.key_line import KeyLine
 
 SIZE = (80, 24)
 
+ARROWS = re.compile("[↑→↓←] S?▕")  # of a cell, before its seam
+
 
 async def test_a_key_for_a_sweep_of_each_kind_and_its_entry_in_the_journal(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), SIZE) as pilot:
         await switch(pilot, "policy-iteration")
         world = playground(pilot).board.world
         evaluated = await press(pilot, "E")
-        assert words_of(world).count("↑→↓←") == 11
+        assert not ARROWS.search(words_of(world))  # each of its actions is as likely
         assert world.policy_shown == "policy"
         evaluated = await press(pilot, "E")
         assert (evaluated.counters.episodes, evaluated.agent.sweep) == (2, "evaluation")
         assert evaluated.agent.planning.startswith("policy 1, evaluation sweep 2: ")
         improved = await press(pilot, "I")
-        assert 0 < words_of(world).count("↑→↓←") < 11
+        assert ARROWS.search(words_of(world))
         assert (improved.counters.episodes, improved.agent.sweep) == (3, "improvement")
         assert improved.agent.planning == "policy 1, improvement: 5 states changed"
         assert improved.playback.phase is Phase.PAUSED

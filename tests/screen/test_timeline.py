@@ -124,7 +124,7 @@ def test_the_present_is_calm_and_the_past_stands_out() -> None:
     assert styles(one(10_000), "━") == {palette.slider_rest}
     assert styles(one(10_000), "●") == {palette.slider_thumb}
     assert styles(one(2_500), "━") == {palette.slider_done}
-    assert styles(one(2_500), "●") == {palette.accent}
+    assert styles(one(2_500), "●") == {palette.press}
 
 
 def test_the_focus_shows() -> None:

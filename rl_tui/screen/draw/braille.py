@@ -90,13 +90,6 @@ def dots_of(line: Span, dots: int) -> BoolArray:
     return np.asarray((rows >= line.top) & (rows <= line.bottom))
 
 
-def edges_of(line: Span, dots: int) -> BoolArray:
-    """Return the uppermost and the lowest dot of each column of ``line``, [dots, columns]."""
-    rows = np.arange(dots)[:, None]
-    there = line.top <= line.bottom
-    return np.asarray(((rows == line.top) | (rows == line.bottom)) & there)
-
-
 def braille_codes(dots: BoolArray) -> IntArray:
     """Return the code points of the characters that show ``dots``, BLANK where there are none.
 

@@ -5,9 +5,9 @@ All positions and widths are in terminal cells. A wide character takes two.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import chain, groupby
 from typing import Final
 
 from rich.cells import cell_len
@@ -67,6 +67,12 @@ class Canvas:
         for place in self._inside(x, y, len(text)):
             self.put(place, y, text[place - x], self._styles[y][place] + style)
 
+    def put_where_blank(self, x: int, y: int, text: str, style: Style) -> None:
+        """Write those characters of ``text``, one cell each, in whose place nothing was written yet."""
+        for place in self._inside(x, y, len(text)):
+            if self._characters[y][place] == " ":
+                self._characters[y][place], self._styles[y][place] = text[place - x], style
+
     def restyle(self, x: int, y: int, length: int, style: Style) -> None:
         """Lay ``style`` over ``length`` cells of row ``y`` from column ``x`` on."""
         for place in self._inside(x, y, length):
@@ -99,6 +105,30 @@ def _cells(text: str) -> list[str]:
         elif width:
             cells += [character, ""][:width]
     return cells
+
+
+Drawn = list[list[Segment]]
+"""The rows of a piece of a picture, such as a cell of a map."""
+
+
+def strips_of_row(cells: Sequence[Drawn], left: int, width: int, style: Style) -> tuple[Strip, ...]:
+    """Return the strips of ``width`` characters for a row of ``cells``, which begins at column ``left``."""
+    strips = []
+    for lines in zip(*cells, strict=True):
+        inside = list(chain.from_iterable(lines))
+        taken = left + sum(len(each.text) for each in inside)
+        before = [Segment(" " * left, style)] if left else []
+        after = [Segment(" " * (width - taken), style)] if taken < width else []
+        strip = Strip(_joined([*before, *inside, *after]), max(taken, width))
+        strips.append(strip if taken <= width else strip.adjust_cell_length(width, style))
+    return tuple(strips)
+
+
+def _joined(segments: Iterable[Segment]) -> Iterator[Segment]:
+    """Yield ``segments``, neighbours of one and the same style as one."""
+    for _, own in groupby(segments, key=lambda each: id(each.style)):
+        found = list(own)
+        yield found[0] if len(found) == 1 else Segment("".join(each.text for each in found), found[0].style)
 
 
 def shortened(text: str, width: int, ellipsis: str) -> str:

@@ -51,24 +51,6 @@ class Plot(NamedTuple):
         columns, rows = self.columns * braille.DOTS_ACROSS, self.rows * braille.DOTS_DOWN
         return braille.braille_codes(self.line_dots(line, columns, rows))
 
-    def braille_edges(self, band: Steps) -> IntArray:
-        """Return the characters of two dotted lines, the lowest and the highest of ``band``.
-
-        [rows, columns], braille.BLANK where they do not go.
-        """
-        rows = self.rows * braille.DOTS_DOWN
-        dots = np.zeros((rows, self.columns * braille.DOTS_ACROSS), dtype=np.bool_)
-        dots[:, :: braille.DOTS_ACROSS] = braille.edges_of(self._span(band, self.columns, rows), rows)
-        return braille.braille_codes(dots)
-
-    def edges(self, band: Steps) -> BoolArray:
-        """Return the cells, [rows, columns], with the lowest or the highest of ``band``."""
-        return braille.edges_of(self._span(band, self.columns, self.rows), self.rows)
-
-    def filled_halves(self, band: Steps) -> IntArray:
-        """Return which half of each cell ``band`` takes from lowest to highest, as :meth:`halves` does."""
-        return _of_cells(self.filled_dots(band, self.columns, 2 * self.rows))
-
     def halves(self, line: Steps) -> IntArray:
         """Return which half of a cell ``line`` takes, [rows, columns]: 1 the upper, 2 the lower, 3 both."""
         return _of_cells(self.line_dots(line, self.columns, 2 * self.rows))

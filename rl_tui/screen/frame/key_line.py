@@ -88,7 +88,7 @@ class KeyLine(Widget):
         for number, (keys, label) in enumerate(hints):
             segments += [
                 Segment(" " * gap if number else "", palette.text),
-                Segment(to_ascii(keys, glyphs), palette.accent),
+                Segment(to_ascii(keys, glyphs), palette.press),
                 Segment(to_ascii(f" {label}" if keys else label, glyphs), palette.text),
             ]
         strip = Strip(segments).adjust_cell_length(self.size.width, palette.text)

@@ -141,7 +141,7 @@ class Section:
     def lines(self, width: int, look: Look) -> Sequence[Line]:
         """Return heading and blocks."""
         palette = look.palette
-        head = Piece(f" {self.heading} ", palette.accent)
+        head = Piece(f" {self.heading} ", palette.strong)
         forms = [[head, Piece(f" {remark} ", palette.text)] for remark in self.remarks if remark]
         kept = fitted(first_that_fits([*forms, [head]], width, look), width, look)
         rule = Piece(look.glyphs.thin * max(0, width - length(kept)), palette.dim)

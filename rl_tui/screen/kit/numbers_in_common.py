@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Final
+from weakref import WeakKeyDictionary
+
 import numpy as np
 
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.worlds.mdp.space import FloatArray
+from rl_tui.worlds.drawing import Arms, Grid
+from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray
+from rl_tui.worlds.world import World
+
+_EXITS: Final = WeakKeyDictionary[World, BoolArray]()  # worked out once a world
 
 
 def lanes_in_view(snapshot: Snapshot) -> tuple[Snapshot, ...]:
@@ -20,7 +27,25 @@ def all_q(snapshot: Snapshot) -> FloatArray:
 
 def all_v(snapshot: Snapshot) -> FloatArray:
     """Return the finite V of all states with actions; of a large world those that the snapshot holds."""
-    return finite(np.concatenate([_v(lane) for lane in lanes_in_view(snapshot)]))
+    return finite(np.concatenate([_v(lane)[0] for lane in lanes_in_view(snapshot)]))
+
+
+def known_v(snapshot: Snapshot) -> FloatArray:
+    """Return the finite V of the states about which something was learned: updated, or estimates differ.
+
+    Of a bandit, which has one state, they are the estimates of the arms that were pulled. Exits of a map,
+    left by their only action, which is no direction, show what they pay instead, and are left out.
+    """
+    if isinstance(snapshot.world.drawing, Arms):
+        arms = [lane.agent.q[lane.agent.visits > 0] for lane in lanes_in_view(snapshot)]
+        return finite(np.concatenate(arms))
+    return finite(np.concatenate([v[known] for v, known in map(_v, lanes_in_view(snapshot))]))
+
+
+def best_of_states(space: FiniteSpace, values: FloatArray) -> FloatArray:
+    """Return the greatest of ``values``, [P], of each state with actions; NaN where one of them is."""
+    first = space.first_pair[:-1][np.diff(space.first_pair) > 0]
+    return np.asarray(np.maximum.reduceat(values, first)) if len(first) else np.empty(0)
 
 
 def finite(values: FloatArray) -> FloatArray:
@@ -38,14 +63,43 @@ def _q(lane: Snapshot) -> FloatArray:
     return lane.agent.q if part is None else lane.agent.q[part.pairs]
 
 
-def _v(lane: Snapshot) -> FloatArray:
-    first_pair, part, q = lane.world.space.first_pair, lane.agent.part, lane.agent.q
-    if len(lane.agent.policy):
-        return lane.agent.values[np.diff(first_pair) > 0]
+def _v(lane: Snapshot) -> tuple[FloatArray, BoolArray]:
+    """Return V of each state with actions that is held, and whether something is known about it."""
+    first_pair, part, q, visits = (
+        lane.world.space.first_pair,
+        lane.agent.part,
+        lane.agent.q,
+        lane.agent.visits,
+    )
     if part is None:
         first = first_pair[:-1][np.diff(first_pair) > 0]
     else:
         pairs = np.flatnonzero(part.held)
         state = np.searchsorted(first_pair, pairs, side="right")
-        q, first = q[pairs], np.flatnonzero(np.diff(state, prepend=-1))
-    return np.asarray(np.maximum.reduceat(q, first)) if len(first) else np.empty(0)
+        q, visits, first = q[pairs], visits[pairs], np.flatnonzero(np.diff(state, prepend=-1))
+    if not len(first):
+        return np.empty(0), np.empty(0, dtype=np.bool_)
+    v = np.maximum.reduceat(q, first)
+    known = (np.add.reduceat(visits, first) > 0) | (np.minimum.reduceat(q, first) != v)
+    if part is None:
+        known &= ~_exits(lane.world)
+    if len(lane.agent.policy):
+        v = lane.agent.values[np.diff(first_pair) > 0]
+    return np.asarray(v), np.asarray(known)
+
+
+def _exits(world: World) -> BoolArray:
+    """Return of each state with actions whether it is an exit of a map."""
+    found = _EXITS.get(world)
+    if found is None:
+        found = _EXITS[world] = _find_exits(world)
+    return found
+
+
+def _find_exits(world: World) -> BoolArray:
+    counts, drawing = np.diff(world.space.first_pair), world.drawing
+    if not isinstance(drawing, Grid) or not any(drawing.directions):
+        return np.zeros(np.count_nonzero(counts), dtype=np.bool_)
+    is_other = np.array([step is None for step in drawing.directions])
+    first_action = world.space.pair_action[world.space.first_pair[:-1][counts > 0]]
+    return np.asarray((counts[counts > 0] == 1) & is_other[first_action])

@@ -46,13 +46,15 @@ class LegendSign(NamedTuple):
     """A ``sign`` as the panel draws it, characters and ``style``, and its ``meaning`` in a word or two.
 
     The sign is in the characters of the look already. ``in_full`` is the meaning where all of the legend has
-    room for that; empty: the same.
+    room for that; empty: the same. ``pieces`` are what the sign looks like where it has several styles: in
+    rows, since a border has one.
     """
 
     sign: str
     meaning: str
     style: Style
     in_full: str = ""
+    pieces: tuple[Piece, ...] = ()
 
 
 Legend = tuple[LegendSign, ...]
@@ -89,7 +91,10 @@ def _in_full(signs: Legend) -> Legend:
 def _lines(signs: Legend, width: int, look: Look) -> list[list[Piece]]:
     lines: list[list[Piece]] = []
     for sign in signs:
-        entry = [Piece(sign.sign, sign.style), Piece(f" {sign.meaning}", look.palette.dim)]
+        entry = [
+            *(sign.pieces or (Piece(sign.sign, sign.style),)),
+            Piece(f" {sign.meaning}", look.palette.dim),
+        ]
         if lines and length(spelled([*lines[-1], *entry], look)) + len(_GAP) <= width:
             lines[-1] += [Piece(_GAP, look.palette.dim), *entry]
         else:

@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from rl_tui.agents.last_step import LastStep
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.history import RECENT
 from rl_tui.screen.draw import numbers
@@ -126,6 +127,11 @@ def passes_too_fast(snapshot: Snapshot) -> bool:
     """Return whether steps follow one another too fast to be shown one by one."""
     too_fast = snapshot.playback.speed is None or snapshot.playback.speed > _FASTEST_FOLLOWED
     return too_fast and snapshot.playback.phase is Phase.RUNNING
+
+
+def followed_step(snapshot: Snapshot) -> LastStep | None:
+    """Return the last step where steps are slow enough to be shown one by one."""
+    return None if passes_too_fast(snapshot) else snapshot.counters.last_step
 
 
 def figure_setting(snapshot: Snapshot, glyphs: Glyphs) -> FigureSetting:

@@ -198,11 +198,11 @@ def draw_arms(
 def _draw_head(canvas: Canvas, y: int, arm: Arm, names: int, look: Look) -> None:
     glyphs, palette = look.glyphs, look.palette
     if arm.greedy:
-        canvas.put(0, y, glyphs.cursor, palette.greedy)
+        canvas.put(0, y, glyphs.cursor, palette.best)
     if arm.last:
         canvas.put(1, y, glyphs.agent, palette.agent)
     name = shortened(to_ascii(arm.name, glyphs), names, glyphs.ellipsis)
-    style = palette.focus if arm.cursor else palette.greedy if arm.greedy else palette.text
+    style = palette.focus if arm.cursor else palette.best if arm.greedy else palette.text
     canvas.put(2 + names - cell_len(name), y, name, style)
     if arm.stops:
         canvas.put(2 + names, y, glyphs.breakpoint, palette.breakpoint)
@@ -214,7 +214,7 @@ def _draw_bar(canvas: Canvas, y: int, arm: Arm, plot: _Plot, look: Look, form: N
         _draw_not_pulled(canvas, y, arm, plot, look)
     else:
         first, last = plot.column(arm.estimate - arm.error), plot.column(arm.estimate + arm.error)
-        style = palette.greedy if arm.greedy else palette.text
+        style = palette.best if arm.greedy else palette.text
         canvas.put(first, y, glyphs.whisker * (last - first + 1), style)
         canvas.put(plot.column(arm.estimate), y, glyphs.estimate, style)
     if arm.mean is not None:
@@ -242,7 +242,7 @@ def _draw_value(canvas: Canvas, y: int, arm: Arm, left: int, look: Look, form: N
     if canvas.width - left < _LEAST_VALUE:
         return
     text = look.glyphs.ellipsis if arm.error is None else form.text(arm.estimate, look.glyphs)
-    canvas.put(left, y, text, look.palette.greedy if arm.greedy else look.palette.text)
+    canvas.put(left, y, text, look.palette.best if arm.greedy else look.palette.text)
 
 
 def _draw_axis(canvas: Canvas, y: int, plot: _Plot, look: Look) -> None:
@@ -333,7 +333,7 @@ class ArmsView(WorldView):
         return (
             *(truth if shows_truth else ()),
             LegendSign(glyphs.agent, "last pull", palette.agent),
-            LegendSign(glyphs.cursor, "greedy", palette.greedy, GREEDY_IN_FULL),
+            LegendSign(glyphs.cursor, "greedy", palette.best, GREEDY_IN_FULL),
             LegendSign(glyphs.estimate, "estimate", palette.text),
             LegendSign(glyphs.whisker, "standard error", palette.text),
         )

@@ -89,7 +89,7 @@ def pair_blocks(snapshot: Snapshot, look: Look) -> Iterator[Block]:
 def _hint(snapshot: Snapshot, look: Look) -> Row:
     if keeps_back(snapshot, "answer"):
         return Row([Piece(f" regret and the best arm: {ANSWER_KEPT}", look.palette.dim)])
-    return Row([Piece(" h  ", look.palette.accent), Piece("shows regret and the best arm", look.palette.dim)])
+    return Row([Piece(" h  ", look.palette.press), Piece("shows regret and the best arm", look.palette.dim)])
 
 
 def _pulls(snapshot: Snapshot, figures: BanditFigures, look: Look) -> Labelled:
@@ -97,7 +97,7 @@ def _pulls(snapshot: Snapshot, figures: BanditFigures, look: Look) -> Labelled:
     is_spent, drifts = snapshot.playback.phase is Phase.SPENT, mdp is not None and mdp.drift_std > 0.0
     pieces = [
         Piece(f"{figures.pulls:,} of {figures.budget:,}", palette.strong),
-        Piece(separated(" · spent", look.glyphs) if is_spent else "", palette.accent),
+        Piece(separated(" · spent", look.glyphs) if is_spent else "", palette.strong),
         Piece("   r starts again" if is_spent else "", palette.dim),
         Piece("   means drift" if drifts else "", palette.dim),
     ]

@@ -52,16 +52,19 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "rl_tui.screen.panels.world_views:WorldPlaceholder",
         "World",
         "The scenario as the agent finds it. In a grid the tint and the number are V(s), the best estimate "
-        "of the state; arrows are the greedy actions, several (or * where there is no room) where they tie, "
-        "none where nothing is known yet, letters where actions have no direction; ◉ is the agent, ● a hole, "
-        "▓ a cliff, ★ the goal, S the start. V turns to Q of every action, each at its side of the cell or "
+        "of the state; arrows are the greedy actions, the paler the less they lead the second best, several "
+        "(or * where there is no room) where they tie, letters where actions have no direction; · stands "
+        "where all are as good, or nothing is known yet; ◉ is the agent, ● a hole, ╱ a cliff, ★ the goal, S "
+        "the start. A frame is around the cell that was just updated, green where its estimate rose, red "
+        "where it fell; ━▶ is the way of the last step, red where it slipped. V turns to "
+        "Q of every action, each at its side of the cell or "
         "behind its sign, · where it was never tried: the greedy ones are framed, or have an arrow where the "
         "tint stands for the number. In a graph each edge names action, "
         "probability and reward, and the greedy action is bold. An arm of a "
         "bandit shows its estimate ± its standard error, the standard deviation that the noise of the "
         "rewards leaves in it. ▸ marks the greedy arm, ◉ the last pull. In focus it has a cursor, as the "
         "table has; the place where one stands is marked in the other. Two lanes stand side by side, the "
-        "lower number left; ▸ marks the one that keys and sliders are about, and ≠ the states where their "
+        "lower number left; ▸ marks the one that keys and sliders are about, and ◤ the states where their "
         "greedy actions differ, ties counted. Only states known to both count: updated, or with estimates "
         "that differ. C draws the world: hatched (╱) is what is drawn and not in force, ↻ marks states whose "
         "best actions, exactly, the last stroke turned, and the legend has a sign for those from which no "
@@ -91,11 +94,12 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         TABLE,
         "rl_tui.screen.panels.q_table.q_table:QTable",
         "Q",
-        "One row a state, one column an action. The frame marks the greedy cell; the cell that the last "
-        "step updated is lit; an unvisited cell looks different from a zero. v turns to the exact Q*, the "
+        "One row a state, one column an action. The frame marks the greedy cell; ▐ stands before "
+        "the cell that was just updated, ▴ or ▾ behind it; one never visited is a dot. Tints are those of "
+        "the map, and ‹ or › says that a value lies beyond. v turns to the exact Q*, the "
         "error Q−Q* and visits. It has a cursor: tab to the table, then the arrows; m shows the model of "
         "the pair under it, and esc follows the agent again. The tables of two lanes have cursor, rows and "
-        "layer in common; ≠ stands behind a state where their greedy actions differ. <.01 and >−1 are not 0, "
+        "layer in common; ◤ stands behind a state where their greedy actions differ. <.01 and >−1 are not 0, "
         "but less than a unit of the last digit.",
         caption="what each action seems worth",
         terms=("q", "pair", "greedy", "agent", "target", "q-star", "error", "visits", "ties", "optimism"),
@@ -219,8 +223,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         MICROSCOPE,
         "rl_tui.screen.panels.microscope.microscope:Microscope",
         "Microscope",
-        "d takes the last step apart, live. Numbers that came from a cell of the table look as that cell "
-        "does, which is lit: one was updated, the underlined ones were looked up. The backup hangs from the "
+        "d takes the last step apart, live. Numbers of the cell that was updated stand out; those that "
+        "were looked up are underlined, here as in the table. The backup hangs from the "
         "state and its action all that might have followed; ▸ marks what did. The target of this sample "
         "stands beside the expected one, the mean over all outcomes with the same estimates: what lies "
         "between them is luck. At the end stands how the cell under the table's cursor went, else the one "

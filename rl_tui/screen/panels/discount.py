@@ -269,10 +269,10 @@ class DiscountPanel(Panel, can_focus=True):
             return ()
         glyphs, palette = self.look.glyphs, self.look.palette
         signs = {
-            True: LegendSign(glyphs.flip, "turns the way", palette.greedy, "turns the way from the start"),
+            True: LegendSign(glyphs.flip, "turns the way", palette.best, "turns the way from the start"),
             False: LegendSign(glyphs.side_flip, "other", palette.dim, "other flip"),
         }
-        in_force = LegendSign(glyphs.thumb, "γ now", palette.accent, "γ in force")
+        in_force = LegendSign(glyphs.thumb, "γ now", palette.press, "γ in force")
         there = {flip.turns_the_way for flip in _shown_flips(snapshot)}
         if not there:
             return (in_force,)

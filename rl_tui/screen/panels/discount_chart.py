@@ -119,7 +119,7 @@ def draw_values(
     _draw_lines(canvas, plot, [lines[number] for number in order], gammas, look)
     best = np.nan_to_num(values.max(axis=0))
     row = plot.row(float(best[now])) if gamma <= gammas[-1] else 0
-    canvas.put(plot.left + _column(plot, gamma), row, look.glyphs.thumb, look.palette.accent)
+    canvas.put(plot.left + _column(plot, gamma), row, look.glyphs.thumb, look.palette.press)
     for flip in flips:
         if any(turn.state == state for turn in flip.turns):
             row = plot.row(float(np.interp(flip.gamma, gammas, best)))
@@ -147,7 +147,7 @@ def _draw_marks(
         (flip.gamma, flip_sign(flip, look), flip_style(flip, look))
         for flip in sorted(flips, key=lambda flip: flip.turns_the_way)
     ]
-    marks.append((gamma, glyphs.stay, palette.accent))
+    marks.append((gamma, glyphs.untried, palette.press))
     if chosen is not None:
         marks.append((chosen.gamma, flip_sign(chosen, look), palette.focus))
     for at, glyph, style in marks:
@@ -162,7 +162,7 @@ def flip_sign(flip: Flip, look: Look) -> str:
 
 def flip_style(flip: Flip, look: Look) -> Style:
     """Return how ``flip`` is drawn: those that turn the way from the start stand out."""
-    return look.palette.greedy if flip.turns_the_way else look.palette.dim
+    return look.palette.best if flip.turns_the_way else look.palette.dim
 
 
 def _draw_lines(

@@ -76,7 +76,7 @@ class ToolList(Widget):
         elif cell.is_on:
             canvas.put(x, 0, f" {_text(cell, glyphs)} ", palette.focus)
         else:
-            canvas.put(x + 1, 0, key, palette.accent)
+            canvas.put(x + 1, 0, key, palette.press)
             canvas.put(x + 2 + cell_len(key) if key else x + 1, 0, word, palette.text)
 
     @property

@@ -196,7 +196,7 @@ def seed_table(
 def _names(called: Sequence[str], study: SeedStudy, snapshot: Snapshot, look: Look) -> list[Piece | str]:
     """Return the names of the rows; those of the lanes are left out where they may be others now."""
     if len(study.lanes) == 1:
-        return [Piece("", look.palette.accent), *called]
+        return [Piece("", look.palette.strong), *called]
     names = [lane.name for lane in snapshot.run_group.lanes]
     if len(names) != len(study.lanes) or study.is_outdated:
         names = [""] * len(study.lanes)
@@ -208,7 +208,7 @@ def _names(called: Sequence[str], study: SeedStudy, snapshot: Snapshot, look: Lo
         )
         for number, name in enumerate(names)
     ]
-    return [each for figure in called for each in (Piece(figure, look.palette.accent), *lanes)]
+    return [each for figure in called for each in (Piece(figure, look.palette.strong), *lanes)]
 
 
 def _heads(until: str) -> Sequence[tuple[str, str]]:
@@ -341,9 +341,9 @@ def _how_far(study: SeedStudy, snapshot: Snapshot, look: Look) -> Iterator[Block
     if study.state in _UNDER_WAY:
         yield Text(study.how_long, palette.dim)
     if study.is_outdated:
-        yield Text("the run has been changed since: enter counts again", palette.accent)
+        yield Text("the run has been changed since: enter counts again", palette.strong)
     if study.state is StudyState.OUT_OF_TIME:
-        yield Text("it has used up the processor time that it may take", palette.accent)
+        yield Text("it has used up the processor time that it may take", palette.strong)
 
 
 @dataclass(frozen=True, slots=True)
@@ -378,7 +378,7 @@ class _Progress:
 def _what_is_counted(study: SeedStudy, snapshot: Snapshot, look: Look) -> Iterator[Block]:
     """Yield why it is bounded as it is or has failed, and which seeds there are so far."""
     palette = look.palette
-    yield Text(study.message, palette.accent if study.state in _SAYS_WHY else palette.text)
+    yield Text(study.message, palette.strong if study.state in _SAYS_WHY else palette.text)
     if study.seeds and not study.is_outdated:
         first = snapshot.recipe.seed
         yield Text(f"seeds {first} to {first + study.seeds - 1}", palette.dim)

@@ -24,7 +24,7 @@ from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.editing.carried import differing_choices
 from rl_tui.worlds.mdp.space import BoolArray, IntArray
 
-DIFFERS: Final = "≠"
+DIFFERS: Final = "◤"
 
 
 def sides(snapshot: Snapshot) -> tuple[Snapshot, Snapshot]:

@@ -117,7 +117,7 @@ def status_line(
             who += f", in line {program.stands_at},"
         text = f"{who} has not answered for {unanswered:,} s; esc leaves it"
         if snapshot is None:
-            return [Piece(shortened(f" {text}", width, glyphs.ellipsis), palette.accent)]
+            return [Piece(shortened(f" {text}", width, glyphs.ellipsis), palette.strong)]
         return _waiting(snapshot, text, look, width)
     if snapshot is None:
         room = width - len(f"   {WAITING}")
@@ -207,7 +207,7 @@ def _waiting(snapshot: Snapshot, text: str, look: Look, width: int) -> Line:
     message = shortened(
         message if title else message[1:], width - cell_len(title) - bool(title), glyphs.ellipsis
     )
-    return [*([Piece(f" {title}", palette.strong)] if title else []), Piece(message, palette.accent)]
+    return [*([Piece(f" {title}", palette.strong)] if title else []), Piece(message, palette.strong)]
 
 
 def _fields(snapshot: Snapshot, look: Look, width: int, *, is_manual: bool) -> list[_Field]:
@@ -220,7 +220,7 @@ def _fields(snapshot: Snapshot, look: Look, width: int, *, is_manual: bool) -> l
     plans = snapshot.agent.row.planner
     speed, has_speed = _speed(snapshot, look, wide=wide), True
     if isinstance(snapshot.world.drawing, Arms) and bandit is not None and not plans:
-        progress = [_pull(bandit, look.palette.accent if in_past else look.palette.text)]
+        progress = [_pull(bandit, look.palette.strong if in_past else look.palette.text)]
     else:
         label = "sweep" if plans else "episode" if wide else "ep"
         step = _counted("step", snapshot.counters.step, 11 if wide else 9, look, rank=1)
@@ -247,7 +247,7 @@ def _step_in_past(snapshot: Snapshot, columns: int, look: Look) -> _Field:
     room = columns - len("step  of ")
     here = numbers.count(snapshot.counters.step, room - _LEAST_END)
     end = numbers.count(snapshot.timeline.current.end, room - len(here))
-    return _Field(f"step {here} of {end}", columns, look.palette.accent, rank=1)
+    return _Field(f"step {here} of {end}", columns, look.palette.strong, rank=1)
 
 
 def _speed(snapshot: Snapshot, look: Look, *, wide: bool) -> _Field:
@@ -273,34 +273,34 @@ def _state(snapshot: Snapshot, look: Look, most: int, *, is_manual: bool) -> _Fi
     palette, glyphs = look.palette, look.glyphs
     if snapshot.playback.phase is Phase.SPENT:
         text = f"{glyphs.stopped} {BUDGET_SPENT if snapshot.program is None else PROGRAM_ENDED}"
-        return _Field(text, len(text), palette.accent)
+        return _Field(text, len(text), palette.strong)
     if snapshot.playback.phase is Phase.DONE:
         text = (
             f"{glyphs.stopped} {snapshot.playback.message.partition(':')[0] or snapshot.playback.phase.value}"
         )
-        return _Field(text, cell_len(to_ascii(text, glyphs)), palette.accent)
+        return _Field(text, cell_len(to_ascii(text, glyphs)), palette.strong)
     if snapshot.playback.phase in (Phase.PAUSED, Phase.SEEKING):
         if snapshot.playback.paused_by:
             return _long_state(f"{glyphs.paused} {snapshot.playback.paused_by}", look, most)
         if snapshot.timeline.in_past:
             past = "the past" if snapshot.program is None else "past, only shown"
             text = f"{glyphs.past} {past}"
-            return _Field(text, max(_STATE_COLUMNS, cell_len(to_ascii(text, glyphs))), palette.accent)
+            return _Field(text, max(_STATE_COLUMNS, cell_len(to_ascii(text, glyphs))), palette.strong)
         if is_manual:
-            return _Field(f"{glyphs.agent} you act", _STATE_COLUMNS, palette.accent)
+            return _Field(f"{glyphs.agent} you act", _STATE_COLUMNS, palette.you)
         return _Field(f"{glyphs.paused} paused", _STATE_COLUMNS, palette.dim)
     if snapshot.playback.until:
         return _long_state(f"{glyphs.running} until {snapshot.playback.until}", look, most)
     if snapshot.timeline.in_past:
-        return _Field(f"{glyphs.running} replaying", _STATE_COLUMNS, palette.accent)
+        return _Field(f"{glyphs.running} replaying", _STATE_COLUMNS, palette.strong)
     if snapshot.playback.watching:
         return _long_state(f"{glyphs.running} watching: {snapshot.playback.watching}", look, most)
     if snapshot.playback.interpreted and snapshot.playback.speed is None:
         text = IN_PYTHON if snapshot.playback.stays_interpreted else COMPILING
-        return _Field(f"{glyphs.running} {text}", _STATE_COLUMNS, palette.accent)
+        return _Field(f"{glyphs.running} {text}", _STATE_COLUMNS, palette.strong)
     return _Field(f"{glyphs.running} {speed_text(snapshot.playback.speed)}", _STATE_COLUMNS, palette.good)
 
 
 def _long_state(text: str, look: Look, most: int) -> _Field:
     text = shortened(to_ascii(text, look.glyphs), max(_STATE_COLUMNS, most), look.glyphs.ellipsis)
-    return _Field(text, max(_STATE_COLUMNS, cell_len(text)), look.palette.accent)
+    return _Field(text, max(_STATE_COLUMNS, cell_len(text)), look.palette.strong)

@@ -115,12 +115,12 @@ def timeline_strip(state: TimelineState, look: Look, width: int) -> Strip:
         canvas.put(0, 0, text, palette.focus if state.focused else palette.dim)
         return canvas.strips()[0]
     form = timeline_form(state.timeline, width, state.unit)
-    calm = palette.accent if in_past else palette.dim
+    calm = palette.press if in_past else palette.dim
     if form.label:
         focus = f" {form.label} ", palette.focus
         canvas.put(0, 0, *(focus if state.focused else (f" {form.label}", calm)))
     if form.digits:
-        here = palette.accent + Style(bold=True) if in_past else palette.text
+        here = palette.press + Style(bold=True) if in_past else palette.text
         canvas.put(form.track.start - form.digits - 1, 0, numbers.count(state.at, form.digits), here)
         end = numbers.count(last, _END_DIGITS) if in_past else NOW
         canvas.put(form.track.start + form.track.cells + 1, 0, end, palette.dim)
@@ -137,7 +137,7 @@ def _draw_track(canvas: Canvas, track: Track, state: TimelineState, look: Look) 
     canvas.put(track.start + handle, 0, rest, palette.slider_rest)
     for cell, (mark, style) in _marks(state.timeline, track, look).items():
         canvas.put(track.start + cell, 0, mark, style)
-    thumb = palette.accent if state.at < track.end else palette.slider_thumb
+    thumb = palette.press if state.at < track.end else palette.slider_thumb
     canvas.put(track.start + handle, 0, glyphs.thumb, palette.focus if state.focused else thumb)
 
 

@@ -71,9 +71,9 @@ def _how_far(view: WorldCheckView, look: Look) -> Text:
     palette, report = look.palette, view.report
     text, style = WAITING, palette.dim
     if view.refused:
-        text, style = view.refused, palette.accent
+        text, style = view.refused, palette.strong
     elif view.is_outdated:
-        text, style = OUTDATED, palette.accent
+        text, style = OUTDATED, palette.strong
     elif report is not None and report.stage is CheckStage.DONE:
         count = len(report.warnings)
         text, style = FINE, palette.good

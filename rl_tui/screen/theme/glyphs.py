@@ -18,6 +18,7 @@ class Glyphs:
     up: str
     diagonals: tuple[str, str, str, str]  # up left, up right, down left, down right; two columns in ASCII
     stay: str
+    untried: str  # in place of a number or an arrow where nothing is known, or all is as good
     agent: str
     hole: str
     cliff: str
@@ -27,14 +28,19 @@ class Glyphs:
     mark_left: str  # frames the greedy cell of a table
     mark_right: str
     mark_after: str  # follows the greedy number where there is no room for a frame
-    lit_left: str  # frames the cell that was just updated, when it is greedy too
-    lit_right: str
+    lit: str  # before the cell of a table that was just updated
+    moved: str  # behind its number: it fell, it rose
     cursor: str
     breakpoint: str
-    trail: str  # on a map: left not long ago, left long ago, where the world slipped
+    trail: str  # on a map: left not long ago, left long ago
     trail_old: str
-    slip: str
+    seams: str  # between the cells of a map: at the right, below
+    frame: str  # around a cell: left, right, above, below
+    lit_edge: str  # of a wall
     unreached: str  # fills a cell that no way leads to
+    one_way: str  # cells that are left in one direction only: left, right, up, down
+    no_room: str  # in place of a number that does not fit
+    beyond: str  # a value below the scale, above it
     differs: str  # greedy actions that are others in the lane beside
     turned: str  # the last edit turned the best actions of a state
     endless: str  # no way leads from a state to an end
@@ -103,25 +109,31 @@ _ROWS: Final[Mapping[str, tuple[Any, Any]]] = {
     "right": ("→", ">"),
     "up": ("↑", "^"),
     "diagonals": (("↖", "↗", "↙", "↘"), ("^<", "^>", "v<", "v>")),
-    "stay": ("·", "."),
+    "stay": ("▫", "."),
+    "untried": ("·", "."),
     "agent": ("◉", "@"),
     "hole": ("●", "O"),
-    "cliff": ("▓", "%"),
+    "cliff": ("╱", "%"),
     "goal": ("★", "G"),
     "best_arm": ("★", "<"),
     "wall": ("█", "#"),
     "mark_left": ("▌", "["),
     "mark_right": ("▐", "]"),
     "mark_after": ("▌", "]"),
-    "lit_left": ("▐", "{"),
-    "lit_right": ("▌", "}"),
+    "lit": ("▐", "{"),
+    "moved": ("▾▴", "-+"),
     "cursor": ("▸", ">"),
     "breakpoint": ("!", "!"),
     "trail": ("•", "="),
     "trail_old": ("◦", ","),
-    "slip": ("~", "~"),
+    "seams": ("▕▁", "|_"),
+    "frame": ("▌▐▔▁", "[]--"),
+    "lit_edge": ("▔", "#"),
     "unreached": ("░", ":"),
-    "differs": ("≠", "x"),
+    "one_way": ("«»∧∨", "<>^v"),
+    "no_room": ("▪", "#"),
+    "beyond": ("‹›", "<>"),
+    "differs": ("◤", "x"),
     "turned": ("↻", "T"),
     "endless": ("∞", "&"),
     "drafted": ("╱", "/"),

@@ -33,7 +33,7 @@ def _dark_and_light(
 DARK, LIGHT = _dark_and_light(
     primary=("#6cb6eb", "#00629b"),
     secondary=("#8fb8b0", "#3d6b64"),
-    accent=("#f0b45f", "#9a5b00"),
+    accent=("#ff86d6", "#a8106e"),
     foreground=("#dde3e8", "#1d242a"),
     background=("#0e1318", "#fbfbf9"),
     surface=("#151c23", "#f2f2ee"),
@@ -51,7 +51,7 @@ DARK, LIGHT = _dark_and_light(
 DARK_256, LIGHT_256 = _dark_and_light(
     primary=("#5fafff", "#005faf"),
     secondary=("#87afaf", "#005f5f"),
-    accent=("#ffaf5f", "#875f00"),
+    accent=("#ff87d7", "#af005f"),
     foreground=("#ffffff", "#000000"),
     background=("#121212", "#ffffff"),
     surface=("#1c1c1c", "#eeeeee"),
@@ -68,9 +68,9 @@ DARK_256, LIGHT_256 = _dark_and_light(
 
 DARK_16, LIGHT_16 = _dark_and_light(
     ansi=True,
-    primary=("ansi_bright_cyan", "ansi_blue"),
+    primary=("ansi_bright_blue", "ansi_blue"),
     secondary=("ansi_cyan", "ansi_blue"),
-    accent=("ansi_bright_yellow", "ansi_magenta"),
+    accent=("ansi_bright_magenta", "ansi_magenta"),
     foreground=("ansi_default", "ansi_default"),
     background=("ansi_default", "ansi_default"),
     surface=("ansi_default", "ansi_default"),
@@ -83,7 +83,7 @@ DARK_16, LIGHT_16 = _dark_and_light(
         "border-blurred": ("ansi_white", "ansi_bright_black"),
         "text-muted": ("ansi_default", "ansi_default"),
         "block-cursor-foreground": ("ansi_black", "ansi_black"),
-        "block-cursor-background": ("ansi_bright_yellow", "ansi_bright_yellow"),
+        "block-cursor-background": ("ansi_bright_magenta", "ansi_bright_magenta"),
         "input-cursor-foreground": ("ansi_black", "ansi_bright_white"),
         "input-cursor-background": ("ansi_white", "ansi_black"),
         "input-selection-foreground": ("ansi_black", "ansi_bright_white"),

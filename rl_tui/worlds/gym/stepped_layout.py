@@ -76,7 +76,7 @@ def product_grid(sizes: Sequence[int], actions: int, terms: Sequence[str] = ()) 
     return Grid(
         rows=shape[0],
         columns=shape[1],
-        kinds=tuple(kinds.tolist()),
+        kinds=tuple(map(CellKind, kinds.tolist())),
         cell_of_state=tuple(cell.tolist()),
         directions=(None,) * actions,
         legend=_legend(sizes, terms),

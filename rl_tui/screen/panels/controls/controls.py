@@ -112,7 +112,7 @@ class Controls(Container, BoardPanel):
         """Return ``signs`` behind that of a flip, which comes later, where that moves none of them."""
         look, room = self._look, self.size.width - BORDER_ENDS
         legend = legend_text(signs, room, look)
-        flip = LegendSign(look.glyphs.flip, "flip", look.palette.greedy)
+        flip = LegendSign(look.glyphs.flip, "flip", look.palette.best)
         longer = legend_text((flip, *signs), room, look) if self._has_marks else ""
         return longer if longer.endswith(legend) else legend
 

@@ -225,7 +225,7 @@ class AgentSettings(Widget):
         for cell in self._line(y):
             segments += [
                 Segment(" " * (cell.start - column), palette.text),
-                Segment(cell.key, palette.accent),
+                Segment(cell.key, palette.press),
                 Segment(cell.label, palette.dim),
                 Segment(cell.value, palette.text),
             ]

@@ -95,7 +95,7 @@ def slider_strip(
     form = slider_form(parameter, state, glyphs, width)
     label = f" {form.label} " if state.focused else f" {form.label}"
     segments = [
-        Segment(label, palette.focus if state.focused else palette.accent),
+        Segment(label, palette.focus if state.focused else palette.press),
         Segment(" " * (form.start - cell_len(label)), palette.text),
     ]
     if form.cells and not isinstance(state.value, str):
@@ -115,9 +115,9 @@ def _track(scale: SliderScale, state: SliderState, value: float, cells: int, loo
     track = [Segment(glyphs.track_done, palette.slider_done)] * thumb
     track += [Segment(glyphs.track_rest, palette.slider_rest)] * (cells - thumb)
     for mark in sorted(state.marks, key=lambda mark: mark.stands_out):
-        drawn = (glyphs.flip, palette.greedy) if mark.stands_out else (glyphs.side_flip, palette.dim)
+        drawn = (glyphs.flip, palette.best) if mark.stands_out else (glyphs.side_flip, palette.dim)
         track[scale.cell_of(mark.value, cells)] = Segment(*drawn)
-    track[thumb] = Segment(glyphs.thumb, palette.accent if state.focused else palette.slider_thumb)
+    track[thumb] = Segment(glyphs.thumb, palette.press if state.focused else palette.slider_thumb)
     return [Segment("".join(each.text for each in run), style) for style, run in groupby(track, _style_of)]
 
 

@@ -22,64 +22,12 @@ from rl_tui.screen.draw.braille import Steps
 from rl_tui.screen.draw.canvas import Canvas, shortened, wrapped
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.scale import Scale, round_range
-from rl_tui.screen.kit.panel import LegendSign
 from rl_tui.screen.panels.curve.data import CurveData
 from rl_tui.screen.panels.curve.lane_text import lane_columns, lane_labels
 from rl_tui.screen.panels.curve.seed_band import seed_cells
 from rl_tui.screen.panels.curve.text import LineLabel, barren_words, empty_words, label_columns, labels
 from rl_tui.screen.panels.curve.world_marks import draw_marks, lines_of, world_marks
 from rl_tui.screen.theme.look import Look
-
-# The band from the lowest to the highest return
-
-
-_HALVES: Final = np.array([0, ord("▀"), ord("▄"), ord(" ")])
-_BOTH_HALVES: Final = 3
-_MEANING: Final = "= lowest to highest"
-
-
-class BandCells(NamedTuple):
-    """The code of the character in each cell, [rows, columns], 0 for none, and which cells are ``filled``.
-
-    A filled cell has the colour of the band behind whatever stands in it.
-    """
-
-    codes: npt.NDArray[np.int64]
-    filled: npt.NDArray[np.bool_]
-
-
-def band_cells(plot: Plot, band: Steps, look: Look) -> BandCells:
-    """Return the cells of ``band``."""
-    if look.palette.fills_bands:
-        halves = plot.filled_halves(band)
-        if look.glyphs.braille:
-            return BandCells(_HALVES[halves], halves == _BOTH_HALVES)
-        return BandCells(np.where(halves > 0, ord(" "), 0), halves > 0)
-    codes = edge_codes(plot, band) if look.glyphs.braille else _dashes(plot, band)
-    return BandCells(codes, np.zeros(codes.shape, dtype=np.bool_))
-
-
-def edge_codes(plot: Plot, band: Steps) -> npt.NDArray[np.int64]:
-    """Return the lowest and the highest of ``band`` as dotted lines, [rows, columns], 0 for no character."""
-    codes = plot.braille_edges(band)
-    return np.where(codes > braille.BLANK, codes, 0)
-
-
-def _dashes(plot: Plot, band: Steps) -> npt.NDArray[np.int64]:
-    """Return a dash in every other column where the lowest and the highest are."""
-    codes = np.where(plot.edges(band), ord("-"), 0)
-    codes[:, 1::2] = 0
-    return codes
-
-
-def band_signs(look: Look, *, lanes: bool) -> tuple[LegendSign, ...]:
-    """Return what the legend says of the band of a run alone, or of the run shown among ``lanes``."""
-    if lanes and not look.glyphs.braille:
-        return ()
-    if look.palette.fills_bands and not lanes:
-        return (LegendSign("shade", _MEANING, look.palette.text),)
-    return (LegendSign("dim dots" if look.glyphs.braille else "dashes", _MEANING, look.palette.band),)
-
 
 # The chart
 
@@ -95,39 +43,35 @@ _LaneCodes = npt.NDArray[np.int64]
 class LaneCells(NamedTuple):
     """What is in each cell, [rows, columns]: the code of its character, 0 where there is none.
 
-    ``line`` tells whose it is: −1 no line's, 0 the greedy line's, n that of lane n. ``band`` has the
-    characters of the edges of the band of the lane shown.
+    ``line`` tells whose it is: −1 no line's, 0 the greedy line's, n that of lane n.
     """
 
     codes: _LaneCodes
     line: _LaneCodes
-    band: _LaneCodes
 
 
 def lane_cells(plot: Plot, data: CurveData, look: Look) -> LaneCells:
-    """Return the mean of every lane, and of the lane shown the greedy line and the band."""
-    draw = _lanes_in_braille if look.glyphs.braille else _lanes_in_ascii
-    layers, band = draw(plot, data)
+    """Return the mean of every lane, and of the lane shown the greedy line."""
+    layers = (_lanes_in_braille if look.glyphs.braille else _lanes_in_ascii)(plot, data)
     there = layers > 0
     line = _whose(_with_greedy_behind(there))
     codes = np.take_along_axis(layers, np.maximum(line, 0)[None], axis=0)[0]
     codes[line < 0] = 0
     if look.glyphs.braille and not look.palette.tells_lanes_apart:
         _mark(codes, line, there)
-    return LaneCells(codes, line, band)
+    return LaneCells(codes, line)
 
 
-def _lanes_in_braille(plot: Plot, data: CurveData) -> tuple[_LaneCodes, _LaneCodes]:
-    """Return the characters of greedy line and lanes, [1 + lanes, rows, columns], and those of the band."""
-    layers = [_blank_as_none(plot.braille_line(line)) for line in data.lines]
-    return np.stack(layers), edge_codes(plot, data.band)
+def _lanes_in_braille(plot: Plot, data: CurveData) -> _LaneCodes:
+    """Return the characters of greedy line and lanes, [1 + lanes, rows, columns]."""
+    return np.stack([_blank_as_none(plot.braille_line(line)) for line in data.lines])
 
 
-def _lanes_in_ascii(plot: Plot, data: CurveData) -> tuple[_LaneCodes, _LaneCodes]:
-    """Return a star for the greedy line and for each lane its number; no band, as in a single run's chart."""
+def _lanes_in_ascii(plot: Plot, data: CurveData) -> _LaneCodes:
+    """Return a star for the greedy line and for each lane its number."""
     dots = np.stack([plot.line_dots(line, plot.columns, plot.rows) for line in data.lines])
     signs = np.array([ord("*"), *(ord(str(lane.number)) for lane in data.lanes)])
-    return dots * signs[:, None, None], np.zeros(dots.shape[1:], dtype=np.int64)
+    return np.asarray(dots * signs[:, None, None])
 
 
 def _blank_as_none(codes: _LaneCodes) -> _LaneCodes:
@@ -176,7 +120,7 @@ _TICK_COLUMNS: Final = 9  # a labelled episode number at most every so many colu
 _UNIT_ROOM: Final = 40
 _ARROWS_APART: Final = 8  # columns between the arrows of a line that stays below the axis
 # What a cell shows, the more important the greater; after the greedy line come the lanes
-_NOTHING, _CHANGE, _LEVEL, _STUDIED, _BAND, _SEEDS, _EPISODES, _GREEDY = range(8)
+_NOTHING, _CHANGE, _LEVEL, _STUDIED, _SEEDS, _EPISODES, _GREEDY = range(7)
 
 
 def plot_columns(scale: Scale, look: Look, width: int) -> int:
@@ -232,8 +176,7 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
         _draw_lanes(canvas, plot, data, look)
         return
     codes = _braille(plot, data) if look.glyphs.braille else _ascii(plot, data)
-    band = band_cells(plot, data.band, look)
-    shown, kind = band.codes.copy(), np.where(band.codes > 0, _BAND, _NOTHING)
+    shown, kind = np.zeros((2, plot.rows, plot.columns), dtype=np.int64)
     _put_changes(shown, kind, plot, data, look)
     _put_levels(shown, kind, plot, data, look)
     seeds, _ = seed_cells(plot, data.seeds, look)
@@ -251,18 +194,17 @@ def _draw_lines(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
         palette.dim,
         palette.optimum,
         palette.good,
-        palette.band,
         palette.dim,
         palette.episodes,
         palette.greedy_line,
     )
-    _put_cells(canvas, plot, _Cells(kind, shown, band.filled), styles, look)
+    _put_cells(canvas, plot, kind, shown, styles)
 
 
 def _draw_lanes(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None:
-    """Put the lines of runs side by side into the plot, over the level of the optimum and the band."""
+    """Put the lines of runs side by side into the plot, over the level of the optimum."""
     cells, palette = lane_cells(plot, data, look), look.palette
-    shown, kind = cells.band.copy(), np.where(cells.band > 0, _BAND, _NOTHING)
+    shown, kind = np.zeros((2, plot.rows, plot.columns), dtype=np.int64)
     _put_changes(shown, kind, plot, data, look)
     _put_levels(shown, kind, plot, data, look)
     seeds, whose = seed_cells(plot, data.seeds, look)
@@ -270,21 +212,18 @@ def _draw_lanes(canvas: Canvas, plot: Plot, data: CurveData, look: Look) -> None
     there = cells.line >= 0
     shown[there], kind[there] = cells.codes[there], _GREEDY + cells.line[there]
     _mark_off_axis(shown, kind, off_axis(plot, data.lines), _GREEDY, look)
-    lane = next(lane.number for lane in data.lanes if lane.shown)
-    band = palette.lanes[lane - 1] + Style(dim=True)
     styles = (
         palette.text,
         palette.dim,
         palette.optimum,
         palette.good,
-        band,
         palette.dim,
         palette.episodes,
         palette.greedy_line,
         *palette.lanes,
         *(style + Style(dim=True) for style in palette.lanes),
     )
-    _put_cells(canvas, plot, _Cells(kind, shown, np.zeros(kind.shape, dtype=np.bool_)), styles, look)
+    _put_cells(canvas, plot, kind, shown, styles)
 
 
 def off_axis(plot: Plot, lines: Sequence[Steps]) -> npt.NDArray[np.int64]:
@@ -382,21 +321,15 @@ def taking_turns(first: npt.NDArray[np.int64], second: npt.NDArray[np.int64]) ->
     return beside
 
 
-class _Cells(NamedTuple):
-    """What is in each cell, [rows, columns]: its kind, the code of its character, whether it is filled."""
-
-    kind: npt.NDArray[np.int64]
-    codes: npt.NDArray[np.int64]
-    filled: npt.NDArray[np.bool_]
-
-
-def _put_cells(canvas: Canvas, plot: Plot, cells: _Cells, styles: Sequence[Style], look: Look) -> None:
-    """Write all cells of the plot, each in the one of ``styles`` that belongs to its kind."""
-    behind = Style(bgcolor=look.palette.band.color)
-    styles = (*styles, *(style + behind for style in styles))
-    kinds = cells.kind + np.where(cells.filled, len(styles) // 2, 0)
-    codes = np.where(cells.codes > 0, cells.codes, ord(" "))
-    text = codes.astype("<u4").tobytes().decode("utf-32-le")
+def _put_cells(
+    canvas: Canvas,
+    plot: Plot,
+    kinds: npt.NDArray[np.int64],
+    codes: npt.NDArray[np.int64],
+    styles: Sequence[Style],
+) -> None:
+    """Write the characters ``codes``, 0 for none, into the plot, each in that of ``styles`` of its kind."""
+    text = np.where(codes > 0, codes, ord(" ")).astype("<u4").tobytes().decode("utf-32-le")
     for row, each in enumerate(kinds.tolist()):
         line = text[row * plot.columns : (row + 1) * plot.columns]
         canvas.put_cells(plot.left, row, line, [styles[kind] for kind in each])

@@ -17,7 +17,7 @@ from rl_tui.screen.draw.scale import Scale, settled
 from rl_tui.screen.draw.to_ascii import separated
 from rl_tui.screen.kit.panel import Legend, LegendSign, Panel, legend_text
 from rl_tui.screen.kit.snapshot_facts import has_estimates, is_new_run, passes_too_fast
-from rl_tui.screen.panels.curve.chart import band_signs, draw_chart, plot_columns, plot_of
+from rl_tui.screen.panels.curve.chart import draw_chart, plot_columns, plot_of
 from rl_tui.screen.panels.curve.data import CurveData, curve_data, is_decided, unit_of
 from rl_tui.screen.panels.curve.lane_text import lane_remark, lane_titles, steps_note
 from rl_tui.screen.panels.curve.seed_band import seed_bands, seed_sign, with_room_for
@@ -111,7 +111,7 @@ class ReturnCurve(Panel, can_focus=True):
         return [*chart, *strips_of([line], width, 1, self.look)]
 
     def legend(self, snapshot: Snapshot) -> Legend:
-        """Return where the world changed, what the bands are, and what the axis counts.
+        """Return where the world changed, what the band of many seeds is, and what the axis counts.
 
         The lines have their names where they end.
         """
@@ -119,19 +119,16 @@ class ReturnCurve(Panel, can_focus=True):
         more = (seed_sign(seeds, self.look),) if seeds else ()
         if isinstance(snapshot.world.drawing, Arms):
             return (*worlds, *more)
-        plans = snapshot.agent.row.planner
         sums = LegendSign("return", "= undiscounted sum", self.look.palette.text)
-        band = () if plans else band_signs(self.look, lanes=bool(snapshot.run_group.lanes))
-        return (*band, *worlds, *more, sums) if snapshot.run_group.lanes else (*worlds, *more, sums, *band)
+        return (*worlds, *more, sums)
 
     def _kept_for_legend(self, snapshot: Snapshot) -> int:
         """Return the cells of the border for the first sign of its legend, with the ``·`` behind.
 
-        That is the band of lanes, or where the world changed; else none is kept.
+        That is where the world changed; else none is kept.
         """
         signs = self.legend(snapshot)[:1]
-        needs_it = snapshot.run_group.lanes or snapshot.world_changes
-        if not self.is_explained or not needs_it or not signs:
+        if not self.is_explained or not snapshot.world_changes or not signs:
             return 0
         return cell_len(separated(f"{legend_text(signs, self.size.width, self.look)} · ", self.look.glyphs))
 

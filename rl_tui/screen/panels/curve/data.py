@@ -10,7 +10,7 @@ import numpy as np
 from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
-from rl_tui.runs.results import Curve, RunResults
+from rl_tui.runs.results import RunResults
 from rl_tui.runs.run import WorldChanged
 from rl_tui.runs.timeline.lane_view import LaneView
 from rl_tui.screen.draw.braille import NO_STEPS, Steps
@@ -57,16 +57,14 @@ class LaneLine:
 class CurveData:
     """The curves and the figures beside them.
 
-    ``episodes`` is the smoothed mean of the returns, ``band`` their lowest and highest (none as long as each
-    episode is on the line itself), ``greedy`` the exact expected return of the greedy policy, each over
-    episodes from 0. ``greedy_now``, ``mean_now`` (of the last 100 episodes) and ``optimum`` are the values to
-    print, None where unknown or hidden. ``hides_optimum`` tells that the optimum is hidden, of a bandit the
-    greedy arm as well, and ``has_key`` that a key shows it then. ``barren`` tells that there were many
-    episodes and none had a reward, ``unlearned`` that no estimate has moved in many, ``is_decided`` that
-    somewhere one action is estimated above another, so that being greedy means something (true as well where
-    there is no choice, false where ``greedy_now`` is
-    unknown). ``greedy_ends`` is, where the greedy policy has no return, how likely an episode of it ends;
-    else None.
+    ``episodes`` is the smoothed mean of the returns, ``greedy`` the exact expected return of the greedy
+    policy, each over episodes from 0. ``greedy_now``, ``mean_now`` (of the last 100 episodes) and
+    ``optimum`` are the values to print, None where unknown or hidden. ``hides_optimum`` tells that the
+    optimum is hidden, of a bandit the greedy arm as well, and ``has_key`` that a key shows it then.
+    ``barren`` tells that there were many episodes and none had a reward, ``unlearned`` that no estimate has
+    moved in many, ``is_decided`` that somewhere one action is estimated above another, so that being greedy
+    means something (true as well where there is no choice, false where ``greedy_now`` is unknown).
+    ``greedy_ends`` is, where the greedy policy has no return, how likely an episode of it ends; else None.
     ``acting_now`` is the exact return of the agent as it acts now, None where it is not known, ``studied``
     that of a policy that is studied and has no line already; ``is_studying`` tells that any is studied.
     ``unit`` is what the horizontal axis counts: pulls, a planner's sweeps, or episodes. The optimum is the
@@ -81,7 +79,6 @@ class CurveData:
     finished: int
     limit: int | None
     episodes: Steps
-    band: Steps
     greedy: Steps
     greedy_now: float | None
     mean_now: float | None
@@ -138,9 +135,9 @@ class CurveData:
 
     @property
     def range(self) -> tuple[float, float]:
-        """The lowest and highest value that must be on the vertical axis; the band may stick out.
+        """The lowest and highest value that must be on the vertical axis.
 
-        What is far below all the rest may stick out too, for it would leave no room for the others: the
+        What is far below all the rest may stick out, for it would leave no room for the others: the
         lowest twentieth of the episodes, and greedy policies, which may walk into walls until the time limit.
         """
         ends = [self.optimum, self.mean_now, *(lane.value for lane in self.lanes if not lane.is_exact)]
@@ -178,12 +175,11 @@ def curve_data(snapshot: Snapshot) -> CurveData:
     hidden = hides_greedy(snapshot)
     plans = snapshot.agent.row.planner
     hides_optimum = is_secret(snapshot) and not snapshot.exact_answer.refused
-    episodes, curve = _episodes(snapshot.results), snapshot.results.curve
+    episodes = _episodes(snapshot.results)
     return CurveData(
         finished=snapshot.counters.episodes,
         limit=None if plans else snapshot.world.budget,
         episodes=episodes,
-        band=_band(episodes, curve),
         greedy=NO_STEPS if hidden else _greedy(snapshot.results, snapshot.counters.episodes),
         greedy_now=None if hidden else snapshot.results.greedy_return,
         mean_now=snapshot.results.return_last_100,
@@ -260,13 +256,6 @@ def _episodes(results: RunResults) -> Steps:
     start = np.concatenate(([0.0], end[:-1])) if len(end) else end
     mean = smoothed(results.curve.return_mean)
     return Steps(start, end, mean, mean)
-
-
-def _band(episodes: Steps, curve: Curve) -> Steps:
-    """Return the lowest and the highest returns, none where ``episodes`` is the return of each episode."""
-    if np.array_equal(curve.return_low, episodes.low) and np.array_equal(curve.return_high, episodes.high):
-        return NO_STEPS
-    return Steps(episodes.start, episodes.end, curve.return_low, curve.return_high)
 
 
 def _greedy(results: RunResults, episodes: int) -> Steps:

@@ -168,7 +168,9 @@ class GraphView(WorldView):
         heading = f"{HEADING} {self.policy_shown}"
         forms = self.study_headings("V") or (*self.captioned(TITLE), heading)
         self.heading = self.fitting(forms, width) or heading
-        values = _with_new(state_values(self.world.space, snapshot), self._shape)
+        values = _with_new(
+            state_values(self.world.space, snapshot, self.steady_scale.of(snapshot)), self._shape
+        )
         form = values.number_form(VALUE_WIDTH, self._number_forms)
         stops = snapshot.playback.breakpoints
         signs = Signs(snapshot.counters.state, self.shown_cursor, stops, self.differing, editor)
@@ -199,7 +201,7 @@ class GraphView(WorldView):
                 if self._keeps_chances
                 else ()
             ),
-            self.policy_sign("bold", palette.greedy),
+            self.policy_sign("bold", palette.best),
             *self.value_signs(),
             self.agent_sign(),
         )
@@ -284,7 +286,7 @@ def draw_graph(
         canvas.put(head.x, head.y, heads[head.direction], _edge_style(head.pair in values.greedy, look))
     for label in layout.labels:
         greedy = label.pair in values.greedy
-        style = look.palette.greedy if greedy else look.palette.text
+        style = look.palette.best if greedy else look.palette.text
         if label.pair in signs.breakpoints.pairs:
             style = look.palette.breakpoint
         canvas.put(label.x, label.y, label.text, style)
@@ -358,7 +360,7 @@ def _border_style(agent: bool, look: Look) -> Style:
 
 
 def _edge_style(greedy: bool, look: Look) -> Style:
-    return look.palette.greedy if greedy else look.palette.dim
+    return look.palette.best if greedy else look.palette.dim
 
 
 def _draw_lines(canvas: Canvas, layout: GraphLayout, values: StateValues, agent: int, look: Look) -> None:

@@ -216,7 +216,7 @@ def draw_edge_list(
                 style = look.palette.focus if state == signs.cursor else look.palette.text + Style(bold=True)
                 canvas.put(1, y, shape.nodes[state].name, style)
                 flag = values.flag(state, signs.differing, look)
-                style = values.flag_style(state, look.palette.accent, look)
+                style = values.flag_style(state, look.palette.you, look)
                 after = 1 + len(shape.nodes[state].name) + len(flag)
                 canvas.put(after - len(flag), y, flag, style)
                 # beside the longest name one cell is free
@@ -227,7 +227,7 @@ def draw_edge_list(
                 text = values.text(state, form, look)
                 canvas.put(2 + names, y, text.rjust(_VALUE_WIDTH), values.style(state, look))
         greedy = action.pair in values.greedy
-        style = look.palette.greedy if greedy else look.palette.text
+        style = look.palette.best if greedy else look.palette.text
         text = edge_text(shape, action, greedy, look)
         if len(text) > width - x >= len(tight := edge_text(shape, action, greedy, look, is_tight=True)):
             text = tight

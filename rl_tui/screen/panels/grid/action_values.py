@@ -8,25 +8,17 @@ from typing import Final, NamedTuple
 from rich.style import Style
 from textual.strip import Strip
 
-from rl_tui.screen.draw.canvas import Canvas
+from rl_tui.screen.draw.block_signs import Direction
+from rl_tui.screen.draw.canvas import Canvas, Drawn, strips_of_row
 from rl_tui.screen.draw.number_form import NumberForm
+from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.action_form import FRAME, ActionForm, Places, side_of
-from rl_tui.screen.panels.grid.cells import (
-    MOST_ROWS,
-    CellArtist,
-    Drawn,
-    Face,
-    mark_of,
-    put_reward,
-    reward_text,
-    strips_of_row,
-    value_style,
-    value_text,
-)
+from rl_tui.screen.panels.grid.cells import MOST_ROWS, CellArtist, Face
 from rl_tui.screen.panels.grid.form import LEAST_DIGITS, CellForm
 from rl_tui.screen.panels.grid.map import PLAIN, ActionValue, CellContent, Sign
+from rl_tui.screen.panels.grid.marks import mark_of, put_reward, reward_text, sign_text, value_text
 from rl_tui.screen.panels.grid.rewards import CellReward
-from rl_tui.screen.panels.grid.trail import Trace, put_trace
+from rl_tui.screen.panels.grid.trail import Trace, put_trail
 from rl_tui.screen.panels.world.edit_marks import EditMarks, put_marks
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
@@ -59,10 +51,10 @@ class ActionFace(NamedTuple):
     stops: bool
     cursor: bool
     differs: bool
-    trace: Trace | None
+    trace: Trace
     name: str
     edit_marks: EditMarks
-    way: str
+    way: Direction | None
     field: int
 
 
@@ -72,7 +64,7 @@ class ActionArtist:
     def __init__(self, look: Look, form: ActionForm) -> None:
         self.look = look
         self.form = form
-        self._idle = CellArtist(look, CellForm(form.width, form.height), has_table=True)  # without values
+        self._idle = CellArtist(look, CellForm(form.width, form.height))  # without values
         # what looks the same is drawn once
         self.strips = lru_cache(MOST_ROWS)(self._strips)
         self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
@@ -87,24 +79,24 @@ class ActionArtist:
         cells = [self._idle.drawn(each) if isinstance(each, Face) else self._drawn(each) for each in faces]
         return strips_of_row(cells, left, width, self.look.palette.text)
 
-    def face(self, cell: CellContent, low: float, high: float, number_form: NumberForm) -> ActionFace | Face:
-        """Return how ``cell`` looks, each action tinted by its value from ``low`` to ``high``."""
+    def face(self, cell: CellContent, scale: ValueScale, number_form: NumberForm) -> ActionFace | Face:
+        """Return how ``cell`` looks, each action tinted by its value on ``scale``."""
         if not cell.actions:
-            return self._idle.face(cell, low, high, number_form)
+            return self._idle.face(cell, scale, number_form)
         field = max(LEAST_DIGITS, number_form.cells)  # of the widest number so far: they stay as wide
-        entries = tuple(self._entry(action, low, high, number_form) for action in cell.actions)
+        entries = tuple(self._entry(action, scale, number_form) for action in cell.actions)
         extra = cell.extra or PLAIN
         marks = cell.reward, cell.stops, cell.cursor, cell.differs, extra.trace, extra.name, extra.marks
         return ActionFace(cell.kind, cell.agent, entries, *marks, extra.way, field)
 
-    def _entry(self, action: ActionValue, low: float, high: float, number_form: NumberForm) -> ActionEntry:
+    def _entry(self, action: ActionValue, scale: ValueScale, number_form: NumberForm) -> ActionEntry:
         palette = self.look.palette
         sign, q, is_new, is_greedy = action
-        style = palette.unvisited if is_new else value_style(q, low, high, self.look)
+        style = palette.unvisited if is_new else scale.style(q, palette)
         if self.form.places is Places.TINTS:
             text = ""
         else:
-            text = self.look.glyphs.stay if is_new and q == 0.0 else self._text(q, number_form)
+            text = self.look.glyphs.untried if is_new and q == 0.0 else self._text(q, number_form)
         return ActionEntry(sign, text, style, is_new, is_greedy)
 
 
@@ -117,9 +109,7 @@ def _drawn(face: ActionFace, form: ActionForm, look: Look) -> Drawn:
     else:
         _draw_sides(canvas, face, form._replace(digits=face.field), look)
     put_marks(canvas, face.edit_marks, (form.width - 1, 0), look)
-    if face.trace is not None:
-        # an arrow says what is greedy where there are tints alone
-        put_trace(canvas, face.trace, look, says_meant=form.places is not Places.TINTS)
+    put_trail(canvas, face.trace, look, inner=form.width, ink=Style.null())
     return [list(strip) for strip in canvas.strips()]
 
 
@@ -209,7 +199,7 @@ def _put_marks_amid(
     corner = block.top + (form.places is Places.SPREAD_KEYPAD)
     if face.differs:
         here = (centre + 1, block.middle) if is_wide else (block.end - 1, corner)
-        canvas.put(*here, look.glyphs.differs, look.palette.strong)
+        canvas.put(*here, look.glyphs.differs, look.palette.you)
     if form.places is not Places.KEYPAD:
         _put_name(canvas, block.left - 1, corner, face, form)
         reward = 2 * block.middle - corner if face.name else corner
@@ -263,7 +253,7 @@ def _draw_list(canvas: Canvas, face: ActionFace, form: ActionForm, look: Look) -
             canvas.put(x, y, " " * width, entry.style)
             sign_style = entry.style + Style(bold=entry.is_greedy)
         else:
-            sign_style = look.palette.greedy if entry.is_greedy else look.palette.dim
+            sign_style = look.palette.best if entry.is_greedy else look.palette.dim
         canvas.put(x, y, sign_text(entry.sign, look).rjust(form.sign_width), sign_style)
         _put_number(canvas, x + form.sign_width + form.is_framed, y, entry, form, look)
     _put_marks_of_list(canvas, face, form, 0 if form.places is Places.LIST else width, look)
@@ -278,7 +268,7 @@ def _put_marks_of_list(canvas: Canvas, face: ActionFace, form: ActionForm, colum
             canvas.put(0, 0, " " * form.width, palette.focus)
         _put_mark(canvas, centre, 0, face, look, beside=centre - 1)
         if face.differs:
-            canvas.put(centre + 1, 0, look.glyphs.differs, palette.strong)
+            canvas.put(centre + 1, 0, look.glyphs.differs, palette.you)
         _put_name(canvas, 0, 0, face, form)
         put_reward(canvas, 0, 0, _reward_room(form) * (not face.name), face.reward, look)
         return
@@ -292,7 +282,7 @@ def _put_marks_of_list(canvas: Canvas, face: ActionFace, form: ActionForm, colum
     if face.differs:
         has_row = form.height > 2 or (form.height > 1 and face.reward is None) or not _has_mark(face)
         if has_row:
-            canvas.put(column, form.height - 1, look.glyphs.differs, palette.strong)
+            canvas.put(column, form.height - 1, look.glyphs.differs, palette.you)
 
 
 def _draw_tints(canvas: Canvas, face: ActionFace, form: ActionForm, look: Look) -> None:
@@ -343,7 +333,7 @@ def _fill(
         sign = sign_text(entry.sign, look)
         canvas.put((first + last - len(sign)) // 2, row, sign, entry.style + Style(bold=True))
     elif entry.is_new:
-        canvas.put((first + last - 1) // 2, row, look.glyphs.stay, entry.style)
+        canvas.put((first + last - 1) // 2, row, look.glyphs.untried, entry.style)
 
 
 def _put_marks_on_tints(canvas: Canvas, face: ActionFace, form: ActionForm, edge: int, look: Look) -> None:
@@ -357,7 +347,7 @@ def _put_marks_on_tints(canvas: Canvas, face: ActionFace, form: ActionForm, edge
             canvas.put(x, row, " ", look.palette.focus)
     _put_mark(canvas, left if low else centre, row, face, look)
     if face.differs:
-        canvas.put(right, row, look.glyphs.differs, look.palette.strong)
+        canvas.put(right, row, look.glyphs.differs, look.palette.you)
     if low:
         put_reward(canvas, left, 1, 1, face.reward, look)
     elif not _has_mark(face):
@@ -366,8 +356,8 @@ def _put_marks_on_tints(canvas: Canvas, face: ActionFace, form: ActionForm, edge
 
 def _put_number(canvas: Canvas, x: int, y: int, entry: ActionEntry, form: ActionForm, look: Look) -> None:
     """Put a number with its tint, and around it, else after it, what marks it as greedy."""
-    digits, glyphs, greedy = form.digits, look.glyphs, look.palette.greedy
-    number = entry.text.center(digits) if entry.text == glyphs.stay else entry.text.rjust(digits)
+    digits, glyphs, greedy = form.digits, look.glyphs, look.palette.best
+    number = entry.text.center(digits) if entry.text == glyphs.untried else entry.text.rjust(digits)
     canvas.put(x, y, number, entry.style)
     if entry.is_greedy and form.is_framed:
         canvas.put(x - 1, y, glyphs.mark_left, greedy)
@@ -393,8 +383,3 @@ def _put_mark(
 
 def _has_mark(face: ActionFace) -> bool:
     return face.agent or face.stops or face.kind is CellKind.START or bool(face.way)
-
-
-def sign_text(sign: Sign, look: Look) -> str:
-    """Return the arrow of a direction, else the letter of the action."""
-    return look.glyphs.direction(sign) if isinstance(sign, tuple) else sign

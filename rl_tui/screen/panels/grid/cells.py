@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from functools import lru_cache, partial
-from itertools import chain
 from typing import Final, NamedTuple
 
 from rich.segment import Segment
@@ -13,347 +11,469 @@ from rich.style import Style
 from textual.strip import Strip
 
 from rl_tui.screen.draw import numbers
-from rl_tui.screen.draw.canvas import Canvas
+from rl_tui.screen.draw.block_signs import Direction, SignName, block_sign, sign_size
+from rl_tui.screen.draw.canvas import Canvas, Drawn, strips_of_row
 from rl_tui.screen.draw.number_form import NumberForm
+from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.draft_cells import DraftCell, draw_draft_cell
 from rl_tui.screen.panels.grid.form import LEAST_ARROWS, CellForm
-from rl_tui.screen.panels.grid.map import PLAIN, CellContent, CellExtra, Sign
+from rl_tui.screen.panels.grid.map import PLAIN, CellContent, CellExtra, Sign, Wall
+from rl_tui.screen.panels.grid.marks import (
+    SEVERAL,
+    START,
+    differing_style,
+    mark_of,
+    one_way_sign,
+    put_reward,
+    reward_text,
+    sign_text,
+    value_text,
+)
 from rl_tui.screen.panels.grid.rewards import CellReward
-from rl_tui.screen.panels.grid.trail import put_trace
+from rl_tui.screen.panels.grid.trail import put_frame, put_trail, put_way
 from rl_tui.screen.panels.world.edit_marks import put_marks
-from rl_tui.screen.panels.world.shown_policy import fraction, off_way_style
+from rl_tui.screen.panels.world.shown_policy import off_way_style
+from rl_tui.screen.theme.inks import paled
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import CellKind
 
-SEVERAL: Final = "*"  # in place of the arrows where they do not fit
-START: Final = "S"
+CLEAR_LEAD: Final = 0.15  # of the range of V; a greedy action that leads by that has all its ink
+_LEADS: Final = 4
+_DIGIT: Final = "\ue000"  # in place of each character of a number; nothing else has it
 _MOST_KEPT: Final = 20_000
+_LEAST_STAR: Final = 4  # rows of a cell
+_BOLD: Final = Style(bold=True)
 MOST_ROWS: Final = 512
 
 _ALIVE: Final = (CellKind.FLOOR, CellKind.START)
-
-Drawn = list[list[Segment]]
-
-
-def strips_of_row(cells: Sequence[Drawn], left: int, width: int, style: Style) -> tuple[Strip, ...]:
-    """Return the strips of ``width`` characters for a row of ``cells``, which begins at column ``left``."""
-    before = Segment(" " * left, style)
-    strips = []
-    for lines in zip(*cells, strict=True):
-        segments = [before, *chain.from_iterable(lines)]
-        taken = sum(each.cell_length for each in segments)
-        segments.append(Segment(" " * max(0, width - taken), style))
-        inked = Segment.simplify(each for each in segments if each.text)
-        strips.append(Strip(inked).adjust_cell_length(width, style))
-    return tuple(strips)
 
 
 class Face(NamedTuple):
     """All that makes a cell look as it does; ``text`` is its value, None where nothing can be done.
 
-    ``stops`` marks a breakpoint, ``cursor`` the cell the cursor stands on, ``differs`` greedy actions that
-    are others in the lane beside this one. ``is_tie`` tells several signs from one of two characters.
+    ``greedy`` are its signs, none where all actions are as good or nothing is known. ``lead`` says by how
+    much the greedy one is ahead, from 0 to ``_LEADS``. ``stops`` marks a breakpoint, ``cursor`` the cell the
+    cursor stands on, ``differs`` greedy actions that are others in the lane beside this one.
     """
 
     kind: CellKind
     agent: bool
     text: str | None
-    signs: str
+    greedy: tuple[Sign, ...]
     style: Style
+    lead: int = _LEADS
     reward: CellReward | None = None
     stops: bool = False
     cursor: bool = False
     differs: bool = False
-    extra: CellExtra | None = None
-    is_tie: bool = False
+    extra: CellExtra = PLAIN
 
 
 class CellArtist:
-    """Draws cells of one form. What looks the same is drawn once.
+    """Draws cells of one form. What looks the same is drawn once."""
 
-    Without a table of the world many states may be impossible: the zero of one that was never visited is
-    written as a dot.
-    """
-
-    def __init__(self, look: Look, form: CellForm, *, has_table: bool) -> None:
+    def __init__(self, look: Look, form: CellForm) -> None:
         self.look = look
         self.form = form
-        palette, glyphs = look.palette, look.glyphs
-        self._idle_styles = {
+        palette = look.palette
+        self._end_styles = {
             CellKind.HOLE: palette.hole,
             CellKind.GOAL: palette.goal,
             CellKind.WALL: palette.wall,
             CellKind.CLIFF: palette.cliff,
         }
-        self._idle_signs = {
-            CellKind.HOLE: glyphs.hole,
-            CellKind.GOAL: glyphs.goal,
-            CellKind.CLIFF: glyphs.cliff,
-        }
-        self._has_table = has_table
         # what looks the same is drawn once
         self.strips = lru_cache(MOST_ROWS)(self._strips)
-        self.drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
+        self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
         self._text = lru_cache(_MOST_KEPT)(partial(value_text, look=look))
-        self._signs = lru_cache(_MOST_KEPT)(partial(_signs, look=look))
 
     def _strips(self, faces: tuple[Face, ...], left: int, width: int) -> tuple[Strip, ...]:
         """Return a row of cells with these ``faces``."""
         return strips_of_row([self.drawn(face) for face in faces], left, width, self.look.palette.text)
+
+    def drawn(self, face: Face) -> Drawn:
+        """Return the rows of a cell. Those that differ by their numbers alone are drawn once without them."""
+        if not face.text:
+            return self._drawn(face)
+        digits, place = _DIGIT * len(face.text), self.form.value_row
+        rows = self._drawn(face._replace(text=digits))
+        told = list(rows[place])
+        for number, (text, style, _) in enumerate(told):
+            if digits in text:
+                told[number] = Segment(text.replace(digits, face.text), style)
+            elif _DIGIT in text:  # something stands over a part of it
+                return self._drawn(face)
+        return [*rows[:place], told, *rows[place + 1 :]]
 
     def shown_reward(self, reward: CellReward) -> str:
         """Return how a cell without other signs shows what it pays."""
         # a single row has one character for it, two rows have arrows beside it
         return reward_text(reward, self.form.width if self.form.height > 2 else 1, self.look)
 
-    def face(self, cell: CellContent, low: float, high: float, number_form: NumberForm) -> Face:
-        """Return how ``cell`` looks, tinted by its value from ``low`` to ``high``."""
-        kind, agent, value, known, greedy, reward, stops, cursor, differs, _, extra = cell
-        palette = self.look.palette
-        if value is None:
-            style = self._idle_styles.get(kind, palette.dim)
-            if extra is not None and extra.draft is not None and kind in _ALIVE:
-                style = palette.start if kind is CellKind.START else palette.text
-            return Face(
-                kind, agent, None, self._idle_signs.get(kind, ""), style, None, stops, cursor, differs, extra
-            )
-        style = value_style(value, low, high, self.look) if known else palette.unvisited
-        is_dot = not known and value == 0.0 and not self._has_table
-        text = self.look.glyphs.stay if is_dot else self._text(value, number_form)
-        signs, is_tie = self._signs(greedy), len(greedy) > 1
-        return Face(kind, agent, text, signs, style, reward, stops, cursor, differs, extra, is_tie)
+    def face(self, cell: CellContent, scale: ValueScale, number_form: NumberForm) -> Face:
+        """Return how ``cell`` looks, tinted by its value on ``scale``; fractions are ``.54``."""
+        palette, extra = self.look.palette, cell.extra or PLAIN
+        marks = cell.reward, cell.stops, cell.cursor, cell.differs, extra
+        if cell.value is None:
+            style = self._end_styles.get(cell.kind, palette.unvisited)
+            return Face(cell.kind, cell.agent, None, (), style, _LEADS, *marks)
+        style = scale.style(cell.value, palette) if cell.known else palette.unvisited
+        if abs(cell.value) < numbers.NEGLIGIBLE:
+            text = "0" if cell.known else ""
+        else:
+            text = self._text(cell.value, number_form._replace(leading_zero=False))
+            text = self.look.glyphs.no_room if "#" in text else text
+        clear = CLEAR_LEAD * (scale.high - scale.low)
+        lead = _LEADS if cell.lead >= clear else int(_LEADS * cell.lead / clear)
+        return Face(cell.kind, cell.agent, text, cell.greedy, style, lead, *marks)
 
 
 def _drawn(face: Face, form: CellForm, look: Look) -> Drawn:
-    canvas = Canvas(form.width, form.height, look.palette.text)
-    _draw_cell(canvas, face, form, look)
-    return [list(strip) for strip in canvas.strips()]
+    return [list(strip) for strip in _Cell(face, form, look).drawn().strips()]
 
 
-def _signs(greedy: tuple[Sign, ...], look: Look) -> str:
-    direction = look.glyphs.direction
-    return "".join(direction(each) if isinstance(each, tuple) else each for each in greedy)
+class _Cell:
+    """One cell while it is drawn: its ground, then what is on it, then what keeps it apart."""
 
+    def __init__(self, face: Face, form: CellForm, look: Look) -> None:
+        self.face, self.form, self.look, self.glyphs = face, form, look, look.glyphs
+        self.extra, self.name = face.extra, face.extra.name
+        self.ink = look.palette.focus if face.cursor and form.height == 1 else face.style
+        self.canvas = Canvas(form.width, form.height, look.palette.text)
+        self.has_blocks = form.has_blocks and look.glyphs.braille
 
-def _draw_cell(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
-    if face.cursor and form.height == 1:
-        face = face._replace(style=look.palette.focus)
-    extra = face.extra or PLAIN
-    if extra.draft is not None:
-        _draw_draft(canvas, face, extra.draft, form, look)
-        return
-    if extra.name:
-        face = _named(face, extra.name, form)
-    filling = _filling(face, look)
-    for row in range(form.height):
-        canvas.put(0, row, filling * form.width, face.style)
-    if face.cursor:
-        canvas.put(0, _value_row(form), " " * form.width, look.palette.focus)
-    if face.kind is CellKind.WALL:
-        return
-    if not form.has_values or (form.height == 1 and face.text is None):
-        _draw_signs_alone(canvas, face, form, look)
-    elif form.height == 1:
-        _draw_small(canvas, face, form, look)
-    else:
-        _draw_large(canvas, face, form, look)
-    if form.height == 1:
-        style = differing_style(face.style) if face.differs and not face.signs else face.style
-        _put_name(canvas, form.width - len(extra.name), face, style)
-    if extra.trace is not None:
-        put_trace(canvas, extra.trace, look)
+    def drawn(self) -> Canvas:
+        """Return the cell."""
+        if self.extra.draft is not None:
+            self._draw_draft(self.extra.draft)
+            return self.canvas
+        self._take_name()
+        self._fill()
+        if self.face.kind is not CellKind.WALL:
+            self._draw_content()
+            self._put_marks()
+            self._put_seams()
+        if self.extra.trace.error is not None:
+            self._put_frame(self.extra.trace.error)
+        if self.face.cursor and self.form.height > 1:
+            self.canvas.restyle(0, self.form.value_row, self.form.inner, self.look.palette.focus)
+        if self.face.agent:
+            self._put_agent()
+        if self.extra.trace.way is not None and self.form.has_blocks:
+            put_way(self.canvas, self.extra.trace.way, self.look)
+        return self.canvas
 
+    def _draw_content(self) -> None:
+        if self.face.text is None:
+            self._draw_end()
+        elif self.form.height == 1:
+            self._draw_row()
+        else:
+            self._draw_sign()
+            form, text = self.form, self._text
+            if form.has_values and text:
+                self.canvas.put((form.inner - len(text)) // 2, form.value_row, text, self.ink + _BOLD)
 
-def _draw_draft(canvas: Canvas, face: Face, draft: DraftCell, form: CellForm, look: Look) -> None:
-    """Draw what stands in a cell that is not in force yet, the agent before it, without values."""
-    ways = _signs(draft.ways, look)
-    label = _mark(face, look) + (face.signs or (ways if len(ways) < form.width else SEVERAL))
-    pays = CellReward(draft.pays, draft.pays > 0.0) if draft.pays else None
-    reward = "" if pays is None else reward_text(pays, form.width, look)
-    row = max(0, _value_row(form) - 1)
-    draw_draft_cell(canvas, label, reward, face.style, look, is_wall=face.kind is CellKind.WALL, row=row)
-    if face.cursor and form.height > 1:
-        canvas.restyle(0, _value_row(form), form.width, look.palette.focus)
+    # The ground
 
+    def _fill(self) -> None:
+        """Fill the cell; what is blank has the colour of the page as ink, for the seams."""
+        width, height, glyphs, ink = self.form.width, self.form.height, self.glyphs, self.ink
+        is_floor = self.face.kind in _ALIVE
+        for row in range(height):
+            if self.face.kind is CellKind.WALL:
+                self._fill_wall(row)
+            elif is_floor and not self.extra.is_reached:
+                self.canvas.put(0, row, glyphs.unreached * width, self.look.palette.rule)
+            else:
+                self.canvas.put(0, row, " " * width, self._blank)
+            if self.face.kind is CellKind.CLIFF:
+                for column in range(row % 3, width, 3):
+                    self.canvas.put(column, row, glyphs.cliff, ink)
 
-def _filling(face: Face, look: Look) -> str:
-    if face.kind is CellKind.WALL:
-        return look.glyphs.wall
-    is_floor = face.kind in _ALIVE
-    return look.glyphs.unreached if is_floor and not (face.extra or PLAIN).is_reached else " "
+    @property
+    def _blank(self) -> Style:
+        palette = self.look.palette
+        return self.ink + (palette.rule if self.ink.bgcolor is None else palette.page)
 
+    def _fill_wall(self, row: int) -> None:
+        if self.extra.wall is Wall.PAGE and not self.face.cursor:
+            return
+        has_ground = self.ink.bgcolor is not None and self.glyphs.braille
+        sign = " " if has_ground else self.glyphs.wall
+        if has_ground and row == 0 and self.extra.wall is Wall.LIT and self.form.height > 1:
+            sign = self.glyphs.lit_edge
+        self.canvas.put(0, row, sign * self.form.width, self.ink)
 
-def _draw_large(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
-    """Draw arrows above the value, the mark beside the arrows, what the cell pays in the corner."""
-    row = _value_row(form) - 1
-    signs = _fitting(face, form.most_signs, form.width - 2)
-    start = (form.width - max(1, len(signs))) // 2
-    after = start + max(1, len(signs))
-    has_room = after < form.width - (face.stops and row == 0)
-    _put_signs(canvas, start, row, signs, after if has_room else None, face, look)
-    mark = start - (2 if form.width >= 10 else 1)
-    _put_mark(canvas, mark, row, face, look)
-    named = _put_name(canvas, 0, face, face.style)
-    room = form.width if row else mark if _mark(face, look) else start
-    put_reward(canvas, named, 0, room - named, face.reward, look)
-    if face.text is not None:
-        style = look.palette.focus if face.cursor else face.style
-        canvas.put((form.width - len(face.text)) // 2, row + 1, face.text, style)
-    if face.stops:
-        canvas.put(form.width - 1, 0, look.glyphs.breakpoint, look.palette.breakpoint)
-    put_marks(canvas, (face.extra or PLAIN).marks, (after + face.differs, row), look)
+    def _put_seams(self) -> None:
+        if not self.form.has_seam or not self.extra.is_reached:
+            return
+        right, below = tuple(self.glyphs.seams)
+        width, last, blank = self.form.width - 1, self.form.height - 1, self._blank
+        for row in range(last + 1):
+            self.canvas.put_where_blank(width, row, right, blank)
+        if last >= 2:
+            self.canvas.put_where_blank(0, last, below * width, blank)
 
+    def _put_frame(self, error: int) -> None:
+        """Frame a wide cell; in ASCII its number is reversed instead."""
+        if self.glyphs.braille and self.form.width >= 5:
+            put_frame(self.canvas, error, self.look)
+        elif self.form.has_values:
+            self.canvas.restyle(0, self.form.value_row, self.form.inner, Style(reverse=True))
 
-def _named(face: Face, name: str, form: CellForm) -> Face:
-    """Return ``face`` with its name: in a corner, in place of the value, or in place of the arrows."""
-    extra = face.extra or PLAIN
-    if len(name) > form.longest_name:
-        return face._replace(extra=extra._replace(name=""))
-    if form.has_corner:
-        return face._replace(extra=extra._replace(name=name.strip()))
-    if face.text is None:
-        return face
-    if form.has_values:
-        return face._replace(text=name, extra=extra._replace(name=""))
-    return face if len(name) <= form.width - LEAST_ARROWS else face._replace(signs="")
+    # Signs and values
 
+    def _draw_end(self) -> None:
+        """Draw what stands where nothing can be done: a ring, a star, or a character for it."""
+        kind, form = self.face.kind, self.form
+        rows = sign_size(form.width, form.height)[1] if self.has_blocks else 0
+        if kind is CellKind.HOLE and rows:
+            self._put_block("ring" if rows > 2 else "disc", rows, self.ink)
+        elif kind is CellKind.GOAL and rows and form.height >= _LEAST_STAR:
+            self._put_block("star", min(rows + 1, form.height - 1), self.ink)
+        elif kind is not CellKind.CLIFF:
+            self.canvas.put((form.inner - 1) // 2, (form.height - 1) // 2, self._end_sign, self.ink)
 
-def _put_name(canvas: Canvas, x: int, face: Face, style: Style) -> int:
-    """Put the name of the state into the first row, if there is room; return what it takes with a blank."""
-    name, is_reached = (face.extra or PLAIN).name, (face.extra or PLAIN).is_reached
-    is_free = canvas.is_blank(x, 0, min(len(name) + 1, canvas.width - x)) or not is_reached
-    if not name or not is_free:
-        return 0
-    canvas.put(x, 0, name, style)
-    return len(name) + 1
+    @property
+    def _end_sign(self) -> str:
+        """The character of a cell in which nothing can be done."""
+        glyphs = self.glyphs
+        signs = {CellKind.HOLE: glyphs.hole, CellKind.GOAL: glyphs.goal, CellKind.CLIFF: glyphs.cliff}
+        return signs.get(self.face.kind, "")
 
+    def _put_block(self, name: SignName, rows: int, ink: Style) -> None:
+        """Put a sign into the middle of the cell, or of what the agent leaves of it."""
+        free = self._plate_end if self._plate_end + 2 * rows <= self.form.inner else 0
+        left, top = free + (self.form.inner - free - 2 * rows) // 2, (self.form.height - rows) // 2
+        if self.face.reward is not None:  # which stands above it
+            top = self.form.height - rows
+        self._put_rows(left, top, block_sign(name, 2 * rows, rows), ink)
 
-def _value_row(form: CellForm) -> int:
-    """Return the row of the value, which is where the cursor is drawn."""
-    return (form.height - 1) // 2 + (form.height > 1)
+    def _put_rows(self, left: int, top: int, rows: Sequence[str], ink: Style) -> None:
+        for y, row in enumerate(rows, start=top):
+            self.canvas.put(left + len(row) - len(row.lstrip()), y, row.strip(), ink)
 
+    @property
+    def _sign_ink(self) -> Style:
+        """The ink of the greedy action, the paler the less it leads."""
+        if self.extra.is_off_way:
+            return off_way_style(self.ink, self.look)
+        return paled(self.ink + _BOLD, self.face.lead / _LEADS)
 
-def _draw_signs_alone(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
-    """Draw mark and arrow, before a name at the right or in place of it."""
-    middle, end = max(1, (form.width - 1) // 2), form.width - len((face.extra or PLAIN).name)
-    signs = _fitting(face, 1, end - middle)
-    after = middle + max(1, len(signs))
-    _put_signs(canvas, middle, 0, signs, after if after < end else None, face, look)
-    _put_mark_or_reward(canvas, middle - 1, face, look)
+    def _draw_sign(self) -> None:
+        """Draw the greedy actions of a cell of several rows: blocks, else letters; or a faint dot."""
+        form, face, canvas = self.form, self.face, self.canvas
+        directions = tuple(each for each in face.greedy if isinstance(each, tuple))
+        are_blocks = self.has_blocks and len(directions) == len(face.greedy)
+        if not face.greedy:
+            middle = (form.inner - 1) // 2, (form.height - 1) // 2
+            canvas.put(*middle, self.glyphs.untried, paled(self.ink, 0.3))
+            return
+        columns, rows = sign_size(form.width, form.height) if self.has_blocks else (0, 0)
+        free = self._plate_end
+        if form.inner - free < columns:  # one size smaller beside the agent
+            columns, rows = columns - 2, rows - 1
+        are_blocks = are_blocks and rows >= 2 and (len(directions) == 1 or rows >= 3)
+        top = 0 if form.height <= 4 else 1
+        if are_blocks and free + columns <= form.inner:
+            left = free + (form.inner - free - columns) // 2
+            self._put_rows(left, top, self._sign_rows(directions, columns, rows), self._sign_ink)
+        elif self.has_blocks:
+            self._draw_letters(top + 1)
+        else:
+            self._draw_letters(form.value_row - 1)
 
+    def _sign_rows(self, directions: tuple[Direction, ...], columns: int, rows: int) -> tuple[str, ...]:
+        if len(directions) > 1:
+            return block_sign("heads", columns, rows, *directions)
+        return block_sign("arrow" if any(directions[0]) else "square", columns, rows, *directions)
 
-def _draw_small(canvas: Canvas, face: Face, form: CellForm, look: Look) -> None:
-    """Draw mark, arrows and value in one row."""
-    text = (face.text or "").rjust(form.digits)
-    has_mark = _mark(face, look) or face.reward or face.stops or any((face.extra or PLAIN).marks)
-    mark = 1 if has_mark else 0
-    # a blank before it all, so that neighbours keep apart without colours too
-    end = form.width - form.digits
-    signs = _fitting(face, max(1, form.most_signs - mark), end - mark)
-    canvas.put(end, 0, text, face.style)
-    before = end - max(1, len(signs)) - 1
-    beside = before if not mark else None if signs else end - 1
-    _put_signs(canvas, end - len(signs), 0, signs, beside, face, look)
-    _put_mark_or_reward(canvas, before, face, look)
+    @property
+    def _plate_end(self) -> int:
+        """The first column that the agent leaves free at the left, 0 where it is not in this cell."""
+        if not self.face.agent or not self.has_blocks:
+            return 0
+        if not self.form.has_plate:
+            return 3 if self.form.width < 11 else 0
+        left, width, _ = self._plate
+        return left + width
 
+    @property
+    def _plate(self) -> tuple[int, int, int]:
+        """First column, columns and rows of the plate of the agent."""
+        rows = 2 if self.form.height < 8 else 3
+        columns = sign_size(self.form.width, self.form.height)[0]
+        is_wide = self.form.inner >= 2 * rows + 4 + columns
+        return (1 if self.form.width >= 11 else 0), 2 * rows + 2 * is_wide, rows
 
-def value_text(x: float, number_form: NumberForm, look: Look) -> str:
-    """Return a value in the form of all; a dash for NaN."""
-    return numbers.missing(look.glyphs) if math.isnan(x) else number_form.text(x, look.glyphs)
+    def _draw_letters(self, row: int) -> None:
+        """Put the letters of the greedy actions into ``row``, right of the agent where it needs the room."""
+        form = self.form
+        text = self._letters(form.most_signs, form.width - 2)
+        left = (form.inner - len(text)) // 2
+        if self.face.agent and left < 3:
+            left = form.inner - len(text)
+        self.canvas.put(max(0, left), max(0, row), text, self._sign_ink)
 
+    def _letters(self, most: int, room: int) -> str:
+        """Return the greedy actions as letters; of several ``most`` characters, of one what ``room`` has."""
+        text = "".join(sign_text(each, self.look) for each in self.face.greedy)
+        return text if len(text) <= (most if len(self.face.greedy) > 1 else max(1, room)) else SEVERAL
 
-def value_style(x: float, low: float, high: float, look: Look) -> Style:
-    """Return the tint of a value from ``low`` to ``high``; of NaN that of no value."""
-    return look.palette.text if math.isnan(x) else look.palette.value(fraction(x, low, high))
+    @property
+    def _text(self) -> str:
+        """The value, never cut: where it does not fit a sign says that there is one."""
+        text = self.face.text or ""
+        return text if len(text) <= self.form.inner else self.glyphs.no_room
 
+    def _draw_row(self) -> None:
+        """Draw mark, letters and value in one row; without room for the value, mark and letters."""
+        form, has_signs = self.form, bool(self.face.greedy)
+        start = form.inner - form.digits if form.has_values else max(1, (form.width - 1) // 2)
+        if not has_signs and not (self._text and form.has_values):
+            dot = "" if self.name else self.glyphs.untried
+            self._put_letters(max(min(1, form.width - 1), (form.inner - 1) // 2), dot)
+        elif not form.has_values:
+            self._put_letters(start, self._letters(1, form.width - len(self.name) - start))
+        else:
+            has_mark = any((self._mark, self.face.reward, self.face.stops, *self.extra.marks))
+            most, room = max(1, form.most_signs - has_mark), start - has_mark
+            letters = self._letters(most, room) if has_signs else ""
+            self.canvas.put(start, 0, self._text.rjust(form.digits), self.ink)
+            self._put_letters(start - len(letters), letters)
 
-def _fitting(face: Face, most: int, room: int) -> str:
-    """Return the arrows of the greedy actions, or what stands in a cell where nothing can be done.
+    def _put_letters(self, start: int, letters: str) -> None:
+        """Put letters of one row with the mark before them; what differs reverses them if it has no room."""
+        face, is_dot = self.face, letters == self.glyphs.untried
+        before = start - 2 if is_dot or not (letters or face.text is None) else start - 1
+        if self._mark or face.stops or any(self.extra.marks) or face.reward:
+            self._put_mark(max(0, before))
+        is_free = face.differs and self.canvas.is_blank(0, 0, 1) and start > 0
+        if is_free:
+            self.canvas.put(0, 0, self.glyphs.differs, self.look.palette.you)
+        ink = paled(self.ink, 0.3) if is_dot else self._sign_ink
+        self.canvas.put(start, 0, letters, differing_style(ink) if face.differs and not is_free else ink)
 
-    Of several actions there may be ``most`` characters, of one as many as ``room`` is there.
-    """
-    return face.signs if len(face.signs) <= (most if face.is_tie else max(1, room)) else SEVERAL
+    # Marks
 
+    @property
+    def _mark(self) -> str:
+        return mark_of(self.face.kind, self.face.agent, self.extra.way, self.look)
 
-def _sign_style(face: Face, look: Look) -> Style:
-    if (face.extra or PLAIN).is_off_way:
-        return off_way_style(face.style, look)
-    return face.style if face.text is None else face.style + Style(bold=True)
+    def _put_mark(self, x: int) -> None:
+        """Put the mark of a low cell, or where there is none that of the last edit, or of what it pays.
 
+        The agent on a breakpoint has the colour of one.
+        """
+        palette, canvas, face = self.look.palette, self.canvas, self.face
+        edit = next(self.extra.marks.signs(self.look), None)
+        if face.stops:
+            canvas.put(x, 0, self.glyphs.agent if face.agent else self.glyphs.breakpoint, palette.breakpoint)
+        elif self._mark:
+            canvas.put(x, 0, self._mark, self.ink + (palette.agent if face.agent else palette.start))
+            if edit is not None and canvas.is_blank(x - 1, 0, 1):
+                canvas.put(x - 1, 0, *edit)
+        elif edit is not None:
+            canvas.put(x, 0, *edit)
+        else:
+            put_reward(canvas, x, 0, 1, face.reward, self.look)
 
-def _put_signs(
-    canvas: Canvas, x: int, y: int, signs: str, beside: int | None, face: Face, look: Look
-) -> None:
-    """Put the arrows, and ``beside`` them whether they differ; where that is None they are reversed then."""
-    style = _sign_style(face, look)
-    if face.differs and beside is None:
-        style = differing_style(style)
-    elif face.differs and beside is not None:
-        canvas.put(beside, y, look.glyphs.differs, style)
-    canvas.put(x, y, signs, style)
+    def _put_marks(self) -> None:
+        """Put what belongs into the corners: name and reward left, breakpoint, trail and start right."""
+        form, canvas, face, inner = self.form, self.canvas, self.face, self.form.inner
+        if form.height == 1:
+            if face.text is None:
+                self._put_letters(max(1, (form.width - 1) // 2), "")
+            start = form.width - len(self.name)
+            if self.name and (canvas.is_blank(start, 0, len(self.name)) or not self.extra.is_reached):
+                style = differing_style(self.ink) if face.differs and not face.greedy else self.ink
+                canvas.put(start, 0, self.name, style)
+            put_trail(canvas, self.extra.trace, self.look, inner=inner, ink=self.ink)
+            return
+        left = 3 if face.agent and not (self.has_blocks and form.has_plate) else 0
+        if self.name and (canvas.is_blank(left, 0, len(self.name)) or not self.extra.is_reached):
+            canvas.put(left, 0, self.name, paled(self.ink, 0.5))
+            left += len(self.name) + 1
+        if face.stops:
+            canvas.put(inner - 1, 0, self.glyphs.breakpoint, self.look.palette.breakpoint)
+        room = next((x for x in range(left, inner) if not canvas.is_blank(x, 0, 1)), inner) - left
+        put_reward(canvas, left, 0, room, face.reward, self.look)
+        put_trail(canvas, self.extra.trace, self.look, inner=inner, ink=self.ink)
+        if self.extra.way is not None:
+            self._put_one_way(self.extra.way)
+        elif face.kind is CellKind.START:
+            self._put_start()
+        if face.differs:
+            self._put_differing(left)
+        put_marks(canvas, self.extra.marks, (left, 0), self.look)
 
+    def _put_start(self) -> None:
+        """Write that episodes start here, in the upper right corner, as long as there is room."""
+        end = self.form.inner
+        while end > 1 and not self.canvas.is_blank(end - 1, 0, 1):
+            end -= 1
+        end -= end == self.form.inner and self.form.says_start
+        for text in ("start", START):
+            x = end - len(text)
+            is_wide = self.form.says_start or text == START
+            if is_wide and x >= 0 and self.canvas.is_blank(x, 0, len(text)):
+                self.canvas.put(x, 0, text, paled(self.ink, 0.5))
+                return
 
-def differing_style(style: Style) -> Style:
-    """Return ``style`` of an arrow for one that differs, where there is no room for a sign beside it."""
-    return style + Style(reverse=not style.reverse)
+    def _put_one_way(self, way: Direction) -> None:
+        """Put the sign of the only way out at the edge it leads over."""
+        down, right = way
+        middle = (self.form.inner - 1) // 2
+        x = middle if down else (self.form.inner - 1 if right > 0 else 0)
+        y = (self.form.height - 1 if down > 0 else 0) if down else self.form.height // 2
+        if self.canvas.is_blank(x, y, 1):
+            self.canvas.put(x, y, one_way_sign(way, self.look), self.ink + _BOLD)
 
+    def _put_differing(self, left: int) -> None:
+        """Put the corner that says that the lane beside differs, on the page: seen on every tint."""
+        last, bottom = self.form.inner - 1, self.form.height - 1
+        for place in ((left, 0), (last, 0), (0, bottom), (last, bottom)):
+            if self.canvas.is_blank(*place, 1):
+                self.canvas.put(*place, self.glyphs.differs, self.look.palette.you)
+                return
 
-def mark_of(kind: CellKind, agent: bool, way: str, look: Look) -> str:
-    """Return what marks a cell of ``kind``, in which the ``agent`` is or not, or the only ``way`` out of it.
+    def _put_agent(self) -> None:
+        """Put the agent on its plate: a disc of blocks, or its character."""
+        form, style = self.form, self.look.palette.agent
+        if form.height == 1:
+            return
+        if not (self.has_blocks and form.has_plate):
+            text = f" {self.glyphs.agent} " if form.width >= 5 else self.glyphs.agent
+            self.canvas.put(0, 0, text, style)
+            return
+        left, columns, rows = self._plate
+        for row in range(1, 1 + rows):
+            self.canvas.put(left, row, " " * columns, style)
+        self._put_rows(left + (columns - 2 * rows) // 2, 1, block_sign("disc", 2 * rows, rows), style)
 
-    Empty where nothing does.
-    """
-    if agent:
-        return look.glyphs.agent
-    return START if kind is CellKind.START else way
+    def _take_name(self) -> None:
+        """Decide where the name stands: in a corner, in place of the value, or in place of the arrows."""
+        form, face = self.form, self.face
+        if len(self.name) > form.longest_name:
+            self.name = ""
+        elif form.has_corner:
+            self.name = self.name.strip()
+        elif self.name and face.text is not None and form.has_values:
+            self.face, self.name = face._replace(text=self.name), ""
+        elif self.name and face.text is not None and len(self.name) > form.width - LEAST_ARROWS:
+            self.face = face._replace(greedy=())
 
-
-def _mark(face: Face, look: Look) -> str:
-    return mark_of(face.kind, face.agent, (face.extra or PLAIN).way, look)
-
-
-def _put_mark(canvas: Canvas, x: int, y: int, face: Face, look: Look) -> None:
-    mark = _mark(face, look)
-    if mark:
-        canvas.put(x, y, mark, face.style + (look.palette.agent if face.agent else look.palette.start))
-
-
-def _put_mark_or_reward(canvas: Canvas, x: int, face: Face, look: Look) -> None:
-    """Put the mark, or where there is none that of the last edit, or the sign of what the cell pays.
-
-    The agent on a breakpoint has the colour of one.
-    """
-    edit = next((face.extra or PLAIN).marks.signs(look), None)
-    if face.stops:
-        canvas.put(x, 0, look.glyphs.agent if face.agent else look.glyphs.breakpoint, look.palette.breakpoint)
-    elif _mark(face, look):
-        _put_mark(canvas, x, 0, face, look)
-        if edit is not None and canvas.is_blank(x - 1, 0, 1):
-            canvas.put(x - 1, 0, *edit)
-    elif edit is not None:
-        canvas.put(x, 0, *edit)
-    else:
-        put_reward(canvas, x, 0, 1, face.reward, look)
-
-
-def put_reward(canvas: Canvas, x: int, y: int, room: int, reward: CellReward | None, look: Look) -> None:
-    """Put what a cell pays; where it does not fit, whether that is more or less than usual.
-
-    It stands on the background of the panel, so that it is seen on every tint.
-    """
-    if reward is None or room < 1:
-        return
-    canvas.put(x, y, reward_text(reward, room, look), reward_style(reward, look))
-
-
-def reward_text(reward: CellReward, room: int, look: Look) -> str:
-    """Return what a cell pays in ``room`` characters; where it does not fit, whether that is much."""
-    text = ("+" if reward.reward > 0.0 else "") + numbers.brief(reward.reward, look.glyphs, decimals=2)
-    if len(text) <= room:
-        return text
-    return "+" if reward.good else look.glyphs.minus
-
-
-def reward_style(reward: CellReward, look: Look) -> Style:
-    """Return the style of what a cell pays."""
-    return (look.palette.good if reward.good else look.palette.bad) + Style(bold=True)
+    def _draw_draft(self, draft: DraftCell) -> None:
+        """Draw what stands in a cell that is not in force yet, the agent before it, without values."""
+        face, form, look = self.face, self.form, self.look
+        palette = look.palette
+        ways = "".join(sign_text(each, look) for each in draft.ways)
+        label = self._mark + (self._end_sign or (ways if len(ways) < form.width else SEVERAL))
+        pays = CellReward(draft.pays, draft.pays > 0.0) if draft.pays else None
+        reward = "" if pays is None else reward_text(pays, form.width, look)
+        row, is_wall = (form.height - 1) // 2, face.kind is CellKind.WALL
+        style = palette.text if face.kind in _ALIVE else self.ink
+        draw_draft_cell(self.canvas, label, reward, style, look, is_wall=is_wall, row=row)
+        if face.cursor and form.height > 1:
+            self.canvas.restyle(0, form.value_row, form.width, palette.focus)

@@ -10,12 +10,19 @@ _WITH_DIGITS: Final = 2  # mark and arrow beside a value in one row
 LEAST_ARROWS: Final = 2  # mark and arrow
 MOST_HEIGHT: Final = 5
 _WITH_CORNER: Final = 10  # of two rows
+_LEAST_WITH_SEAM: Final = 5
+_LEAST_BLOCKS: Final = (7, 3)
+_LEAST_PLATE: Final = (9, 4)
+_LEAST_START: Final = 13
+_LEAST_NUMBERED: Final = (11, 5)
 
 
 class CellForm(NamedTuple):
-    """Characters a cell: one row has the value beside the arrow, more have it below.
+    """Characters a cell, and by its size what is drawn in it. Values need ``least_digits`` characters.
 
-    Values need ``least_digits`` characters.
+    From 7 × 3 on the greedy action is an arrow of blocks above the value, in lower or narrower cells a
+    letter; in one row the letter stands before the value. From 5 columns on a seam at the right and, in three
+    rows and more, one below keep a cell apart from its neighbours, where there is room for it.
     """
 
     width: int
@@ -28,11 +35,47 @@ class CellForm(NamedTuple):
         return self.width >= _least_width(self.height, self.least_digits)
 
     @property
+    def has_seam(self) -> bool:
+        """Whether the last column is a seam."""
+        is_free = self.height > 1 or self.width != _least_width(1, self.least_digits)
+        return self.width >= _LEAST_WITH_SEAM and is_free
+
+    @property
+    def inner(self) -> int:
+        """The columns without the seam."""
+        return self.width - self.has_seam
+
+    @property
+    def has_blocks(self) -> bool:
+        """Whether signs are made of blocks, where there are any, and the way of a step is shown."""
+        return self.width >= _LEAST_BLOCKS[0] and self.height >= _LEAST_BLOCKS[1]
+
+    @property
+    def has_plate(self) -> bool:
+        """Whether the agent is a disc of blocks."""
+        return self.width >= _LEAST_PLATE[0] and self.height >= _LEAST_PLATE[1]
+
+    @property
+    def has_number(self) -> bool:
+        """Whether the number of the state stands in the corner without being asked for."""
+        return self.width >= _LEAST_NUMBERED[0] and self.height >= _LEAST_NUMBERED[1]
+
+    @property
+    def says_start(self) -> bool:
+        """Whether there is room for more than a letter where episodes start."""
+        return self.width >= _LEAST_START and self.height > 1
+
+    @property
+    def value_row(self) -> int:
+        """The row of the value, which is where the cursor is drawn."""
+        return self.height - 1
+
+    @property
     def most_signs(self) -> int:
-        """How many greedy actions a cell without a mark has room for."""
+        """How many greedy actions a cell without a mark has room for, as letters."""
         if not self.has_values:
             return 1
-        return self.width - 2 if self.height > 1 else max(1, self.width - self.digits - 1)
+        return self.width - 2 if self.height > 1 else max(1, self.inner - self.digits - 1)
 
     @property
     def has_corner(self) -> bool:

@@ -19,8 +19,9 @@ from rl_tui.screen.kit.counterparts import are_same_size
 from rl_tui.screen.kit.numbers_in_common import all_q, all_v, ends
 from rl_tui.screen.kit.panel import BoardPanel, LegendSign
 from rl_tui.screen.kit.scrolling import Scrolled, kept_in_view, scrolled_to
+from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.action_form import ActionForm, part_form, whole_map_form
-from rl_tui.screen.panels.grid.action_values import ActionArtist, name_room, sign_text
+from rl_tui.screen.panels.grid.action_values import ActionArtist, name_room
 from rl_tui.screen.panels.grid.cells import CellArtist
 from rl_tui.screen.panels.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.screen.panels.grid.headings import (
@@ -35,6 +36,7 @@ from rl_tui.screen.panels.grid.headings import (
     where,
 )
 from rl_tui.screen.panels.grid.map import CellContent, GridMap, MapPart, with_extra
+from rl_tui.screen.panels.grid.marks import sign_text
 from rl_tui.screen.panels.grid.signs import (
     action_signs,
     differing_sign,
@@ -42,10 +44,10 @@ from rl_tui.screen.panels.grid.signs import (
     place_signs,
     reward_signs,
     tie_sign,
-    trace_signs,
     wind_line,
     wind_strip,
 )
+from rl_tui.screen.panels.grid.trail import trace_signs, traces
 from rl_tui.screen.panels.world.shown_policy import TITLE
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.worlds.drawing import CellKind, Grid
@@ -96,6 +98,7 @@ def draw_grid(
     cells: Sequence[CellContent],
     artist: CellArtist | ActionArtist,
     values: FloatArray,
+    scale: ValueScale,
     part: MapPart,
     width: int,
     height: int,
@@ -103,14 +106,11 @@ def draw_grid(
 ) -> list[Strip]:
     """Return ``cells``, those of ``part`` row by row, in the middle of width × height characters.
 
-    ``values`` are all numbers that have one form, not only those in view: the tints go from the least to the
-    greatest of them, 0 included.
+    ``values`` are all numbers that have one form, not only those in view; ``scale`` is that of the tints.
     """
     form, text = artist.form, artist.look.palette.text
-    low, high = ends(values)
     number_form = number_forms.form(type(form).__name__, values, form.digits, most=_DECIMALS)
-    low, high = min(low, 0.0), max(high, 0.0)
-    faces = [artist.face(cell, low, high, number_form) for cell in cells]
+    faces = [artist.face(cell, scale, number_form) for cell in cells]
     left, top = origin(form, part, width, height)
     blank = Strip([Segment(" " * width, text)], width)
     strips = [blank] * top
@@ -122,6 +122,7 @@ def draw_grid(
 # The panel
 
 
+PALE: Final = "pale: hardly better"
 _LEAST_WITH_LEGEND: Final = 8  # rows of a map that scrolls
 
 
@@ -299,7 +300,7 @@ class GridView(WorldView):
             self.shown_cursor,
             self.differing,
             with_actions=actions is not None,
-            named=self.is_numbered,
+            named=self.is_numbered or (actions is None and form.has_number and not grid.legend),
             picked=self.picked,
         )
         self._longest_name = max((len(each.extra.name) for each in cells if each.extra), default=0)
@@ -318,7 +319,8 @@ class GridView(WorldView):
         self.footing = self._where(width)
         self.free_rows = height - part.rows * form.height - max(0, (height - part.rows * form.height) // 2)
         self._form, self._origin = form, origin(form, part, width, height)
-        return draw_grid(cells, artist, values, part, width, height, self._number_forms)
+        scale = self.steady_scale.of(snapshot)
+        return draw_grid(cells, artist, values, scale, part, width, height, self._number_forms)
 
     def _cell_form(self, width: int, height: int) -> CellForm:
         """Return the form of cells; first it settles whether they show every action."""
@@ -402,11 +404,17 @@ class GridView(WorldView):
             yield from self.value_signs()
         yield self.agent_sign()
         if self.snapshot is not None and form is not None:
-            yield from trace_signs(self._map, self.snapshot, form, actions, self.look)
-        yield from place_signs(self._map, self._kinds, self.look)
+            left = traces(self.snapshot, self._map.grid)
+            yield from trace_signs(left, self.look, has_ways=form.has_blocks and actions is None)
+        says_start = form is not None and form.says_start and actions is None
+        yield from place_signs(self._map, self._kinds, self.look, says_start=says_start)
         if actions is None and has_arrows and not self.lacks_table:
             greedy = ([each for each in signs if isinstance(each, tuple)] or signs)[-1]
-            yield self.policy_sign(sign_text(greedy, self.look), palette.strong)
+            is_block = form is not None and form.has_blocks and glyphs.braille and isinstance(greedy, tuple)
+            sign = self.policy_sign(
+                glyphs.head_up if is_block else sign_text(greedy, self.look), palette.strong
+            )
+            yield sign._replace(in_full=PALE) if palette.has_shades and not self.shows_drawing else sign
         if CellKind.WALL in self._kinds:
             yield LegendSign(glyphs.wall, "wall", palette.wall)
 
@@ -437,7 +445,7 @@ class GridView(WorldView):
             return drawing
         artist = self._artist
         if artist is None or artist.form != form or artist.look is not self.look:
-            artist = self._artist = CellArtist(self.look, form, has_table=self.world.mdp is not None)
+            artist = self._artist = CellArtist(self.look, form)
         return artist
 
     @property

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
+from enum import Enum, auto
 from functools import cached_property
 from typing import Any, Final, NamedTuple
 
@@ -11,6 +13,7 @@ import numpy as np
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.live.viewport import NO_STATE, first_state_of_cells, pairs_of_states
 from rl_tui.screen.draw.action_order import order_of
+from rl_tui.screen.draw.block_signs import Direction
 from rl_tui.screen.draw.names import is_word
 from rl_tui.screen.panels.grid.action_form import ActionKinds, action_kinds
 from rl_tui.screen.panels.grid.draft_cells import DraftCell, draft_cells
@@ -47,6 +50,9 @@ def unreached_cells(space: FiniteSpace, grid: Grid) -> frozenset[int]:
 # The cells
 
 
+_MOST_WALLS: Final = 0.45  # of a map; where there are more they are what is around it
+
+
 Sign = tuple[int, int] | str
 
 
@@ -71,26 +77,35 @@ class ActionValue(NamedTuple):
     is_greedy: bool
 
 
+class Wall(Enum):
+    """How a wall looks: a slab, one whose upper edge is lit, or as the page around the map."""
+
+    SLAB = auto()
+    LIT = auto()
+    PAGE = auto()
+
+
 class CellExtra(NamedTuple):
     """What only some cells have: in one field of theirs, since every field costs time in every frame.
 
-    ``trace`` is what the trail of the episode left. ``is_reached`` is False where no way leads to. ``name``
+    ``trace`` is what steps left. ``is_reached`` is False where no way leads to. ``name``
     is that of the state where names were asked for: all are as long as the longest. ``is_off_way`` says that
     the drawn policy acts at random there and never comes there. ``marks`` are those of the last edit,
     ``draft`` is what is drawn there and not in force. ``way`` is the only direction in which it is left.
+    ``wall`` is how a wall is drawn.
     """
 
-    trace: Trace | None = None
+    trace: Trace = Trace()
     is_reached: bool = True
     name: str = ""
     is_off_way: bool = False
     marks: EditMarks = UNMARKED
     draft: DraftCell | None = None
-    way: str = ""
+    way: Direction | None = None
+    wall: Wall = Wall.SLAB
 
 
 PLAIN: Final = CellExtra()
-_WAYS: Final = {(0, -1): "<", (0, 1): ">", (-1, 0): "^", (1, 0): "v"}  # as in the map of a file
 _FAR: Final = 3  # cells, more than a step or a strong wind takes
 _UNREACHED: Final = CellExtra(is_reached=False)
 
@@ -101,7 +116,8 @@ class CellContent(NamedTuple):
     ``value`` is V(s) = max over a of Q(s, a), None where nothing can be done or the snapshot does not tell.
     ``known`` says that something was learned about the state: it was updated or its estimates differ.
     ``greedy`` holds the greedy actions, all ties, as direction or first letter of the name, in the
-    order in which actions are shown; it is empty where nothing is known. Where policy iteration keeps a
+    order in which actions are shown; it is empty where nothing is known, or all actions are as good. ``lead``
+    is by how much a single greedy one is better than the second best. Where policy iteration keeps a
     policy, value and actions are those of that; where a drawn one is studied, the action is that drawn.
     ``reward`` is what the cell pays where that is not the usual step's. ``stops`` marks a breakpoint,
     ``cursor`` the cell the cursor is on. ``differs`` says that the greedy actions are others in the lane
@@ -114,6 +130,7 @@ class CellContent(NamedTuple):
     value: float | None = None
     known: bool = False
     greedy: tuple[Sign, ...] = ()
+    lead: float = math.inf
     reward: CellReward | None = None
     stops: bool = False
     cursor: bool = False
@@ -125,6 +142,15 @@ class CellContent(NamedTuple):
 def with_extra(content: CellContent, **more: Any) -> CellContent:
     """Return ``content`` with ``more`` of what few cells have."""
     return content._replace(extra=(content.extra or PLAIN)._replace(**more))
+
+
+def _walls(grid: Grid) -> dict[int, CellExtra]:
+    """Return how each wall is drawn: where nobody walks about, or most of a map is wall, not at all."""
+    cells = [cell for cell, kind in enumerate(grid.kinds) if kind is CellKind.WALL]
+    if grid.legend or len(cells) > _MOST_WALLS * len(grid.kinds):
+        return dict.fromkeys(cells, CellExtra(wall=Wall.PAGE))
+    walls, lit = set(cells), CellExtra(wall=Wall.LIT)
+    return {cell: lit for cell in cells if cell - grid.columns not in walls}
 
 
 class GridMap:
@@ -151,11 +177,22 @@ class GridMap:
         acting = np.append(np.diff(space.first_pair) > 0, False)  # NO_STATE is the last one
         idle = np.flatnonzero(~acting[self._states.ravel()])
         self.unreached = unreached_cells(space, grid)
-        self.ways = {cell: _WAYS[step] for cell, step in grid.one_way if step in _WAYS}
-        self.ends: dict[CellKind, str] = {}
+        self.ways = dict(grid.one_way)
+        self._walls = _walls(grid)
+        self._exits = self._exit_kinds()
+        self.ends = dict.fromkeys(self._exits.values(), "exit")
         for cell in idle.tolist():
             kind = grid.kinds[cell]
             self.ends[kind] = str(kind) if kind in self.ends else self._end_name(cell)
+
+    def _exit_kinds(self) -> dict[int, CellKind]:
+        """Return the cells that can only be left by an action that ends it all and pays: as goal or hole."""
+        found = {}
+        for cell, reward in self._rewards.items():
+            own = self._space.pairs_of(int(self._states[divmod(cell, self.grid.columns)]))
+            if len(own) == 1 and isinstance(self.signs[self._space.pair_action[own.start]], str):
+                found[cell] = CellKind.GOAL if reward.reward > 0.0 else CellKind.HOLE
+        return found
 
     def _end_name(self, cell: int) -> str:
         """Return what the only end of its kind is called: its state's name where that is a word."""
@@ -226,8 +263,10 @@ class GridMap:
             cell = (part.top + row) * columns + part.left + column
             kind = kinds[cell]
             last = first + count
-            if count == 0 or (held is not None and not held[first]):
-                extra = _UNREACHED if cell in self.unreached else None
+            if cell in self._exits and not with_actions:
+                contents.append(CellContent(self._exits[cell], place == agent, reward=self._rewards[cell]))
+            elif count == 0 or (held is not None and not held[first]):
+                extra = _UNREACHED if cell in self.unreached else self._walls.get(cell)
                 contents.append(CellContent(kind, place == agent, extra=extra))
             else:
                 content = self._content(
@@ -270,8 +309,8 @@ class GridMap:
     def _mark(
         self, contents: list[CellContent], part: MapPart, snapshot: Snapshot, cursors: frozenset[int]
     ) -> None:
-        """Put trail, breakpoints and cursors into ``contents``, which are those of ``part``."""
-        for cell, trace in traces(snapshot.trail, self.grid, self.signs).items():
+        """Put what steps left, breakpoints and cursors into ``contents``, which are those of ``part``."""
+        for cell, trace in traces(snapshot, self.grid).items():
             marked = self._place(part, cell)
             if marked is not None:
                 contents[marked] = with_extra(contents[marked], trace=trace)
@@ -330,21 +369,25 @@ class GridMap:
         known = min(q) != value or any(visits)
         if not known:
             return CellContent(kind, agent, value)
-        greedy = (sign for sign, each in zip(signs, q, strict=True) if each == value)
-        return CellContent(kind, agent, value, known, self._in_order(greedy))
+        greedy = [sign for sign, each in zip(signs, q, strict=True) if each == value]
+        if len(greedy) == len(q) > 1:
+            greedy = []
+        lead = value - max(each for each in q if each != value) if len(greedy) == 1 < len(q) else math.inf
+        return CellContent(kind, agent, value, known, self._in_order(greedy), lead)
 
     def _kept(
         self, content: CellContent, value: float, policy: list[float], signs: list[Sign]
     ) -> CellContent:
         """Return ``content`` with the value and the actions of the policy that a planner keeps."""
-        taken = (sign for sign, chance in zip(signs, policy, strict=True) if chance > 0.0)
-        return content._replace(value=value, greedy=self._in_order(taken) if content.known else ())
+        taken = [sign for sign, chance in zip(signs, policy, strict=True) if chance > 0.0]
+        is_told = content.known and len(taken) < max(2, len(signs))
+        return content._replace(value=value, greedy=self._in_order(taken) if is_told else ())
 
     def _drawn(self, content: CellContent, action: int | None, signs: list[Sign]) -> CellContent:
         """Return ``content`` with the ``action`` that was drawn; None: with the only one, else at random."""
         chosen = self.signs[action] if action is not None else signs[0] if len(signs) == 1 else AT_RANDOM
         actions = tuple(each._replace(is_greedy=each.sign == chosen) for each in content.actions)
-        return content._replace(greedy=(chosen,), actions=actions)
+        return content._replace(greedy=(chosen,), lead=math.inf, actions=actions)
 
     def _in_order(self, signs: Iterable[Sign]) -> tuple[Sign, ...]:
         return tuple(sorted(signs, key=self._sign_places.__getitem__))

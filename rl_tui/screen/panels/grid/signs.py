@@ -12,11 +12,10 @@ from rl_tui.live.last_step.gust import gust_of
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.kit.panel import GREEDY_IN_FULL, LegendSign
 from rl_tui.screen.panels.grid.action_form import ActionForm, Places
-from rl_tui.screen.panels.grid.cells import SEVERAL, START, differing_style, reward_style
 from rl_tui.screen.panels.grid.form import LEAST_ARROWS, CellForm
 from rl_tui.screen.panels.grid.map import GridMap, MapPart
+from rl_tui.screen.panels.grid.marks import SEVERAL, START, differing_style, one_way_sign, reward_style
 from rl_tui.screen.panels.grid.rewards import CellReward
-from rl_tui.screen.panels.grid.trail import traces, trail_signs
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import CellKind, Grid
 
@@ -37,6 +36,7 @@ def wind_strip(
     for column in range(part.left, part.left + part.columns):
         strength = grid.wind[column]
         text, style = wind_text(strength, look), palette.text if strength else palette.dim
+        text = text if len(text) < form.width else text[-1:]
         if gust is not None and gust.column == column:
             is_stronger = abs(gust.pushed) > abs(strength) and len(text) + 1 < form.width
             text, style = text + "+" * is_stronger, palette.updated
@@ -52,14 +52,16 @@ def wind_strip(
 def wind_sign(grid: Grid, look: Look) -> LegendSign:
     """Return what the numbers below a map mean, by the strongest wind."""
     strongest = max(grid.wind, key=abs)
-    arrow, where = ("↑", "up") if strongest > 0 else ("↓", "down")
+    where = "up" if strongest > 0 else "down"
     in_full = f"{WIND}: cells it blows {where}, lit when it did"
-    return LegendSign(wind_text(strongest, look), f"{WIND} {arrow}", look.palette.text, in_full)
+    return LegendSign(wind_text(strongest, look), WIND, look.palette.text, in_full)
 
 
 def wind_text(strength: int, look: Look) -> str:
-    """Return how many cells the wind blows up, below 0 down."""
-    return str(strength).replace("-", look.glyphs.minus)
+    """Return how many cells the wind blows, and whether up or down: ``↑2``."""
+    if not strength:
+        return "0"
+    return f"{look.glyphs.up if strength > 0 else look.glyphs.down}{abs(strength)}"
 
 
 def wind_line(grid: Grid, part: MapPart, look: Look) -> str:
@@ -78,7 +80,7 @@ def differing_sign(width: int, name: str, arrows: str, look: Look) -> LegendSign
     """
     glyphs, strong = look.glyphs, look.palette.strong
     if width - len(name) > LEAST_ARROWS:
-        sign, style = glyphs.differs, strong
+        sign, style = glyphs.differs, look.palette.you
     else:
         is_name = width - len(name) < LEAST_ARROWS
         sign, style = name if is_name else glyphs.up, differing_style(strong)
@@ -94,12 +96,12 @@ def action_signs(form: ActionForm, look: Look) -> Iterator[LegendSign]:
     """Yield the signs of cells with every action."""
     palette, glyphs = look.palette, look.glyphs
     # first: between others it would be taken for the dot that separates them
-    yield LegendSign(glyphs.stay, "not tried", palette.unvisited)
+    yield LegendSign(glyphs.untried, "not tried", palette.unvisited)
     if form.places is Places.TINTS:
         yield LegendSign(glyphs.up, "greedy", palette.strong, GREEDY_IN_FULL)
     else:
         frame = glyphs.mark_left + glyphs.mark_right if form.is_framed else glyphs.mark_after
-        yield LegendSign(frame, "greedy", palette.greedy, GREEDY_IN_FULL)
+        yield LegendSign(frame, "greedy", palette.best, GREEDY_IN_FULL)
     if palette.tints:
         yield LegendSign(" tint ", "Q", palette.value(1.0), "value Q(s,a)")
 
@@ -109,12 +111,14 @@ def ground_signs(of: GridMap, look: Look) -> Iterator[LegendSign]:
     if of.grid.wind:
         yield wind_sign(of.grid, look)
     if of.ways:
-        sign = "".join(sorted(set(of.ways.values())))
-        yield LegendSign(sign, "one-way", look.palette.start, "left in that direction only")
+        sign = "".join(one_way_sign(way, look) for way in sorted(set(of.ways.values())))
+        yield LegendSign(sign, "one-way", look.palette.strong, "left in that direction only")
 
 
-def place_signs(of: GridMap, kinds: frozenset[CellKind], look: Look) -> Iterator[LegendSign]:
-    """Yield the signs of the cells in which nothing can be done, and of the start among ``kinds``."""
+def place_signs(
+    of: GridMap, kinds: frozenset[CellKind], look: Look, *, says_start: bool
+) -> Iterator[LegendSign]:
+    """Yield the signs of cells in which nothing can be done, and of the start, unless cells say that."""
     palette, glyphs = look.palette, look.glyphs
     ends = (
         (CellKind.HOLE, glyphs.hole, palette.hole),
@@ -122,17 +126,8 @@ def place_signs(of: GridMap, kinds: frozenset[CellKind], look: Look) -> Iterator
         (CellKind.GOAL, glyphs.goal, palette.goal),
     )
     yield from (LegendSign(sign, of.ends[kind], style) for kind, sign, style in ends if kind in of.ends)
-    if CellKind.START in kinds:
-        yield LegendSign(START, "start", palette.start)
-
-
-def trace_signs(
-    of: GridMap, snapshot: Snapshot, form: CellForm, actions: ActionForm | None, look: Look
-) -> Iterator[LegendSign]:
-    """Yield the signs of the trail of the episode, as cells of ``form`` have them."""
-    tints_alone = actions is not None and actions.places is Places.TINTS
-    left = traces(snapshot.trail, of.grid, of.signs)
-    yield from trail_signs(left.values(), look, is_high=form.height > 1 and not tints_alone)
+    if CellKind.START in kinds and not says_start:
+        yield LegendSign(START, "start", palette.text)
 
 
 def reward_signs(rewards: Sequence[CellReward], texts: Sequence[str], look: Look) -> Iterator[LegendSign]:

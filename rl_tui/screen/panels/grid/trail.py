@@ -1,110 +1,137 @@
-"""The trail of an episode on a map: where the agent was, the longer ago the fainter, and where it slipped."""
+"""What steps leave on a map: a trail, the frame of the pair that was updated, the way of the last step."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rich.style import Style
 
-from rl_tui.runs.timeline.trail import Trail
+from rl_tui.screen.draw.block_signs import Direction
 from rl_tui.screen.kit.panel import LegendSign
-from rl_tui.worlds.drawing import Grid
+from rl_tui.screen.kit.snapshot_facts import followed_step
 
 if TYPE_CHECKING:
+    from rl_tui.live.snapshot import Snapshot
     from rl_tui.screen.draw.canvas import Canvas
-    from rl_tui.screen.panels.grid.map import Sign
     from rl_tui.screen.theme.look import Look
+    from rl_tui.worlds.drawing import Grid
 
-_NEW: Final = 4
 _RECENT: Final = 16
-"""So many steps ago a cell that was left is no longer new, no longer recent."""
+"""So many steps ago a cell that was left is no longer recent."""
+_LEAST_PADDED: Final = 11  # columns of a cell
+_UNDERLINED: Final = Style(underline=True)
+
+
+class Way(NamedTuple):
+    """Where the last step led, to a cell beside or across the corner, and whether it ``slipped``."""
+
+    direction: Direction
+    slipped: bool
 
 
 class Trace(NamedTuple):
-    """What the trail leaves in a cell, by the step on which the agent left it last.
+    """What steps leave in a cell.
 
-    ``grade`` is 3 for the newest steps, 1 for old ones, and 0 in the cell of the agent. ``meant`` is the
-    action that was chosen there where another one happened, as its direction or the first letter of its name.
+    ``was_here`` says that the agent went through it in this episode, ``is_recent`` that this was not long
+    ago. ``error`` is the sign of the error of the update that a pair of this cell had last, None where it was
+    another cell's. ``way`` leads out of the cell in which the last step was taken.
     """
 
-    grade: int
-    meant: Sign | None
+    was_here: bool = False
+    is_recent: bool = False
+    error: int | None = None
+    way: Way | None = None
 
 
-def traces(trail: Trail, grid: Grid, signs: tuple[Sign, ...]) -> dict[int, Trace]:
-    """Return what ``trail`` leaves in each cell it went through; ``signs`` are those of the actions.
-
-    In the cell of the agent itself that is only the last step, if it slipped and led nowhere.
-    """
-    if not trail:
-        return {}
-    newest, here = trail[-1], int(grid.cell_of_state[trail[-1].next_state])
-    left = {int(grid.cell_of_state[each.state]): each for each in trail}
+def traces(snapshot: Snapshot, grid: Grid) -> dict[int, Trace]:
+    """Return what steps left in each cell; not where the agent is, and frame and way of slow steps alone."""
     found = {}
-    for cell, each in left.items():
-        meant = signs[each.action] if each.slipped else None
-        if cell != here:
-            age = newest.step - each.step
-            found[cell] = Trace(3 if age < _NEW else 2 if age < _RECENT else 1, meant)
-        elif each is newest and meant is not None:
-            found[cell] = Trace(0, meant)
+    trail, cell_of = snapshot.trail, grid.cell_of_state
+    if trail:
+        here = int(cell_of[trail[-1].next_state])
+        newest = {int(cell_of[each.state]): each.step for each in trail}
+        for cell, step in newest.items():
+            if cell != here:
+                found[cell] = Trace(was_here=True, is_recent=trail[-1].step - step < _RECENT)
+    last = followed_step(snapshot)
+    if last is not None and last.updated_pair >= 0:
+        cell = int(cell_of[snapshot.world.space.state_of(last.updated_pair)])
+        error = (last.after > last.before) - (last.after < last.before)
+        found[cell] = found.get(cell, Trace())._replace(error=error)
+    if last is not None and trail and trail[-1].step == last.step:
+        start, end = (divmod(int(cell_of[state]), grid.columns) for state in (last.state, last.next_state))
+        direction = end[0] - start[0], end[1] - start[1]
+        if any(direction) and max(map(abs, direction)) == 1:
+            cell = int(cell_of[last.state])
+            found[cell] = found.get(cell, Trace())._replace(way=Way(direction, trail[-1].slipped))
     return found
 
 
-def put_trace(canvas: Canvas, trace: Trace, look: Look, *, says_meant: bool = True) -> None:
-    """Put what the trail left where a cell is empty: in a corner, at best by itself; of one row on the left.
+def put_trail(canvas: Canvas, trace: Trace, look: Look, *, inner: int, ink: Style) -> None:
+    """Put the mark of the trail, in ``ink``, into an empty corner of the ``inner`` columns; of one row left.
 
-    A slip is a sign of its own, with the direction that was meant where there is room, if it ``says_meant``.
     Where a cell has no room at all, its lower row is underlined.
     """
-    style = look.palette.bad if trace.meant is not None else _STYLES[trace.grade]
-    rows = range(canvas.height - 1, -1, -1)
-    if says_meant and trace.meant is not None and canvas.height > 1:
-        text = slip_text(trace.meant, look)
-        for row in rows:
-            x = canvas.width - len(text)
-            if canvas.is_blank(x - 1, row, len(text) + 1):
-                canvas.put(x, row, text, style)
-                return
-    place = _free_place(canvas)
+    if not trace.was_here:
+        return
+    places = [(inner - 1, 0), (0, 0), (inner - 1, canvas.height - 1), (0, canvas.height - 1)]
+    if canvas.height == 1:
+        places = [(x, 0) for x in range(max(1, inner - 1))]
+    place = next((each for each in places if canvas.is_blank(*each, 1)), None)
     if place is None:
         canvas.restyle(0, canvas.height - 1, canvas.width, _UNDERLINED)
-    elif trace.meant is not None:
-        canvas.put(*place, look.glyphs.slip, style)
     else:
-        canvas.put_over(*place, look.glyphs.trail if trace.grade > 1 else look.glyphs.trail_old, style)
+        canvas.put_over(*place, look.glyphs.trail if trace.is_recent else look.glyphs.trail_old, ink)
 
 
-def _free_place(canvas: Canvas) -> tuple[int, int] | None:
-    """Return column and row of an empty character that stays apart from the neighbouring cells."""
-    last = canvas.width - 1
-    if canvas.height == 1:
-        return next(((x, 0) for x in range(max(1, last)) if canvas.is_blank(x, 0, 1)), None)
-    corners = [(x, y) for y in range(canvas.height - 1, -1, -1) for x in (last, 0)]
-    for length in (2, 1):
-        for x, y in corners:
-            if canvas.is_blank(x - (length - 1 if x else 0), y, length):
-                return x, y
-    return None
+def put_frame(canvas: Canvas, error: int, look: Look) -> None:
+    """Frame the cell of the pair that was updated, in the colour of the error's sign."""
+    glyphs, palette = look.glyphs, look.palette
+    colour = palette.good if error > 0 else palette.bad if error < 0 else palette.dim
+    for row in range(canvas.height):
+        for column, sign in ((0, glyphs.frame[0]), (canvas.width - 1, glyphs.frame[1])):
+            if canvas.at(column, row) in f" {glyphs.seams}":
+                canvas.put_over(column, row, sign, colour)
+    if canvas.height >= 3 and palette.has_shades:
+        for column in range(1, canvas.width - 1):
+            for row, sign in ((0, glyphs.frame[2]), (canvas.height - 1, glyphs.frame[3])):
+                if canvas.at(column, row) in f" {glyphs.seams}":
+                    canvas.put_over(column, row, sign, colour)
 
 
-def trail_signs(left: Iterable[Trace], look: Look, *, is_high: bool) -> Iterator[LegendSign]:
-    """Yield the signs of trail and slip, as far as there are any; ``is_high`` cells say what was meant."""
-    traces_left = list(left)
-    if any(trace.grade for trace in traces_left):
+def put_way(canvas: Canvas, way: Way, look: Look) -> None:
+    """Put the way of the last step on ink at that edge of the cell over which it led."""
+    down, right = way.direction
+    style = look.palette.agent + (Style(color=look.palette.bad.color) if way.slipped else Style.null())
+    sign = way_text(way, look)
+    if canvas.width >= _LEAST_PADDED and not right:
+        sign = f" {sign} "
+    row = 0 if down < 0 else canvas.height - 1 if down else canvas.height // 3
+    # beside the number, which stands in the middle
+    column = 0 if right < 0 else canvas.width - len(sign) - (not right)
+    canvas.put(column, row, sign, style)
+
+
+def way_text(way: Way, look: Look) -> str:
+    """Return the sign of the way of a step: ``━▶``."""
+    glyphs = look.glyphs
+    match way.direction:
+        case (0, 1):
+            return glyphs.track_done + glyphs.head_right
+        case (0, -1):
+            return glyphs.head_left + glyphs.track_done
+        case (1, 0):
+            return glyphs.head_down
+        case (-1, 0):
+            return glyphs.head_up
+    return glyphs.direction(way.direction)
+
+
+def trace_signs(left: dict[int, Trace], look: Look, *, has_ways: bool) -> Iterator[LegendSign]:
+    """Yield the signs of trail and slip, as far as there are any; cells may have room for ways."""
+    if any(trace.was_here for trace in left.values()):
         yield LegendSign(look.glyphs.trail, "trail", look.palette.strong, "trail of the episode")
-    meant = next((trace.meant for trace in traces_left if trace.meant is not None), None)
-    if meant is not None and is_high:
-        yield LegendSign(slip_text(meant, look), "meant, slipped", look.palette.bad)
-    elif meant is not None:
-        yield LegendSign(look.glyphs.slip, "slip", look.palette.bad, "slipped here")
-
-
-def slip_text(meant: Sign, look: Look) -> str:
-    """Return the sign of a slip with the action that was meant: ``~→``."""
-    return look.glyphs.slip + (look.glyphs.direction(meant) if isinstance(meant, tuple) else meant)
-
-
-_STYLES: Final = (Style.null(), Style.null(), Style.null(), Style(bold=True))
-_UNDERLINED: Final = Style(underline=True)
+    slips = (trace.way for trace in left.values() if trace.way is not None and trace.way.slipped)
+    for way in slips if has_ways else ():
+        yield LegendSign(way_text(way, look), "slipped", look.palette.bad, "slipped that way")

@@ -237,7 +237,7 @@ class StepWriter:
         texts = [
             ", ".join(filter(None, (self.words.landmark, ending))) for ending in self.words.endings or ("",)
         ]
-        return [[Piece(before + text, self._look.palette.accent)] if text else [] for text in texts]
+        return [[Piece(before + text, self._look.palette.strong)] if text else [] for text in texts]
 
     def _target(self, rows: int, *, with_delta: bool) -> list[Line]:
         words, update, terms = self.words, self.words.update, self._story.terms

@@ -174,7 +174,7 @@ class _Page:
             yield Text("" if is_passed else view.waits, self._palette.dim)
             yield from (BLANK, _NEWS) if view.remarks else ()
             for remark in view.remarks:  # what was found of a program
-                yield self._beside(Piece(self._look.glyphs.cursor, self._palette.accent), remark)
+                yield self._beside(Piece(self._look.glyphs.cursor, self._palette.strong), remark)
         if not is_passed:
             yield from self._hints(task)
             yield from (BLANK, *self._what_to_press(task))
@@ -218,13 +218,13 @@ class _Page:
         mark = self._look.glyphs.cursor
         opens = f": {spotlight.key} opens it" if spotlight.key else ": not in view here, f zooms a panel"
         where = "" if spotlight.is_seen else opens
-        return self._row(Piece(f"{mark} look at {spotlight.title}{where}", self._palette.accent))
+        return self._row(Piece(f"{mark} look at {spotlight.title}{where}", self._palette.strong))
 
     def _head(self, text: str) -> Sequence[Block]:
-        return BLANK, self._row(Piece(text, self._palette.accent))
+        return BLANK, self._row(Piece(text, self._palette.strong))
 
     def _key(self, key: str, does: str) -> Block:
-        return self._beside(Piece(key, self._palette.accent), does)
+        return self._beside(Piece(key, self._palette.press), does)
 
     def _beside(self, sign: Piece, text: str) -> Block:
         return Labelled(sign.text, sign.style, _SIGN, Text(text, self._palette.text, "", ""))

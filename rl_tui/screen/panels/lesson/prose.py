@@ -152,6 +152,6 @@ def _runs(text: str, style: Style, look: Look) -> Iterator[tuple[str, Style]]:
         if match[1] is not None:
             yield match[1], look.palette.strong
         else:
-            yield match[2], look.palette.accent
+            yield match[2], look.palette.press
         end = match.end()
     yield text[end:], style

@@ -178,9 +178,9 @@ def _marks(view: LessonView, snapshot: Snapshot, look: Look) -> Iterator[Piece]:
         case PageStage.PASSED:
             yield Piece(f"{look.glyphs.holds} PASSED", palette.good)
         case PageStage.TO_PREDICT:
-            yield Piece("A: your prediction", palette.accent)
+            yield Piece("A: your prediction", palette.you)
         case PageStage.TO_ANSWER:
-            yield Piece("A: your answer", palette.accent)
+            yield Piece("A: your answer", palette.you)
         case PageStage.LOCKED:
             ask, given = open_page(view.record).prediction, view.record.given_on(view.record.page)
             if ask is not None and given is not None:
@@ -188,7 +188,7 @@ def _marks(view: LessonView, snapshot: Snapshot, look: Look) -> Iterator[Piece]:
                 missing = counted(steps_to_truth(ask, given, snapshot), "step")
                 yield Piece(
                     f"you said {shortened(said, _LONGEST_SAID, look.glyphs.ellipsis)}; {missing}",
-                    palette.accent,
+                    palette.you,
                 )
         case PageStage.TOLD:
             ask, given = open_page(view.record).prediction, view.record.given_on(view.record.page)

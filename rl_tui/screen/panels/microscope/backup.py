@@ -154,7 +154,7 @@ def outcome_table(
     branches = [glyphs.fork] * len(leaves)
     if is_whole:
         branches[-1:] = [glyphs.axis_corner]
-    marks = [Piece(f" {glyphs.cursor if leaf.happened else ' '}", palette.accent) for leaf in leaves]
+    marks = [Piece(f" {glyphs.cursor if leaf.happened else ' '}", palette.strong) for leaf in leaves]
     nodes = [
         Piece(f"{glyphs.state_node} ", palette.strong if leaf.happened else palette.dim) for leaf in leaves
     ]

@@ -62,7 +62,7 @@ def model_blocks(snapshot: Snapshot, look: Look) -> Iterator[Block]:
         else lambda room: _end(world, mdp, look, room),
     }
     for label, text in parts.items():
-        yield Labelled(label, look.palette.accent, _LABEL, Text(text, look.palette.text, "", ""))
+        yield Labelled(label, look.palette.strong, _LABEL, Text(text, look.palette.text, "", ""))
 
 
 # What takes a look at every state is worked out once for the world on screen, not for every frame

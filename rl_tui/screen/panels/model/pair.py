@@ -140,7 +140,7 @@ def _prospects(world: World, pair: int, look: Look) -> Iterator[Block]:
 
 def _table(columns: Mapping[str, Sequence[str]], ends: Sequence[bool], look: Look, remark: str = "") -> Table:
     """Return ``columns`` by their heads, where an episode ends with it, and ``remark`` behind each row."""
-    text, ended = look.palette.text, Piece("ends", look.palette.accent)
+    text, ended = look.palette.text, Piece("ends", look.palette.strong)
     parts = [Column(head, cells, text, right=False, gap=3) for head, cells in columns.items() if cells]
     if any(ends):
         parts.append(Column("", [ended if each else "" for each in ends], text, right=False, gap=3))

@@ -100,7 +100,7 @@ class FindingsPanel(ScrolledPanel):
         if snapshot is None or program is None:
             return []
         findings, chosen = ranked(program.verdict.findings), self.chosen
-        dim, accent = self.look.palette.dim, self.look.palette.accent
+        dim, strong = self.look.palette.dim, self.look.palette.strong
         lines = [] if findings else lines_of(_nothing_found(snapshot, program, self.look), width, self.look)
         for finding in findings:
             if finding is chosen and self._has_moved:
@@ -111,7 +111,7 @@ class FindingsPanel(ScrolledPanel):
                 lines.append([])
         if notes := notes_of(program):
             said = (Text(note, dim, _INDENT, _INDENT) for note in notes)
-            lines += lines_of((BLANK, Row([Piece(" Notes", accent)]), *said), width, self.look)
+            lines += lines_of((BLANK, Row([Piece(" Notes", strong)]), *said), width, self.look)
         return strips_of(lines, width, len(lines), self.look)
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
@@ -133,7 +133,7 @@ def finding_blocks(
     """Yield what is said of ``finding``: one line, or all of it where it ``is_chosen``."""
     palette = look.palette
     place = place_text(finding.file, finding.line, program)
-    style = palette.bad if finding.kind == "fault" else palette.accent
+    style = palette.bad if finding.kind == "fault" else palette.strong
     named = f"{look.glyphs.cursor if is_chosen else ' '} {finding.kind}: {IN_SHORT[finding.fault]}"
     name, where = Piece(f" {named}", style), Piece(f"   {place}" if place else "", palette.text)
     yield Row([name, where], [name], instead=[Text(named, style, rest=_INDENT)] if is_chosen else ())

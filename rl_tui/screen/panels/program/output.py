@@ -93,7 +93,7 @@ def _ending(program: ProgramView, look: Look, width: int) -> list[Line]:
     palette, error = look.palette, program.error
     if error is None:
         text = f" {look.glyphs.stopped} your program has ended"
-        return [[Piece(text, palette.accent)]] if program.ended else []
+        return [[Piece(text, palette.strong)]] if program.ended else []
     lines: list[Line] = []
     room = max(_LEAST_COLUMNS, width - 1)
     for text in _calls(error.traceback):

@@ -146,7 +146,7 @@ class _Writer:
 
     def _news(self) -> Sequence[Block]:
         """Return what the file that was saved last has changed."""
-        return [self._text(one_line(self._program.reloaded, LONGEST_SENTENCE), self._palette.accent)]
+        return [self._text(one_line(self._program.reloaded, LONGEST_SENTENCE), self._palette.strong)]
 
     def _table(self) -> Sequence[Block]:
         program = self._program
@@ -210,7 +210,7 @@ class _Writer:
         said = IN_SHORT[worst.fault]
         at = f" ({place})" if place else ""
         count = f" {self._look.glyphs.breakpoint} {counted(findings)}: "
-        style = self._palette.bad if worst.kind == "fault" else self._palette.accent
+        style = self._palette.bad if worst.kind == "fault" else self._palette.strong
         hint = Piece("   F shows it" if len(findings) == 1 else "   F shows them", self._palette.dim)
         forms: list[Line] = [[Piece(f"{count}{said}{at}", style), hint]]
         forms += [

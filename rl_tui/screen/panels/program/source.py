@@ -78,7 +78,7 @@ def _numbered(
         return
     begins = " " * min(room // 2, _indent(code) + 2)
     for place, part in enumerate(broken(code, room, 1)):
-        yield [Piece(head, palette.accent), Piece(part, palette.strong)]
+        yield [Piece(head, palette.text), Piece(part, palette.strong)]
         rest = code[len(part) :]
         for more in broken(rest, room - len(begins), _MOST_ROWS - place) if rest else ():
             yield [Piece(" " * cell_len(head) + begins + more, palette.strong)]

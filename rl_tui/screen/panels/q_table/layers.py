@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from enum import StrEnum
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -16,8 +16,9 @@ from rl_tui.runs.timeline.lane_view import LaneView
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.number_form import NumberForm, SteadyForms
 from rl_tui.screen.kit.counterparts import are_alike
-from rl_tui.screen.kit.numbers_in_common import ends, finite, lanes_in_view
-from rl_tui.screen.kit.snapshot_facts import has_estimates, is_secret, keeps_back, passes_too_fast
+from rl_tui.screen.kit.numbers_in_common import best_of_states, ends, finite, lanes_in_view
+from rl_tui.screen.kit.snapshot_facts import followed_step, has_estimates, is_secret, keeps_back
+from rl_tui.screen.kit.value_scale import ValueScale, value_scale
 from rl_tui.screen.panels.policies.studied import shown_actions, studied_answer
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
@@ -124,10 +125,19 @@ def layer_choices(snapshot: Snapshot | None) -> tuple[Layer, ...]:
     return tuple(layer for layer in Layer if layer not in missing)
 
 
-def lit_pair(snapshot: Snapshot) -> int | None:
+class Lit(NamedTuple):
+    """The ``pair`` that was just updated, and the sign of the ``error``: 1 where its estimate rose."""
+
+    pair: int
+    error: int
+
+
+def lit_pair(snapshot: Snapshot) -> Lit | None:
     """Return the pair that was just updated, None where steps pass too fast to follow."""
-    last = None if passes_too_fast(snapshot) else snapshot.counters.last_step
-    return None if last is None else last.updated_pair
+    last = followed_step(snapshot)
+    if last is None:
+        return None
+    return Lit(last.updated_pair, (last.after > last.before) - (last.after < last.before))
 
 
 class Figures:
@@ -137,9 +147,10 @@ class Figures:
     layer of Q*; in that of a policy the pairs are its likeliest. No pair is greedy where nothing is known
     about the state. ``sources`` are pairs that the last update looked up.
 
-    All ``numbers`` of a layer have one form, which ``forms`` keeps steady from one moment to the next, and
-    tints between ``low`` and ``high``, the least and the greatest. Those of the lane beside this one are
-    among them. Of a large world they are what the snapshot holds, which is what is in view and around.
+    All ``numbers`` of a layer have one form, which ``forms`` keeps steady from one moment to the next. Those
+    of the lane beside this one are among them. Of a large world they are what the snapshot holds, which is
+    what is in view and around. Q has the tints of V on the map, by the ``scale`` of that; other values have
+    a scale of their own, differences one around 0, and visits greys.
     """
 
     def __init__(
@@ -149,7 +160,8 @@ class Figures:
         look: Look,
         exact: Exact | None,
         forms: SteadyForms,
-        lit: int | None = None,
+        scale: ValueScale,
+        lit: Lit | None = None,
         sources: frozenset[int] = frozenset(),
     ) -> None:
         self.layer = layer
@@ -158,8 +170,7 @@ class Figures:
         self._visits = snapshot.agent.visits
         is_learned = layer not in LEARNED_NOT
         self._exact_greedy = None if is_learned or exact is None else exact[1]
-        self.lit = lit if is_learned else None
-        """The pair that was just updated."""
+        self._lit = lit if is_learned else None
         self._sources = sources if is_learned else frozenset()
         self._values: npt.NDArray[np.float64] | npt.NDArray[np.int64] = _values(snapshot, layer, exact)
         window = snapshot.agent.part if is_learned else None
@@ -167,6 +178,8 @@ class Figures:
         self._is_unknown = layer is Layer.Q and not has_estimates(snapshot)
         self.numbers = _numbers(snapshot, layer, exact)
         self.low, self.high = ends(self.numbers)
+        self._scale = scale if layer is Layer.Q else value_scale(_best(snapshot, layer, exact)) or scale
+        self._is_value = layer not in (Layer.VISITS, Layer.ERROR, Layer.LANES)
         self._total_visits: int | None = None
         self._steady = forms
         self._forms: dict[int, NumberForm] = {}
@@ -192,15 +205,13 @@ class Figures:
         return self._form(width).cells
 
     def style(self, pair: int, *, is_tinted: bool = True) -> Style:
-        """Return the style of the number of ``pair``: that of a pair just updated, looked up or never tried.
+        """Return the style of the number of ``pair``: that of a pair looked up or never tried.
 
         Any other has the tint of its number, unless another layer is the tinted one.
         """
         palette = self._look.palette
         if is_tinted and self._held is not None and not self._held[pair]:
             return palette.text
-        if pair == self.lit:
-            return palette.updated
         if pair in self._sources:
             return palette.source
         if self._is_unknown or self._is_new(pair):
@@ -212,6 +223,16 @@ class Figures:
         if self._total_visits is None:
             self._total_visits = int(self._visits.sum())
         return int(self._visits[pair]) / max(1, self._total_visits)
+
+    def error(self, pair: int) -> int | None:
+        """Return the sign of the error of the update of ``pair``, None where it was not just updated."""
+        return self._lit.error if self._lit is not None and pair == self._lit.pair else None
+
+    def side(self, pair: int) -> int:
+        """Return −1 where the number of ``pair`` lies below the scale of the tints, 1 where above, else 0."""
+        if not self._is_value or (self._held is not None and not self._held[pair]):
+            return 0
+        return self._scale.side(self._values[pair].item())
 
     def greedy(self, pairs: range) -> tuple[int, ...]:
         """Return the greedy ones of ``pairs``, which are those of one state."""
@@ -228,6 +249,10 @@ class Figures:
             marked = q == best
         return tuple(pairs.start + place for place in np.flatnonzero(marked).tolist())
 
+    def framed(self, pairs: range) -> tuple[int, ...]:
+        """Return the greedy ones of ``pairs`` where there is a choice: a single action is not the best."""
+        return self.greedy(pairs) if len(pairs) > 1 else ()
+
     def _is_new(self, pair: int) -> bool:
         if self.layer is Layer.LANES and self._values[pair]:  # the other lane has been there
             return False
@@ -236,15 +261,13 @@ class Figures:
     def _tint(self, x: float) -> Style:
         palette = self._look.palette
         if self.layer is Layer.VISITS:
-            return palette.value(math.log1p(x) / math.log1p(self.high))
+            return palette.visit_count(math.log1p(x) / math.log1p(self.high))
         if not math.isfinite(x):
             return palette.text if self.layer is Layer.POLICY and math.isnan(x) else palette.bad
         if self.layer in (Layer.ERROR, Layer.LANES):
             largest = max(abs(self.low), abs(self.high))
             return palette.signed_value(x / largest if largest > numbers.NEGLIGIBLE else 0.0)
-        low, high = min(self.low, 0.0), max(self.high, 0.0)
-        span = high - low
-        return palette.value((x - low) / span if 0.0 < span < math.inf else 0.0)
+        return self._scale.style(x, palette)
 
     def _form(self, width: int) -> NumberForm:
         form = self._forms.get(width)
@@ -270,6 +293,16 @@ def _values(
     if exact is None:
         raise ValueError(f"the layer {layer} needs the exact answer")
     return exact[0] if layer in LEARNED_NOT else np.asarray(snapshot.agent.q - exact[0])
+
+
+def _best(snapshot: Snapshot, layer: Layer, exact: Exact | None) -> FloatArray:
+    """Return the greatest number of each state in an exact ``layer``, in both lanes; none in others."""
+    found = [np.empty(0)]
+    for lane in lanes_in_view(snapshot) if layer in LEARNED_NOT else ():
+        known = exact if lane is snapshot else exact_of(lane, layer)
+        if known is not None:
+            found.append(np.asarray(best_of_states(lane.world.space, known[0])))
+    return finite(np.concatenate(found))
 
 
 def _numbers(snapshot: Snapshot, layer: Layer, exact: Exact | None) -> FloatArray:

@@ -290,7 +290,7 @@ def _value(scene: Scene, layer: Layer, is_main: bool, has_frames: bool) -> Draw:
             greedy = (
                 is_main
                 and has_frames
-                and pair in figures.greedy(world.space.pairs_of(world.space.state_of(pair)))
+                and pair in figures.framed(world.space.pairs_of(world.space.state_of(pair)))
             )
             return boxed(scene, figures, pair, DIGITS, DIGITS, greedy)
         return [Segment(_right(figures.text(pair, DIGITS), BOX), figures.style(pair, is_tinted=False))]
@@ -305,7 +305,7 @@ def _count_column(scene: Scene) -> Column:
     def draw(pair: int, _: bool) -> Pieces:
         number = figures.text(pair, COUNT - 2).rjust(COUNT - 2)
         if is_shown:
-            greedy = figures.greedy(world.space.pairs_of(world.space.state_of(pair)))
+            greedy = figures.framed(world.space.pairs_of(world.space.state_of(pair)))
             return framed(scene, figures, pair, number, pair in greedy)
         return [Segment(" ", text), Segment(number, figures.style(pair, is_tinted=False)), Segment(" ", text)]
 
@@ -317,7 +317,7 @@ def _share_column(scene: Scene, width: int) -> Column:
 
     def draw(pair: int, _: bool) -> Pieces:
         text = " " + look.glyphs.bar * round(bar * figures.share(pair))
-        return [Segment(padded(text, width), look.palette.slider_done)]
+        return [Segment(padded(text, width), look.palette.dim)]
 
     return Column(" share", width, 4, draw)
 

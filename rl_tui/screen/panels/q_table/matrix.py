@@ -70,7 +70,7 @@ class MatrixForm:
             Segment(name, palette.focus if scene.is_pointed(pairs) else style),
             scene.mark_behind(state) or Segment(" ", style),
         ]
-        greedy = shown.greedy(pairs)
+        greedy = shown.framed(pairs)
         digits = min(self.field, MOST_DIGITS)
         blank, gap = Segment(" " * self._column, palette.text), Segment(" " * _GAP, palette.text)
         pair_of = world.pair_of_action(state)

@@ -30,6 +30,8 @@ from rl_tui.screen.kit.panel import (
 from rl_tui.screen.kit.pointing import NOWHERE, Moved, Pointed
 from rl_tui.screen.kit.scrolling import Scrolled
 from rl_tui.screen.kit.snapshot_facts import has_estimates, hides_means, is_new_run
+from rl_tui.screen.kit.value_scale import SteadyScale
+from rl_tui.screen.panels.policies.studied import as_studied
 from rl_tui.screen.panels.q_table.layers import (
     EXACT_LAYERS,
     LEARNED_NOT,
@@ -113,6 +115,7 @@ class QTable(Panel, can_focus=True):
         self._cache = strip_cache()
         self._requested: RowRange | None = None
         self._forms = SteadyForms()
+        self._scale = SteadyScale()
 
     @property
     def shown_layer(self) -> Layer:
@@ -172,6 +175,7 @@ class QTable(Panel, can_focus=True):
             self._first = 0  # while a run was prepared there was no step to follow
         if is_new_run(self.snapshot, snapshot):
             self._forms.clear()
+            self._scale.clear()
         self.layer_choices = layer_choices(snapshot)
         super().show(snapshot)
 
@@ -217,12 +221,12 @@ class QTable(Panel, can_focus=True):
             return ()
         return (
             *mark_signs(snapshot.editor, self.look),
-            LegendSign(frame, framed, palette.greedy, greedy),
+            LegendSign(frame, framed, palette.best, greedy),
             *([no_value_sign(self.look)] if lacks_values(snapshot, layer) else []),
-            *([LegendSign(" lit ", "just updated", palette.updated)] if is_learned and self.lights else []),
+            *([LegendSign(glyphs.lit, "just updated", palette.good)] if is_learned and self.lights else []),
             LegendSign(glyphs.agent, agent_meaning(snapshot) if state else "last pull", palette.agent),
-            *([LegendSign(glyphs.stay, "not tried", palette.unvisited)] if is_learned else []),
-            *([LegendSign(glyphs.cursor, "cursor", palette.greedy)] if self.has_focus else []),
+            *([LegendSign(glyphs.untried, "not tried", palette.unvisited)] if is_learned else []),
+            *([LegendSign(glyphs.cursor, "cursor", palette.you)] if self.has_focus else []),
         )
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
@@ -304,7 +308,7 @@ class QTable(Panel, can_focus=True):
     def align_with(self, twin: BoardPanel) -> None:
         """Take the stance of the table ``twin``."""
         if isinstance(twin, QTable):
-            self._layer, self._forms = twin._layer, twin._forms
+            self._layer, self._forms, self._scale = twin._layer, twin._forms, twin._scale
             if self.snapshot and twin.snapshot and not are_alike(twin.snapshot.world, self.snapshot.world):
                 self._translate(twin, twin.snapshot.world, self.snapshot.world)
                 return
@@ -375,8 +379,9 @@ class QTable(Panel, can_focus=True):
     def _scene(self, snapshot: Snapshot, layers: Iterable[Layer]) -> Scene:
         exact = {layer: exact_of(snapshot, layer) for layer in layers}
         lit = lit_pair(snapshot) if self.lights else None
+        scale = self._scale.of(as_studied(snapshot))
         figures = {
-            layer: Figures(snapshot, layer, self.look, known, self._forms, lit, self.sources)
+            layer: Figures(snapshot, layer, self.look, known, self._forms, scale, lit, self.sources)
             for layer, known in exact.items()
             if known is not None or layer not in EXACT_LAYERS
         }

@@ -135,7 +135,7 @@ class Sheet:
         palette = self._scene.look.palette
         if not self._scene.hides_means:
             return []
-        return [Segment("  h", palette.accent), Segment(f"  {REVEAL_HINT}", palette.dim)]
+        return [Segment("  h", palette.press), Segment(f"  {REVEAL_HINT}", palette.dim)]
 
     def _greedy_note(self) -> Pieces:
         if len(self._scene.world.live) > _STATES_IN_GREEDY_LINE:

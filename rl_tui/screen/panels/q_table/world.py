@@ -15,6 +15,7 @@ from typing import Final
 import numpy as np
 from rich.cells import cell_len
 from rich.segment import Segment
+from rich.style import Style
 
 from rl_tui.live.pace.until import Breakpoints
 from rl_tui.live.snapshot import Snapshot
@@ -181,7 +182,7 @@ class Scene:
         """Return the mark behind a state: other greedy actions in the lane beside, else that of an edit."""
         look = self.look
         if state in self.differing:
-            return Segment(look.glyphs.differs, look.palette.accent)
+            return Segment(look.glyphs.differs, look.palette.you)
         return next((Segment(*mark) for mark in marks_of(self.editor, state).signs(look)), None)
 
 
@@ -199,17 +200,28 @@ def framed(scene: Scene, figures: Figures, pair: int, number: str, is_greedy: bo
     """
     palette, glyphs = scene.look.palette, scene.look.glyphs
     style = palette.focus if pair == scene.cursor else figures.style(pair, is_tinted=figures is scene.shown)
-    left = right = " "
-    if is_greedy:
-        lit = pair == figures.lit
-        left = glyphs.lit_left if lit else glyphs.mark_left
-        right = glyphs.lit_right if lit else glyphs.mark_right
-    if pair == scene.cursor:
-        left = glyphs.cursor
-    mark = Segment(left, palette.greedy)
+    left = Segment(glyphs.mark_left if is_greedy else " ", palette.best)
+    right = Segment(glyphs.mark_right if is_greedy else " ", palette.best)
+    if side := figures.side(pair):
+        number = _in_margin(number, glyphs.beyond[side > 0], 0)
+    error = figures.error(pair)
+    if error is not None:
+        colour = palette.good if error > 0 else palette.bad if error else palette.dim
+        left = Segment(glyphs.lit, colour)
+        number = _in_margin(number, glyphs.moved[error > 0], -1) if error else number
+        style += Style(reverse=not palette.tints, bold=True)
     if pair in scene.breakpoints.pairs:
-        mark = Segment(left if pair == scene.cursor else glyphs.breakpoint, palette.breakpoint)
-    return [mark, Segment(number, style), Segment(right, palette.greedy)]
+        left = Segment(glyphs.breakpoint, palette.breakpoint)
+    if pair == scene.cursor:
+        left = Segment(glyphs.cursor, palette.breakpoint if pair in scene.breakpoints.pairs else palette.you)
+    return [left, Segment(number, style), right]
+
+
+def _in_margin(number: str, sign: str, at: int) -> str:
+    """Return ``number`` with ``sign`` in place of the blank at its start (0) or end (−1), if there is one."""
+    if number[at : at + 1 or None] != " ":
+        return number
+    return number[:-1] + sign if at else sign + number[1:]
 
 
 def padded(text: str, width: int) -> str:

@@ -25,7 +25,7 @@ class EditMarks(NamedTuple):
         if self.is_endless:
             yield look.glyphs.endless, look.palette.bad + bold
         if self.is_turned:
-            yield look.glyphs.turned, look.palette.strong + bold
+            yield look.glyphs.turned, look.palette.you + bold
 
 
 UNMARKED = EditMarks()

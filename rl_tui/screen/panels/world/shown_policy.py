@@ -18,7 +18,7 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.number_form import NumberForm, SteadyForms
-from rl_tui.screen.kit.numbers_in_common import all_v, ends
+from rl_tui.screen.kit.numbers_in_common import all_v
 from rl_tui.screen.kit.panel import (
     GREEDY_IN_FULL,
     POLICY_IN_FULL,
@@ -29,6 +29,7 @@ from rl_tui.screen.kit.panel import (
     no_value_sign,
 )
 from rl_tui.screen.kit.snapshot_facts import is_new_run
+from rl_tui.screen.kit.value_scale import SteadyScale, ValueScale, scale_sign
 from rl_tui.screen.panels.policies.studied import as_studied, studied_kind, study_headings
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
@@ -110,6 +111,8 @@ class PolicyPicture(Panel):
         """Whether its border names the key that opens the panel of policies: not while that is open."""
         self.differing: frozenset[int] = frozenset()
         """The states whose greedy actions are others in the lane beside; seen when it is drawn again."""
+        self.steady_scale = SteadyScale()
+        """The scale of all tints, which that of the lane beside shares."""
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot`` with values and actions of the policy that is studied, else of the agent."""
@@ -174,7 +177,12 @@ class PolicyPicture(Panel):
         if not palette.tints:
             return ()
         name, in_full = ("Vπ", "value Vπ(s)") if studied else ("V", "value V(s)")
-        return (LegendSign(" tint ", name, palette.value(1.0), in_full),)
+        return (scale_sign(self.value_scale, name, in_full, self.look),)
+
+    @property
+    def value_scale(self) -> ValueScale:
+        """The scale of the tints of V."""
+        return ValueScale() if self.snapshot is None else self.steady_scale.of(self.snapshot)
 
     def policy_sign(self, sign: str, style: Style) -> LegendSign:
         """Return the ``sign`` of the actions that are drawn."""
@@ -198,13 +206,14 @@ class StateValues:
     ``greedy`` the greedy pairs of those states, all ties. Where policy iteration keeps a policy, value and
     pairs are those of that. Where a drawn one is studied, the pairs are those drawn, ``at_random`` has the
     states in which none was, and ``off_way`` those of them to which it never comes. ``numbers`` are all
-    values that have one form and one scale of tints: of two lanes side by side those of both.
+    values that have one form: of two lanes side by side those of both. ``scale`` is that of their tints.
     """
 
     value: tuple[float | None, ...]
     known: frozenset[int]
     greedy: frozenset[int]
     numbers: FloatArray
+    scale: ValueScale
     at_random: frozenset[int] = frozenset()
     off_way: frozenset[int] = frozenset()
 
@@ -230,24 +239,17 @@ class StateValues:
         return off_way_style(style, look) if state in self.off_way else style
 
     def style(self, state: int, look: Look) -> Style:
-        """Return the background of a state, tinted from the least to the greatest value, 0 included."""
+        """Return the background of a state, tinted by its value."""
         value = self.value[state]
         if value is None or math.isnan(value):
             return look.palette.text
         if state not in self.known:
             return look.palette.unvisited
-        low, high = ends(self.numbers)
-        return look.palette.value(fraction(value, min(low, 0.0), max(high, 0.0)))
+        return self.scale.style(value, look.palette)
 
 
-def fraction(value: float, low: float, high: float) -> float:
-    """Return where ``value`` lies between ``low`` (0) and ``high`` (1); 0 where that means nothing."""
-    span = high - low
-    return (value - low) / span if math.isfinite(value) and math.isfinite(span) and span > 0.0 else 0.0
-
-
-def state_values(space: FiniteSpace, snapshot: Snapshot) -> StateValues:
-    """Return the values of ``snapshot``."""
+def state_values(space: FiniteSpace, snapshot: Snapshot, scale: ValueScale) -> StateValues:
+    """Return the values of ``snapshot``, tinted on ``scale``."""
     values: list[float | None] = []
     known, greedy = set(), set()
     agent = snapshot.agent
@@ -261,7 +263,8 @@ def state_values(space: FiniteSpace, snapshot: Snapshot) -> StateValues:
         values.append(float(agent.values[state]) if policy else best)
         if any(visits[pairs.start : pairs.stop]) or min(q[pairs.start : pairs.stop]) != best:
             known.add(state)
-            greedy |= {pair for pair in pairs if (policy[pair] > 0.0 if policy else q[pair] == best)}
+            if len(pairs) > 1:  # a single action is not the best of anything
+                greedy |= {pair for pair in pairs if (policy[pair] > 0.0 if policy else q[pair] == best)}
     shown = drawn_pairs(space, snapshot) or (frozenset(greedy), frozenset())
     off_way = frozenset(state for state in shown[1] if is_off_way(snapshot, state))
-    return StateValues(tuple(values), frozenset(known), shown[0], all_v(snapshot), shown[1], off_way)
+    return StateValues(tuple(values), frozenset(known), shown[0], all_v(snapshot), scale, shown[1], off_way)

@@ -27,7 +27,7 @@ from rl_tui.screen.kit.pointing import (
     Wheeled,
     part_pointed_at,
 )
-from rl_tui.screen.kit.snapshot_facts import passes_too_fast
+from rl_tui.screen.kit.snapshot_facts import is_new_run, passes_too_fast
 from rl_tui.screen.panels.last_step.state_backup_text import backup_text
 from rl_tui.screen.panels.world.edit_marks import edit_signs, with_signs
 from rl_tui.screen.panels.world.shown_policy import TITLE, PolicyPicture
@@ -214,6 +214,8 @@ class WorldView(DrawnPicture, can_focus=True):
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot``; another seed may have made another world of the same kind, or an edit."""
+        if is_new_run(self.snapshot, snapshot):
+            self.steady_scale.clear()
         if snapshot.world is not self.world:
             goes_on = not self.begins_anew(snapshot)
             if goes_on and self.cursor is not None and self.snapshot is not None:
@@ -320,9 +322,9 @@ class WorldView(DrawnPicture, can_focus=True):
         """Scroll so far that ``place`` is seen."""
 
     def align_with(self, twin: BoardPanel) -> None:
-        """Take the cursor of the view ``twin``; subclasses take the rest of its stance."""
+        """Take cursor and scale of the view ``twin``; subclasses take the rest of its stance."""
         if isinstance(twin, WorldView):
-            at = twin.cursor
+            self.steady_scale, at = twin.steady_scale, twin.cursor
             place = None if at is None else self.place_in(at, twin.world, self.world)
             if place is not None or self.takes_stance_of(twin):
                 self.cursor = place

@@ -1,4 +1,4 @@
-"""The band of the return curve, and what lies below its axis."""
+"""What of the return curve lies below its axis."""
 
 from __future__ import annotations
 
@@ -6,9 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from colour_vision import contrast
-from drawn_curves import NO_MARKS, WIDE, drawn
-from lane_samples import side_by_side
+from drawn_curves import WIDE, drawn
 from rich.style import Style
 from samples import bandit, lake, look, student
 from snapshots import changed
@@ -20,7 +18,7 @@ from rl_tui.screen.draw.scale import Scale
 from rl_tui.screen.panels.curve.curve import ReturnCurve
 from rl_tui.screen.panels.curve.words import BELOW_AXIS
 from rl_tui.screen.theme.glyphs import UNICODE
-from rl_tui.screen.theme.look import Look, Palette, palette_for
+from rl_tui.screen.theme.look import Look
 
 
 def drawn_with(snapshot: Snapshot, shown_with: Look) -> list[str]:
@@ -40,60 +38,6 @@ def cells(snapshot: Snapshot, shown_with: Look) -> list[list[tuple[str, Style]]]
 def one_episode(value: float) -> Curve:
     values = np.array([value])
     return Curve(np.array([1]), values, values, values, values)
-
-
-# The band
-
-
-def test_where_colours_allow_the_band_is_a_surface_behind_the_lines() -> None:
-    rows, palette = cells(lake(), look()), look().palette
-    behind = {style.bgcolor for row in rows for _, style in row}
-    assert behind == {None, palette.band.color}
-    inside = [
-        (character, style)
-        for row in rows
-        for character, style in row
-        if style.bgcolor is not None and style.color == palette.episodes.color
-    ]
-    assert inside
-    assert all(0x2800 < ord(character) <= 0x28FF for character, _ in inside)
-
-
-@pytest.mark.parametrize("depth", ["16", "none"])
-def test_with_few_colours_the_band_is_its_two_edges(depth: str) -> None:
-    """A low and a high that are far apart: nothing is drawn between them."""
-    values = np.full(40, 0.5)
-    level = Curve(np.arange(1, 41) * 25_000, values, values - 0.1, values + 0.1, values)
-    snapshot = lake(
-        episodes=1_000_000,
-        curve=level,
-        marks=NO_MARKS,
-        greedy_return=None,
-        return_last_100=0.5,
-        expected_return=None,
-    )
-    shown = look(depth=depth)
-    rows = [
-        {character for character, style in row if style == shown.palette.band and ord(character) > 0x2800}
-        for row in cells(snapshot, shown)[:-2]
-    ]
-    assert [len(row) for row in rows if row] == [1, 1]
-    assert not any(style.bgcolor for row in cells(snapshot, shown) for _, style in row)
-
-
-def test_without_braille_and_colours_dashes_are_the_lowest_and_the_highest() -> None:
-    lines = drawn_with(lake(), look(True, "none"))
-    assert sum("- -" in line for line in lines[:-2]) >= 2
-
-
-@pytest.mark.parametrize(
-    "palette", [palette_for(depth, dark) for depth in ("256", "truecolor") for dark in (True, False)]
-)
-def test_lines_stand_out_from_the_band_behind_them(palette: Palette) -> None:
-    assert palette.band.color is not None
-    for style in (palette.greedy_line, palette.episodes, palette.optimum):
-        assert style.color is not None
-        assert contrast(style.color, palette.band.color) >= 3.0
 
 
 # Far below all the rest
@@ -156,24 +100,3 @@ def test_a_greedy_policy_below_the_axis_has_an_arrow_and_its_number_at_its_end()
 
 def test_what_is_on_the_axis_has_no_arrows() -> None:
     assert "↓" not in drawn(lake())[0]
-
-
-def test_as_long_as_every_episode_is_on_the_line_there_is_no_band() -> None:
-    few = changed(far_below(), marks=NO_MARKS, greedy_return=None)
-    assert not any(style.bgcolor for row in cells(few, look()) for _, style in row)
-
-
-@pytest.mark.parametrize(
-    ("depth", "is_ascii", "alone", "among_lanes"),
-    [
-        ("truecolor", False, ["return", "shade"], ["dim dots", "return"]),
-        ("16", False, ["return", "dim dots"], ["dim dots", "return"]),
-        ("none", True, ["return", "dashes"], ["return"]),
-    ],
-)
-def test_the_legend_names_the_band_as_it_is_drawn(
-    depth: str, is_ascii: bool, alone: list[str], among_lanes: list[str]
-) -> None:
-    widget = ReturnCurve(look(is_ascii, depth))
-    assert [sign.sign for sign in widget.legend(lake())] == alone
-    assert [sign.sign for sign in widget.legend(side_by_side(2))] == among_lanes

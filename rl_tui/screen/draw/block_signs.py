@@ -1,0 +1,103 @@
+"""Signs in quadrant blocks, drawn by a rule at any size.
+
+A sign is a predicate of x (right) and y (down), both from −1 to 1 in the largest square in the middle: a
+column is as wide as half a row is high. A quarter of a character is filled where the sign holds at half of
+4 × 4 points in it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import lru_cache, partial
+from typing import Final, Literal
+
+Direction = tuple[int, int]
+"""Rows down and columns right, −1, 0 or 1 each."""
+SignName = Literal["arrow", "heads", "disc", "ring", "square", "star"]
+_Inside = Callable[[float, float], bool]
+
+_QUADRANTS: Final = " ▘▝▀▖▌▞▛▗▚▐▜▄▙▟█"  # by bits: upper left, upper right, lower left, lower right
+_POINTS: Final = 4
+_LEAST_SHAFT: Final = 6  # rows; a shorter arrow is all head
+_SHAFT: Final = 0.32
+
+
+@lru_cache(1_024)
+def block_sign(name: SignName, columns: int, rows: int, *directions: Direction) -> tuple[str, ...]:
+    """Return the ``rows`` of a sign, ``columns`` characters each; arrows and heads have ``directions``."""
+    inside = _shape(name, directions, rows)
+    unit = min(columns / 2, rows)
+    points = [(point + 0.5) / (2 * _POINTS) for point in range(2 * _POINTS)]
+
+    def holds(column: int, row: int, right: int, down: int) -> bool:
+        hits = sum(
+            inside((column + x - columns / 2) / unit, (2 * (row + y) - rows) / unit)
+            for x in points[right * _POINTS :][:_POINTS]
+            for y in points[down * _POINTS :][:_POINTS]
+        )
+        return 2 * hits >= _POINTS**2
+
+    def character(column: int, row: int) -> str:
+        quarters = ((0, 0), (1, 0), (0, 1), (1, 1))
+        return _QUADRANTS[sum(holds(column, row, *each) << bit for bit, each in enumerate(quarters))]
+
+    return tuple("".join(character(column, row) for column in range(columns)) for row in range(rows))
+
+
+def sign_size(width: int, height: int) -> tuple[int, int]:
+    """Return the columns and rows of an arrow in a cell of that size, at least 3 rows high."""
+    rows = 2 if height == 3 else 3 if height <= 6 else round(0.6 * height)
+    rows = min(rows, (width - 3) // 2)
+    return 2 * rows, rows
+
+
+def _shape(name: SignName, directions: tuple[Direction, ...], rows: int) -> _Inside:
+    match name:
+        case "arrow":
+            return _arrow(*directions[0], rows)
+        case "heads":
+            heads = [partial(_head, down=down, right=right) for down, right in directions]
+            return lambda x, y: any(head(x, y) for head in heads)
+        case "disc":
+            return lambda x, y: x * x + y * y <= 0.92
+        case "ring":
+            return lambda x, y: 0.30 <= x * x + y * y <= 0.95
+        case "square":
+            return lambda x, y: max(abs(x), abs(y)) <= 0.55
+        case "star":
+            return _star
+
+
+def _arrow(down: int, right: int, rows: int) -> _Inside:
+    """Return a triangle, from 6 rows on with a shaft; a diagonal is the filled corner of a square."""
+    if down and right:
+        return lambda x, y: x * right + y * down >= -0.05 and max(abs(x), abs(y)) <= 0.9
+
+    def inside(x: float, y: float) -> bool:
+        along, beside = x * right + y * down, abs(x * down) + abs(y * right)
+        if rows < _LEAST_SHAFT:
+            return abs(along) <= 1 and beside <= (1 - along) / 2 + (0.12 if rows < 3 else 0.06)
+        if along < -0.1:
+            return along >= -1 and beside <= _SHAFT
+        return along <= 1 and beside <= 0.84 * (1 - along) / 1.1 + 0.03
+
+    return inside
+
+
+def _head(x: float, y: float, down: int, right: int) -> bool:
+    """Return whether the point is in one of several small triangles, apart from the middle."""
+    along, beside = x * right + y * down, abs(x * down) + abs(y * right)
+    if down and right:
+        return 0.3 <= x * right <= 1 and 0.3 <= y * down <= 1 and along >= 1.2
+    return 0.3 <= along <= 1.02 and beside <= 1.08 - along
+
+
+def _star(x: float, y: float) -> bool:
+    """Return whether the point is in a star with five tips, one above."""
+    fifth, inner, outer = 2 * math.pi / 5, 0.42, 1.05
+    radius, angle = math.hypot(x, y + 0.05), math.atan2(x, -y - 0.05) % fifth
+    angle = abs(angle - fifth / 2)  # from the notch between two tips, at which it is 0
+    tip_x, tip_y = outer * math.cos(fifth / 2), outer * math.sin(fifth / 2)
+    from_notch = radius * math.cos(angle) - inner
+    return (tip_x - inner) * radius * math.sin(angle) - tip_y * from_notch >= -1e-9

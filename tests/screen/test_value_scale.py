@@ -1,0 +1,81 @@
+"""The scale of tints: robust, signed where both ends matter, and never narrower within a run."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from samples import bandit, lake, look
+from snapshots import changed
+
+from rl_tui.screen.kit.numbers_in_common import known_v
+from rl_tui.screen.kit.value_scale import SteadyScale, ValueScale, scale_sign, value_scale
+
+PALETTE = look().palette
+
+
+@pytest.mark.parametrize(
+    ("values", "ends"),
+    [
+        ([0.2, 0.9], (0.0, 0.9)),  # begins at 0 where the least is below half of the greatest
+        ([0.6, 0.9], (0.6, 0.9)),
+        ([-13.0, -1.0], (-13.0, -1.0)),
+        ([0.5], (0.0, 0.5)),
+        ([-3.0, -3.0], (-3.0, 0.0)),
+        ([-1.0, 3.0], (-3.0, 3.0)),  # both signs matter
+        ([-0.2, 3.0], (-0.2, 3.0)),  # the smaller end is less than a tenth
+        ([-100.0, *range(1, 17)], (1.0, 16.0)),  # one outlier
+        ([0.0, *range(1, 17)], (0.0, 16.0)),
+    ],
+)
+def test_ends(values: list[float], ends: tuple[float, float]) -> None:
+    scale = value_scale(np.array(values))
+    assert scale is not None
+    low, high = scale.ends
+    assert (low, high) == ends or (ends == (1.0, 16.0) and low in (0.0, 1.0, 2.0))
+
+
+def test_what_lies_beyond_has_the_tint_of_the_end_and_a_side() -> None:
+    scale = ValueScale(-13.0, -1.0)
+    assert scale.style(-113.0, PALETTE) == PALETTE.value(0.0)
+    assert [scale.side(x) for x in (-113.0, -13.0, -5.0, -1.0, 0.0)] == [-1, 0, 0, 0, 1]
+    assert scale.style(math.nan, PALETTE) == PALETTE.text
+    assert ValueScale().style(3.0, PALETTE) == PALETTE.value(0.0)
+    assert ValueScale().side(3.0) == 0
+
+
+def test_a_signed_scale_has_a_grey_zero() -> None:
+    scale = ValueScale(-1.0, 2.0)
+    assert scale.is_signed
+    assert scale.style(0.0, PALETTE) == PALETTE.signed_value(0.0)
+    assert scale.style(-1.0, PALETTE) == PALETTE.signed_value(-0.5)
+    assert scale.style(2.0, PALETTE) == PALETTE.signed_value(1.0)
+
+
+def test_it_only_gets_wider_and_holds_what_is_known_alone() -> None:
+    start = lake(0)
+    visits = np.zeros(44, dtype=np.int64)
+    visits[0] = 1
+    scale = SteadyScale()
+    optimistic = changed(start, q=np.full(44, 5.0), visits=visits * 0)
+    assert not len(known_v(optimistic))
+    assert scale.of(optimistic) == ValueScale()
+    for top, expected in ((0.5, 0.5), (0.8, 0.8), (0.2, 0.8)):
+        q = np.zeros(44)
+        q[0] = top
+        assert scale.of(changed(start, q=q, visits=visits)).high == expected
+    scale.clear()
+    assert scale.of(start) == ValueScale()
+
+
+def test_that_of_a_bandit_is_that_of_the_arms_pulled() -> None:
+    snapshot = bandit(400)
+    pulled = snapshot.agent.q[snapshot.agent.visits > 0]
+    assert sorted(known_v(snapshot)) == sorted(pulled)
+
+
+def test_a_legend_shows_it_with_both_ends() -> None:
+    sign = scale_sign(ValueScale(0.0, 0.86), "V", "", look())
+    assert [piece.text for piece in sign.pieces] == ["0 ", *" " * len(PALETTE.values), " .86"]
+    assert not scale_sign(ValueScale(), "V", "", look()).pieces
