@@ -15,7 +15,6 @@ from textual.app import App
 from textual.strip import Strip
 
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE
-from rl_tui.screen.theme.inks import paled
 from rl_tui.screen.theme.look import (
     Depth,
     Palette,
@@ -26,6 +25,7 @@ from rl_tui.screen.theme.look import (
     is_native,
     palette_for,
 )
+from rl_tui.screen.theme.roles import paled
 from rl_tui.screen.theme.themes import PICTURE_DARK, PICTURE_LIGHT, themes_for
 
 DEPTHS: tuple[Depth, ...] = get_args(Depth)

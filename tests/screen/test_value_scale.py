@@ -10,7 +10,8 @@ from samples import bandit, lake, look
 from snapshots import changed
 
 from rl_tui.screen.kit.numbers_in_common import known_v
-from rl_tui.screen.kit.value_scale import SteadyScale, ValueScale, scale_sign, value_scale
+from rl_tui.screen.kit.value_scale import SteadyScale, ValueScale, value_scale
+from rl_tui.screen.panels.world.shown_policy import scale_sign
 
 PALETTE = look().palette
 

@@ -82,9 +82,7 @@ def test_to_look_is_no_deed() -> None:
     assert (kept.sent, kept.last_deed) == (2, 1)
 
 
-async def test_a_tick_of_a_slider_is_checked_once_when_asked_for_and_once_in_the_run(
-    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_a_tick_of_a_slider_is_checked_once(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:
     checks: Counter[str] = Counter()
     async with on_screen(make_app("student")) as pilot:
         for module in (rl_tui.runs.settings, rl_tui.agents.learner_memory):
@@ -99,7 +97,7 @@ async def test_a_tick_of_a_slider_is_checked_once_when_asked_for_and_once_in_the
         playground(pilot).query_one("#alpha", Slider).focus()
         for ticks in (1, 2, 3):
             await press(pilot, "right")
-            assert checks == {"rl_tui.runs.settings": ticks, "rl_tui.agents.learner_memory": ticks}
+            assert checks == {"rl_tui.runs.settings": ticks}
 
 
 async def test_a_run_in_preparation_has_no_journal_to_show(make_app: MakeApp) -> None:

@@ -14,6 +14,8 @@ from typing import Final, Literal
 
 Direction = tuple[int, int]
 """Rows down and columns right, −1, 0 or 1 each."""
+Sign = Direction | str
+"""How an action is drawn: the arrow of its direction, or a letter."""
 SignName = Literal["arrow", "heads", "disc", "ring", "square", "star"]
 _Inside = Callable[[float, float], bool]
 

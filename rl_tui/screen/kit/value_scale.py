@@ -9,11 +9,7 @@ import numpy as np
 from rich.style import Style
 
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.draw import numbers
-from rl_tui.screen.draw.canvas import Piece
 from rl_tui.screen.kit.numbers_in_common import known_v
-from rl_tui.screen.kit.panel import LegendSign
-from rl_tui.screen.theme.look import Look
 from rl_tui.screen.theme.roles import Palette
 from rl_tui.worlds.mdp.space import FloatArray
 
@@ -21,7 +17,6 @@ _LEAST_TO_CUT: Final = 8  # values; the ends of fewer say nothing of outliers
 _TAIL: Final = 16  # of so many values one at each end may be an outlier
 _FAR: Final = 4.0  # times the range without the tails
 _BOTH_SIGNS: Final = 0.1  # of the larger end that the other one must reach
-_END: Final = 4  # characters of the value of an end
 _NEAR_ZERO: Final = 0.5  # of the greatest value: a scale that begins below that begins at 0
 
 
@@ -108,16 +103,3 @@ class SteadyScale:
             now = ValueScale(min(before.low, now.low), max(before.high, now.high))
         self._scale = now or before
         return self._scale or ValueScale()
-
-
-def scale_sign(scale: ValueScale, name: str, in_full: str, look: Look) -> LegendSign:
-    """Return ``scale`` as a sign of a legend: its tints, of what is called ``name``, between its ends."""
-    palette = look.palette
-    low, high = scale.ends
-    ramp = palette.signed if scale.is_signed else palette.values
-    if high <= low:
-        return LegendSign(" tint ", name, palette.value(1.0), in_full)
-    ends = [numbers.value(end, _END, look.glyphs, 2) if end else "0" for end in (low, high)]
-    tints = (Piece(" ", style) for style in ramp)
-    pieces = (Piece(f"{ends[0]} ", palette.dim), *tints, Piece(f" {ends[1]}", palette.dim))
-    return LegendSign(" tint ", name, palette.value(1.0), in_full, pieces)

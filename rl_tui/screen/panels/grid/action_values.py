@@ -8,14 +8,14 @@ from typing import Final, NamedTuple
 from rich.style import Style
 from textual.strip import Strip
 
-from rl_tui.screen.draw.block_signs import Direction
+from rl_tui.screen.draw.block_signs import Direction, Sign
 from rl_tui.screen.draw.canvas import Canvas, Drawn, strips_of_row
 from rl_tui.screen.draw.number_form import NumberForm
 from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.action_form import FRAME, ActionForm, Places, side_of
 from rl_tui.screen.panels.grid.cells import MOST_ROWS, CellArtist, Face
 from rl_tui.screen.panels.grid.form import LEAST_DIGITS, CellForm
-from rl_tui.screen.panels.grid.map import PLAIN, ActionValue, CellContent, Sign
+from rl_tui.screen.panels.grid.map import PLAIN, ActionValue, CellContent
 from rl_tui.screen.panels.grid.marks import mark_of, put_reward, reward_text, sign_text, value_text
 from rl_tui.screen.panels.grid.rewards import CellReward
 from rl_tui.screen.panels.grid.trail import Trace, put_trail

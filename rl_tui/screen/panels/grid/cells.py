@@ -11,13 +11,13 @@ from rich.style import Style
 from textual.strip import Strip
 
 from rl_tui.screen.draw import numbers
-from rl_tui.screen.draw.block_signs import Direction, SignName, block_sign, sign_size
+from rl_tui.screen.draw.block_signs import Direction, Sign, SignName, block_sign, sign_size
 from rl_tui.screen.draw.canvas import Canvas, Drawn, strips_of_row
 from rl_tui.screen.draw.number_form import NumberForm
 from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.draft_cells import DraftCell, draw_draft_cell
 from rl_tui.screen.panels.grid.form import LEAST_ARROWS, CellForm
-from rl_tui.screen.panels.grid.map import PLAIN, CellContent, CellExtra, Sign, Wall
+from rl_tui.screen.panels.grid.map import PLAIN, CellContent, CellExtra, Wall
 from rl_tui.screen.panels.grid.marks import (
     SEVERAL,
     START,
@@ -33,8 +33,8 @@ from rl_tui.screen.panels.grid.rewards import CellReward
 from rl_tui.screen.panels.grid.trail import put_frame, put_trail, put_way
 from rl_tui.screen.panels.world.edit_marks import put_marks
 from rl_tui.screen.panels.world.shown_policy import off_way_style
-from rl_tui.screen.theme.inks import paled
 from rl_tui.screen.theme.look import Look
+from rl_tui.screen.theme.roles import paled
 from rl_tui.worlds.drawing import CellKind
 
 CLEAR_LEAD: Final = 0.15  # of the range of V; a greedy action that leads by that has all its ink

@@ -13,8 +13,9 @@ if TYPE_CHECKING:
     from rich.style import Style
 
     from rl_tui.live.world_editor import EditorView
+    from rl_tui.screen.draw.block_signs import Sign
     from rl_tui.screen.draw.canvas import Canvas
-    from rl_tui.screen.panels.grid.map import MapPart, Sign
+    from rl_tui.screen.panels.grid.map import MapPart
     from rl_tui.screen.theme.look import Look
     from rl_tui.worlds.grid.map import LegendEntry
 

@@ -13,7 +13,7 @@ import numpy as np
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.live.viewport import NO_STATE, first_state_of_cells, pairs_of_states
 from rl_tui.screen.draw.action_order import order_of
-from rl_tui.screen.draw.block_signs import Direction
+from rl_tui.screen.draw.block_signs import Direction, Sign
 from rl_tui.screen.draw.names import is_word
 from rl_tui.screen.panels.grid.action_form import ActionKinds, action_kinds
 from rl_tui.screen.panels.grid.draft_cells import DraftCell, draft_cells
@@ -51,9 +51,6 @@ def unreached_cells(space: FiniteSpace, grid: Grid) -> frozenset[int]:
 
 
 _MOST_WALLS: Final = 0.45  # of a map; where there are more they are what is around it
-
-
-Sign = tuple[int, int] | str
 
 
 class MapPart(NamedTuple):

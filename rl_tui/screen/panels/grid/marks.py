@@ -8,10 +8,9 @@ from typing import Final
 from rich.style import Style
 
 from rl_tui.screen.draw import numbers
-from rl_tui.screen.draw.block_signs import Direction
+from rl_tui.screen.draw.block_signs import Direction, Sign
 from rl_tui.screen.draw.canvas import Canvas
 from rl_tui.screen.draw.number_form import NumberForm
-from rl_tui.screen.panels.grid.map import Sign
 from rl_tui.screen.panels.grid.rewards import CellReward
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import CellKind

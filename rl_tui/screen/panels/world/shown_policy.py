@@ -17,6 +17,7 @@ from rich.style import Style
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.screen.draw import numbers
+from rl_tui.screen.draw.canvas import Piece
 from rl_tui.screen.draw.number_form import NumberForm, SteadyForms
 from rl_tui.screen.kit.numbers_in_common import all_v
 from rl_tui.screen.kit.panel import (
@@ -29,7 +30,7 @@ from rl_tui.screen.kit.panel import (
     no_value_sign,
 )
 from rl_tui.screen.kit.snapshot_facts import is_new_run
-from rl_tui.screen.kit.value_scale import SteadyScale, ValueScale, scale_sign
+from rl_tui.screen.kit.value_scale import SteadyScale, ValueScale
 from rl_tui.screen.panels.policies.studied import as_studied, studied_kind, study_headings
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
@@ -40,6 +41,7 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 AT_RANDOM: Final = "?"
 """In place of an arrow: no action was drawn, so it acts at random."""
 DRAWN_IN_FULL: Final = "drawn: your choice"
+_END: Final = 4  # characters of the value of an end
 
 
 def drawn_actions(snapshot: Snapshot) -> Mapping[int, int] | None:
@@ -268,3 +270,16 @@ def state_values(space: FiniteSpace, snapshot: Snapshot, scale: ValueScale) -> S
     shown = drawn_pairs(space, snapshot) or (frozenset(greedy), frozenset())
     off_way = frozenset(state for state in shown[1] if is_off_way(snapshot, state))
     return StateValues(tuple(values), frozenset(known), shown[0], all_v(snapshot), scale, shown[1], off_way)
+
+
+def scale_sign(scale: ValueScale, name: str, in_full: str, look: Look) -> LegendSign:
+    """Return ``scale`` as a sign of a legend: its tints, of what is called ``name``, between its ends."""
+    palette = look.palette
+    low, high = scale.ends
+    ramp = palette.signed if scale.is_signed else palette.values
+    if high <= low:
+        return LegendSign(" tint ", name, palette.value(1.0), in_full)
+    ends = [numbers.value(end, _END, look.glyphs, 2) if end else "0" for end in (low, high)]
+    tints = (Piece(" ", style) for style in ramp)
+    pieces = (Piece(f"{ends[0]} ", palette.dim), *tints, Piece(f" {ends[1]}", palette.dim))
+    return LegendSign(" tint ", name, palette.value(1.0), in_full, pieces)
