@@ -237,13 +237,13 @@ def test_to_a_planner_and_back_in_mid_episode(algorithm: str) -> None:
     q, visits = ours.q.copy(), ours.visits.copy()
     ours.switch(algorithm)
     assert (ours.q.tolist(), ours.visits.tolist()) == (q.tolist(), visits.tolist())
-    assert (ours.state, ours.episode_step, ours.episode_return) == (0, 0, 0.0)
+    assert (ours.state, ours.episode_step, ours.counters.episode_return) == (0, 0, 0.0)
     step, episodes = ours.step, ours.episodes
     ours.advance(4)
     assert (ours.step, ours.episodes, ours.state, ours.episode_step) == (step + 4, episodes + 1, 1, 1)
     assert (ours.visits - visits).tolist() == [2, 2, 1, 1, 1, 1]
     ours.switch("q-learning")
-    assert (ours.state, ours.episode_step, ours.episode_return) == (0, 0, 0.0)
+    assert (ours.state, ours.episode_step, ours.counters.episode_return) == (0, 0, 0.0)
     ours.advance(10**6, episodes=1)
     episode = ours.drain_episodes()
     assert episode.returns.tolist() == [6.0]
