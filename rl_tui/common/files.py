@@ -186,8 +186,8 @@ def new_file(path: Path) -> Iterator[TextIO]:
     try:
         stream = path.open("x", encoding="utf-8", newline="")
     except FileExistsError as error:
-        raise UserError(f"{printable(str(path))} is there already: choose another name") from error
-    except OSError as error:
+        raise UserError(f'"{printable(str(path))}" is there already: choose another name') from error
+    except (OSError, ValueError) as error:  # ValueError: no file can have such a name
         raise _unwritable(path, error) from error
     begun = os.fstat(stream.fileno())
     try:
@@ -293,5 +293,6 @@ def _remove(path: Path, begun: os.stat_result) -> None:
             path.unlink()
 
 
-def _unwritable(path: Path, error: OSError) -> UserError:
-    return UserError(f"{printable(str(path))}: cannot be written ({error.strerror or error})")
+def _unwritable(path: Path, error: OSError | ValueError) -> UserError:
+    reason = getattr(error, "strerror", None) or error
+    return UserError(f"{printable(str(path))}: cannot be written ({reason})")

@@ -72,10 +72,12 @@ class GreedyReturn:
         value, policy = self(q, ties), self._policy
         assert policy is not None
         chance = epsilon if is_quick(mdp) else None
-        if self._figures is None or self._figures[0] != chance:
+        if self._figures is None:
             ends = chance_of_ending(mdp, policy) if value is None else None
+            self._figures = 0.0, GreedyFigures(value, ends, value)
+        if self._figures[0] != chance:
             earned = None if chance is None else expected_return(mdp, softened(mdp, policy, chance))
-            self._figures = chance, GreedyFigures(value, ends, earned)
+            self._figures = chance, self._figures[1]._replace(softened=earned)
         return self._figures[1]
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import math
+import weakref
 from dataclasses import replace
 from typing import Any
 
@@ -310,3 +312,13 @@ def test_what_is_not_known_is_refused_with_the_reason(
 def test_a_world_that_drifts_is_refused() -> None:
     with pytest.raises(NoExactAnswer, match="drift"):
         first_wait(shipped("bandit-drifting"), "q-learning", Hyperparameters())
+
+
+def test_no_world_but_the_last_one_is_kept_alive() -> None:
+    old, other = corridor(3, 10), corridor(4, 10)
+    wait(old)
+    kept = weakref.ref(old.reward)  # a world itself takes no weak references
+    wait(other)
+    del old
+    gc.collect()
+    assert kept() is None

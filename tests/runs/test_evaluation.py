@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 from recipes import recipe
@@ -95,3 +98,29 @@ def test_the_figures_of_a_run_tell_that_its_greedy_policy_never_ends() -> None:
     assert run.results.greedy_return is None
     assert run.results.greedy_ends == 0.0
     assert Run(recipe("cliff")).results.greedy_ends is None
+
+
+def test_figures_work_out_only_what_is_not_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    called = list[str]()
+
+    def counted(name: str) -> Callable[..., float | None]:
+        work_out = getattr(evaluation, name)
+
+        def work_out_and_count(*args: Any) -> float | None:
+            called.append(name)
+            answer: float | None = work_out(*args)
+            return answer
+
+        return work_out_and_count
+
+    for name in ("expected_return", "chance_of_ending"):
+        monkeypatch.setattr(evaluation, name, counted(name))
+    cliff = begin(recipe("cliff")).world.space
+    upwards = np.array([1.0 if cliff.action_names[action] == "↑" else 0.0 for action in cliff.pair_action])
+    greedy_return = GreedyReturn(lambda: cliff)
+    assert greedy_return.figures(upwards, "first", 0.0) == (None, 0.0, None)
+    assert called == ["expected_return", "chance_of_ending"]
+    assert greedy_return.figures(upwards, "first", 0.1)[:2] == (None, 0.0)
+    assert called == ["expected_return", "chance_of_ending", "expected_return"]
+    earned = greedy_return.figures(np.zeros(cliff.pairs), "random", 0.0)
+    assert earned.softened == earned.expected_return is not None

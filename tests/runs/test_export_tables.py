@@ -131,6 +131,14 @@ def test_a_folder_that_cannot_be_written_is_told_in_a_line(tmp_path: Path) -> No
         write_new(tmp_path / "gone" / "a.txt", "text")
 
 
+@pytest.mark.parametrize(("name", "said"), [("a\0b", r"a\u0000b"), ("a\ud800b", r"a\ud800b")])
+def test_a_name_that_no_file_can_have_is_told_in_a_line(name: str, said: str, tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="cannot be written") as refused:
+        write_new(tmp_path / name, "text")
+    assert said in str(refused.value)
+    assert str(refused.value).isprintable()
+
+
 def test_the_name_offered_is_free(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert free_name("gym:CartPole-v1-sarsa", ".py") == "gym-CartPole-v1-sarsa.py"

@@ -79,3 +79,9 @@ def test_rows_around_the_cursor_are_in_view_and_texts_that_have_room() -> None:
     lines, places, free = laid(table(), 1, texts, 13, 1, look())
     assert [piece.text for piece in lines[0]] == [" second", " −1.25"]
     assert (list(places), free) == ([-1, 0], 0)
+
+
+def test_nothing_to_show_takes_no_line() -> None:
+    word = [Piece("   one", STYLE)]
+    assert drawn(Flow([[], word, []]), 12) == [" one"]
+    assert [drawn(Table(forms), 12) for forms in ((), ([],))] == [[], []]

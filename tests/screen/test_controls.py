@@ -149,3 +149,20 @@ def test_every_algorithm_with_every_rule_fits(size: tuple[int, int], glyphs: Gly
             assert {"agent.choose_algorithm", "agent.show_options"} <= {each.action for each in shown}
         if height >= 9:
             assert not left_out
+
+
+async def test_a_slider_whose_value_was_refused_goes_back_each_time() -> None:
+    class Alone(App[None]):
+        def compose(self) -> ComposeResult:
+            yield controls
+
+    controls = Controls(look())
+    controls.begin_with(recipe("frozenlake", alpha=0.5))
+    async with Alone().run_test():
+        controls.wanted = Hyperparameters(alpha=0.5)
+        slider = controls.query_one("#alpha", Slider)
+        for _ in range(3):
+            controls.show(told("q-learning", "epsilon-greedy", alpha=0.5))
+            assert slider.value == 0.5
+            slider.action_end(True)
+            assert slider.value == 1.0

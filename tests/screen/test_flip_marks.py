@@ -5,11 +5,12 @@ from __future__ import annotations
 import pytest
 from conftest import MakeApp
 from samples import look, student
-from seams import notes, on_screen, press, screen_text, slider, snapshot
+from seams import notes, on_screen, playground, press, screen_text, slider, snapshot
 from snapshots import changed
 from textual.app import App, ComposeResult
 
 from rl_tui.agents.hyperparameters import PARAMETERS
+from rl_tui.live.commands import AskFlips, Command
 from rl_tui.runs.answers.flip_answer import FlipState, worked_out
 from rl_tui.runs.library import recipe_named
 from rl_tui.runs.recipe import begin
@@ -157,3 +158,16 @@ async def test_nobody_asks_for_them_before_somebody_may_see_them(make_app: MakeA
         await press(pilot, "s", "1", "right", "escape")
         assert snapshot(pilot).answers.flips.state is FlipState.NOT_ASKED
         assert snapshot(pilot).playback.handled == 2
+
+
+async def test_they_are_asked_for_where_the_focus_moved_before_a_snapshot_was_drawn(
+    make_app: MakeApp, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with on_screen(make_app("student")) as pilot:
+        screen, sent = playground(pilot), list[Command]()
+        hidden = await press(pilot, "2")
+        monkeypatch.setattr(screen.link, "send", sent.append)
+        screen.link.receive(changed(hidden, is_hidden=False))
+        screen.show_key_hints()
+        screen.redraw()
+        assert sent == [AskFlips()]

@@ -11,6 +11,7 @@ from seams import notes, on_screen
 from test_playground import playground, press
 from textual.pilot import Pilot
 from textual.strip import Strip
+from textual.widget import Widget
 
 from rl_tui.common.errors import UserError
 from rl_tui.live.player import Player
@@ -24,7 +25,7 @@ from rl_tui.screen.frame.help import Explained
 from rl_tui.screen.frame.key_line import KeyLine
 from rl_tui.screen.keys.action import Place
 from rl_tui.screen.keys.registry import all_actions
-from rl_tui.screen.kit.panel import Panel
+from rl_tui.screen.kit.panel import BoardPanel, Panel
 from rl_tui.screen.kit.row import CURVE, MICROSCOPE, OpeningKey, PanelRow
 from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.worlds.drawing import Arms
@@ -146,8 +147,9 @@ class Drawn(NamedTuple):
     below: object
 
 
-def drawn(panel: Panel) -> Drawn:
-    rows = [repr(list(panel.render_line(y))) for y in range(panel.size.height)]
+def drawn(panel: BoardPanel) -> Drawn:
+    widgets = panel, *panel.query(Widget)
+    rows = [repr(list(each.render_line(y))) for each in widgets for y in range(each.size.height)]
     return Drawn(rows, panel.border_title, panel.border_subtitle)
 
 
@@ -155,7 +157,7 @@ async def check_kept(pilot: Pilot[UserError], *keys: str) -> None:
     board = playground(pilot).board
     for key in keys:
         await press(pilot, key)
-        for panel in board.query(Panel):
+        for panel in board.query(BoardPanel):
             kept = drawn(panel)
             if kept.rows and board.shows(str(panel.id)):
                 panel.redraw()

@@ -80,7 +80,6 @@ _CALLED_FROM_PYTHON: Final = (
     "rl_tui.agents.batches.seeding",
     "rl_tui.agents.exact.backward_induction",
     "rl_tui.agents.exact.small_worlds.many_policies",
-    "rl_tui.agents.exact.small_worlds.many_policies",
     "rl_tui.agents.kernels.episode_bins",
     "rl_tui.agents.kernels.watch",
 )

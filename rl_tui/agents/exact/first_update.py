@@ -8,10 +8,10 @@ outcome that changes an estimate.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Final
 
 import numpy as np
@@ -59,14 +59,19 @@ def first_wait(mdp: TabularMDP, algorithm: str, hyperparameters: Hyperparameters
     """
     _check_known(mdp, algorithm, hyperparameters, episode)
     tells = telling_outcomes(mdp, hyperparameters, _step_size(hyperparameters, episode))
-    return _wait(mdp, tells.tobytes(), _first_policy(mdp, hyperparameters).tobytes())
+    return _known_waits(mdp)(tells.tobytes(), _first_policy(mdp, hyperparameters).tobytes())
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=1)  # no world is kept alive but the last one asked about
+def _known_waits(mdp: TabularMDP) -> Callable[[bytes, bytes], Wait]:
+    """Return :func:`_wait` in the world ``mdp``, which remembers some of its answers."""
+    return lru_cache(maxsize=16)(partial(_wait, mdp))
+
+
 def _wait(mdp: TabularMDP, telling: bytes, chances: bytes) -> Wait:
     """Return the wait for an outcome that tells something, [O], with the policy ``chances``, [P].
 
-    Few settings change either of these arrays, a step size hardly ever: so the wait is kept by their bytes.
+    Few settings change either of these arrays, a step size hardly ever: so waits are kept by their bytes.
     """
     tells, policy = np.frombuffer(telling, np.bool_), np.frombuffer(chances)
     stopped = replace(mdp, terminated=mdp.terminated | tells)

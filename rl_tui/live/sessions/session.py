@@ -290,7 +290,10 @@ def remove(session: StoredSession) -> None:
 
 
 def new_path(folder: Path, subject: str) -> Path:
-    """Return a path in ``folder`` that no file has, named after its subject and the moment."""
+    """Return a path in ``folder`` for a new file, named after its subject and the moment.
+
+    No file has it, unless a thousand names like it are in use.
+    """
     moment = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     return folder / free_name(f"{file_stem(subject)}-{moment}", SUFFIX, folder)
 

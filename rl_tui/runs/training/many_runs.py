@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import closing, nullcontext
@@ -154,7 +153,18 @@ def train_curves(
     to speak of.
     """
     goal = Goal(episodes=curves.episodes)
-    deque(rows(seeded, seeds, goal, id, lambda *_: (), curves=curves, watch=watch, workers=workers), maxlen=0)
+    measures = _measure_nothing, _measure_no_batch
+    for _ in rows(seeded, seeds, goal, *measures, curves=curves, watch=watch, workers=workers):
+        pass
+
+
+def _measure_nothing(run: object) -> None:
+    """Take nothing from ``run`` but its curve."""
+
+
+def _measure_no_batch(batch: BatchedRuns, check: Callable[[], None]) -> Iterable[None]:
+    """Take nothing from ``batch`` but its curves."""
+    return ()
 
 
 def _parts(seeds: range, workers: int, at_once: int) -> list[range]:

@@ -90,7 +90,7 @@ class Flow:
         """Return the lines."""
         lines: list[list[Piece]] = []
         used = 0
-        for group in self.groups:
+        for group in filter(None, self.groups):
             needed = length(spelled(group, look))
             if lines and used + needed <= width:
                 lines[-1] += group
@@ -214,10 +214,10 @@ class Table:
             [_aligned(piece, column, cells, look) for piece in texts]
             for column, cells, texts in zip(columns, widths, pieces, strict=True)
         ]
-        head, *rows = zip(*aligned, strict=True)
+        head_and_rows = list(zip(*aligned, strict=True))  # nothing without columns
         is_stacked = self.is_stacked and not fits
-        lines: list[Line] = [head] if self.has_head and not is_stacked else []
-        for place, row in enumerate(rows):
+        lines: list[Line] = [*head_and_rows[:1]] if self.has_head and not is_stacked else []
+        for place, row in enumerate(head_and_rows[1:]):
             lines += _stacked(columns, pieces, place, width, look) if is_stacked else [row]
             lines += lines_of(self.below.get(place, ()), width, look)
         return lines

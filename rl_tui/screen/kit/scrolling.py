@@ -53,6 +53,13 @@ def scroll_bindings(panel: str) -> list[BindingType]:
     return [
         binding("up", "scroll_rows(-1)", f"{panel}.up", "Scroll up"),
         binding("down", "scroll_rows(1)", f"{panel}.down", "Scroll down"),
+        *page_bindings(panel),
+    ]
+
+
+def page_bindings(panel: str) -> list[BindingType]:
+    """Return those of them that leave up and down to a cursor."""
+    return [
         binding("pageup", "scroll_pages(-1)", f"{panel}.page_up", "A page up"),
         binding("pagedown", "scroll_pages(1)", f"{panel}.page_down", "A page down"),
         binding("home", "scroll_rows(-999)", f"{panel}.first", "To the top"),

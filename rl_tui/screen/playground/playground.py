@@ -235,7 +235,6 @@ class Playground(ActionScreen):
         snapshot = self.snapshot
         if snapshot is not None:
             self.modes.show(snapshot)
-            self._moment = self._moment_of(snapshot)
         keys = self.query_one(KeyLine)
         keys.first = key_hints(self.focused) or self.editing.offered
         keys.is_running = self.run.is_under_way
@@ -357,7 +356,8 @@ class Playground(ActionScreen):
             self.status.show(snapshot)
             self.modes.show(snapshot)
             self.board.show(snapshot)
-            if self._moment_of(snapshot) != self._moment:
+            before, self._moment = self._moment, self._moment_of(snapshot)
+            if self._moment != before:
                 self.show_key_hints()
                 self.view.follow_flips()
             for dialog in self.app.screen_stack:

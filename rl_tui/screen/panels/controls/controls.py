@@ -129,7 +129,12 @@ class Controls(Container, BoardPanel):
         yield AgentSettings(self._look, id="settings")
 
     def depends_on(self, snapshot: Snapshot) -> object:
-        """Return what is in force and what is wanted, the speed, and the flips that may be marked."""
+        """Return what is in force and what is wanted, the speed, and the flips that may be marked.
+
+        None while a slider shows something else than is wanted, as one does whose value was refused.
+        """
+        if any(each.value != in_force(self.wanted, each.parameter) for each in self._sliders.values()):
+            return None
         agent, playback, episode = snapshot.agent, snapshot.playback, snapshot.counters.episodes
         values = agent.hyperparameters
         return (

@@ -21,7 +21,7 @@ from rl_tui.screen.draw.action_order import shown_order, shown_pairs, shown_plac
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import BLANK, Block, Labelled, Text
-from rl_tui.screen.kit.scrolling import Scrolled, ScrolledPanel, scroll_bindings
+from rl_tui.screen.kit.scrolling import Scrolled, ScrolledPanel, page_bindings
 from rl_tui.screen.kit.snapshot_facts import hides_means
 from rl_tui.screen.panels.last_step.update_text import setting
 from rl_tui.screen.panels.model.pair import UNKNOWN, action_text, means_key, pair_blocks
@@ -154,7 +154,7 @@ class ModelPanel(ScrolledPanel):
     """⟨S, A, P, R, γ⟩ above one pair: up and down change its state, left and right its action."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        *scroll_bindings("model")[2:],
+        *page_bindings("model"),
         binding("up", "move_state(-1)", "model.up", "Previous state"),
         binding("down", "move_state(1)", "model.down", "Next state"),
         binding("left", "move_action(-1)", "model.left", "Previous action"),

@@ -37,7 +37,6 @@ SECRET: Final = "hidden until h or the end of the budget"
 _DECIMALS: Final = 4
 _EQUALS: Final = "   = "
 _CONTINUED: Final = "     "
-_ENDS: Final = "ends"
 
 
 def pair_blocks(snapshot: Snapshot, pair: int, look: Look) -> Iterator[Block]:

@@ -17,7 +17,7 @@ from rl_tui.programs.evidence.verdict import CodeFinding, Rule, step_number
 from rl_tui.screen.draw.canvas import Piece, length, spelled, strips_of
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.blocks import BLANK, Block, Row, Text, lines_of
-from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
+from rl_tui.screen.kit.scrolling import ScrolledPanel, page_bindings
 from rl_tui.screen.panels.program.source import source_lines
 from rl_tui.screen.panels.program.words import (
     IN_SHORT,
@@ -50,7 +50,7 @@ class FindingsPanel(ScrolledPanel):
     """The findings below one another, the one under the cursor in full; below them what cannot be told."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        *scroll_bindings("findings")[2:],
+        *page_bindings("findings"),
         binding("up", "choose(-1)", "findings.up", "The finding above"),
         binding("down", "choose(1)", "findings.down", "The finding below"),
         binding("enter", "go_to_step", "findings.go_to_step", "Go to the first step that shows it"),
