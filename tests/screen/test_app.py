@@ -21,6 +21,7 @@ from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.catalogue.catalogue import CatalogueScreen
 from rl_tui.screen.keys.action import Place
 from rl_tui.screen.keys.registry import actions_of
+from rl_tui.screen.kit.panel import BoardPanel
 from rl_tui.screen.playground.playground import Playground
 from rl_tui.worlds.files.scenario import read_scenario
 
@@ -135,6 +136,10 @@ async def test_in_ascii_no_character_is_left_over(make_app: MakeApp) -> None:
     app = make_app("student", ascii=True)
     async with on_screen(app) as pilot:
         assert "v:[Q] visits - h: Q*" in screen_text(app)
+        assert screen_text(app).isascii()
+        for panel in app.screen.query(BoardPanel):  # as where it becomes narrower, until it is fitted anew
+            panel.write_border("x" * 200, "x" * 200, pilot.app.look.glyphs)
+        await settle(pilot)
         assert screen_text(app).isascii()
         await pilot.press("ctrl+p", *"xyzzy")  # few are found: the dots have room below them
         indicator = app.screen.query_one(LoadingIndicator).add_class("--visible")

@@ -216,6 +216,17 @@ class BoardPanel(Widget):
             self._border_texts = texts
             self.border_title, self.border_subtitle = map(Content, texts)
 
+    def render_lines(self, crop: Region) -> list[Strip]:
+        """Return the lines to paint, without titles that the border has no room for.
+
+        That is so where it has become narrower, until they are fitted anew. Textual would end them with "…",
+        which ASCII does not have.
+        """
+        if max(map(cell_len, self._border_texts)) > max(0, self.outer_size.width - BORDER_ENDS):
+            self._border_texts = "", ""
+            self.border_title = self.border_subtitle = ""
+        return super().render_lines(crop)
+
 
 class Panel(BoardPanel):
     """Draws each snapshot anew and refreshes only the rows that came out different.
