@@ -61,7 +61,7 @@ def noted_way() -> Iterator[Way]:
 
 @pytest.mark.parametrize(
     ("key", "functions", "files"),
-    [("s", 500, 95), ("b", 533, 96), ("right", 560, 100)],
+    [("s", 505, 95), ("b", 538, 96), ("right", 563, 100)],
     ids=["step", "back", "slider"],
 )
 async def test_few_functions_run_for_a_key(key: str, functions: int, files: int) -> None:

@@ -222,7 +222,8 @@ class BoardPanel(Widget):
         That is so where it has become narrower, until they are fitted anew. Textual would end them with "…",
         which ASCII does not have.
         """
-        if max(map(cell_len, self._border_texts)) > max(0, self.outer_size.width - BORDER_ENDS):
+        room = self.region.width - self.gutter.width - BORDER_ENDS
+        if max(map(cell_len, self._border_texts)) > max(0, room):
             self._border_texts = "", ""
             self.border_title = self.border_subtitle = ""
         return super().render_lines(crop)
