@@ -22,7 +22,7 @@ MOST_STATES: Final = 20_000
 VISITS_A_STEP: Final = 1_000
 
 
-class GreedyFigures(NamedTuple):
+class GreedyEarnings(NamedTuple):
     """What the greedy policy of some estimates earns; each is None where it has no exact value."""
 
     expected_return: float | None = None
@@ -33,7 +33,7 @@ class GreedyFigures(NamedTuple):
     """The expected return with a uniformly random action ε of the time."""
 
 
-NO_FIGURES: Final = GreedyFigures()
+NO_FIGURES: Final = GreedyEarnings()
 
 
 class GreedyReturn:
@@ -47,7 +47,7 @@ class GreedyReturn:
         self._mdp: TabularMDP | None = None
         self._policy: FloatArray | None = None
         self._value: float | None = None
-        self._figures: tuple[float | None, GreedyFigures] | None = None  # with the ε they are for
+        self._figures: tuple[float | None, GreedyEarnings] | None = None  # with the ε they are for
 
     def __call__(self, q: FloatArray, ties: Ties) -> float | None:
         """Return it for the estimates ``q``, [P]; None where the policy has none."""
@@ -60,7 +60,7 @@ class GreedyReturn:
             self._policy, self._mdp, self._figures = policy, mdp, None
         return self._value
 
-    def figures(self, q: FloatArray, ties: Ties, epsilon: float | None) -> GreedyFigures:
+    def figures(self, q: FloatArray, ties: Ties, epsilon: float | None) -> GreedyEarnings:
         """Return what may be shown in every frame of the greedy policy of the estimates ``q``, [P].
 
         ``epsilon`` is how often the agent takes a random action instead; None: it explores in another way.
@@ -74,7 +74,7 @@ class GreedyReturn:
         chance = epsilon if is_quick(mdp) else None
         if self._figures is None:
             ends = chance_of_ending(mdp, policy) if value is None else None
-            self._figures = 0.0, GreedyFigures(value, ends, value)
+            self._figures = 0.0, GreedyEarnings(value, ends, value)
         if self._figures[0] != chance:
             earned = None if chance is None else expected_return(mdp, softened(mdp, policy, chance))
             self._figures = chance, self._figures[1]._replace(softened=earned)

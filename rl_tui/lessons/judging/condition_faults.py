@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 from rl_tui.agents.catalogue import BY_ID
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.common.findings import Finding, near, shown
-from rl_tui.lessons.judging.measures import ARGUMENTS, MEASURES, Gives, Measure, MeasureKind
+from rl_tui.lessons.judging.measures import ARGUMENTS, MEASURES, Gives, MeasureKind, TaskMeasure
 from rl_tui.runs.changes import read_change
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ def _near_measure(name: str) -> str:
     return near(name, MEASURES) or near(name.replace("-", "_"), MEASURES)
 
 
-def _argument_findings(condition: Measured, measure: Measure) -> Iterator[Finding]:
+def _argument_findings(condition: Measured, measure: TaskMeasure) -> Iterator[Finding]:
     """Yield which of the keys that measures need are missing or too many."""
     takes = " and ".join(measure.needs) or "none of them"
     for name in ARGUMENTS:
@@ -121,7 +121,7 @@ def _argument_findings(condition: Measured, measure: Measure) -> Iterator[Findin
             yield Finding(("last",), shown(last), f"an episode, {first} to {FIRST_EPISODES}")
 
 
-def _wanted_findings(condition: Condition, measure: Measure) -> Iterator[Finding]:
+def _wanted_findings(condition: Condition, measure: TaskMeasure) -> Iterator[Finding]:
     """Yield what ``measure`` can never be."""
     if measure.gives in (Gives.TEXT, Gives.TRUTH):
         for name in _BOUNDS:
@@ -135,7 +135,7 @@ def _wanted_findings(condition: Condition, measure: Measure) -> Iterator[Finding
             yield Finding(place, shown(value), expected)
 
 
-def _refused(measure: Measure, value: float | str | bool) -> str:
+def _refused(measure: TaskMeasure, value: float | str | bool) -> str:
     """Return what ``measure`` can be in place of ``value``; empty where it can be that."""
     if measure.kind is MeasureKind.SETTING:
         finding = _setting_finding(measure.name, value)
@@ -149,7 +149,7 @@ def _refused(measure: Measure, value: float | str | bool) -> str:
     return ""
 
 
-def _seed_findings(condition: Condition, measure: Measure) -> Iterator[Finding]:
+def _seed_findings(condition: Condition, measure: TaskMeasure) -> Iterator[Finding]:
     """Yield what makes no sense of many seeds, or without them."""
     if not condition.seeds:
         for name in _OF_SEEDS:

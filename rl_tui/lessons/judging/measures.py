@@ -63,7 +63,7 @@ class Gives(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Measure:
+class TaskMeasure:
     """One measure: ``of`` works it out. ``needs`` are the keys of a condition that it takes, all of them.
 
     ``accepts`` are the words that its text may be; empty: any. ``differs_by_seed`` says that another seed
@@ -108,9 +108,9 @@ def _setting(moment: JudgedMoment, condition: Measured) -> float | str:
     return SAMPLE_AVERAGE if name == "alpha" and values.sample_average else values.value(name)
 
 
-def _settings() -> Iterable[Measure]:
-    def row(name: str, text: str, gives: Gives, words: Iterable[str]) -> Measure:
-        return Measure(name, text, MeasureKind.SETTING, _setting, (), gives, tuple(words), False)
+def _settings() -> Iterable[TaskMeasure]:
+    def row(name: str, text: str, gives: Gives, words: Iterable[str]) -> TaskMeasure:
+        return TaskMeasure(name, text, MeasureKind.SETTING, _setting, (), gives, tuple(words), False)
 
     yield row("algorithm", "the id of the algorithm", Gives.TEXT, BY_ID)
     for each in PARAMETERS.values():
@@ -123,12 +123,12 @@ def _changed_settings(moment: JudgedMoment, condition: Measured) -> float:
     return sum(begun[name] != wanted[name] for name in wanted)
 
 
-def _counts() -> Iterable[Measure]:
-    def row(name: str, text: str, of: Callable[[JudgedMoment, Measured], Value]) -> Measure:
-        return Measure(name, text, MeasureKind.COUNT, of)
+def _counts() -> Iterable[TaskMeasure]:
+    def row(name: str, text: str, of: Callable[[JudgedMoment, Measured], Value]) -> TaskMeasure:
+        return TaskMeasure(name, text, MeasureKind.COUNT, of)
 
-    def of_a_person(name: str, text: str, of: Callable[[JudgedMoment, Measured], Value]) -> Measure:
-        return Measure(name, text, MeasureKind.COUNT, of, differs_by_seed=False)
+    def of_a_person(name: str, text: str, of: Callable[[JudgedMoment, Measured], Value]) -> TaskMeasure:
+        return TaskMeasure(name, text, MeasureKind.COUNT, of, differs_by_seed=False)
 
     yield row("steps", "steps taken", lambda m, c: m.run.step)
     yield row("episodes", "finished episodes of an agent", lambda m, c: m.episodes)
@@ -167,16 +167,16 @@ def _episode_ended(moment: JudgedMoment, condition: Measured) -> str:
     return "terminated" if moment.last_episode and moment.last.terminated else "truncated"
 
 
-def _steps() -> Iterable[Measure]:
+def _steps() -> Iterable[TaskMeasure]:
     episode, last = MeasureKind.EPISODE, MeasureKind.LAST_STEP
     text, ends = Gives.TEXT, ("terminated", "truncated")
-    yield Measure("episode_return", "its undiscounted return", episode, lambda m, c: m.last_episode[0])
-    yield Measure("episode_length", "its length in steps", episode, lambda m, c: m.last_episode[1])
-    yield Measure("episode_by_agent", "its steps that no person took", episode, _by_agent)
-    yield Measure("episode_ended", "how it ended", episode, _episode_ended, gives=text, accepts=ends)
-    yield Measure("reward", "its reward", last, _reward)
-    yield Measure("td_error", "its TD error", last, _td_error)
-    yield Measure("ended", "whether it ended an episode", last, _ended, gives=text, accepts=(*ends, "no"))
+    yield TaskMeasure("episode_return", "its undiscounted return", episode, lambda m, c: m.last_episode[0])
+    yield TaskMeasure("episode_length", "its length in steps", episode, lambda m, c: m.last_episode[1])
+    yield TaskMeasure("episode_by_agent", "its steps that no person took", episode, _by_agent)
+    yield TaskMeasure("episode_ended", "how it ended", episode, _episode_ended, gives=text, accepts=ends)
+    yield TaskMeasure("reward", "its reward", last, _reward)
+    yield TaskMeasure("td_error", "its TD error", last, _td_error)
+    yield TaskMeasure("ended", "whether it ended an episode", last, _ended, gives=text, accepts=(*ends, "no"))
 
 
 def _q(moment: JudgedMoment, condition: Measured) -> float:
@@ -216,15 +216,15 @@ def _visited(moment: JudgedMoment) -> int:
     return int((moment.run.learner.visits > 0).sum())
 
 
-def _learned() -> Iterable[Measure]:
+def _learned() -> Iterable[TaskMeasure]:
     def row(
         name: str,
         text: str,
         of: Callable[[JudgedMoment, Measured], Value],
         *needs: str,
         gives: Gives = Gives.NUMBER,
-    ) -> Measure:
-        return Measure(name, text, MeasureKind.LEARNED, of, needs, gives)
+    ) -> TaskMeasure:
+        return TaskMeasure(name, text, MeasureKind.LEARNED, of, needs, gives)
 
     pair = ("state", "action")
     yield row("q", "the estimate of a pair", _q, *pair)
@@ -257,15 +257,15 @@ def _optimal_actions(moment: JudgedMoment, condition: Measured) -> str:
     return moment.actions_in(condition.state, lambda own: [pair for pair in own if greedy[pair]])
 
 
-def _exact() -> Iterable[Measure]:
+def _exact() -> Iterable[TaskMeasure]:
     def row(
         name: str,
         text: str,
         of: Callable[[JudgedMoment, Measured], Value],
         *needs: str,
         gives: Gives = Gives.NUMBER,
-    ) -> Measure:
-        return Measure(name, text, MeasureKind.EXACT, of, needs, gives)
+    ) -> TaskMeasure:
+        return TaskMeasure(name, text, MeasureKind.EXACT, of, needs, gives)
 
     yield row("expected_return", "what the greedy policy earns, undiscounted", lambda m, c: m.expected_return)
     yield row("greedy_ends", "the chance that its episode ends", lambda m, c: m.greedy_ends)
@@ -303,16 +303,16 @@ def _steps_of_episodes(moment: JudgedMoment, condition: Measured) -> float:
     return int(lengths[first - 1 :].sum())
 
 
-def _record() -> Iterable[Measure]:
-    def row(name: str, text: str) -> Measure:
-        return Measure(name, text, MeasureKind.RECORD, _recorded)
+def _record() -> Iterable[TaskMeasure]:
+    def row(name: str, text: str) -> TaskMeasure:
+        return TaskMeasure(name, text, MeasureKind.RECORD, _recorded)
 
     yield row("return_last_100", "mean return of the last 100 episodes")
     yield row("length_last_100", "mean length of the last 100 episodes")
     yield row("return_mean", "mean return of all episodes")
     yield row("first_reward_episode", "the first episode with a reward")
     text, needs = "steps of these episodes together", ("first", "last")
-    yield Measure("steps_of_episodes", text, MeasureKind.RECORD, _steps_of_episodes, needs)
+    yield TaskMeasure("steps_of_episodes", text, MeasureKind.RECORD, _steps_of_episodes, needs)
     yield row("winnings", "what a bandit's pulls won")
     yield row("regret", "what its best arm would have won more")
     yield row("best_arm_rate", "the share of pulls of its best arm")
@@ -356,9 +356,11 @@ def _program_return(seen: SeenProgram) -> float:
     return seen.expected_return
 
 
-def _programs() -> Iterable[Measure]:
-    def row(name: str, text: str, of: Callable[[SeenProgram], Value], gives: Gives = Gives.NUMBER) -> Measure:
-        return Measure(
+def _programs() -> Iterable[TaskMeasure]:
+    def row(
+        name: str, text: str, of: Callable[[SeenProgram], Value], gives: Gives = Gives.NUMBER
+    ) -> TaskMeasure:
+        return TaskMeasure(
             name, text, MeasureKind.PROGRAM, _no_program, (), gives, differs_by_seed=False, of_program=of
         )
 
@@ -376,7 +378,7 @@ def _programs() -> Iterable[Measure]:
     )
 
 
-MEASURES: Final[Mapping[str, Measure]] = {
+MEASURES: Final[Mapping[str, TaskMeasure]] = {
     measure.name: measure
     for group in (_settings, _counts, _steps, _learned, _exact, _record, _programs)
     for measure in group()

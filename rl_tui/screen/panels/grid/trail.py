@@ -23,7 +23,7 @@ _LEAST_PADDED: Final = 11  # columns of a cell
 _UNDERLINED: Final = Style(underline=True)
 
 
-class Way(NamedTuple):
+class LastWay(NamedTuple):
     """Where the last step led, to a cell beside or across the corner, and whether it ``slipped``."""
 
     direction: Direction
@@ -41,7 +41,7 @@ class Trace(NamedTuple):
     was_here: bool = False
     is_recent: bool = False
     error: int | None = None
-    way: Way | None = None
+    way: LastWay | None = None
 
 
 def traces(snapshot: Snapshot, grid: Grid) -> dict[int, Trace]:
@@ -64,7 +64,7 @@ def traces(snapshot: Snapshot, grid: Grid) -> dict[int, Trace]:
         direction = end[0] - start[0], end[1] - start[1]
         if any(direction) and max(map(abs, direction)) == 1:
             cell = int(cell_of[last.state])
-            found[cell] = found.get(cell, Trace())._replace(way=Way(direction, trail[-1].slipped))
+            found[cell] = found.get(cell, Trace())._replace(way=LastWay(direction, trail[-1].slipped))
     return found
 
 
@@ -100,7 +100,7 @@ def put_frame(canvas: Canvas, error: int, look: Look) -> None:
                     canvas.put_over(column, row, sign, colour)
 
 
-def put_way(canvas: Canvas, way: Way, look: Look) -> None:
+def put_way(canvas: Canvas, way: LastWay, look: Look) -> None:
     """Put the way of the last step on ink at that edge of the cell over which it led."""
     down, right = way.direction
     style = look.palette.agent + (Style(color=look.palette.bad.color) if way.slipped else Style.null())
@@ -113,7 +113,7 @@ def put_way(canvas: Canvas, way: Way, look: Look) -> None:
     canvas.put(column, row, sign, style)
 
 
-def way_text(way: Way, look: Look) -> str:
+def way_text(way: LastWay, look: Look) -> str:
     """Return the sign of the way of a step: ``━▶``."""
     glyphs = look.glyphs
     match way.direction:

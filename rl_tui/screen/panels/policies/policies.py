@@ -31,7 +31,7 @@ from rl_tui.worlds.drawing import Arms
 # The table
 
 
-class Figure(NamedTuple):
+class PolicyColumn(NamedTuple):
     """A figure of every policy; ``rank``: those of the greatest are left out first."""
 
     id: str
@@ -40,11 +40,11 @@ class Figure(NamedTuple):
     has_sign: bool = False
 
 
-RETURN: Final = Figure("expected_return", "return", 0, has_sign=True)
-REWARD: Final = Figure("expected_return", "a pull", 0, has_sign=True)  # of a bandit
-VALUE: Final = Figure("value_at_start", "at start", 1, has_sign=True)
-STEPS: Final = Figure("steps", "length", 2)
-ENDS: Final = Figure("ends", "ending", 3)
+RETURN: Final = PolicyColumn("expected_return", "return", 0, has_sign=True)
+REWARD: Final = PolicyColumn("expected_return", "a pull", 0, has_sign=True)  # of a bandit
+VALUE: Final = PolicyColumn("value_at_start", "at start", 1, has_sign=True)
+STEPS: Final = PolicyColumn("steps", "length", 2)
+ENDS: Final = PolicyColumn("ends", "ending", 3)
 FIGURES: Final = (RETURN, REWARD, VALUE, STEPS, ENDS)
 _LEAST_NAME: Final = 8  # cells of a name with the mark before it
 
@@ -71,7 +71,7 @@ def policy_table(snapshot: Snapshot, look: Look) -> Table:
     return Table(forms(), margin=1)
 
 
-def _figures(snapshot: Snapshot, known: Sequence[PolicyAnswer]) -> list[Figure]:
+def _figures(snapshot: Snapshot, known: Sequence[PolicyAnswer]) -> list[PolicyColumn]:
     if isinstance(snapshot.world.drawing, Arms):
         return [REWARD]
     if may_not_end(known):
@@ -90,7 +90,7 @@ def _names(snapshot: Snapshot, look: Look, *, is_short: bool) -> Column:
     return Column("", cells, look.palette.text, right=False, gap=0)
 
 
-def _column(snapshot: Snapshot, look: Look, figure: Figure, cells: int) -> Column:
+def _column(snapshot: Snapshot, look: Look, figure: PolicyColumn, cells: int) -> Column:
     """Return the column of ``figure``, in ``cells`` if its head has room in them."""
     width = max(cells - (not figure.has_sign), len(figure.head))
     texts = [_said(snapshot, kind, figure, width, look) for kind in POLICY_NAMES]
@@ -99,7 +99,7 @@ def _column(snapshot: Snapshot, look: Look, figure: Figure, cells: int) -> Colum
     )
 
 
-def _said(snapshot: Snapshot, kind: PolicyKind, figure: Figure, cells: int, look: Look) -> str:
+def _said(snapshot: Snapshot, kind: PolicyKind, figure: PolicyColumn, cells: int, look: Look) -> str:
     """Return a figure; in its place a dash where there is none, … while it is worked out, ? where hidden."""
     if is_kept_back(snapshot, kind):
         return "?"
