@@ -75,6 +75,7 @@ def task_of(view: LessonView) -> TaskView:
     return view.task
 
 
+@pytest.mark.exhaustive("a kiosk does the same", but=["False-50-True", "False-5-False"])
 @pytest.mark.parametrize(("planning", "expected"), [(50, True), (5, False)])
 @pytest.mark.parametrize("is_kiosk", [False, True])
 def test_a_panel_comes_to_what_the_replay_says(

@@ -50,6 +50,7 @@ def packet(process: subprocess.Popen[bytes]) -> bytes:
 
 
 @pytest.mark.process
+@pytest.mark.exhaustive("a second way to end", but=["stdin"])
 @pytest.mark.parametrize("way", ["stdin", "stdout"])
 def test_it_ends_when_the_server_is_gone(way: str) -> None:
     with app() as process:
