@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from samples import answered, bandit, big_lake, lake, look, stepped_lake, student
+from seams import screen_text
 from snapshots import changed
 from textual.app import App, ComposeResult
 
@@ -188,6 +189,16 @@ async def test_what_does_not_fit_scrolls() -> None:
         assert "bootstraps" in bottom
         await pilot.press(*["pageup"] * 10)
         assert made.render_line(0).text == top
+
+
+async def test_a_title_as_long_as_the_border_stays_whatever_blanks_are_within_it() -> None:
+    app = ModelApp()
+    async with app.run_test(size=(54, 8)) as pilot:
+        made = app.query_one(ModelPanel)
+        made.styles.border, made.styles.padding = ("round", "white"), (0, 2)
+        made.show(lake())
+        await pilot.pause()
+        assert made.heading in screen_text(app).splitlines()[0]
 
 
 def test_of_a_stepped_environment_it_says_what_is_known() -> None:

@@ -222,7 +222,7 @@ class BoardPanel(Widget):
         That is so where it has become narrower, until they are fitted anew. Textual would end them with "…",
         which ASCII does not have.
         """
-        room = self.region.width - self.gutter.width - BORDER_ENDS
+        room = self.region.width - self.styles.border.spacing.width - BORDER_ENDS
         if max(map(cell_len, self._border_texts)) > max(0, room):
             self._border_texts = "", ""
             self.border_title = self.border_subtitle = ""
