@@ -317,12 +317,12 @@ async def test_a_key_turns_cells_to_q_and_back_and_the_next_scenario_shows_them_
     async with on_screen(make_app("frozenlake"), size, notifications=True) as pilot:
         await train(pilot, 300)
         world = playground(pilot).board.world
-        before = str(world.border_title)
+        before = world.head
         await press(pilot, "V")
-        assert str(world.border_title).startswith("World · Q of every action")
+        assert world.head.startswith("World · Q of every action")
         assert not notes(pilot.app)
         await press(pilot, "V")
-        assert str(world.border_title) == before
+        assert world.head == before
         await press(pilot, "V", "right_square_bracket")
         assert playground(pilot).board.world is not world
         assert playground(pilot).board.world.shows_actions
@@ -332,13 +332,13 @@ async def test_a_key_turns_cells_to_q_and_back_and_the_next_scenario_shows_them_
 async def test_where_cells_are_too_small_it_says_so_and_the_zoom_helps(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), (60, 18), notifications=True) as pilot:
         world = playground(pilot).board.world
-        before = str(world.border_title)
+        before = world.head
         await press(pilot, "V")
         assert notes(pilot.app) == ["cells too small for Q of every action; f, the world alone, has room"]
-        assert str(world.border_title) == before
+        assert world.head == before
         await press(pilot, "f")
         assert not world.lacks_room
-        assert str(world.border_title).startswith("World · Q of every action")
+        assert world.head.startswith("World · Q of every action")
 
 
 @pytest.mark.screen

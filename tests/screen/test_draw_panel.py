@@ -8,7 +8,6 @@ import pytest
 from conftest import MakeApp
 from drawing_hands import Mouse, app_of_template, map_drawn
 from seams import app_at, notes, on_screen, playground, press, screen_text, slider, snapshot, tap
-from textual.geometry import Size
 from textual.pilot import Pilot
 
 from rl_tui.common import limits
@@ -18,10 +17,8 @@ from rl_tui.screen.app.app import RlTuiApp
 from rl_tui.screen.app.palette_entries import ActionProvider
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.draw.to_ascii import to_ascii
-from rl_tui.screen.frame.arrangement import Shape, arrangement
 from rl_tui.screen.frame.key_line import KeyLine
 from rl_tui.screen.keys.registry import ACTIONS
-from rl_tui.screen.kit.row import BUDGET, CONTROLS, CURVE, DRAW, LAST_STEP, TABLE, WORLD
 from rl_tui.screen.panels.draw_panel import ToolList
 from rl_tui.screen.playground.modes.editing import ALWAYS, TOOLBOXES
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE
@@ -62,26 +59,6 @@ async def palette(pilot: Pilot[UserError], query: str) -> dict[str, str]:
     """What the palette finds for ``query``: names and sentences."""
     hits = [hit async for hit in ActionProvider(pilot.app.screen).search(query)]
     return {str(hit.match_display): str(hit.help) for hit in hits}
-
-
-@pytest.mark.parametrize("drawing", DRAWINGS)
-@pytest.mark.parametrize("size", [(60, 16), (80, 22), (100, 32), (120, 38), (200, 58)])
-def test_it_takes_the_place_of_others_and_leaves_world_and_curve(size: tuple[int, int], drawing: str) -> None:
-    shape = Shape(DRAWINGS[drawing], 11)
-    usual = arrangement(Size(*size), shape)
-    drawn = arrangement(Size(*size), Shape(DRAWINGS[drawing], 11, is_drawn=True))
-    assert {WORLD, CURVE} <= drawn.keys()
-    assert DRAW not in usual
-    gone = usual.keys() - drawn.keys()
-    assert gone in ({CONTROLS, LAST_STEP}, {TABLE}, {TABLE, BUDGET})
-    assert drawn[DRAW].area == sum(usual[each].area for each in gone)
-
-
-@pytest.mark.parametrize("size", [(80, 22), (120, 38)])
-def test_two_lanes_make_room_for_it(size: tuple[int, int]) -> None:
-    regions = arrangement(Size(*size), Shape(DRAWINGS["map"], 11, lanes=True, is_drawn=True))
-    assert {WORLD, CURVE, DRAW} <= regions.keys()
-    assert sum(each.area for each in regions.values()) == Size(*size).area
 
 
 @pytest.mark.exhaustive(

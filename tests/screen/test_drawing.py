@@ -66,7 +66,7 @@ async def test_a_way_is_drawn_with_shift_and_arrows_and_where_it_never_comes_not
         assert drawn(pilot) == SHORTEST
         world = view(pilot)
         assert world.cursor == 15
-        assert "You draw a policy · return 1 · all on its way drawn" in str(world.border_title)
+        assert "You draw a policy · return 1 · all on its way drawn" in world.head
         assert worth(pilot).expected_return == 1.0
         arrows = picture(pilot)
         assert (arrows.count("▜██▛"), arrows.count("█▙▄▖"), arrows.count("?")) == (
@@ -83,12 +83,12 @@ async def test_a_way_is_drawn_with_shift_and_arrows_and_where_it_never_comes_not
             return sum(each.style is not None and bool(each.style.bold) for each in signs)
 
         assert (picture(pilot).count("?"), bold_signs()) == (5, 0)
-        assert str(world.border_title).endswith("its way is drawn")
+        assert world.head.endswith("its way is drawn")
         world.put_cursor(4)
         await press(pilot, "delete")
         left = snapshot(pilot).answers.left_to_chance
         assert bold_signs() == left.sum() == 1
-        assert "1 at random" in str(world.border_title)
+        assert "1 at random" in world.head
 
 
 @pytest.mark.parametrize(
@@ -106,8 +106,8 @@ async def test_in_little_room_the_mode_its_figures_and_its_signs_are_told(
     async with on_screen(make_app(scenario)) as pilot:
         await press(pilot, "D", *keys)
         world = view(pilot)
-        assert str(world.border_title) == said
-        assert str(world.border_subtitle).endswith("D: end")
+        assert world.head == said
+        assert world.foot.endswith("D: end")
         assert "? random" in picture(pilot)
 
 
@@ -116,7 +116,7 @@ async def test_a_diagonal_of_two_characters_is_no_tie(make_app: MakeApp) -> None
         await press(pilot, "D", "3", "right", "6")
         assert "@v   v>  ?" in picture(pilot)
         assert "*" not in picture(pilot)
-        assert str(view(pilot).border_subtitle) == "1^ 2> 3v 4< 5^> 6v> 7v< 8^< - D: end"
+        assert view(pilot).foot == "1^ 2> 3v 4< 5^> 6v> 7v< 8^< - D: end"
 
 
 async def test_digits_draw_and_the_cursor_stays_and_all_is_cleared_after_asking(make_app: MakeApp) -> None:
@@ -128,7 +128,7 @@ async def test_digits_draw_and_the_cursor_stays_and_all_is_cleared_after_asking(
         await press(pilot, "3")
         assert drawn(pilot) == ((1, RIGHT),)  # a hole is below
         assert "nothing to choose" in notes(pilot.app)[-1]
-        assert str(view(pilot).border_subtitle) == "nothing to choose here · D: end"
+        assert view(pilot).foot == "nothing to choose here · D: end"
         await press(pilot, "up", "7")
         assert notes(pilot.app)[-1] == "7 is no action here: draw with 1…4"
         await press(pilot, "C")
@@ -148,7 +148,7 @@ async def test_the_mode_is_seen_and_ends_by_its_keys_and_by_another_mode(make_ap
         keys = screen.query_one(KeyLine)
 
         def seen() -> tuple[str, ...]:
-            borders = str(world.border_title), str(world.border_subtitle)
+            borders = world.head, world.foot
             return *borders, keys.render_line(0).text, picture(pilot)
 
         before = seen()
@@ -157,8 +157,8 @@ async def test_the_mode_is_seen_and_ends_by_its_keys_and_by_another_mode(make_ap
             assert world.has_class("-manual")
             assert world.has_focus
             said = "return .01 · 10 states on its way at random (?)" if drawn(pilot) else "all at random (?)"
-            assert str(world.border_title).endswith(f" · {said}")
-            assert str(world.border_subtitle) == "1 ↑  2 →  3 ↓  4 ← · del: none · C: clear · D: end"
+            assert world.head.endswith(f" · {said}")
+            assert world.foot == "1 ↑  2 →  3 ↓  4 ← · del: none · C: clear · D: end"
             assert keys.render_line(0).text.startswith(" shift+arrow draw  digits draw  D end")
             await press(pilot, "shift+right", key)
             assert not screen.drawing.is_on
@@ -189,7 +189,7 @@ async def test_a_node_of_a_graph_takes_its_own_actions_and_a_name_leaves_the_cor
         assert rows.count("?") == 2  # Pass has one action
         await pilot.resize_terminal(120, 40)
         await settle(pilot)
-        assert str(view(pilot).border_subtitle).startswith("1 study  2 check phone · ")
+        assert view(pilot).foot.startswith("1 study  2 check phone · ")
         assert picture(pilot).count("?") == 2
         names = snapshot(pilot).world.space.state_names
         await press(pilot, "1")
@@ -197,7 +197,7 @@ async def test_a_node_of_a_graph_takes_its_own_actions_and_a_name_leaves_the_cor
         await press(pilot, "2")
         assert drawn(pilot) == ((0, 0), (1, 3))
         assert "?" not in picture(pilot)
-        assert "all on its way drawn" in str(view(pilot).border_title)
+        assert "all on its way drawn" in view(pilot).head
         mdp = snapshot(pilot).world.mdp
         assert mdp is not None
         assert worth(pilot).expected_return == pytest.approx(7.5, abs=5.0)
@@ -210,8 +210,8 @@ async def test_an_arm_of_a_bandit_is_drawn(make_app: MakeApp) -> None:
         await press(pilot, "7")
         assert drawn(pilot) == ((0, 7),)
         assert worth(pilot).expected_return is not None
-        assert str(view(pilot).border_title) == "You draw · its return is hidden"
-        assert str(view(pilot).border_subtitle).endswith("D: end")
+        assert view(pilot).head == "You draw · its return is hidden"
+        assert view(pilot).foot.endswith("D: end")
         assert "? random" not in picture(pilot)
 
 
@@ -227,7 +227,7 @@ async def test_a_large_map_says_at_least_what_is_open() -> None:
     async with on_screen(app) as pilot:
         await press(pilot, "D", "shift+right", "shift+down", "2")
         assert len(drawn(pilot)) == 3
-        assert str(view(pilot).border_title) == "You draw · 39,996 at random (?)"
+        assert view(pilot).head == "You draw · 39,996 at random (?)"
 
 
 async def test_another_map_ends_the_drawing_but_not_the_mode(make_app: MakeApp) -> None:
@@ -241,7 +241,7 @@ async def test_another_map_ends_the_drawing_but_not_the_mode(make_app: MakeApp) 
         await settle(pilot)
         assert drawn(pilot) == ()
         assert playground(pilot).drawing.is_on
-        assert "all at random (?)" in str(view(pilot).border_title)
+        assert "all at random (?)" in view(pilot).head
         await press(pilot, "1")
         assert len(drawn(pilot)) == 1
 
@@ -282,7 +282,7 @@ async def test_what_is_exported_is_worth_what_the_screen_says(
         await draw_shortest(pilot)
         shown = worth(pilot)
         assert 0.0 < shown.expected_return < 0.2  # type: ignore[operator]
-        assert "5 states on its way at random (?)" in str(view(pilot).border_title)
+        assert "5 states on its way at random (?)" in view(pilot).head
         await press(pilot, "x")
         await choose(pilot, "policy")
         await press(pilot, "enter")

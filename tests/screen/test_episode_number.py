@@ -19,7 +19,7 @@ _NUMBERED = re.compile(r"\b(?:ep|episode|sweep) ([\d,]*\d)")
 
 def numbers_of(pilot: Pilot[UserError]) -> set[str]:
     """The numbers of episodes or sweeps on the border of the last step and in all that is drawn."""
-    footing = str(playground(pilot).board.panel(LAST_STEP).border_subtitle)
+    footing = playground(pilot).board.panel(LAST_STEP).foot
     return set(_NUMBERED.findall(f"{screen_text(pilot.app)} {footing}"))
 
 
@@ -32,7 +32,7 @@ async def test_every_step_of_an_episode_and_its_end_and_where_one_goes_to_it(
             while snapshot(pilot).counters.episodes < int(expected):
                 await press(pilot, "s")
                 assert numbers_of(pilot) == {expected}
-            assert ENDED in str(playground(pilot).board.panel(LAST_STEP).border_subtitle)
+            assert ENDED in playground(pilot).board.panel(LAST_STEP).foot
         await train(pilot, 200)
         await press(pilot, "b", "g")
         await tap(pilot, *"e999", "enter")  # which is not there
@@ -75,5 +75,5 @@ async def test_an_episode_given_up_the_first_reward_and_sweeps_of_a_planner_have
         for _ in range(12):  # a sweep is 11 steps
             await press(pilot, "s")
             assert len(numbers_of(pilot)) == 1
-            seen.add(ENDED_SWEEP in str(playground(pilot).board.panel(LAST_STEP).border_subtitle))
+            seen.add(ENDED_SWEEP in playground(pilot).board.panel(LAST_STEP).foot)
         assert seen == {True, False}

@@ -130,7 +130,7 @@ async def test_only_rows_that_changed_are_refreshed() -> None:
         assert "the world is being built" in view.render_line(3).text
         view.show(snapshot)
         await pilot.pause()
-        assert view.border_title == "World · V and greedy"
+        assert view.head == "World · V and greedy"
         before = view.render_line(1).text
         refresh = view.refresh
 

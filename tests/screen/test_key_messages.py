@@ -121,10 +121,10 @@ def test_a_key_is_found_where_its_hint_stands() -> None:
 
 
 async def click_on(pilot: Pilot[UserError], text: str) -> None:
-    """Click the first letter of ``text`` on the lower border of the table."""
+    """Click the first letter of ``text`` in the last row of the table."""
     table = playground(pilot).board.table
     width, height = table.outer_size
-    column = width - 3 - len(table.footing) + table.footing.index(text)
+    column = width - 2 - len(table.footing) + table.footing.index(text)
     await click(pilot, table, offset=(column, height - 1))
 
 

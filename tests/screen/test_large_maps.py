@@ -45,7 +45,7 @@ def check_complete(screen: Playground) -> None:
     """What is in view is what the newest snapshot has, and it has no more than some screens of it."""
     snapshot = newest(screen)
     assert screen.board.is_complete
-    assert snapshot.agent.part.held.sum() < 30_000
+    assert snapshot.agent.part.held.sum() < 45_000
 
 
 @pytest.mark.parametrize("size", [(120, 40), pytest.param((80, 24), marks=pytest.mark.exhaustive("a size"))])
@@ -136,8 +136,7 @@ async def test_two_lanes_show_and_scroll_the_same_part_and_count_what_is_in_view
             check_complete(screen)
             assert left.cells == right.cells
         await tap(pilot, "home")
-        tables = screen.board.panel("table"), screen.board.panel("table-beside")
-        for moved, other in ((left, right), (right, left), tables, tables[::-1]):
+        for moved, other in ((left, right), (right, left)):
             before = moved.stance
             await scroll_down(pilot, moved)
             assert moved.stance == other.stance != before

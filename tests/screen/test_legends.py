@@ -26,6 +26,7 @@ from rl_tui.screen.panels.graph.graph import GraphView
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.panels.last_step.last_step import ENDED, LastStepPanel
 from rl_tui.screen.panels.q_table.q_table import QTable
+from rl_tui.screen.panels.world.scale_line import NOTHING_KNOWN
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.files.catalogue import find
 
@@ -51,18 +52,18 @@ def legend(panel: Panel) -> list[str]:
 
 def test_a_legend_stands_on_a_row_that_is_free() -> None:
     grid = explained(GridView(lake().world, look()), lake(), 60, 13)
-    assert rows(grid)[-1].split() == ["0", ".60", "V", "◉", "agent", "●", "hole", "★", "goal", "▲", "greedy"]
-    assert not grid.border_subtitle
+    assert rows(grid)[-1].split() == ["0", ".60", "V", "◉", "agent", "▲", "greedy", "●", "hole", "★", "goal"]
+    assert not grid.foot
 
 
 def test_without_a_free_row_it_is_on_the_border_as_far_as_there_is_room() -> None:
     for width, expected in (
-        (64, "tint V · ◉ agent · ● hole · ★ goal · S start · ↑ greedy"),
-        (42, "tint V · ◉ agent · ● hole · ★ goal"),
-        (33, "tint V · ◉ agent · ● hole"),
+        (64, "tint V · ◉ agent · ↑ greedy · ● hole · ★ goal · S start"),
+        (42, "tint V · ◉ agent · ↑ greedy · ● hole"),
+        (33, "tint V · ◉ agent · ↑ greedy"),
     ):
         grid = explained(GridView(lake().world, look()), lake(), width, 8)
-        assert str(grid.border_subtitle) == expected
+        assert grid.foot == expected
 
 
 def test_signs_stand_closer_where_all_of_them_fit_so() -> None:
@@ -74,9 +75,9 @@ def test_signs_stand_closer_where_all_of_them_fit_so() -> None:
 
 def test_what_stands_on_the_border_already_stays_there() -> None:
     table = explained(QTable(look()), lake(), 36, 12)
-    assert str(table.border_subtitle).endswith("v:▌Q▐ Q*  Q−Q*  visits")
+    assert table.foot.endswith("v:▌Q▐ Q*  Q−Q*  visits")
     table = explained(QTable(look()), lake(), 60, 12)
-    assert str(table.border_subtitle).startswith("▌▐ greedy")
+    assert table.foot.startswith("▌▐ greedy")
 
 
 @pytest.mark.parametrize("in_ascii", [False, True])
@@ -153,7 +154,7 @@ def test_a_kind_of_cell_in_which_something_can_be_done_has_no_sign() -> None:
 def test_a_legend_is_told_in_full_where_all_of_it_has_room() -> None:
     for width, expected in ((90, "tint value V(s)"), (70, "tint V")):
         grid = explained(GridView(lake().world, look()), lake(), width, 8)
-        assert str(grid.border_subtitle).split(" · ")[0] == expected
+        assert grid.foot.split(" · ")[0] == expected
 
 
 def test_a_map_that_scrolls_leaves_a_row_for_its_legend() -> None:
@@ -197,17 +198,18 @@ async def test_a_key_hides_captions_and_legends_and_shows_them_again(
     async with on_screen(make_app("frozenlake"), size) as pilot:
         await train(pilot, 2)
         board = playground(pilot).board
-        titles = {each: str(board.panel(each).border_title) for each in (WORLD, TABLE)}
+        titles = {each: board.panel(each).head for each in (WORLD, TABLE)}
         assert all(CAPTIONS[each] in title for each, title in titles.items())
         world = board.panel(WORLD)
-        assert "hole" in f"{world.border_subtitle}{world.render_line(world.size.height - 1).text}"
+        assert "◉ agent" in world.render_line(world.size.height - 1).text
         await press(pilot, "L")
+        assert world.render_line(world.size.height - 1).text.rstrip() == f"value: {NOTHING_KNOWN}"
         for each in (WORLD, TABLE, CURVE, LAST_STEP, CONTROLS):
             panel = board.panel(each)
-            assert CAPTIONS[each] not in str(panel.border_title)
-            assert str(panel.border_subtitle) in ("", "v:▌Q▐ Q*  Q−Q*  visits", "step 2 · episode 1")
+            assert CAPTIONS[each] not in panel.head
+            assert panel.foot in ("", "v:▌Q▐ Q*  Q−Q*  visits", "step 2 · episode 1")
         await press(pilot, "L")
-        assert {each: str(board.panel(each).border_title) for each in titles} == titles
+        assert {each: board.panel(each).head for each in titles} == titles
 
 
 @pytest.mark.screen

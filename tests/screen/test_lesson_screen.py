@@ -109,8 +109,8 @@ async def test_pages_turn_by_their_keys_alone_and_the_run_is_set_up_again_after_
 async def test_where_there_is_room_the_page_stands_beside_the_world() -> None:
     async with lesson(wide) as pilot:
         board = playground(pilot).board
-        assert page_panel(pilot).region.x == 76
-        assert page_panel(pilot).region.width == 44
+        assert page_panel(pilot).region.x == 70
+        assert page_panel(pilot).region.width == 48
         assert all(board.shows(panel) for panel in (WORLD, TABLE, LESSON_PANEL))
         await press(pilot, "R")
         assert page_panel(pilot).has_focus
@@ -380,7 +380,7 @@ async def test_every_panel_in_the_spotlight_is_marked_without_colours(
             if page_panel(pilot).has_focus:
                 await press(pilot, "R")
             lit = playground(pilot).board.panel(panel)
-            row = lit.region.y + min(1, lit.region.height - 1)
-            edge = screen_text(app).splitlines()[row][lit.region.x]
-            assert edge == ("|" if plain else "┃"), panel
+            edge = screen_text(app).splitlines()[lit.region.y][lit.region.x]
+            marks = ("▸", "┃") if not plain else (">", "|")  # before a heading, else beside the panel
+            assert edge in marks, panel
             assert lit.has_class("-spotlit"), panel

@@ -67,7 +67,7 @@ async def test_the_list_of_policies_opens_beside_the_drawing_and_another_policy_
         assert (await press(pilot, "down", "up")).answers.studied is PolicyKind.OPTIMAL  # above the drawn one
         assert not playground(pilot).drawing.is_on
         assert notes(pilot.app)[-1] == KEPT
-        assert "V of the optimal policy" in str(view(pilot).border_title)
+        assert "V of the optimal policy" in view(pilot).head
         assert not view(pilot).has_class("-manual")
         assert (await press(pilot, "D")).answers.studied is PolicyKind.DRAWN
         assert view(pilot).has_focus
@@ -82,7 +82,7 @@ async def test_in_another_panel_keys_and_key_line_are_its_own(
     async with on_screen(make_app("frozenlake")) as pilot:
         screen = playground(pilot)
         await press(pilot, "s", "s", mode)
-        told = str(view(pilot).border_subtitle)
+        told = view(pilot).foot
         for other in ("alpha", "timeline", "table"):
             assert word in key_line(pilot), other
             assert view(pilot).has_class("-manual"), other
@@ -95,8 +95,8 @@ async def test_in_another_panel_keys_and_key_line_are_its_own(
             assert word not in key_line(pilot), other
             assert not view(pilot).has_class("-manual"), other
             assert view(pilot).title, other  # what is drawn there, and who acts, holds on
-            assert str(view(pilot).border_subtitle).endswith(end), other
-            assert "↑" not in str(view(pilot).border_subtitle), other
+            assert view(pilot).foot.endswith(end), other
+            assert "↑" not in view(pilot).foot, other
             if other == "alpha":
                 assert key_line(pilot).split()[:3] == ["α", "step", "size"]
                 await press(pilot, "right")
@@ -109,7 +109,7 @@ async def test_in_another_panel_keys_and_key_line_are_its_own(
             assert drawn(pilot) == ()
             view(pilot).focus()
             await settle(pilot)
-            assert other != "alpha" or str(view(pilot).border_subtitle) == told
+            assert other != "alpha" or view(pilot).foot == told
         assert word in key_line(pilot)
         assert view(pilot).has_class("-manual")
 
@@ -161,7 +161,7 @@ async def test_after_an_episode_one_draws_where_the_next_one_starts(make_app: Ma
         assert not len(ended.world.space.pairs_of(ended.counters.state))
         await press(pilot, "D", "1")
         assert [state for state, _ in drawn(pilot)] == [ended.counters.step_from]
-        assert NOTHING_TO_CHOOSE not in str(view(pilot).border_subtitle)
+        assert NOTHING_TO_CHOOSE not in view(pilot).foot
 
 
 async def test_a_cursor_that_was_put_stays_and_the_first_words_tell_of_the_mouse(make_app: MakeApp) -> None:

@@ -191,14 +191,15 @@ async def test_what_does_not_fit_scrolls() -> None:
         assert made.render_line(0).text == top
 
 
-async def test_a_title_as_long_as_the_border_stays_whatever_blanks_are_within_it() -> None:
+async def test_a_dialog_has_a_frame_with_title_and_caption() -> None:
     app = ModelApp()
     async with app.run_test(size=(54, 8)) as pilot:
         made = app.query_one(ModelPanel)
         made.styles.border, made.styles.padding = ("round", "white"), (0, 2)
         made.show(lake())
         await pilot.pause()
-        assert made.heading in screen_text(app).splitlines()[0]
+        title, caption = made.heading.split(" · ")
+        assert screen_text(app).splitlines()[0] == f"╭─ {title}  {caption} ───╮"
 
 
 def test_of_a_stepped_environment_it_says_what_is_known() -> None:

@@ -26,7 +26,7 @@ from rl_tui.screen.frame.key_line import KeyLine
 from rl_tui.screen.keys.action import Place
 from rl_tui.screen.keys.registry import all_actions
 from rl_tui.screen.kit.panel import BoardPanel, Panel
-from rl_tui.screen.kit.row import CURVE, MICROSCOPE, OpeningKey, PanelRow
+from rl_tui.screen.kit.row import CURVE, MICROSCOPE, TABLE, OpeningKey, PanelRow
 from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.files.catalogue import find
@@ -47,7 +47,6 @@ STEPS = PanelRow(
     "Step count",
     "f9 counts the steps of the run.",
     opened_by=OpeningKey("f9", "count steps", "Count the steps.", rank=0),
-    in_place_of=(CURVE,),
 )
 
 
@@ -59,23 +58,23 @@ def app_with(row: PanelRow, scenario: str = "student") -> RlTuiApp:
 
 @pytest.mark.exhaustive("plays at another size", but=["size0"])
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
-async def test_its_key_opens_and_closes_it_where_its_row_says(size: tuple[int, int]) -> None:
+async def test_its_key_opens_and_closes_it_in_the_right_column(size: tuple[int, int]) -> None:
     async with on_screen(app_with(STEPS), size) as pilot:
         screen, board = playground(pilot), playground(pilot).board
-        place = board.curve.region
         board.table.focus()
         await press(pilot, "s", "f9")
         panel = board.panel("step_count")
-        assert panel.region == place
+        assert panel.region.x >= board.world.region.right
+        assert panel.region.height > board.curve.region.height
         assert panel.has_focus
-        assert not board.shows(CURVE)
+        assert not board.shows(TABLE)
         assert isinstance(panel, StepCount)
         assert panel.render_line(0).text.strip() == "1 so far"
         await press(pilot, "s")
         assert panel.render_line(0).text.strip() == "2 so far"
-        assert panel.border_title == "Steps"
+        assert panel.head == "Steps"
         await press(pilot, "f9")
-        assert board.shows(CURVE)
+        assert board.shows(TABLE)
         assert not board.shows("step_count")
         assert board.table.has_focus
         await press(pilot, "d", "f9")  # only one panel is open at a time
@@ -85,14 +84,15 @@ async def test_its_key_opens_and_closes_it_where_its_row_says(size: tuple[int, i
         assert board.opened == MICROSCOPE
         assert not panel.display
         await press(pilot, "f9", "f")
-        assert panel.region == board.region
+        assert board.region.contains_region(panel.region)
+        assert not board.shows(CURVE)
         await press(pilot, "f")
         visited = set()
         for _ in range(13):
             await press(pilot, "tab")
             visited.add(board.panel_of(pilot.app.focused))
-        assert {"step_count", "table"} <= visited
-        assert CURVE not in visited
+        assert {"step_count", CURVE} <= visited
+        assert TABLE not in visited
         await press(pilot, "escape")  # leaves the cursor of a table or a world, or closes it
         screen.set_focus(None)
         if board.opened:
@@ -150,7 +150,7 @@ class Drawn(NamedTuple):
 def drawn(panel: BoardPanel) -> Drawn:
     widgets = panel, *panel.query(Widget)
     rows = [repr(list(each.render_line(y))) for each in widgets for y in range(each.size.height)]
-    return Drawn(rows, panel.border_title, panel.border_subtitle)
+    return Drawn(rows, panel.head, panel.foot)
 
 
 async def check_kept(pilot: Pilot[UserError], *keys: str) -> None:

@@ -90,10 +90,10 @@ async def test_f_zooms_the_world_or_the_panel_in_focus(make_app: MakeApp) -> Non
         board.table.focus()
         await press(pilot, "f")
         assert board.zoomed == "table"
-        assert board.table.region.size == board.size
+        assert board.table.region.size == (board.size.width - 2, board.size.height)
         await press(pilot, "f")
         assert board.zoomed is None
-        assert board.query_one("#world").region.width == 42
+        assert board.query_one("#world").region.width == 44
 
 
 async def test_tab_goes_round_the_panels_m_shows_the_model_and_help_ends_with_notes(

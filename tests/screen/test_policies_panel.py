@@ -234,7 +234,7 @@ def test_the_curve_is_as_wide_whichever_policy_is_studied() -> None:
 
 def headings(pilot: Pilot[UserError]) -> list[str]:
     board = playground(pilot).board
-    return [str(board.panel(each).border_title) for each in (WORLD, TABLE, CURVE)]
+    return [board.panel(each).head for each in (WORLD, TABLE, CURVE)]
 
 
 @pytest.mark.exhaustive("plays at other sizes", but=["size1"])
@@ -329,7 +329,7 @@ async def test_a_state_that_a_policy_may_never_leave_has_a_dash_and_arrows_are_t
 
 
 def board_title(pilot: Pilot[UserError]) -> object:
-    return playground(pilot).board.panel(POLICIES).border_title
+    return playground(pilot).board.panel(POLICIES).head
 
 
 async def test_two_lanes_show_the_same_policy_each_its_own(make_app: MakeApp) -> None:

@@ -213,8 +213,8 @@ def test_ascii_needs_no_other_characters(state: Snapshot) -> None:
         drawn = Drawn(state, 44, 12, layer, revealed=True, ascii_only=True)
         drawn.text.encode("ascii")
         drawn.table.redraw()
-        assert drawn.table.border_subtitle is not None
-        str(drawn.table.border_subtitle).encode("ascii")
+        assert drawn.table.foot is not None
+        drawn.table.foot.encode("ascii")
 
 
 def test_every_segment_has_a_style() -> None:

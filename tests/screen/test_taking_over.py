@@ -65,16 +65,16 @@ async def test_arrows_and_digits_act_whatever_is_in_focus(
 async def test_the_mode_is_seen_and_y_or_escape_ends_it(make_app: MakeApp) -> None:
     async with on_screen(make_app("student"), (120, 40), notifications=True) as pilot:
         world = playground(pilot).board.world
-        before = (str(world.border_title), str(world.border_subtitle), bottom_line(pilot))
+        before = (world.head, world.foot, bottom_line(pilot))
         await press(pilot, "y")
-        assert str(world.border_title) == "You are the agent"
-        assert str(world.border_subtitle) == "1 study  2 check phone · y: hand back"
+        assert world.head == "You are the agent"
+        assert world.foot == "1 study  2 check phone · y: hand back"
         assert bottom_line(pilot) == "1 or 2 act  y hand back  s agent's step  space run  ? help"
         assert world.has_class("-manual")
         assert "◉ you act" in playground(pilot).query_one(StatusLine).render_line(0).text
         assert notes(pilot.app) == ["you are the agent: act with 1 or 2; y hands back"]
         await press(pilot, "y")
-        assert (str(world.border_title), str(world.border_subtitle), bottom_line(pilot)) == before
+        assert (world.head, world.foot, bottom_line(pilot)) == before
         assert not world.has_class("-manual")
         assert "paused" in playground(pilot).query_one(StatusLine).render_line(0).text
         assert notes(pilot.app)[-1] == "the agent acts again"
@@ -129,7 +129,7 @@ async def test_cards_by_hand(make_app: MakeApp) -> None:
         assert dealt.counters.step_from not in (None, dealt.counters.state)
         world = playground(pilot).board.world
         hand = dealt.world.space.state_names[dealt.counters.step_from or 0]
-        assert str(world.border_title) == f"You act · starts at {hand}"
+        assert world.head == f"You act · starts at {hand}"
         played = await press(pilot, "1")
         assert played.counters.episodes == 2
         assert played.counters.last_step.state == dealt.counters.step_from

@@ -11,7 +11,7 @@ from snapshots import changed
 
 from rl_tui.screen.kit.numbers_in_common import known_v
 from rl_tui.screen.kit.value_scale import SteadyScale, ValueScale, value_scale
-from rl_tui.screen.panels.world.shown_policy import scale_sign
+from rl_tui.screen.panels.world.scale_line import scale_pieces
 
 PALETTE = look().palette
 
@@ -76,7 +76,7 @@ def test_that_of_a_bandit_is_that_of_the_arms_pulled() -> None:
     assert sorted(known_v(snapshot)) == sorted(pulled)
 
 
-def test_a_legend_shows_it_with_both_ends() -> None:
-    sign = scale_sign(ValueScale(0.0, 0.86), "V", "", look())
-    assert [piece.text for piece in sign.pieces] == ["0 ", *" " * len(PALETTE.values), " .86"]
-    assert not scale_sign(ValueScale(), "V", "", look()).pieces
+def test_it_is_drawn_with_both_ends() -> None:
+    pieces = scale_pieces(ValueScale(0.0, 0.86), look())
+    assert [piece.text for piece in pieces] == ["0 ", *" " * len(PALETTE.values), " .86"]
+    assert not scale_pieces(ValueScale(), look())

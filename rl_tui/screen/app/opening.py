@@ -225,8 +225,8 @@ class Opener:
         watches: bool = False,
         playable: MakePlayable | None = None,
     ) -> Playground:
-        from rl_tui.screen.frame.arrangement import expected_shape
         from rl_tui.screen.frame.legend_switch import LegendSwitch
+        from rl_tui.screen.frame.shape import expected_shape
         from rl_tui.screen.playground.playground import Playground
 
         if self.autosave is not None and self.autosave is not autosave and self.autosave.has_something:
@@ -240,7 +240,6 @@ class Opener:
         self.player = self.make_player(recipe, record_sink=sink, record=record, playable=playable)
         shape = expected_shape(
             recipe.scenario.section,
-            has_legends=self.legends.is_on,
             lanes=record is not None and len(record.lanes) > 1,
             is_program=playable is not None,
             has_lesson=lesson is not None,

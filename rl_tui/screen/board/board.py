@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, Final, TypeVar
 
+import numpy as np
 from textual import events
 from textual.app import ComposeResult
 from textual.containers import Container
@@ -21,8 +22,8 @@ from rl_tui.live.viewport import Viewport
 from rl_tui.screen.board.board_layout import BoardLayout
 from rl_tui.screen.board.lane_pair import LanePair
 from rl_tui.screen.board.wanted import Wanted
-from rl_tui.screen.frame.arrangement import Shape, docks_lesson
 from rl_tui.screen.frame.legend_switch import LegendSwitch
+from rl_tui.screen.frame.shape import Shape, docks_lesson
 from rl_tui.screen.kit.counterparts import pairs_in
 from rl_tui.screen.kit.panel import BoardPanel
 from rl_tui.screen.kit.pointing import Moved, Pointed
@@ -31,6 +32,7 @@ from rl_tui.screen.kit.row import (
     CURVE,
     DISCOUNT,
     DRAW,
+    LAST_STEP,
     LESSON,
     MICROSCOPE,
     POLICIES,
@@ -79,7 +81,7 @@ class LessonPlace:
     @property
     def is_docked(self) -> bool:
         """Whether there is room for the page beside the world."""
-        return docks_lesson(self._board.size)
+        return docks_lesson(self._board.screen.size)
 
     @property
     def reads(self) -> bool:
@@ -144,6 +146,8 @@ class LessonPlace:
 
 NO_PROGRAM: Final = "this is an agent of ours; rl-tui watch SCRIPT.py watches one of yours"
 Kind = TypeVar("Kind", bound=BoardPanel)
+_LEAST_WITH_HEADING: Final = {LAST_STEP: 5}  # rows
+_LEAST_WITH_KEYS: Final = 7
 
 
 class Board(Container):
@@ -174,7 +178,7 @@ class Board(Container):
         self.world: WorldView | None = None
         """The world of the lane that is led, None before the first snapshot."""
         self._is_one_lane = self.keeps_focus = False
-        self._made(WORLD, WorldPlaceholder).expect(shape.drawing)
+        self._made(WORLD, WorldPlaceholder)
         self.curve = self._made(CURVE, ReturnCurve)
         self.curve.begin_with(wanted.recipe)
         self.timeline = self._made(TIMELINE, TimelineBar)
@@ -225,9 +229,9 @@ class Board(Container):
             lanes=(snapshot.beside is not None or awaits_lanes) and not self._is_one_lane,
             is_program=snapshot.program is not None,
             has_lesson=snapshot.lesson is not None,
-            legend_rows=int(self.legends.is_on),
             drawing=snapshot.world.drawing,
             table_rows=self.table.rows_of(snapshot),
+            actions=int(np.diff(snapshot.world.space.first_pair).max(initial=1)),
         )
         if self._pair.twins:
             self._take_lead(snapshot)
@@ -295,7 +299,7 @@ class Board(Container):
 
     def on_resize(self) -> None:
         """Show one lane or two, and a lesson beside the run or in turn with it, as there is room."""
-        self.set_classes(self._arrangement.styles(self.size))
+        self._dress()
         snapshot = self._snapshot
         if snapshot is not None and (snapshot.beside is not None or snapshot.lesson is not None):
             self.show(snapshot)
@@ -380,7 +384,7 @@ class Board(Container):
     @property
     def is_complete(self) -> bool:
         """Whether the newest snapshot has all that is in view."""
-        return all(panel.is_complete for panel in self._shown())
+        return all(panel.is_complete for panel in self._shown() if self.shows(panel.id or ""))
 
     @property
     def zoomed(self) -> str | None:
@@ -471,8 +475,16 @@ class Board(Container):
         """The arrangement, in place of one from CSS."""
         return self._arrangement
 
+    def _dress(self) -> None:
+        """Take headings and keys from panels that have no rows for them."""
+        for panel, region in self._arrangement.regions(self.size, self.zoomed).items():
+            if panel in self._panels:
+                least = _LEAST_WITH_HEADING.get(panel, 3)
+                self._panels[panel].set_class(region.height < least, "-bare")
+                self._panels[panel].set_class(region.height < _LEAST_WITH_KEYS, "-low")
+
     def _arrange_again(self) -> None:
-        self.set_classes(self._arrangement.styles(self.size))
+        self._dress()
         # a child's, since a container forgets its arrangement only for a child
         self.table.refresh(layout=True)
 

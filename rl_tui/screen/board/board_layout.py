@@ -9,8 +9,12 @@ from textual.geometry import NULL_OFFSET, NULL_SPACING, Region, Size
 from textual.layout import ArrangeResult, Layout, WidgetPlacement
 from textual.widget import Widget
 
-from rl_tui.screen.frame.arrangement import Shape, arrangement, docks_lesson, has_lines_below
+from rl_tui.screen.frame.arrange import Place, arrange
+from rl_tui.screen.frame.shape import Shape, docks_lesson
 from rl_tui.screen.kit.row import LESSON, WORLD, PanelRow, beside
+from rl_tui.screen.panels.world.view import WorldView
+
+_AROUND = 2  # rows of the screen that the board has not: header and keys
 
 
 class BoardLayout(Layout):
@@ -23,25 +27,17 @@ class BoardLayout(Layout):
         self.zoomed: str | None = None
         self.opened: str | None = None
         self.placed: frozenset[str] = frozenset()
-        self._panels = panels
-
-    def styles(self, size: Size) -> frozenset[str]:
-        """Return the style classes of the board: panels lose borders for which there is no room."""
-        if self.is_pair(size):
-            return frozenset({"-lanes", "-lines"})
-        has_lines = self.shape.has_lesson and has_lines_below(size, self.shape)
-        return frozenset({"-lines"} if has_lines else ())
+        self._rows = {row.id: row for row in panels}
 
     def has_lesson_in_a_row(self, size: Size) -> bool:
         """Return whether a lesson has one row only: its page is not read, and has no room beside all else."""
         shape = self.shape
-        is_page = shape.reads or docks_lesson(size) or self.zoomed == LESSON
+        is_page = shape.reads or docks_lesson(_screen(size)) or self.zoomed == LESSON
         return shape.has_lesson and not is_page
 
     def has_place(self, panel: str, size: Size) -> bool:
         """Return whether ``panel`` has a place, with the page of a lesson beside it or in turn with it."""
-        shape = replace(self.shape, reads=False)
-        return panel in arrangement(size, shape, self.zoomed, self.opened, self._panels)
+        return panel in self._place(size, replace(self.shape, reads=False), self.zoomed).regions
 
     def is_pair(self, size: Size) -> bool:
         """Return whether two lanes stand side by side."""
@@ -49,16 +45,31 @@ class BoardLayout(Layout):
 
     def regions(self, size: Size, zoomed: str | None) -> dict[str, Region]:
         """Return where each panel stands whose place is in view, with ``zoomed`` alone if it is not None."""
-        return arrangement(size, self.shape, zoomed, self.opened, self._panels)
+        return {
+            name: each.translate((0, -1))
+            for name, each in self._place(size, self.shape, zoomed).regions.items()
+        }
+
+    def _place(self, size: Size, shape: Shape, zoomed: str | None) -> Place:
+        is_wide = self.opened is not None and self._rows[self.opened].is_wide
+        return arrange(_screen(size), shape, self.opened, zoomed=zoomed, is_wide=is_wide)
 
     def arrange(
         self, parent: Widget, children: list[Widget], size: Size, greedy: bool = True
     ) -> ArrangeResult:
-        """Return the places of ``children``."""
-        regions = self.regions(size, self.zoomed)
+        """Return the places of ``children``, and give the worlds the size of their cells."""
+        regions, cell = self.regions(size, self.zoomed), self._place(size, self.shape, self.zoomed).cell
         self.placed = frozenset(regions)
+        for child in children:
+            if isinstance(child, WorldView) and child.cell != cell:
+                child.cell = cell
+                child.call_later(child.redraw)
         return [
             WidgetPlacement(regions[child.id], NULL_OFFSET, NULL_SPACING, child)
             for child in children
             if child.id in regions
         ]
+
+
+def _screen(board: Size) -> Size:
+    return Size(board.width, board.height + _AROUND)

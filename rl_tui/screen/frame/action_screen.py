@@ -15,9 +15,9 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from rl_tui.screen.draw.to_ascii import to_ascii
-from rl_tui.screen.frame.arrangement import ROOMY_HEIGHT, ROOMY_WIDTH
 from rl_tui.screen.frame.key_line import KeyLine
 from rl_tui.screen.frame.moment import tell
+from rl_tui.screen.frame.shape import ROOMY_HEIGHT, ROOMY_WIDTH
 from rl_tui.screen.keys.action import Action, Place
 from rl_tui.screen.keys.registry import actions_of
 from rl_tui.screen.kit.row import PanelRow, beside
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 LEAST_WIDTH: Final = 60
 LEAST_HEIGHT: Final = 18
-_LINES_AROUND_BOARD = 2
 
 # From which width, or height, on the screen has which class: the style sheets use them
 _WIDTHS: Final = [
@@ -40,7 +39,7 @@ _WIDTHS: Final = [
 _HEIGHTS: Final = [
     (0, "-too-short"),
     (LEAST_HEIGHT, "-short"),
-    (ROOMY_HEIGHT + _LINES_AROUND_BOARD, "-tall"),
+    (ROOMY_HEIGHT, "-tall"),
 ]
 
 

@@ -6,16 +6,17 @@ A subclass of `Panel` implements `picture`. Only rows that have changed are refr
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import fields, is_dataclass
 from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
 from rich.cells import cell_len
+from rich.segment import Segment
 from rich.style import Style
 from textual import events
-from textual.content import Content
+from textual.color import Color
 from textual.geometry import Region, Size
 from textual.strip import Strip
 from textual.widget import Widget
@@ -25,7 +26,6 @@ from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Piece, length, spelled, strips_of
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.kit.bindings import key_of_hint
-from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.world import World
 
@@ -127,7 +127,15 @@ def _entries(signs: Legend, look: Look) -> list[str]:
 
 
 BORDERS: Final = 2  # rows, and columns, that the border takes
-BORDER_ENDS: Final = 4  # a piece of line and a blank on either side of a title
+BORDER_ENDS: Final = 1  # a blank between a title and the rule behind it
+_TITLE_GAP: Final = "  "  # between a title and its caption
+_EDGES: Final = {  # by the name of a border in a style sheet: its rule, its upper and its lower corners
+    "solid": ("─", "┌┐", "└┘"),
+    "heavy": ("━", "┏┓", "┗┛"),
+    "round": ("─", "╭╮", "╰╯"),
+    "ascii": ("-", "++", "++"),
+    "blank": (" ", "  ", "  "),
+}
 
 
 _HINT: Final = re.compile(r"(\S+): ?.*?(?=\s+\S+: |\s+[·–-]\s|$)")
@@ -175,7 +183,12 @@ class BoardPanel(Widget):
     is_spotlit: bool = False
     drawn_from: object = None
     """What :meth:`depends_on` was for the last snapshot; None has the next one drawn."""
-    _border_texts = ("", "")
+    head = ""
+    """What stands above the panel: its title, and behind that its caption."""
+    foot = ""
+    """What stands in the row below: mostly its keys."""
+    _heading: Sequence[Segment] = ()
+    _keys: Sequence[Segment] = ()
 
     @property
     def stance(self) -> object:
@@ -208,25 +221,52 @@ class BoardPanel(Widget):
     def redraw(self) -> None:
         """Draw again, where anything was drawn."""
 
-    def write_border(self, heading: str, footing: str, glyphs: Glyphs) -> None:
-        """Write ``heading`` on the upper border and ``footing`` on the lower one."""
-        # setting a title refreshes the whole widget, even where it says the same
-        texts = separated(heading, glyphs), separated(footing, glyphs)
-        if texts != self._border_texts:
-            self._border_texts = texts
-            self.border_title, self.border_subtitle = map(Content, texts)
+    def write_border(self, head: str, foot: str, look: Look) -> None:
+        """Write ``head``, a title and a caption behind " · ", above the panel, and ``foot`` below it.
+
+        A sign before the title says that a lesson points here, for who sees no colours.
+        """
+        head = f"{look.glyphs.cursor} {head}" if self.is_spotlit else head
+        texts = separated(head, look.glyphs), separated(foot, look.glyphs)
+        if texts == (self.head, self.foot):
+            return
+        self.head, self.foot = texts
+        title, _, caption = (separated(part, look.glyphs) for part in head.partition(_BETWEEN))
+        dim, strong = look.palette.dim, look.palette.strong
+        self._heading = [Segment(title, strong)] if title else []
+        self._heading += [Segment(f"{_TITLE_GAP}{caption}", dim)] if caption else []
+        self._keys = [Segment(self.foot, dim)]
+        x, y = self.content_offset
+        width, height = self.outer_size
+        self.refresh(Region(-x, -y, width, 1), Region(-x, height - 1 - y, width, 1))
 
     def render_lines(self, crop: Region) -> list[Strip]:
-        """Return the lines to paint, without titles that the border has no room for.
+        """Return the lines to paint: that of the heading, the picture, and that of the keys."""
+        strips = super().render_lines(crop)
+        styles, bottom = self.styles, self.outer_size.height
+        if strips and crop.y == 0 and styles.border_top[0]:
+            emphasis = Strip([*self._heading][:1]).apply_style(styles.border_title_style)
+            heading = [*emphasis, *self._heading[1:]]
+            strips[0] = self._edge(styles.border_top, 0, heading).crop(crop.x, crop.right)
+        if strips and crop.bottom == bottom > 1 and styles.border_bottom[0]:
+            strips[-1] = self._edge(styles.border_bottom, 1, self._keys).crop(crop.x, crop.right)
+        return strips
 
-        That is so where it has become narrower, until they are fitted anew. Textual would end them with "…",
-        which ASCII does not have.
+    def _edge(self, border: tuple[str, Color], row: int, text: Sequence[Segment]) -> Strip:
+        """Return the upper (0) or lower (1) edge with its ``text``; its rule tells what has the focus.
+
+        A dialog has a frame, which has corners; a panel of the board has not.
         """
-        room = self.region.width - self.styles.border.spacing.width - BORDER_ENDS
-        if max(map(cell_len, self._border_texts)) > max(0, room):
-            self._border_texts = "", ""
-            self.border_title = self.border_subtitle = ""
-        return super().render_lines(crop)
+        kind, colour = border
+        rule, *corners = _EDGES[kind]
+        is_framed, line = bool(self.styles.border_right[0]), Style(color=colour.rich_color)
+        parts = [Segment(f"{corners[row][0]}{rule} ", line)] if is_framed else []
+        parts += [*text, Segment(" ")] if text else []
+        end = corners[row][1] if is_framed else ""
+        taken = sum(part.cell_length for part in parts) + len(end)
+        parts.append(Segment(rule * max(0, self.outer_size.width - taken) + end, line))
+        ground = self.rich_style
+        return Strip(parts).apply_style(ground).adjust_cell_length(self.outer_size.width, ground)
 
 
 class Panel(BoardPanel):
@@ -264,19 +304,15 @@ class Panel(BoardPanel):
 
     def fitting(self, titles: Iterable[str], width: int) -> str:
         """Return the first of ``titles`` that the border around ``width`` cells holds; empty if none does."""
-        room = width - BORDER_ENDS - cell_len(self._spot)
+        room = width - BORDER_ENDS - (len(f"{self.look.glyphs.cursor} ") if self.is_spotlit else 0)
         return next((each for each in titles if cell_len(separated(each, self.look.glyphs)) <= room), "")
-
-    @property
-    def _spot(self) -> str:
-        return f"{self.look.glyphs.cursor} " if self.is_spotlit else ""
 
     def redraw(self) -> None:
         """Draw again, and refresh the rows that came out different."""
         before, size_before = self._rows, self._drawn_size
         self._draw()
         footing = " · ".join(filter(None, (self._border_legend, self.footing)))
-        self.write_border(f"{self._spot}{self.heading}", footing, self.look.glyphs)
+        self.write_border(self.heading, footing, self.look)
         if self._drawn_size != size_before:
             self.refresh()
             return
@@ -307,7 +343,8 @@ class Panel(BoardPanel):
     def footing_column(self, event: events.MouseEvent) -> int | None:
         """Return which character of what stands on the lower border ``event`` points at, None if none."""
         text = separated(self.footing, self.look.glyphs)
-        column = event.x - (self.outer_size.width - BORDER_ENDS + 1 - cell_len(text))
+        frame = len("╰─ ") if self.styles.border_right[0] else 0
+        column = event.x - frame - self.foot.rfind(text)
         is_border = self.styles.border_bottom[0] and event.y == self.outer_size.height - 1
         return column if is_border and 0 <= column < cell_len(text) else None
 

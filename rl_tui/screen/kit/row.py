@@ -51,9 +51,8 @@ class PanelRow:
     """One panel. ``widget`` names its class, ``module:Class``, imported when a board is made.
 
     ``title`` and ``help`` explain it in the help. A panel with an ``opened_by`` is closed at first. Open, it
-    stands where the panels ``in_place_of`` stood, which form one rectangle at any size; where none of them is
-    in view it covers the board. With ``is_wide`` it has the whole width below world and table where there is
-    room for that. The microscope does both. ``needs`` says whether there is anything to show, by how the
+    has the right column beside the world; with ``is_wide`` the whole width below world and table where
+    there is room for that. ``needs`` says whether there is anything to show, by how the
     world is drawn. ``caption`` says in some five words what the panel is, and ``terms`` are the ids of
     the terms of the glossary that it is about, what is asked first before the rest. With ``is_twofold`` each
     of two lanes side by side has one; :func:`beside` is the id of the second. A panel ``of_program`` has
@@ -69,7 +68,6 @@ class PanelRow:
     caption: str = ""
     terms: tuple[str, ...] = ()
     opened_by: OpeningKey | None = None
-    in_place_of: tuple[str, ...] = ()
     is_wide: bool = False
     has_border: bool = True
     is_twofold: bool = False

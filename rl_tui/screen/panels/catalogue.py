@@ -246,8 +246,6 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "Take the last step apart: the loop, the backup, the return, the history of a cell.",
             rank=5,
         ),
-        in_place_of=(WORLD, CURVE),
-        is_wide=True,
     ),
     PanelRow(
         MANY_SEEDS,
@@ -277,7 +275,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "Run the same under many other seeds: the mean of each figure, with its error, beside this seed.",
             rank=17,
         ),
-        in_place_of=(TABLE, BUDGET),
+        is_wide=True,
         not_for_program="M runs agents of ours; rl-tui grade {file} runs your program under many seeds",
     ),
     PanelRow(
@@ -301,7 +299,7 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "Show Q* of a state for every γ, and each γ at which the best actions change.",
             rank=19,
         ),
-        in_place_of=(TABLE, BUDGET),
+        is_wide=True,
     ),
     PanelRow(
         POLICIES,
@@ -326,7 +324,6 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "What policies are worth, exactly: random, greedy, as it acts, optimal, drawn; V of each.",
             rank=18,
         ),
-        in_place_of=(TABLE, BUDGET),
     ),
     PanelRow(
         WORLD_CHECK,
@@ -350,7 +347,6 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "Check the world: what chance and the best policy earn, and what may never end.",
             rank=20,
         ),
-        in_place_of=(TABLE, BUDGET),
         not_for_program="Q checks worlds of scenarios; rl-tui check --deep checks one by its id or file",
     ),
     PanelRow(
@@ -370,7 +366,6 @@ PANELS: Final[tuple[PanelRow, ...]] = (
             "Of a program of your own: what is wrong with it, the line, and the correction.",
             rank=6,
         ),
-        in_place_of=(TABLE, BUDGET),
         of_program=True,
     ),
     PanelRow(
@@ -385,7 +380,6 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         opened_by=OpeningKey(
             "O", "output", "Of a program of your own: what it wrote, and its traceback.", rank=7
         ),
-        in_place_of=(TABLE, BUDGET),
         of_program=True,
     ),
 )

@@ -187,11 +187,11 @@ class DrawPanel(Container, BoardPanel):
             self.query_one("#world-numbers").styles.height = sliders
 
     def _write_border(self) -> None:
-        glyphs, count = self.look.glyphs, len(self._sheet.numbers)
+        count = len(self._sheet.numbers)
         titles = (f"Draw · {self.caption}", "Draw")[not self.is_explained :]
         fitting = (each for each in titles if cell_len(each) <= self.size.width - BORDER_ENDS)
         keys = f"1–{count}: its sliders" if count > 1 else "1: its slider" if count else ""
-        self.write_border(next(fitting, titles[-1]), keys, glyphs)
+        self.write_border(next(fitting, titles[-1]), keys, self.look)
 
     def _made(self) -> Iterable[Slider]:
         glyphs = self.look.glyphs

@@ -5,13 +5,12 @@ from __future__ import annotations
 from textual.widgets import Static
 
 from rl_tui.screen.kit.panel import BoardPanel
-from rl_tui.screen.panels.arms import ARMS, ArmsView
+from rl_tui.screen.panels.arms import ArmsView
 from rl_tui.screen.panels.graph.graph import GraphView
 from rl_tui.screen.panels.grid.grid import GridView
-from rl_tui.screen.panels.world.shown_policy import TITLE
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.theme.look import Look
-from rl_tui.worlds.drawing import Arms, Drawing, Graph, Grid
+from rl_tui.worlds.drawing import Arms, Graph, Grid
 from rl_tui.worlds.world import World
 
 
@@ -37,8 +36,3 @@ class WorldPlaceholder(Static, BoardPanel):
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(f"preparing {look.glyphs.ellipsis}", id=id, classes=classes)
-        self.border_title = TITLE
-
-    def expect(self, drawing: Drawing | None) -> None:
-        """Have the title of the view that will draw ``drawing``."""
-        self.border_title = ARMS if isinstance(drawing, Arms) else TITLE

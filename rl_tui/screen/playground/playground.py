@@ -25,11 +25,11 @@ from rl_tui.screen.board.frames import Frames, Settling
 from rl_tui.screen.board.wanted import PlayerLink, Wanted
 from rl_tui.screen.dialogs.dialog import Dialog
 from rl_tui.screen.frame.action_screen import ActionScreen
-from rl_tui.screen.frame.arrangement import Shape
 from rl_tui.screen.frame.early_keys import EarlyKeys
 from rl_tui.screen.frame.help import HelpScreen
 from rl_tui.screen.frame.key_line import KeyLine
 from rl_tui.screen.frame.legend_switch import LegendSwitch
+from rl_tui.screen.frame.shape import Shape
 from rl_tui.screen.keys.action import Action, Place
 from rl_tui.screen.keys.bindings import bindings_of
 from rl_tui.screen.keys.registry import actions_of

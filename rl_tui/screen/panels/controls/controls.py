@@ -104,9 +104,10 @@ class Controls(Container, BoardPanel):
                 LegendSign(to_ascii(each.symbol, look.glyphs), each.short_name, look.palette.text)
                 for each in self._parameters
             )
-            title = f"Controls · {self.caption}"
+            explained = f"Controls · {self.caption}"
+            title = explained if len(explained) <= self.size.width - BORDER_ENDS else title
             legend = self._legend(signs)
-        self.write_border(title, legend, look.glyphs)
+        self.write_border(title, legend, look)
 
     def _legend(self, signs: Legend) -> str:
         """Return ``signs`` behind that of a flip, which comes later, where that moves none of them."""

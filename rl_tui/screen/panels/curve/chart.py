@@ -19,7 +19,7 @@ from textual.strip import Strip
 from rl_tui.screen.draw import braille
 from rl_tui.screen.draw.axes import apart, draw_count_axis, draw_value_axis, value_axis_columns
 from rl_tui.screen.draw.braille import Steps
-from rl_tui.screen.draw.canvas import Canvas, shortened, wrapped
+from rl_tui.screen.draw.canvas import Canvas, Line, Piece, shortened, wrapped
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.scale import Scale, round_range
 from rl_tui.screen.panels.curve.data import CurveData
@@ -385,3 +385,26 @@ def _rows_of(names: Sequence[LineLabel], plot: Plot) -> list[tuple[LineLabel, in
     free = [row for row in reversed(range(plot.rows)) if row not in rows]
     without_end = downwards[len(with_end) :]
     return [*zip(with_end, rows, strict=True), *zip(without_end, free, strict=False)]
+
+
+# The curve in one row
+
+
+_EIGHTHS: Final = "▁▂▃▄▅▆▇█"
+_EIGHTHS_ASCII: Final = "_.:-=+*#"
+
+
+def spark_line(data: CurveData, scale: Scale, look: Look, width: int, words: str) -> Line:
+    """Return the means of the episodes in one row of ``width`` cells, and ``words`` behind them."""
+    columns = width - cell_len(words) - 2
+    if columns < 1 or not len(data.episodes.start):
+        return [Piece(words, look.palette.dim)]
+    marks = _EIGHTHS if look.glyphs.braille else _EIGHTHS_ASCII
+    places = np.linspace(data.episodes.start[0], data.episodes.end[-1], columns, endpoint=False)
+    at = np.clip(np.searchsorted(data.episodes.start, places, side="right") - 1, 0, None)
+    heights = (data.episodes.high[at] - scale.low) / (scale.high - scale.low)
+    signs = np.clip(np.nan_to_num(heights) * len(marks), 0, len(marks) - 1).astype(int)
+    return [
+        Piece("".join(marks[each] for each in signs), look.palette.episodes),
+        Piece(f"  {words}", look.palette.dim),
+    ]

@@ -11,13 +11,14 @@ from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.runs.recipe import Recipe
+from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Piece, strips_of
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.scale import Scale, settled
 from rl_tui.screen.draw.to_ascii import separated
 from rl_tui.screen.kit.panel import Legend, LegendSign, Panel, legend_text
 from rl_tui.screen.kit.snapshot_facts import has_estimates, is_new_run, passes_too_fast
-from rl_tui.screen.panels.curve.chart import draw_chart, plot_columns, plot_of
+from rl_tui.screen.panels.curve.chart import draw_chart, plot_columns, plot_of, spark_line
 from rl_tui.screen.panels.curve.data import CurveData, curve_data, is_decided, unit_of
 from rl_tui.screen.panels.curve.lane_text import lane_remark, lane_titles, steps_note
 from rl_tui.screen.panels.curve.seed_band import seed_bands, seed_sign, with_room_for
@@ -90,6 +91,9 @@ class ReturnCurve(Panel, can_focus=True):
         if low or high:
             # else nothing stood on it, and how soon the exact answer came must not be seen later
             self.scale = scale
+        if height == 1:
+            line = spark_line(data, scale, self.look, width, self._brief(data))
+            return strips_of([line], width, 1, self.look)
         decimals = decimals_for(*scale.outer_labels)
         in_border = height < _ROOM_FOR_REMARK
         plot = plot_of(data, scale, self.look, width, height)
@@ -109,6 +113,13 @@ class ReturnCurve(Panel, can_focus=True):
         line = [Piece(f"    {separated(said, self.look.glyphs)}", self.look.palette.dim)]
         chart = draw_chart(data, scale, self.look, decimals, width, height - 1)
         return [*chart, *strips_of([line], width, 1, self.look)]
+
+    def _brief(self, data: CurveData) -> str:
+        """Return the figures of now in a few words: of each run, else of the agent and its greedy policy."""
+        figures = [(str(lane.number), lane.value) for lane in data.lanes]
+        figures = figures or [("mean", data.mean_now), ("greedy", data.greedy_now)]
+        glyphs = self.look.glyphs
+        return "  ".join(f"{name} {numbers.value(x, 4, glyphs)}" for name, x in figures if x is not None)
 
     def legend(self, snapshot: Snapshot) -> Legend:
         """Return where the world changed, what the band of many seeds is, and what the axis counts.

@@ -168,9 +168,7 @@ class GraphView(WorldView):
         heading = f"{HEADING} {self.policy_shown}"
         forms = self.study_headings("V") or (*self.captioned(TITLE), heading)
         self.heading = self.fitting(forms, width) or heading
-        values = _with_new(
-            state_values(self.world.space, snapshot, self.steady_scale.of(snapshot)), self._shape
-        )
+        values = _with_new(state_values(self.world.space, snapshot, self.tints), self._shape)
         form = values.number_form(VALUE_WIDTH, self._number_forms)
         stops = snapshot.playback.breakpoints
         signs = Signs(snapshot.counters.state, self.shown_cursor, stops, self.differing, editor)

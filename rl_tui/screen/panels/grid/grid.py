@@ -256,7 +256,7 @@ class GridView(WorldView):
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return the map, or the part of it that fits, which leaves a row for the legend."""
-        if self.is_explained and self._map.grid.rows > height >= _LEAST_WITH_LEGEND:
+        if self.cell is None and self.is_explained and self._map.grid.rows > height >= _LEAST_WITH_LEGEND:
             strips = self._drawn_map(snapshot, width, height - 1)
             self.free_rows = 1
             return [*strips, Strip([Segment(" " * width, self.look.palette.text)], width)]
@@ -319,8 +319,7 @@ class GridView(WorldView):
         self.footing = self._where(width)
         self.free_rows = height - part.rows * form.height - max(0, (height - part.rows * form.height) // 2)
         self._form, self._origin = form, origin(form, part, width, height)
-        scale = self.steady_scale.of(snapshot)
-        return draw_grid(cells, artist, values, scale, part, width, height, self._number_forms)
+        return draw_grid(cells, artist, values, self.tints, part, width, height, self._number_forms)
 
     def _cell_form(self, width: int, height: int) -> CellForm:
         """Return the form of cells; first it settles whether they show every action."""
@@ -328,6 +327,8 @@ class GridView(WorldView):
         self._action_form = actions = self._form_of_actions(width, height)
         if actions is not None:
             return CellForm(actions.width, actions.height)
+        if self.cell:
+            return CellForm(self.cell.width, self.cell.height, self._digits)
         return cell_form(grid.rows, grid.columns, width, height, self._digits)
 
     def _form_of_actions(self, width: int, height: int) -> ActionForm | None:
@@ -398,25 +399,29 @@ class GridView(WorldView):
             yield LegendSign(glyphs.unreached, "unreached", palette.dim, "never reached")
         if form is not None and self._longest_name > self._room_for_names(form):
             yield LegendSign("#", "no room", palette.dim, f"no room for {STATE_NUMBERS}")
-        elif self._longest_name:
-            yield LegendSign(self._own_name, "state", palette.text, "number of a state")
         if actions is None and self.studied is None:
             yield from self.value_signs()
         yield self.agent_sign()
         if self.snapshot is not None and form is not None:
             left = traces(self.snapshot, self._map.grid)
             yield from trace_signs(left, self.look, has_ways=form.has_blocks and actions is None)
-        says_start = form is not None and form.says_start and actions is None
-        yield from place_signs(self._map, self._kinds, self.look, says_start=says_start)
         if actions is None and has_arrows and not self.lacks_table:
             greedy = ([each for each in signs if isinstance(each, tuple)] or signs)[-1]
             is_block = form is not None and form.has_blocks and glyphs.braille and isinstance(greedy, tuple)
-            sign = self.policy_sign(
-                glyphs.head_up if is_block else sign_text(greedy, self.look), palette.strong
-            )
-            yield sign._replace(in_full=PALE) if palette.has_shades and not self.shows_drawing else sign
+            yield self._greedy_sign(glyphs.head_up if is_block else sign_text(greedy, self.look))
+        says_start = form is not None and form.says_start and actions is None
+        yield from place_signs(self._map, self._kinds, self.look, says_start=says_start)
         if CellKind.WALL in self._kinds:
             yield LegendSign(glyphs.wall, "wall", palette.wall)
+        if form is not None and 0 < self._longest_name <= self._room_for_names(form):
+            yield LegendSign(self._own_name, "state", palette.text, "number of a state")
+
+    def _greedy_sign(self, sign: str) -> LegendSign:
+        """Return the ``sign`` of the greedy actions, which are paler where they hardly lead."""
+        said = self.policy_sign(sign, self.look.palette.strong)
+        if self.shows_drawing or not self.look.palette.has_shades:
+            return said
+        return said._replace(meaning=PALE if self.has_line else said.meaning, in_full=PALE)
 
     def redraw(self) -> None:
         """Draw again; say so where another part of a large map has come into view."""

@@ -180,8 +180,6 @@ class Policies(Panel, can_focus=True):
         )
         table, cursor = policy_table(snapshot, self.look), list(POLICY_NAMES).index(snapshot.answers.studied)
         lines, self._places, self.free_rows = laid(table, cursor, texts, width, height, self.look)
-        if height <= len(self._places):
-            self.heading = self.fitting(self._headings_with_cost(snapshot), width) or self.heading
         return strips_of(lines, width, height, self.look)
 
     def _headings(self, snapshot: Snapshot | None) -> tuple[str, ...]:
@@ -192,13 +190,6 @@ class Policies(Panel, can_focus=True):
         lane = self._lane(snapshot)
         named = f"{lane} {snapshot.run_group.lanes[snapshot.run_group.shown].name}"
         return (*(f"{named} · {each}" for each in plain), f"{lane} · {TITLE}", lane)
-
-    def _headings_with_cost(self, snapshot: Snapshot) -> tuple[str, ...]:
-        """Return headings with what exploring costs, for a panel without a row for that; none if unknown."""
-        said = next((note for note, is_figure in notes(snapshot, self.look) if is_figure), "")
-        said = said.removesuffix(" an episode")
-        lane = f"{self._lane(snapshot)} · " if snapshot.run_group.lanes else ""
-        return (f"{lane}{TITLE} · {said}", f"{lane}{said}") if said else ()
 
     def _lane(self, snapshot: Snapshot) -> str:
         return f"{self.look.glyphs.cursor}{snapshot.run_group.shown + 1}"

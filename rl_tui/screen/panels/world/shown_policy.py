@@ -13,11 +13,11 @@ from typing import Final
 
 import numpy as np
 from rich.style import Style
+from textual.geometry import Size
 
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.screen.draw import numbers
-from rl_tui.screen.draw.canvas import Piece
 from rl_tui.screen.draw.number_form import NumberForm, SteadyForms
 from rl_tui.screen.kit.numbers_in_common import all_v
 from rl_tui.screen.kit.panel import (
@@ -32,6 +32,7 @@ from rl_tui.screen.kit.panel import (
 from rl_tui.screen.kit.snapshot_facts import is_new_run
 from rl_tui.screen.kit.value_scale import SteadyScale, ValueScale
 from rl_tui.screen.panels.policies.studied import as_studied, studied_kind, study_headings
+from rl_tui.screen.panels.world.scale_line import scale_pieces
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 
@@ -41,7 +42,6 @@ from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 AT_RANDOM: Final = "?"
 """In place of an arrow: no action was drawn, so it acts at random."""
 DRAWN_IN_FULL: Final = "drawn: your choice"
-_END: Final = 4  # characters of the value of an end
 
 
 def drawn_actions(snapshot: Snapshot) -> Mapping[int, int] | None:
@@ -99,6 +99,8 @@ class PolicyPicture(Panel):
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)
+        self.cell: Size | None = None
+        """The size of a cell that the board gives it, 0 × 0 where it is no map; None without a board."""
         self.studied: PolicyKind | None = None
         """The policy whose values and actions are drawn; None: they are what the agent has learned."""
         self.shows_kept_policy = False
@@ -115,6 +117,13 @@ class PolicyPicture(Panel):
         """The states whose greedy actions are others in the lane beside; seen when it is drawn again."""
         self.steady_scale = SteadyScale()
         """The scale of all tints, which that of the lane beside shares."""
+        self.tints = ValueScale()
+        """That scale as it was drawn last."""
+
+    @property
+    def has_line(self) -> bool:
+        """Whether a line with the scale of the tints is below the picture: a board has a row for it."""
+        return self.cell is not None
 
     def show(self, snapshot: Snapshot) -> None:
         """Draw ``snapshot`` with values and actions of the policy that is studied, else of the agent."""
@@ -169,22 +178,18 @@ class PolicyPicture(Panel):
         return valueless if has_actions else (*valueless, *self.value_signs())
 
     def value_signs(self) -> Legend:
-        """Return the sign of V(s), which is a colour; none where there are no colours.
+        """Return the sign of V(s), a colour; none without colours, or where a line has the scale.
 
         Where a program has no table it is that of a value that is missing.
         """
         palette, studied = self.look.palette, self.studied is not None
         if self.lacks_table:
             return (no_table_sign(self.look),)
-        if not palette.tints:
+        if self.has_line or not palette.tints:
             return ()
         name, in_full = ("Vπ", "value Vπ(s)") if studied else ("V", "value V(s)")
-        return (scale_sign(self.value_scale, name, in_full, self.look),)
-
-    @property
-    def value_scale(self) -> ValueScale:
-        """The scale of the tints of V."""
-        return ValueScale() if self.snapshot is None else self.steady_scale.of(self.snapshot)
+        pieces = scale_pieces(self.tints, self.look)
+        return (LegendSign(" tint ", name, palette.value(1.0), in_full, pieces),)
 
     def policy_sign(self, sign: str, style: Style) -> LegendSign:
         """Return the ``sign`` of the actions that are drawn."""
@@ -270,16 +275,3 @@ def state_values(space: FiniteSpace, snapshot: Snapshot, scale: ValueScale) -> S
     shown = drawn_pairs(space, snapshot) or (frozenset(greedy), frozenset())
     off_way = frozenset(state for state in shown[1] if is_off_way(snapshot, state))
     return StateValues(tuple(values), frozenset(known), shown[0], all_v(snapshot), scale, shown[1], off_way)
-
-
-def scale_sign(scale: ValueScale, name: str, in_full: str, look: Look) -> LegendSign:
-    """Return ``scale`` as a sign of a legend: its tints, of what is called ``name``, between its ends."""
-    palette = look.palette
-    low, high = scale.ends
-    ramp = palette.signed if scale.is_signed else palette.values
-    if high <= low:
-        return LegendSign(" tint ", name, palette.value(1.0), in_full)
-    ends = [numbers.value(end, _END, look.glyphs, 2) if end else "0" for end in (low, high)]
-    tints = (Piece(" ", style) for style in ramp)
-    pieces = (Piece(f"{ends[0]} ", palette.dim), *tints, Piece(f" {ends[1]}", palette.dim))
-    return LegendSign(" tint ", name, palette.value(1.0), in_full, pieces)

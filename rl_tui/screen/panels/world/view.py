@@ -2,131 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from typing import ClassVar, Final
 
+from rich.style import Style
 from textual import events
 from textual.binding import BindingType
-from textual.geometry import Offset
 from textual.strip import Strip
 
 from rl_tui.live.last_step.step_report import story_of
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.live.viewport import Cells
-from rl_tui.screen.draw.canvas import Canvas, shortened
+from rl_tui.screen.draw.canvas import Canvas, Piece, shortened
 from rl_tui.screen.draw.names import state_name
 from rl_tui.screen.kit.bindings import binding
-from rl_tui.screen.kit.counterparts import are_alike, state_in
+from rl_tui.screen.kit.counterparts import are_alike
 from rl_tui.screen.kit.panel import AGENT, BoardPanel, Legend, LegendSign, agent_meaning
-from rl_tui.screen.kit.pointing import (
-    NOWHERE,
-    Moved,
-    PartPointed,
-    Pointed,
-    PointerStroke,
-    Wheeled,
-    part_pointed_at,
-)
+from rl_tui.screen.kit.pointing import NOWHERE, Moved, PartPointed, Pointed, part_pointed_at
 from rl_tui.screen.kit.snapshot_facts import is_new_run, passes_too_fast
 from rl_tui.screen.panels.last_step.state_backup_text import backup_text
+from rl_tui.screen.panels.world.drawn_picture import DrawnPicture
 from rl_tui.screen.panels.world.edit_marks import edit_signs, with_signs
-from rl_tui.screen.panels.world.shown_policy import TITLE, PolicyPicture
+from rl_tui.screen.panels.world.scale_line import NamedScale, scale_line
+from rl_tui.screen.panels.world.shown_policy import TITLE
 from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.world import World
-
-# Drawing with the pointer
-
-
-_FINE = 0.1  # of a turn of the wheel, with shift
-
-
-class DrawnPicture(PolicyPicture):
-    """A picture of places that tells over which of them the pointer was drawn, while that is wanted."""
-
-    cursor: int | None
-
-    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
-        super().__init__(look, id=id, classes=classes)
-        self.is_drawn_on = False
-        """Whether a person draws the world: then the pointer paints, and the wheel changes what is paid."""
-        self._picked: frozenset[int] = frozenset()
-        self._stroke: list[int] = []
-        self._pointer = Offset()  # where it was last, during a stroke
-
-    @property
-    def picked(self) -> frozenset[int]:
-        """The places that are drawn like that of the cursor: a rectangle, or what the pointer was over."""
-        return self._picked.union(self._stroke)
-
-    @picked.setter
-    def picked(self, picked: frozenset[int]) -> None:
-        if picked != self._picked:
-            self._picked = picked
-            self.redraw()
-
-    def place_at(self, x: int, y: int) -> int | None:
-        """Return the place drawn at column ``x`` of row ``y``, None where there is none."""
-        raise NotImplementedError
-
-    def carried(self, place: int, before: Snapshot, now: Snapshot) -> int | None:
-        """Return where the ``place`` of ``before`` is in ``now``, another world; None where it is gone."""
-        return self.place_in(place, before.world, now.world)
-
-    def place_in(self, place: int, world: World, other: World) -> int | None:
-        """Return where the ``place`` of ``world`` is in ``other``; None for nowhere."""
-        return state_in(place, world, other)
-
-    def on_mouse_down(self, event: events.MouseDown) -> None:
-        """Begin a stroke."""
-        place, offset = self._place_under(event), event.get_content_offset(self)
-        if self.is_drawn_on and place is not None and offset is not None:
-            self.capture_mouse()
-            self._stroke, self._pointer = [place], offset
-            self.redraw()
-
-    def on_mouse_move(self, event: events.MouseMove) -> None:
-        """Go on with the stroke, along a straight line: a fast pointer is seen here and there only."""
-        offset = event.get_content_offset(self) if self._stroke else None
-        if offset is None:
-            return
-        before, self._pointer = self._pointer, offset
-        for x, y in _straight(before, offset):
-            place = self.place_at(x, y)
-            if place is not None and place != self._stroke[-1]:
-                self._stroke.append(place)
-                self.redraw()
-
-    def on_mouse_up(self) -> None:
-        """End the stroke, and tell of it."""
-        if self._stroke:
-            self.release_mouse()
-            stroke, self._stroke = tuple(self._stroke), []
-            self.redraw()
-            self.post_message(PointerStroke(self, stroke))
-
-    def turns(self, event: events.MouseEvent, lines: int) -> bool:
-        """Tell that the wheel was turned over a place, if it is drawn on; return whether it is."""
-        place = self._place_under(event) if self.is_drawn_on else None
-        if place is not None:
-            amount = -1.0 if lines > 0 else 1.0
-            self.post_message(Wheeled(self, place, amount * (_FINE if event.shift else 1.0)))
-        return self.is_drawn_on
-
-    def _place_under(self, event: events.MouseEvent) -> int | None:
-        offset = event.get_content_offset(self)
-        return None if offset is None else self.place_at(offset.x, offset.y)
-
-
-def _straight(start: Offset, end: Offset) -> Iterator[tuple[int, int]]:
-    """Yield the cells of the screen on the straight line from ``start``, which is left out, to ``end``."""
-    across = end - start
-    steps = max(abs(across.x), abs(across.y))
-    for step in range(1, steps + 1):
-        yield start.x + round(across.x * step / steps), start.y + round(across.y * step / steps)
-
-
-# The panel
-
 
 WAITING: Final = "the world is being built"
 _WHEEL: Final = 3
@@ -235,10 +136,10 @@ class WorldView(DrawnPicture, can_focus=True):
 
     def legend(self, snapshot: Snapshot) -> Legend:
         """Return the signs of the world; none where keys or an equation need the border they were on."""
-        is_taken = (bool(self.title) or self._has_equation) and self.free_rows < 1
-        return (
-            () if is_taken else (*self.random_signs(), *edit_signs(snapshot.editor, self.look), *self.signs())
-        )
+        is_taken = bool(self.title) or (self._has_equation and not self.has_line)
+        if is_taken and self.free_rows < 1:
+            return ()
+        return *self.random_signs(), *edit_signs(snapshot.editor, self.look), *self.signs()
 
     def signs(self) -> Iterable[LegendSign]:
         """Return the signs that pictures of this world may have, those that matter most first."""
@@ -339,26 +240,60 @@ class WorldView(DrawnPicture, can_focus=True):
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the drawing of ``snapshot``, a moment of a run in this view's world."""
-        if snapshot is not None:
-            strips = self.drawing(snapshot, width, height)
-            self._has_equation = not (self.footing or self.lane or self.is_manual or self.cursor is not None)
-            if self._has_equation:
-                self.footing = self.fitting(self._equation(snapshot), width)
-                self._has_equation = bool(self.footing)
-            if self.lane:
-                self._name_lane(width)
-            if not self.footing and self.has_focus:
-                self.footing = self.fitting(self._about_cursor(), width)
-            if self.title:
-                lacks_legend = self.is_explained and self.free_rows < 1
-                titles = with_signs(self.title, snapshot.editor, self.look) if lacks_legend else self.title
-                self.heading, self.footing = self.fitting(titles, width), self.fitting(self.prompt, width)
-            return strips
+        if snapshot is None:
+            return self._waiting(width, height)
+        rows = height - 1 if self.has_line and height > 1 else height
+        self.tints = self.steady_scale.of(snapshot)
+        strips = self.drawing(snapshot, width, rows)
+        self.free_rows = 0 if self.has_line else self.free_rows
+        self._write_border_texts(snapshot, width)
+        return strips if rows == height else [*strips, self._line(snapshot, width)]
+
+    def _waiting(self, width: int, height: int) -> list[Strip]:
         palette, glyphs = self.look.palette, self.look.glyphs
         canvas = Canvas(width, height, palette.text)
         text = shortened(WAITING, width, glyphs.ellipsis)
         canvas.put((width - len(text)) // 2, (height - 1) // 2, text, palette.dim)
         return canvas.strips()
+
+    def _write_border_texts(self, snapshot: Snapshot, width: int) -> None:
+        """Set heading and footing where a mode, a lane, the cursor or an equation has something to say."""
+        self._has_equation = not (self.footing or self.lane or self.is_manual or self.cursor is not None)
+        if self._has_equation:
+            self.footing = self.fitting(self._equation(snapshot), width)
+            self._has_equation = bool(self.footing)
+        if self.lane:
+            self._name_lane(width)
+        if not self.footing and self.has_focus:
+            self.footing = self.fitting(self._about_cursor(), width)
+        if self.title:
+            lacks_legend = self.is_explained and self.free_rows < 1
+            titles = with_signs(self.title, snapshot.editor, self.look) if lacks_legend else self.title
+            self.heading, self.footing = self.fitting(titles, width), self.fitting(self.prompt, width)
+
+    def _explain(self, snapshot: Snapshot) -> None:
+        """Put the legend where it belongs; where there is a line with the scale, the signs are in that."""
+        if not self.has_line:
+            super()._explain(snapshot)
+
+    def _line(self, snapshot: Snapshot, width: int) -> Strip:
+        """Return the line below the picture: the mode, the lane or the cursor, then scale and signs."""
+        palette = self.look.palette
+        said: list[Piece] = []
+        if self.title:
+            said += [Piece(f" {self.heading} ", palette.strong + Style(reverse=True))]
+        elif self.lane or self.studied is not None or self.is_numbered or self.shows_actions:
+            said += [Piece(self.heading, palette.strong)]
+        if self.footing:
+            said += [Piece("  " if said else "", palette.text), Piece(self.footing, palette.dim)]
+        signs = self.legend(snapshot) if self.is_explained else ()
+        return scale_line(tuple(said), self.named_scale, signs, width, self.look)
+
+    @property
+    def named_scale(self) -> NamedScale | None:
+        """The scale of the tints and the word for it; None where nothing is tinted."""
+        has_none = self.lacks_table or isinstance(self.world.drawing, Arms)
+        return None if has_none else NamedScale("value", self.tints)
 
     def _name_lane(self, width: int) -> None:
         """Write the lane in the border, and below it the note, else what the picture shows."""

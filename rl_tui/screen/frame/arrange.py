@@ -1,0 +1,495 @@
+"""Where everything stands: a pure function of the size of the screen, the world's shape and what is open.
+
+The world is served first: its cells are as large as the least that all else needs allows. Two bands share a
+horizontal line: world and table above, curve and agent below. Regions are counted in characters from the
+upper left corner of the screen, whose first row is the header and whose last one has the keys.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, field
+from typing import Final, NamedTuple
+
+from textual.geometry import Region, Size
+
+from rl_tui.screen.frame.shape import (
+    MEDIUM,
+    ROOMY,
+    ROOMY_WIDTH,
+    SMALL,
+    Shape,
+    cell_size,
+    docks_lesson,
+    size_class,
+)
+from rl_tui.screen.kit.row import (
+    BUDGET,
+    CURVE,
+    DRAW,
+    LAST_STEP,
+    LESSON,
+    TABLE,
+    TIMELINE,
+    WORLD,
+    beside,
+)
+from rl_tui.worlds.drawing import Arms, Graph, Grid
+
+
+class Place(NamedTuple):
+    """The ``regions`` of the panels in view, by id, and the size of a ``cell`` of the map.
+
+    Without a map, or with none in view, that is 0 × 0.
+    """
+
+    regions: dict[str, Region]
+    cell: Size
+
+
+# The arrangement
+
+
+_LEAST_BELOW: Final = {SMALL: 3, MEDIUM: 5, ROOMY: 10}  # rows of the lower band
+_LEAST_BELOW_WIDE_MAP: Final = {SMALL: 5, MEDIUM: 7, ROOMY: 12}
+_BESIDE_PAGE: Final = 12  # rows of curve and table, where the page of a lesson has the right column
+_AROUND_A_MAP: Final = 15  # rows
+_LEAST_SCROLLING: Final = 5  # rows of the lower band, before a map scrolls in which nobody walks
+_WIDE_PANEL: Final = 19  # rows of a panel of charts below world and table, with timeline and sliders
+_BELOW_LANES: Final = 18  # rows below the worlds of two lanes, before there are tables
+_UPPER: Final = 16  # rows of the upper band that a table is given beside a low map
+_MOST_CURVE: Final = 16
+_LAST_STEP: Final = 8  # rows in which it tells all
+_SHORT_STEP: Final = 3
+_BUDGET: Final = 6
+_MOST_ARM: Final = 3  # rows, with one for the axis of all
+_LEAST_SETTINGS: Final = 5
+_TABLE_KEPT: Final = 12  # rows of the table before others come below it
+_SHARE: Final = 0.235  # of the screen; a map that has less takes rows of the lower band
+_PANEL_COLUMNS: Final = (44, 60)
+_PANEL_SHARE: Final = 0.4
+_BESIDE_A_GRAPH: Final = 36  # columns; with more the boxes of a graph become a list
+_TALLER: Final = 1.5  # times: a wide map lies above all else if its cells get so much higher
+_LARGER: Final = 1.3  # times: two maps lie one above the other if cells get so much larger
+_BESIDE_MAPS: Final = 28  # columns
+_TOOLS: Final = 14  # rows of the tools while another panel is open too
+
+
+def arrange(
+    size: Size,
+    shape: Shape,
+    opened: str | None = None,
+    *,
+    zoomed: str | None = None,
+    is_wide: bool = False,
+    shown: Collection[str] | None = None,
+) -> Place:
+    """Return where everything stands on a screen of ``size``.
+
+    The panel ``zoomed`` covers all others. The one ``opened`` by its key has the right column, or the lower
+    band if it ``is_wide`` and there is room. ``shown`` are the ids of the panels that a page of a lesson is
+    about, None: all.
+    """
+    sheet = _Sheet(size, shape, shown)
+    if zoomed is not None:
+        return sheet.alone(zoomed)
+    if shape.has_lesson and shape.reads and not docks_lesson(size):
+        return sheet.alone(LESSON)
+    if shape.has_lesson and not docks_lesson(size):
+        sheet.put(LESSON, Region(0, 1, size.width, 1))
+        sheet.top = 2
+    if sheet.room is SMALL and opened is not None:
+        sheet.put(opened, Region(0, sheet.top, size.width, sheet.foot - sheet.top))
+        return Place(sheet.regions, Size(0, 0))
+    if opened is not None and sheet.room is not ROOMY:
+        sheet.lanes = False
+    return _Bands(sheet, opened, is_wide=is_wide and sheet.room is ROOMY and not shape.has_lesson).place()
+
+
+@dataclass
+class _Sheet:
+    """A screen on which regions are put: its class, its margins and the rows from ``top`` to ``foot``."""
+
+    size: Size
+    shape: Shape
+    shown: Collection[str] | None
+    regions: dict[str, Region] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.room = size_class(self.size)
+        self.margin, self.gap = (2, 3) if self.room is ROOMY else (1, 2)
+        self.top = 2 if self.room is ROOMY else 1
+        self.foot = self.size.height - (2 if self.room is ROOMY else 1)
+        self.usable = self.size.width - 2 * self.margin
+        self.lanes = self.shape.lanes and self.room is not SMALL
+        self.blank = 1 if self.room is ROOMY else 0
+
+    def shows(self, panel: str) -> bool:
+        return self.shown is None or panel in self.shown
+
+    def put(self, panel: str, region: Region) -> None:
+        """Put ``panel`` there, if that is anywhere."""
+        if region.width > 0 and region.height > 0:
+            self.regions[panel] = region
+
+    def alone(self, panel: str) -> Place:
+        """Return the place of ``panel`` on all of the screen; curve and timeline come together."""
+        body = Region(self.margin, 1, self.usable, self.size.height - 2)
+        if panel in (CURVE, TIMELINE):
+            self.put(CURVE, Region(*body[:3], body.height - 1))
+            self.put(TIMELINE, Region(body.x, body.bottom - 1, body.width, 1))
+            return Place(self.regions, Size(0, 0))
+        self.put(panel, body)
+        drawing, cell = self.shape.drawing, Size(0, 0)
+        if panel in (WORLD, beside(WORLD)) and isinstance(drawing, Grid):
+            high = body.height - 1 - bool(drawing.wind)
+            cell = cell_size(drawing.rows, drawing.columns, body.width, high)
+        return Place(self.regions, cell)
+
+
+class _Bands:
+    """Puts world and right column into the upper band, curve and agent into the lower one."""
+
+    def __init__(self, sheet: _Sheet, opened: str | None, *, is_wide: bool) -> None:
+        self.sheet, self.shape, self.room = sheet, sheet.shape, sheet.room
+        self.wide = opened if is_wide and not sheet.lanes else None
+        self.drawing = self.shape.drawing
+        docked = LESSON if self.shape.has_lesson and docks_lesson(sheet.size) else None
+        tools = DRAW if self.shape.is_drawn and self.room is not SMALL else None
+        self.table = DRAW if self.shape.is_drawn and self.room is SMALL else TABLE
+        """What stands beside the world."""
+        self.below_page = opened or tools if docked else None
+        """What stands below the world, where a page has the right column."""
+        self.aside = docked or (None if self.wide else opened) or tools
+        """What has the right column in both bands."""
+        self.extra_tools = (
+            tools if self.aside not in (None, tools) and not docked and self.room is ROOMY else None
+        )
+        if sheet.lanes and self.aside is not None:
+            self.below_page, self.aside = (self.below_page, self.aside) if docked else (self.aside, None)
+        named = sheet.shown
+        has_column = self.aside or sheet.shows(TABLE) or sheet.shows(LAST_STEP)
+        self.is_alone = named is not None and not has_column
+        self.has_lower = sheet.shows(CURVE) or sheet.shows(self.shape.settings)
+        self.wind = int(isinstance(self.drawing, Grid) and bool(self.drawing.wind))
+        self.is_place = isinstance(self.drawing, Grid) and not self.drawing.legend
+        self.least, self.most = self._columns()
+
+    def _columns(self) -> tuple[int, int]:
+        """Return the least and the most columns at the right."""
+        width = self.sheet.size.width
+        if self.aside is not None:
+            least, most = _PANEL_COLUMNS
+            if isinstance(self.drawing, Graph) and self.room is MEDIUM:
+                least = _BESIDE_A_GRAPH
+            columns = max(least, min(most, round(width * _PANEL_SHARE)))
+            return columns, columns
+        is_arms = isinstance(self.drawing, Arms)
+        least = 24 if is_arms else 4 + 6 * min(self.shape.actions, 4)
+        most = 40 if is_arms else 6 + 10 * min(self.shape.actions, 4)
+        least = max(26 if self.room is SMALL else 30, least)
+        if self.room is SMALL:
+            return least, least
+        if self.room is MEDIUM:
+            return least, max(least, 33 if width < ROOMY_WIDTH else 44)
+        return least, max(44, min(most, 46 if width < 150 else 56))
+
+    def place(self) -> Place:
+        """Return the regions of all."""
+        sheet = self.sheet
+        room, below = self._world_room(), self._least_below()
+        scale = self._scale_rows(below)
+        extra = scale + self.wind
+        cell, below = self._cell_and_rows_below(room, below, extra)
+        stacked = self._stacked_cell(cell, extra)
+        if stacked is not None:
+            return self._on_top(stacked, extra)
+        height = self._height(below, extra)
+        above = self._cell_above_another(height)
+        is_over = above is not None and above.area > _LARGER * cell.area
+        if above is not None and is_over:
+            cell, room = above, sheet.usable - _BESIDE_MAPS
+        picture = self._picture(cell, room, height)
+        columns = self._right_columns(picture.width)
+        left = sheet.usable - (columns + sheet.gap if columns else 0)
+        upper = (2 if is_over else 1) * (picture.height + extra)
+        if self.room is ROOMY and self.aside is None:
+            upper = max(upper, min(_UPPER, height + extra))
+        self._put_world(picture, extra, left, room, is_over=is_over)
+        low = sheet.top + upper + (sheet.blank if below else 0)
+        self._put_right(columns, upper)
+        if sheet.lanes and self.aside is None and self.below_page is None and not is_over:
+            low = self._put_tables(low, room)
+        self._put_lower(low, left, columns)
+        return Place(sheet.regions, cell)
+
+    def _height(self, below: int, extra: int) -> int:
+        """Return the rows for the picture of the world, with ``below`` in the lower band."""
+        sheet = self.sheet
+        return sheet.foot - sheet.top - below - extra - (sheet.blank if below else 0)
+
+    def _cell_and_rows_below(self, room: int, below: int, extra: int) -> tuple[Size, int]:
+        """Return the size of a cell and the least rows of the lower band, of which a small map takes some."""
+        cell = self._cell(room, self._height(below, extra))
+        if not self.is_small(cell) or below != _LEAST_BELOW[self.room]:
+            return cell, below
+        fewer = range(below - 1, _LEAST_SCROLLING - 1, -1)
+        for is_broad in (False, True):
+            for rows in (below, *fewer):
+                larger = self._cell(room, self._height(rows, extra), is_broad=is_broad)
+                if not self.is_small(larger):
+                    return larger, rows
+        return cell, below
+
+    def is_small(self, cell: Size) -> bool:
+        """Return whether a map of such cells, in which one walks, has too little of the screen."""
+        drawing = self.drawing
+        if not isinstance(drawing, Grid) or not self.is_place or self.aside or self.wide or self.sheet.lanes:
+            return False
+        return (
+            self.room is not SMALL
+            and cell.area * drawing.rows * drawing.columns < _SHARE * self.sheet.size.area
+        )
+
+    # The world
+
+    def _least_below(self) -> int:
+        """Return the least rows of the lower band."""
+        sheet = self.sheet
+        if not self.has_lower:
+            return 0
+        if self.wide is not None:
+            return _WIDE_PANEL
+        if self.below_page is not None:
+            return min(_WIDE_PANEL, (sheet.foot - sheet.top) // 2)
+        if self.aside == LESSON and sheet.shown is None:
+            return _BESIDE_PAGE + 2
+        rows = self.drawing.rows if isinstance(self.drawing, Grid) else 0
+        may_take = self.room is ROOMY and not self.is_place and self.aside is None
+        if may_take and rows > sheet.size.height - _AROUND_A_MAP:
+            return _LEAST_SCROLLING
+        return _LEAST_BELOW[self.room]
+
+    def _world_room(self) -> int:
+        """Return the columns that the world may have."""
+        sheet = self.sheet
+        if sheet.lanes:
+            usable = sheet.usable - (self.least + sheet.gap if self.aside else 0)
+            return (usable - sheet.gap) // 2
+        if self.is_alone:
+            return sheet.usable
+        return sheet.usable - sheet.gap - (self.least if isinstance(self.drawing, Grid) else self.most)
+
+    def _scale_rows(self, below: int) -> int:
+        """Return the rows of the scale: none where a small screen has three rows a cell without it only."""
+        sheet, drawing = self.sheet, self.drawing
+        rows = sheet.foot - sheet.top - below
+        is_tight = isinstance(drawing, Grid) and drawing.rows * 3 <= rows < drawing.rows * 3 + 1
+        return 0 if self.room is SMALL and is_tight else 1
+
+    def _cell(self, width: int, height: int, *, is_broad: bool = False) -> Size:
+        if not isinstance(self.drawing, Grid):
+            return Size(0, 0)
+        return cell_size(self.drawing.rows, self.drawing.columns, width, height, is_broad=is_broad)
+
+    def _stacked_cell(self, cell: Size, extra: int) -> Size | None:
+        """Return the cell of a map above all else, if that is much higher than ``cell``; else None."""
+        sheet = self.sheet
+        if not self.is_place or sheet.lanes or self.aside or self.wide or sheet.shown is not None:
+            return None
+        rows = sheet.foot - sheet.top - _LEAST_BELOW_WIDE_MAP[self.room] - extra - 1
+        stacked = self._cell(sheet.usable, rows)
+        is_better = stacked.height >= _TALLER * cell.height and stacked.width >= cell.width
+        return stacked if is_better or (self.is_small(cell) and stacked.area > cell.area) else None
+
+    def _cell_above_another(self, height: int) -> Size | None:
+        """Return the cell where two maps lie one above the other, None where they may not."""
+        drawing = self.drawing
+        if not isinstance(drawing, Grid) or not self.is_place or self.aside or not self.sheet.lanes:
+            return None
+        rows = height - 1 - self.wind
+        return cell_size(drawing.rows * 2, drawing.columns, self.sheet.usable - _BESIDE_MAPS, rows)
+
+    def _picture(self, cell: Size, room: int, height: int) -> Size:
+        """Return the size of the picture of the world."""
+        match self.drawing:
+            case Grid(rows=rows, columns=columns):
+                return Size(min(room, cell.width * columns), min(height, cell.height * rows))
+            case Arms(count=arms):
+                return Size(room, min(height, arms * max(1, min(_MOST_ARM, (height - 1) // arms)) + 1))
+            case _:
+                return Size(room, height)
+
+    def _put_world(self, picture: Size, extra: int, left: int, room: int, *, is_over: bool) -> None:
+        """Put the world with its scale below it, and that of a second lane; the frame has a column before."""
+        sheet = self.sheet
+        x = sheet.margin
+        if self.is_alone and self.room is ROOMY and picture.width < left:
+            x += (left - picture.width) // 2
+        wide = max(picture.width, min(left, 40)) if not sheet.lanes else max(picture.width, room)
+        region = Region(x - 1, sheet.top, min(wide, left) + 1, picture.height + extra)
+        sheet.put(WORLD, region)
+        if is_over:
+            sheet.put(beside(WORLD), region.translate((0, region.height)))
+        elif sheet.lanes:
+            sheet.put(beside(WORLD), region.translate((room + sheet.gap, 0)))
+
+    # The right column
+
+    def _right_columns(self, picture: int) -> int:
+        """Return the columns at the right: what a picture so wide leaves, up to the most of use."""
+        sheet = self.sheet
+        if self.is_alone or (sheet.lanes and self.aside is None):
+            return 0
+        if self.aside is not None:
+            return self.least
+        return max(self.least, min(self.most, sheet.usable - sheet.gap - picture))
+
+    def _put_right(self, columns: int, upper: int) -> None:
+        """Put table, last step and budget beside the world, or what has the column in both bands."""
+        sheet = self.sheet
+        if not columns:
+            return
+        x = sheet.size.width - sheet.margin - columns
+        if self.aside is not None:
+            rows = sheet.foot - sheet.top - (_TOOLS + 1 if self.extra_tools else 0)
+            sheet.put(self.aside, Region(x, sheet.top, columns, rows))
+            if self.extra_tools is not None:
+                sheet.put(self.extra_tools, Region(x, sheet.top + rows + 1, columns, _TOOLS))
+            return
+        kept = min(self.shape.table_rows + 2, _TABLE_KEPT)
+        bottom = sheet.top + upper
+        below: list[tuple[str, int]] = []
+        rows = upper
+        for panel, sizes in self._below_table():
+            high = next((each for each in sizes if rows - each - sheet.blank >= kept), 0)
+            if high and sheet.shows(panel):
+                below.append((panel, high))
+                rows -= high + sheet.blank
+        for panel, high in below:
+            sheet.put(panel, Region(x, bottom - high, columns, high))
+            bottom -= high + sheet.blank
+        if sheet.shows(self.table):
+            sheet.put(self.table, Region(x, sheet.top, columns, bottom - sheet.top))
+
+    def _below_table(self) -> list[tuple[str, tuple[int, ...]]]:
+        """Return what may stand below the table, and in how many rows, the most first."""
+        panels: list[tuple[str, tuple[int, ...]]] = []
+        if self.wide is None and self.room is not SMALL:
+            panels.append((LAST_STEP, (_LAST_STEP,) if self.room is ROOMY else (_LAST_STEP, _SHORT_STEP)))
+        if isinstance(self.drawing, Arms):
+            panels.append((BUDGET, (_BUDGET,)))
+        return panels
+
+    def _put_tables(self, low: int, room: int) -> int:
+        """Put the tables of two lanes below their worlds, if there is room; return the row below them."""
+        sheet, least = self.sheet, _BELOW_LANES + min(self.shape.table_rows, 6)
+        if sheet.foot - low < least:
+            return low
+        rows = min(self.shape.table_rows + 2, sheet.foot - low - 14)
+        sheet.put(TABLE, Region(sheet.margin, low, room, rows))
+        sheet.put(beside(TABLE), Region(sheet.margin + room + sheet.gap, low, room, rows))
+        return low + rows + 1
+
+    # The lower band
+
+    def _put_lower(self, low: int, left: int, columns: int) -> None:
+        """Put curve, timeline and agent below the common line, in the rows that are left."""
+        sheet, foot, shape = self.sheet, self.sheet.foot, self.shape
+        x = sheet.margin
+        if self.wide is not None:
+            sheet.put(self.wide, Region(x, low, sheet.usable, foot - 2 - low))
+            sheet.put(TIMELINE, Region(x, foot - 2, sheet.usable, 1))
+            sheet.put(shape.settings, Region(x, foot - 1, sheet.usable, 1))
+        elif not self.has_lower:
+            return
+        elif self.room is SMALL:
+            self._put_lines(foot - 3)
+        elif columns and self.aside is None:
+            at = sheet.size.width - sheet.margin - columns
+            y = low
+            for panel, rows in self._above_settings():
+                if foot - y - rows - sheet.blank >= _LEAST_SETTINGS:
+                    sheet.put(panel, Region(at, y, columns, rows))
+                    y += rows + sheet.blank
+            sheet.put(shape.settings, Region(at, y, columns, foot - y))
+            self._put_curve(low, foot, left)
+        else:
+            self._put_below_lanes_or_page(low, left)
+
+    def _above_settings(self) -> list[tuple[str, int]]:
+        """Return what had no room below the table, and the rows it takes above the settings."""
+        taken = self.sheet.regions
+        panels = [(LAST_STEP, _LAST_STEP)] if self.sheet.shows(LAST_STEP) else []
+        panels += [(BUDGET, _BUDGET)] if isinstance(self.drawing, Arms) else []
+        return [each for each in panels if each[0] not in taken]
+
+    def _put_below_lanes_or_page(self, low: int, left: int) -> None:
+        """Put the curve, beside it what else has no column at the right, and agent and last step in lines."""
+        sheet, foot, x = self.sheet, self.sheet.foot, self.sheet.margin
+        width = left
+        if sheet.shows(self.shape.settings):
+            foot -= 1
+            sheet.put(self.shape.settings, Region(x, foot, width, 1))
+        if LAST_STEP not in sheet.regions and sheet.shows(LAST_STEP) and foot - low >= _BESIDE_PAGE + 1:
+            foot -= 1
+            sheet.put(LAST_STEP, Region(x, foot, width, 1))
+        if self.below_page is not None and self.aside == LESSON:
+            sheet.put(self.below_page, Region(x, low, width, foot - 1 - low))
+            sheet.put(TIMELINE, Region(x, foot - 1, width, 1))
+            return
+        second = self.below_page
+        if second is None and self.aside == LESSON and not sheet.lanes and sheet.shows(TABLE):
+            second = TABLE
+        if second is None and sheet.lanes and self.room is ROOMY and isinstance(self.drawing, Arms):
+            second = BUDGET
+        if second is not None:
+            half = max(min(self._table_columns(), width // 2), (width - sheet.gap) // 2)
+            sheet.put(second, Region(x + width - half, low, half, foot - low))
+            width -= half + sheet.gap
+        self._put_curve(low, foot, width)
+
+    def _table_columns(self) -> int:
+        return 4 + 6 * min(self.shape.actions, 4)
+
+    def _put_curve(self, low: int, foot: int, width: int) -> None:
+        """Put the curve and, directly below it, the timeline with the same first and last column."""
+        sheet, x = self.sheet, self.sheet.margin
+        if not sheet.shows(CURVE):
+            return
+        rows = min(_MOST_CURVE, foot - 1 - low)
+        sheet.put(CURVE, Region(x, low, width, rows))
+        sheet.put(TIMELINE, Region(x, low + rows, width, 1))
+
+    def _put_lines(self, y: int) -> None:
+        """Put last step, agent and curve with timeline in a line each."""
+        sheet, x, width = self.sheet, self.sheet.margin, self.sheet.usable
+        half = width // 2
+        sheet.put(LAST_STEP, Region(x, y, width, 1))
+        sheet.put(self.shape.settings, Region(x, y + 1, width, 1))
+        sheet.put(CURVE, Region(x, y + 2, half - 1, 1))
+        sheet.put(TIMELINE, Region(x + half, y + 2, width - half, 1))
+
+    def _on_top(self, cell: Size, extra: int) -> Place:
+        """Return the place of a wide map above all else: below it the last step, curve and table."""
+        sheet, x, foot = self.sheet, self.sheet.margin, self.sheet.foot
+        picture = self._picture(cell, sheet.usable, sheet.foot)
+        sheet.put(WORLD, Region(x - 1, sheet.top, sheet.usable + 1, picture.height + extra))
+        low = sheet.top + picture.height + extra + sheet.blank
+        sheet.put(LAST_STEP, Region(x, low, sheet.usable, 1))
+        low += 1 + (1 if self.room is ROOMY and foot - low - 1 >= 12 else 0)
+        if self.room is not ROOMY:
+            foot -= 1
+            sheet.put(self.shape.settings, Region(x, foot, sheet.usable, 1))
+        right = 32 if self.room is SMALL else self.most
+        left, at, rows = sheet.usable - right - sheet.gap, sheet.size.width - sheet.margin - right, foot - low
+        agent = 0 if self.room is not ROOMY else 6 if rows >= 14 else 4
+        sheet.put(self.table, Region(at, low, right, rows - agent - bool(agent)))
+        if agent:
+            sheet.put(self.shape.settings, Region(at, foot - agent, right, agent))
+        if self.room is SMALL:
+            sheet.put(CURVE, Region(x, low, left, rows - 1))
+            sheet.put(TIMELINE, Region(x, foot - 1, left, 1))
+        else:
+            self._put_curve(low, foot, left)
+        return Place(sheet.regions, cell)

@@ -1,0 +1,105 @@
+"""What an arrangement of the screen goes by: its size, the shape of the world, and the cells of a map."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Final
+
+from textual.geometry import Size
+
+from rl_tui.screen.kit.row import CONTROLS, PROGRAM
+from rl_tui.worlds.drawing import Drawing
+from rl_tui.worlds.sections.schema import WorldSection
+
+ROOMY_WIDTH: Final = 100
+ROOMY_HEIGHT: Final = 36
+MEDIUM_WIDTH: Final = 76
+MEDIUM_HEIGHT: Final = 22
+
+# What is asked
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """What the arrangement depends on besides the size and what is open.
+
+    ``actions`` is the greatest number of a state, ``table_rows`` what the whole table takes. With ``lanes``
+    two runs are to stand side by side. Of a program that is watched there is nothing to set. With
+    ``has_lesson`` a page stands beside the world; where there is no room for both, ``reads`` says that the
+    page has it. While a person draws the world, it ``is_drawn``: then there is a panel of tools.
+    """
+
+    drawing: Drawing | None = None
+    table_rows: int = 11
+    actions: int = 4
+    lanes: bool = False
+    is_program: bool = False
+    has_lesson: bool = False
+    reads: bool = False
+    is_drawn: bool = False
+
+    @property
+    def settings(self) -> str:
+        """The id of the panel that says by what the agent learns."""
+        return PROGRAM if self.is_program else CONTROLS
+
+
+def expected_shape(section: WorldSection, *, lanes: bool, is_program: bool, has_lesson: bool) -> Shape:
+    """Return what is known of the shape before the world of ``section`` is built."""
+    return Shape(
+        drawing=section.sketch(),
+        lanes=lanes,
+        is_program=is_program,
+        has_lesson=has_lesson,
+        reads=has_lesson,
+    )
+
+
+class SizeClass(IntEnum):
+    """How much room a screen has."""
+
+    SMALL = 0
+    MEDIUM = 1
+    ROOMY = 2
+
+
+SMALL, MEDIUM, ROOMY = SizeClass
+
+
+def size_class(size: Size) -> SizeClass:
+    """Return how much room a screen of ``size`` has."""
+    if size.width >= ROOMY_WIDTH and size.height >= ROOMY_HEIGHT:
+        return ROOMY
+    return MEDIUM if size.width >= MEDIUM_WIDTH and size.height >= MEDIUM_HEIGHT else SMALL
+
+
+def docks_lesson(size: Size) -> bool:
+    """Return whether there is room for a page of a lesson beside the world."""
+    return size_class(size) is ROOMY
+
+
+# Cells of a map
+
+
+_MOST_HEIGHT: Final = 12  # of a cell
+_LOW: Final = {1: (1, 7), 2: (3, 8)}  # columns of cells of so many rows, least and most
+_ODD_FROM: Final = 5  # columns: a cell with an odd number of them has a middle
+_HUGE: Final = Size(80, 40)  # cells: a map that is larger scrolls at a size that can be read
+_READABLE: Final = 3  # columns
+
+
+def cell_size(rows: int, columns: int, width: int, height: int, *, is_broad: bool = False) -> Size:
+    """Return the tallest cell of which rows × columns fit into width × height, and of these the widest.
+
+    A cell is as wide on the screen as it is high, or up to half as much again, twice if it ``is_broad``.
+    Where not even the smallest one fits, the map scrolls.
+    """
+    for tall in range(min(_MOST_HEIGHT, height // rows), 0, -1):
+        least, most = _LOW.get(tall, (2 * tall - 1, (4 if is_broad else 3) * tall - 1))
+        wide = min(most, width // columns)
+        wide -= wide >= _ODD_FROM and wide % 2 == 0
+        if wide >= least:
+            return Size(wide, tall)
+    is_huge = rows > _HUGE.height or columns > _HUGE.width
+    return Size(_READABLE if is_huge else max(1, min(_READABLE, width // columns)), 1)

@@ -1,0 +1,103 @@
+"""A picture of a world on which a person draws with the pointer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from textual import events
+from textual.geometry import Offset
+
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.kit.counterparts import state_in
+from rl_tui.screen.kit.pointing import PointerStroke, Wheeled
+from rl_tui.screen.panels.world.shown_policy import PolicyPicture
+from rl_tui.screen.theme.look import Look
+from rl_tui.worlds.world import World
+
+_FINE: Final = 0.1  # of a turn of the wheel, with shift
+
+
+class DrawnPicture(PolicyPicture):
+    """A picture of places that tells over which of them the pointer was drawn, while that is wanted."""
+
+    cursor: int | None
+
+    def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+        super().__init__(look, id=id, classes=classes)
+        self.is_drawn_on = False
+        """Whether a person draws the world: then the pointer paints, and the wheel changes what is paid."""
+        self._picked: frozenset[int] = frozenset()
+        self._stroke: list[int] = []
+        self._pointer = Offset()  # where it was last, during a stroke
+
+    @property
+    def picked(self) -> frozenset[int]:
+        """The places that are drawn like that of the cursor: a rectangle, or what the pointer was over."""
+        return self._picked.union(self._stroke)
+
+    @picked.setter
+    def picked(self, picked: frozenset[int]) -> None:
+        if picked != self._picked:
+            self._picked = picked
+            self.redraw()
+
+    def place_at(self, x: int, y: int) -> int | None:
+        """Return the place drawn at column ``x`` of row ``y``, None where there is none."""
+        raise NotImplementedError
+
+    def carried(self, place: int, before: Snapshot, now: Snapshot) -> int | None:
+        """Return where the ``place`` of ``before`` is in ``now``, another world; None where it is gone."""
+        return self.place_in(place, before.world, now.world)
+
+    def place_in(self, place: int, world: World, other: World) -> int | None:
+        """Return where the ``place`` of ``world`` is in ``other``; None for nowhere."""
+        return state_in(place, world, other)
+
+    def on_mouse_down(self, event: events.MouseDown) -> None:
+        """Begin a stroke."""
+        place, offset = self._place_under(event), event.get_content_offset(self)
+        if self.is_drawn_on and place is not None and offset is not None:
+            self.capture_mouse()
+            self._stroke, self._pointer = [place], offset
+            self.redraw()
+
+    def on_mouse_move(self, event: events.MouseMove) -> None:
+        """Go on with the stroke, along a straight line: a fast pointer is seen here and there only."""
+        offset = event.get_content_offset(self) if self._stroke else None
+        if offset is None:
+            return
+        before, self._pointer = self._pointer, offset
+        for x, y in _straight(before, offset):
+            place = self.place_at(x, y)
+            if place is not None and place != self._stroke[-1]:
+                self._stroke.append(place)
+                self.redraw()
+
+    def on_mouse_up(self) -> None:
+        """End the stroke, and tell of it."""
+        if self._stroke:
+            self.release_mouse()
+            stroke, self._stroke = tuple(self._stroke), []
+            self.redraw()
+            self.post_message(PointerStroke(self, stroke))
+
+    def turns(self, event: events.MouseEvent, lines: int) -> bool:
+        """Tell that the wheel was turned over a place, if it is drawn on; return whether it is."""
+        place = self._place_under(event) if self.is_drawn_on else None
+        if place is not None:
+            amount = -1.0 if lines > 0 else 1.0
+            self.post_message(Wheeled(self, place, amount * (_FINE if event.shift else 1.0)))
+        return self.is_drawn_on
+
+    def _place_under(self, event: events.MouseEvent) -> int | None:
+        offset = event.get_content_offset(self)
+        return None if offset is None else self.place_at(offset.x, offset.y)
+
+
+def _straight(start: Offset, end: Offset) -> Iterator[tuple[int, int]]:
+    """Yield the cells of the screen on the straight line from ``start``, which is left out, to ``end``."""
+    across = end - start
+    steps = max(abs(across.x), abs(across.y))
+    for step in range(1, steps + 1):
+        yield start.x + round(across.x * step / steps), start.y + round(across.y * step / steps)

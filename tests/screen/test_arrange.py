@@ -1,0 +1,240 @@
+"""Where everything stands on the screen, checked without one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import combinations, product
+from typing import Any
+
+import pytest
+from textual.geometry import Region, Size
+
+from rl_tui.screen.frame.arrange import Place, arrange
+from rl_tui.screen.frame.shape import Shape, cell_size
+from rl_tui.screen.kit.row import (
+    CONTROLS,
+    CURVE,
+    DRAW,
+    LAST_STEP,
+    LESSON,
+    PROGRAM,
+    TABLE,
+    TIMELINE,
+    WORLD,
+    beside,
+)
+from rl_tui.worlds.drawing import Arms, CellKind, Graph, Grid
+
+
+def grid(rows: int, columns: int, legend: str = "", wind: tuple[int, ...] = ()) -> Grid:
+    cells, ways = rows * columns, ((0, -1), (1, 0), (0, 1), (-1, 0))
+    return Grid(rows, columns, (CellKind.FLOOR,) * cells, tuple(range(cells)), ways, legend, wind)
+
+
+MAPS = {
+    "lake": Shape(grid(4, 4), 11),
+    "large lake": Shape(grid(8, 8), 53),
+    "cliff": Shape(grid(4, 12), 37),
+    "maze": Shape(grid(6, 9), 46),
+    "windy": Shape(grid(7, 10, wind=(0,) * 10), 70),
+    "karpathy": Shape(grid(10, 10), 88),
+    "largest": Shape(grid(10, 12), 120),
+}
+SHAPES = MAPS | {
+    "taxi": Shape(grid(29, 23, legend="rows: taxi"), 400, 6),
+    "cart pole": Shape(grid(6, 12, legend="rows: angle"), 72, 2),
+    "bandit": Shape(Arms(10), 10, 1),
+    "student": Shape(Graph(((0, 1), (0, 0), (1, 1), (2, 1))), 5),
+    "not known yet": Shape(),
+}
+# what is asked of the function, and what of the shape
+STATES: Mapping[str, tuple[dict[str, Any], dict[str, Any]]] = {
+    "plain": ({}, {}),
+    "panel": ({"opened": "microscope"}, {}),
+    "wide panel": ({"opened": "discount", "is_wide": True}, {}),
+    "lanes": ({}, {"lanes": True}),
+    "lanes, panel": ({"opened": "microscope"}, {"lanes": True}),
+    "lanes, drawing": ({}, {"lanes": True, "is_drawn": True}),
+    "lesson": ({}, {"has_lesson": True}),
+    "lesson, read": ({}, {"has_lesson": True, "reads": True}),
+    "lesson, world alone": ({"shown": (WORLD,)}, {"has_lesson": True}),
+    "lesson, panel": ({"opened": "policies"}, {"has_lesson": True}),
+    "lesson, lanes": ({}, {"has_lesson": True, "lanes": True}),
+    "lesson, drawing": ({}, {"has_lesson": True, "is_drawn": True}),
+    "world alone": ({"shown": (WORLD,)}, {}),
+    "drawing": ({}, {"is_drawn": True}),
+    "drawing, panel": ({"opened": "world_check"}, {"is_drawn": True}),
+    "program": ({}, {"is_program": True}),
+    "zoomed table": ({"zoomed": TABLE}, {}),
+    "zoomed world": ({"zoomed": WORLD}, {}),
+}
+
+
+def arranged(shape: Shape, state: str, size: Size) -> Place:
+    asked, changes = STATES[state]
+    return arrange(size, replace(shape, **changes), **asked)
+
+
+def check(place: Place, shape: Shape, state: str, size: Size) -> None:
+    """Fail unless nothing overlaps, all stands between header and keys, and what was asked for is there."""
+    case = state, size, place
+    between = Region(0, 1, size.width, size.height - 2)
+    assert all(between.contains_region(each) for each in place.regions.values()), case
+    assert not any(one.overlaps(other) for one, other in combinations(place.regions.values(), 2)), case
+    asked, changes = STATES[state]
+    if state == "lesson, read" and place.regions.keys() == {LESSON}:
+        return
+    wanted = {asked.get("opened", asked.get("zoomed", WORLD))}
+    wanted |= {DRAW} if changes.get("is_drawn") and "opened" not in asked else set()
+    wanted |= {LESSON} if changes.get("has_lesson") else set()
+    assert wanted <= place.regions.keys(), case
+    if isinstance(shape.drawing, Grid) and WORLD in place.regions:
+        assert place.cell.area > 0
+        assert place.cell.width <= place.regions[WORLD].width
+
+
+WIDTHS, HEIGHTS = range(60, 250, 3), range(18, 71, 2)
+CASES = list(product(range(len(WIDTHS)), range(len(HEIGHTS)), SHAPES, STATES))
+
+
+@pytest.mark.parametrize(
+    "step", [10, pytest.param(1, marks=pytest.mark.exhaustive("checks every arrangement", but=()))]
+)
+def test_nothing_overlaps_nothing_stands_outside_and_what_is_open_is_there(step: int) -> None:
+    for column, row, name, state in CASES[:: step + (step > 1)]:
+        size = Size(WIDTHS[column], HEIGHTS[row])
+        check(arranged(SHAPES[name], state, size), SHAPES[name], state, size)
+
+
+def share(shape: Shape, size: Size) -> int:
+    """The part of the screen that a map has, in percent."""
+    assert isinstance(shape.drawing, Grid)
+    cell = arrange(size, shape).cell
+    return round(100 * cell.area * shape.drawing.rows * shape.drawing.columns / size.area)
+
+
+@pytest.mark.parametrize(
+    ("size", "cell", "percent"),
+    [
+        ((60, 18), (7, 3), 31),
+        ((80, 24), (11, 4), 37),
+        ((120, 40), (17, 6), 34),
+        ((160, 50), (23, 8), 37),
+        ((200, 60), (31, 11), 45),
+    ],
+)
+def test_the_small_lake_has_a_third_of_the_screen_and_more(
+    size: tuple[int, int], cell: tuple[int, int], percent: int
+) -> None:
+    assert arrange(Size(*size), MAPS["lake"]).cell == cell
+    assert share(MAPS["lake"], Size(*size)) == percent
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_no_map_of_up_to_10x12_cells_has_less_than_a_quarter_or_nearly(name: str) -> None:
+    sizes = [(80, 24), (90, 28), (100, 30), (120, 36), (120, 40), (132, 43), (160, 50), (200, 60)]
+    for size in (*sizes, (220, 50), (250, 70)):
+        assert share(MAPS[name], Size(*size)) >= 24, size
+
+
+def test_a_wide_map_lies_above_all_else_at_80x24() -> None:
+    place = arrange(Size(80, 24), MAPS["cliff"])
+    assert place.cell == (5, 3)
+    assert place.regions[WORLD].bottom == place.regions[LAST_STEP].y
+    assert place.regions[TABLE].y == place.regions[CURVE].y
+
+
+@pytest.mark.parametrize(
+    ("size", "regions"),
+    [
+        (
+            (80, 24),
+            {
+                WORLD: (0, 1, 45, 17),
+                TABLE: (47, 1, 32, 14),
+                LAST_STEP: (47, 15, 32, 3),
+                CURVE: (1, 18, 44, 4),
+                TIMELINE: (1, 22, 44, 1),
+                CONTROLS: (47, 18, 32, 5),
+            },
+        ),
+        (
+            (120, 40),
+            {
+                WORLD: (1, 2, 69, 25),
+                TABLE: (73, 2, 45, 16),
+                LAST_STEP: (73, 19, 45, 8),
+                CURVE: (2, 28, 68, 9),
+                TIMELINE: (2, 37, 68, 1),
+                CONTROLS: (73, 28, 45, 10),
+            },
+        ),
+    ],
+    ids=["80x24", "120x40"],
+)
+def test_two_bands_share_a_line(size: tuple[int, int], regions: dict[str, tuple[int, ...]]) -> None:
+    assert arrange(Size(*size), MAPS["lake"]).regions == regions
+
+
+@pytest.mark.parametrize("size", [(76, 22), (80, 24), (120, 40), (200, 60)])
+def test_the_timeline_has_the_columns_of_the_curve_and_the_row_below_it(size: tuple[int, int]) -> None:
+    for shape, state in product(SHAPES.values(), ("plain", "panel", "lanes", "lesson", "program")):
+        regions = arranged(shape, state, Size(*size)).regions
+        if CURVE in regions:
+            curve, timeline = regions[CURVE], regions[TIMELINE]
+            assert timeline == (curve.x, curve.bottom, curve.width, 1)
+
+
+def test_a_small_screen_has_curve_and_timeline_in_its_last_line() -> None:
+    regions = arrange(Size(60, 18), MAPS["lake"]).regions
+    assert regions[CURVE].y == regions[TIMELINE].y == 16
+
+
+def test_a_panel_of_charts_has_the_lower_band_where_it_is_roomy_else_the_right_column() -> None:
+    lake = MAPS["lake"]
+    assert arrange(Size(120, 40), lake, "discount", is_wide=True).regions["discount"] == (2, 19, 116, 17)
+    assert arrange(Size(80, 24), lake, "discount", is_wide=True).regions["discount"] == (35, 1, 44, 22)
+    assert arrange(Size(60, 18), lake, "discount", is_wide=True).regions == {"discount": (0, 1, 60, 16)}
+
+
+def test_a_page_about_the_world_alone_leaves_it_nearly_all_of_the_height() -> None:
+    place = arranged(MAPS["lake"], "lesson, world alone", Size(120, 40))
+    assert place.cell == (15, 8)
+    assert place.regions == {WORLD: (1, 2, 61, 33), LESSON: (70, 2, 48, 36)}
+
+
+def test_two_wide_maps_lie_one_above_the_other() -> None:
+    place = arranged(MAPS["cliff"], "lanes", Size(120, 40))
+    left, right = place.regions[WORLD], place.regions[beside(WORLD)]
+    assert (left.x, left.bottom) == (right.x, right.y)
+    place = arranged(MAPS["lake"], "lanes", Size(120, 40))
+    assert place.regions[WORLD].y == place.regions[beside(WORLD)].y
+
+
+def test_what_says_by_what_a_program_learns_stands_where_the_sliders_do() -> None:
+    plain, program = (arranged(MAPS["lake"], each, Size(120, 40)).regions for each in ("plain", "program"))
+    assert program[PROGRAM] == plain[CONTROLS]
+    assert CONTROLS not in program
+
+
+def test_tools_of_drawing_leave_the_world_in_view_on_a_small_screen_too() -> None:
+    regions = arranged(MAPS["lake"], "drawing", Size(60, 18)).regions
+    assert {WORLD, DRAW} <= regions.keys()
+    assert TABLE not in regions
+
+
+@pytest.mark.parametrize(
+    ("rows", "columns", "width", "height", "cell"),
+    [
+        (4, 4, 100, 16, (11, 4)),
+        (4, 4, 100, 4, (7, 1)),
+        (4, 4, 6, 4, (1, 1)),
+        (29, 23, 80, 12, (3, 1)),
+        (50, 4, 80, 12, (3, 1)),
+    ],
+)
+def test_cells_are_as_tall_as_fits_then_as_wide(
+    rows: int, columns: int, width: int, height: int, cell: tuple[int, int]
+) -> None:
+    assert cell_size(rows, columns, width, height) == cell

@@ -1,0 +1,84 @@
+"""The line below a world: the scale of its tints, and what its signs mean."""
+
+from __future__ import annotations
+
+import pytest
+from samples import bandit, lake, look, student
+from textual.geometry import Size
+
+from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.draw.canvas import Piece
+from rl_tui.screen.kit.panel import LegendSign
+from rl_tui.screen.kit.value_scale import ValueScale
+from rl_tui.screen.panels.arms import ArmsView
+from rl_tui.screen.panels.graph.graph import GraphView
+from rl_tui.screen.panels.grid.grid import PALE, GridView
+from rl_tui.screen.panels.world.scale_line import NOTHING_KNOWN, NamedScale, scale_line
+from rl_tui.screen.panels.world.view import WorldView
+
+PALETTE = look().palette
+AGENT = LegendSign("◉", "agent", PALETTE.agent)
+TRAIL = LegendSign("•", "trail", PALETTE.strong)
+VALUES = NamedScale("value", ValueScale(0.0, 0.86))
+
+
+def line_below(view: WorldView, snapshot: Snapshot, width: int = 70, *, explained: bool = True) -> str:
+    """The last row of a world that has cells of 17 × 6."""
+    view.cell, view.is_explained = Size(17, 6), explained
+    view.show(snapshot)
+    return view.picture(snapshot, width, 25)[-1].text.strip()
+
+
+def test_word_and_ends_come_first_then_signs_as_there_is_room() -> None:
+    ramp = " " * len(PALETTE.values)
+    for width, signs in ((70, "  ◉ agent  • trail"), (32, "  ◉ agent"), (24, "")):
+        strip = scale_line((), VALUES, (AGENT, TRAIL), width, look())
+        assert strip.text.rstrip() == f"value 0 {ramp} .86{signs}"
+        assert {each.style for each in strip if not each.text.strip()} >= set(PALETTE.values)
+
+
+def test_the_scale_gets_coarser_and_then_leaves_its_word_where_there_is_little_room() -> None:
+    for width, scale in ((19, f"value 0 {' ' * 6} .86"), (10, "value"), (4, "")):
+        assert scale_line((), VALUES, (), width, look()).text.rstrip() == scale
+
+
+def test_what_is_said_of_mode_lane_or_cursor_comes_before_it() -> None:
+    said = (Piece("1 q-learning", PALETTE.strong),)
+    assert scale_line(said, VALUES, (AGENT,), 60, look()).text.startswith("1 q-learning  value 0 ")
+
+
+def test_before_anything_is_known_it_says_so() -> None:
+    unknown = NamedScale("value", ValueScale())
+    assert scale_line((), unknown, (), 40, look()).text.rstrip() == f"value: {NOTHING_KNOWN}"
+
+
+@pytest.mark.parametrize("in_ascii", [False, True])
+def test_without_colours_it_has_both_ends(in_ascii: bool) -> None:
+    plain = look(in_ascii, depth="none")
+    assert scale_line((), VALUES, (), 40, plain).text.rstrip() == "value 0 to .86"
+
+
+def test_a_map_has_it_with_and_without_its_signs() -> None:
+    assert line_below(GridView(lake().world, look()), lake()).endswith(f"  ◉ agent  ▲ {PALE}  ● hole")
+    bare = line_below(GridView(lake().world, look()), lake(), explained=False)
+    assert bare.startswith("value 0 ")
+    assert bare.endswith(" .60")
+
+
+def test_a_graph_has_it_and_arms_have_their_signs_alone() -> None:
+    assert line_below(GraphView(student().world, look()), student()).startswith("value 5.71 ")
+    assert line_below(ArmsView(bandit(400).world, look()), bandit(400)).startswith("◉ last pull")
+
+
+def test_a_lane_and_a_mode_are_named_before_the_scale() -> None:
+    view = GridView(lake().world, look())
+    view.lane = ("1 Q-learning",)
+    assert line_below(view, lake(), 110).startswith("1 Q-learning")
+    assert "value 0" in line_below(view, lake(), 110)
+    view.title, view.prompt = ("You draw the world",), ("esc: end",)
+    assert line_below(view, lake(), 110).startswith("You draw the world   esc: end  value 0")
+
+
+def test_without_a_board_there_is_no_such_line() -> None:
+    view = GridView(lake().world, look())
+    assert "value" not in "".join(strip.text for strip in view.picture(lake(), 70, 25))
