@@ -16,28 +16,47 @@ from rl_tui.worlds.mdp.space import FloatArray, IntArray
 BINS: Final = 512
 RECENT: Final = 100
 FIRST: Final = 100
+_SAMPLES_A_BIN: Final = 8
 
 
 class History:
     """Finished episodes in at most ``bins`` bins of equal width, merged in pairs when all are full.
 
     Sums are added in the order of the episodes, so that how they were delivered does not show. The last 100
-    episodes are kept as they are, and so are the lengths of the first 100. ``bins`` is even.
+    episodes are kept as they are, and so are the lengths of the first 100. For quartiles, single returns are
+    kept too: of every episode, of every second one, every fourth and so on, so that there are at most eight
+    for each of ``bins``, an even number.
     """
 
     def __init__(self, bins: int = BINS) -> None:
         self._bins = empty_bins(bins)
+        self._samples: FloatArray = np.empty(0)
         self._recent_returns: FloatArray = np.empty(0)
         self._recent_lengths: IntArray = np.empty(0, np.int64)
         self._first_lengths: IntArray = np.empty(0, np.int64)
 
     def add(self, returns: FloatArray, lengths: IntArray) -> None:
         """Add finished episodes, [n] each, in order."""
+        self._sample(returns)
         fastest(fold)(self._bins, returns, lengths)
         self._recent_returns = np.concatenate((self._recent_returns, returns[-RECENT:]))[-RECENT:]
         self._recent_lengths = np.concatenate((self._recent_lengths, lengths[-RECENT:]))[-RECENT:]
         if len(self._first_lengths) < FIRST:
             self._first_lengths = np.concatenate((self._first_lengths, lengths[:FIRST]))[:FIRST]
+
+    def _sample(self, returns: FloatArray) -> None:
+        done = self._finished
+        before, every = self._every(done), self._every(done + len(returns))
+        self._samples = np.concatenate((self._samples[:: every // before], returns[-done % every :: every]))
+
+    def _every(self, episodes: int) -> int:
+        """Return of how many of so many episodes one return is kept: a power of two."""
+        most = _SAMPLES_A_BIN * len(self._bins.episodes)
+        return 1 << max(0, (max(1, episodes) - 1) // most).bit_length()
+
+    @property
+    def _finished(self) -> int:
+        return int(self._bins.episodes[: int(self._bins.used[0])].sum())
 
     @property
     def total_return(self) -> float:
@@ -77,14 +96,17 @@ class History:
             return_low=self._bins.return_low[used].copy(),
             return_high=self._bins.return_high[used].copy(),
             length_mean=self._bins.length_sum[used] / count,
+            samples=self._samples,
+            sample_every=self._every(self._finished),
         )
 
     def checkpoint(self) -> Arrays:
-        """Return copies of all that is kept: the bins, and then the last and the first episodes."""
-        return copies((*self._bins, self._recent_returns, self._recent_lengths, self._first_lengths))
+        """Return copies of all that is kept: the bins, single returns, and the last and first episodes."""
+        kept = (self._samples, self._recent_returns, self._recent_lengths, self._first_lengths)
+        return copies((*self._bins, *kept))
 
     def restore(self, state: Arrays) -> None:
         """Go back to what :meth:`checkpoint` returned, from a history of as many bins."""
         # what is no bin is never written to
-        *bins, self._recent_returns, self._recent_lengths, self._first_lengths = state
+        *bins, self._samples, self._recent_returns, self._recent_lengths, self._first_lengths = state
         put_back(self._bins, tuple(bins))

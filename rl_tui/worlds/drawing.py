@@ -18,6 +18,46 @@ class CellKind(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
+class Axes:
+    """The labels of all rows and columns of a grid, empty for those that have none.
+
+    ``blocks`` are the first columns of the parts between walls, each with the name of its part; none where
+    such parts lie below each other too.
+    """
+
+    rows: tuple[str, ...]
+    columns: tuple[str, ...]
+    blocks: tuple[tuple[int, str], ...] = ()
+
+
+class BodyKind(StrEnum):
+    """A body that states are poses of."""
+
+    CART_POLE = "cart pole"
+    MOUNTAIN_CAR = "mountain car"
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A body, of whose numbers each state has a bin.
+
+    ``middles[i]`` are the middles of the bins of number i, in units of the environment, NaN where it is not
+    observed. States are all combinations, the last number running fastest.
+    """
+
+    kind: BodyKind
+    middles: tuple[tuple[float, ...], ...]
+
+    def pose(self, state: int) -> tuple[float, ...]:
+        """Return the middle of the bin that ``state`` has of each number."""
+        numbers = []
+        for middles in reversed(self.middles):
+            state, place = divmod(state, len(middles))
+            numbers.append(middles[place])
+        return tuple(reversed(numbers))
+
+
+@dataclass(frozen=True, slots=True)
 class Grid:
     """A map of rows × columns cells.
 
@@ -26,7 +66,8 @@ class Grid:
     means, or None where the action is not a direction. ``legend`` says in a line what rows and columns mean
     where the grid is no place to walk about in; empty where it is. ``wind`` says of each column how many
     cells it blows up, below 0 down; empty where there is none. ``one_way`` has the cells that are left in
-    one direction only, each with its step.
+    one direction only, each with its step. ``axes`` label rows and columns where these are numbers, ``body``
+    is what has these numbers, if that is known.
     """
 
     rows: int
@@ -37,13 +78,19 @@ class Grid:
     legend: str = ""
     wind: tuple[int, ...] = ()
     one_way: tuple[tuple[int, tuple[int, int]], ...] = ()
+    axes: Axes | None = None
+    body: Body | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Graph:
-    """States as nodes. ``places[s]`` is (column, row) of state s, whole numbers from 0, as in the file."""
+    """States as nodes. ``places[s]`` is (column, row) of state s, whole numbers from 0, as in the file.
+
+    ``chain`` has the states from left to right where each leads only to its neighbours; empty elsewhere.
+    """
 
     places: tuple[tuple[int, int], ...]
+    chain: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,8 +15,9 @@ from rl_tui.screen.kit.numbers_in_common import all_v
 from rl_tui.screen.kit.value_scale import SteadyScale
 from rl_tui.screen.panels.grid.cells import CellArtist
 from rl_tui.screen.panels.grid.form import CellForm
-from rl_tui.screen.panels.grid.grid import GridView, draw_grid
+from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.panels.grid.map import GridMap, MapPart
+from rl_tui.screen.panels.grid.rows import draw_grid
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.grid.section import GridSection
 from rl_tui.worlds.mdp.space import FloatArray
@@ -54,9 +55,10 @@ def small(snapshot: Snapshot, height: int = 4, width: int = 20) -> list[str]:
     grid_map = GridMap(snapshot.world.space, grid)
     artist = CellArtist(look(), CellForm(5, 1))
     part = whole(snapshot)
-    cells, values = grid_map.contents(part, snapshot), all_v(snapshot)
+    form = SteadyForms().form("", all_v(snapshot), artist.form.digits, most=2)
     scale = SteadyScale().of(snapshot)
-    strips = draw_grid(cells, artist, values, scale, part, width, height, SteadyForms())
+    cells = grid_map.contents(part, snapshot)
+    strips = draw_grid(cells, artist, form, scale, scale, part, width, height)
     return [strip.text for strip in strips]
 
 

@@ -11,7 +11,7 @@ from seams import sized
 from snapshots import changed
 
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.panels.q_table.layers import Layer
+from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.panels.q_table.q_table import QTable
 
 PALETTE = look().palette
@@ -34,7 +34,7 @@ class Drawn:
         state = answered(state, revealed)
         self.table = sized(QTable(look(ascii_only)), width, height)
         self.table.lights = lights
-        self.table.shown_layer = layer
+        self.table.wanted_layer = layer
         self.table.show(state)
         self.strips = self.table.picture(state, width, height)
         assert [strip.cell_length for strip in self.strips] == [width] * height

@@ -151,7 +151,7 @@ def _lake(world: World, id: str, title: str, step: int, changes: dict[str, Any])
         "q": q,
         "visits": visits,
         "last_step": last,
-        "curve": curve(40, 0.0, 0.4, max(1, step // 480)),
+        "curve": curve(400, 0.0, 0.4, max(1, step // 4_800)),
         "marks": marks(30, 0.0, 0.73, step // 12),
         "return_last_100": 0.41,
         "length_last_100": 37.5,

@@ -361,5 +361,6 @@ def test_in_lists_numbers_stand_above_one_another_at_the_right() -> None:
     values = zip(((-1, 0), (0, 1), (1, 0), (0, -1)), (-8.0, 6.0, -7.0, 0.0), strict=True)
     actions = tuple(ActionValue(sign, q, not q, False) for sign, q in values)
     cell = CellContent(CellKind.FLOOR, False, 6.0, True, actions=actions)
-    rows = artist.strips((artist.face(cell, ValueScale(-8.0, 6.0), NumberForm(3, 0)),), 0, 13)
+    scale = ValueScale(-8.0, 6.0)
+    rows = artist.strips((artist.face(cell, scale, NumberForm(3, 0), scale),), 0, 13)
     assert ["".join(segment.text for segment in row).rstrip() for row in rows] == ["↑ −8  ↓ −7", "→  6  ← ·"]

@@ -12,18 +12,21 @@ from snapshots import changed
 from textual.strip import Strip
 
 from rl_tui.live.snapshot import Phase, Snapshot
-from rl_tui.screen.panels.arms import (
+from rl_tui.screen.panels.arm_bars import (
     NO_SCALE,
     ArmsScale,
-    ArmsView,
-    arms_of,
     bound_text,
     grown,
-    noise_of_rewards,
     round_up,
+    rows_an_arm,
     shown_scale,
-    standard_error,
     ticks,
+)
+from rl_tui.screen.panels.arms import (
+    ArmsView,
+    arms_of,
+    noise_of_rewards,
+    standard_error,
     true_means_now,
 )
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE
@@ -49,16 +52,16 @@ def test_each_arm_is_a_bar_of_its_estimate_and_standard_error() -> None:
     snapshot = changed(bandit(), phase=Phase.PAUSED)
     rows = [strip.text for strip in view.picture(snapshot, 40, 10)]
     assert rows == [
-        "  0             ──●──                   ",
-        "  1                 ┊──●──              ",
-        "  2          ───●── ┊                   ",
-        "  3                 ┊    ─●──           ",
-        "  4               ──●───                ",
-        "▸◉5                 ┊           ●       ",
-        "  6               ──●──                 ",
-        "  7                 ──●──               ",
-        "  8     ───●───     ┊                   ",
-        "  9                 ┊     ─●─           ",
+        "  0             ━━┃━━                   ",
+        "  1                  ━━┃━━              ",
+        "  2          ━━━┃━━                     ",
+        "  3                      ━┃━━           ",
+        "  4               ━━┃━━━                ",
+        "▸◉5                             ┃       ",
+        "  6               ━━┃━━                 ",
+        "  7                 ━━┃━━               ",
+        "  8     ━━━┃━━━                         ",
+        "  9                       ━┃━           ",
     ]
     assert view.heading == "Arms · estimate ± error  −2…+2"
 
@@ -101,7 +104,7 @@ def test_the_truth_is_drawn_only_when_revealed() -> None:
     rows = picture(snapshot, 60, 21, revealed=True)
     assert sum(row.count("◆") for row in rows) == 10
     assert [y for y, row in enumerate(rows) if "★" in row] == [10]  # arm 5 has the greatest mean, 1.5
-    assert rows[10].index("◆") > rows[10].index("●")  # 1.5 against an estimate of 1.4
+    assert rows[10].index("◆") > rows[10].index("┃")  # 1.5 against an estimate of 1.4
 
 
 def test_the_hidden_picture_does_not_depend_on_the_truth() -> None:
@@ -197,7 +200,8 @@ def test_narrow_panels_show_the_estimate_as_a_number() -> None:
 
 
 def test_wide_panels_add_estimate_and_pulls() -> None:
-    assert picture(bandit(), 100, 10)[5].endswith("1.400     842 ")
+    assert picture(bandit(), 60, 10)[5].endswith("1.400     842 ")
+    assert picture(bandit(), 100, 10)[5].endswith("1.400     842   84 % ")
 
 
 def test_ascii() -> None:
@@ -206,12 +210,30 @@ def test_ascii() -> None:
     assert sum(row.count("x") for row in rows) == 10
 
 
-def test_the_greedy_arm_is_drawn_in_its_own_style() -> None:
+def test_bars_go_from_0_to_the_estimate_and_the_greedy_one_has_the_colour_of_what_looks_best() -> None:
     palette = look().palette
-    strips = ArmsView(bandit_world(), look()).picture(bandit(), 40, 10)
-    assert style_at(strips[5], 0) == palette.best
-    assert style_at(strips[5], strips[5].text.index("●")) == palette.best
-    assert style_at(strips[0], strips[0].text.index("●")) == palette.text
+    strips = ArmsView(bandit_world(), look()).picture(bandit(), 40, 21)
+    zero, end = strips[1].text.index("┊"), strips[10].text.index("┃")
+    assert style_at(strips[10], 0) == palette.best
+    grounds = [getattr(style_at(strips[10], x), "bgcolor", None) for x in range(zero - 1, end + 2)]
+    assert grounds == [None, *[palette.best.color] * (end + 1 - zero), None]
+    other = style_at(strips[16], zero)
+    assert other is not None
+    assert other.bgcolor not in (None, palette.best.color)
+
+
+def test_without_colours_bars_are_characters() -> None:
+    plain = look(True, "none")
+    rows = [strip.text for strip in ArmsView(bandit_world(), plain).picture(bandit(), 40, 10)]
+    assert "#" in rows[5]
+    assert rows[5].index("#") < rows[5].index("|")
+
+
+@pytest.mark.parametrize(("height", "rows"), [(10, 1), (20, 1), (21, 2), (30, 2), (31, 3), (60, 3)])
+def test_arms_have_one_to_three_rows_if_one_is_left_for_the_axis(height: int, rows: int) -> None:
+    assert rows_an_arm(10, height) == rows
+    drawn = picture(bandit(), 60, height)
+    assert [y for y, row in enumerate(drawn) if row[2].isdigit()] == list(range(0, 10 * rows, rows))
 
 
 @pytest.mark.parametrize("size", [(1, 1), (2, 3), (5, 2), (12, 11), (40, 4), (80, 24), (200, 60)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import combinations, product
@@ -10,8 +11,9 @@ from typing import Any
 import pytest
 from textual.geometry import Region, Size
 
-from rl_tui.screen.frame.arrange import Place, arrange
+from rl_tui.screen.frame.arrange import arrange
 from rl_tui.screen.frame.shape import Shape, cell_size
+from rl_tui.screen.frame.sheet import Place
 from rl_tui.screen.kit.row import (
     CONTROLS,
     CURVE,
@@ -24,7 +26,7 @@ from rl_tui.screen.kit.row import (
     WORLD,
     beside,
 )
-from rl_tui.worlds.drawing import Arms, CellKind, Graph, Grid
+from rl_tui.worlds.drawing import Arms, Axes, Body, BodyKind, CellKind, Graph, Grid
 
 
 def grid(rows: int, columns: int, legend: str = "", wind: tuple[int, ...] = ()) -> Grid:
@@ -41,11 +43,23 @@ MAPS = {
     "karpathy": Shape(grid(10, 10), 88),
     "largest": Shape(grid(10, 12), 120),
 }
+BODY = Body(BodyKind.CART_POLE, ((math.nan,),) * 4)
+BINS = replace(
+    grid(6, 12, "angle down, velocity across"), body=BODY, axes=Axes(("−0.17",) * 6, ("1.5",) * 12)
+)
+CARDS = replace(
+    grid(19, 21, "sum down, card across"), axes=Axes(("21",) * 19, ("A",) * 21, ((0, "no ace"), (11, "ace")))
+)
 SHAPES = MAPS | {
     "taxi": Shape(grid(29, 23, legend="rows: taxi"), 400, 6),
     "cart pole": Shape(grid(6, 12, legend="rows: angle"), 72, 2),
+    "bins of a body": Shape(BINS, 72, 2),
+    "many bins of a body": Shape(replace(BINS, rows=18, columns=14), 252, 3),
+    "cards": Shape(CARDS, 290, 2),
     "bandit": Shape(Arms(10), 10, 1),
     "student": Shape(Graph(((0, 1), (0, 0), (1, 1), (2, 1))), 5),
+    "walk": Shape(Graph(tuple((x, 0) for x in range(7)), tuple(range(7))), 5, 1),
+    "long walk": Shape(Graph(tuple((x, 0) for x in range(21)), tuple(range(21))), 19, 1),
     "not known yet": Shape(),
 }
 # what is asked of the function, and what of the shape

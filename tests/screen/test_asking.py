@@ -6,6 +6,7 @@ import pytest
 from conftest import MakeApp
 from samples import answered, bandit, lake, look
 from seams import on_screen, order, playground, press, slider, tap, train
+from snapshots import changed
 from textual.containers import VerticalScroll
 from textual.geometry import Region
 from textual.pilot import Pilot
@@ -17,12 +18,12 @@ from rl_tui.runs.recipe import SwitchAlgorithm
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.frame.glossary import NUMBER, GlossaryScreen
 from rl_tui.screen.frame.help import Explained, HelpScreen
-from rl_tui.screen.frame.number_here import number_of_pair
+from rl_tui.screen.frame.number_here import number_of_pair, number_of_state
 from rl_tui.screen.glossary.glossary import glossary
+from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.row import LAST_STEP
 from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.panels.model.pair import SECRET
-from rl_tui.screen.panels.q_table.layers import Layer
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.playground.playground import Playground
 
@@ -107,7 +108,7 @@ async def test_what_is_in_focus_lists_its_words_and_typing_searches_all(
 async def test_the_word_or_number_under_the_mouse_comes_before_the_focus(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
         await press(pilot, "s")
-        await point_at(pilot, LAST_STEP, "δ =")
+        await point_at(pilot, LAST_STEP, "δ")
         await press(pilot, "question_mark")
         assert listed(pilot) == ["td-error", *(each for each in TERMS[LAST_STEP] if each != "td-error")]
         await press(pilot, "escape")
@@ -205,6 +206,25 @@ def test_every_layer_of_the_table_says_what_its_number_is(layer: Layer) -> None:
     told = number_of_pair(lake(), 24, layer, look())
     assert "= " in told.name
     assert told.meaning.endswith(".")
+
+
+@pytest.mark.parametrize(
+    ("layer", "name", "term"),
+    [
+        (Layer.OPTIMAL, "V*(0) = ", "q-star"),
+        (Layer.ERROR, "V(0) − V* = ", "error"),
+        (Layer.VISITS, "N(0) = ", "visits"),
+    ],
+)
+def test_every_layer_of_a_world_says_what_its_number_is(layer: Layer, name: str, term: str) -> None:
+    told = number_of_state(lake(), 0, look(), layer)
+    assert told is not None
+    assert told.name.startswith(name)
+    assert told.term == term
+    assert told.meaning.endswith(".")
+    hidden = number_of_state(changed(lake(), is_hidden=True), 0, look(), Layer.OPTIMAL)
+    assert hidden is not None
+    assert hidden.name.startswith("V(0) = ")
 
 
 def test_what_is_secret_is_not_told() -> None:

@@ -29,6 +29,13 @@ def test_on_the_way_only_what_the_agent_knows() -> None:
         assert secret not in text
 
 
+@pytest.mark.parametrize(
+    ("width", "hint"), [(33, "h  shows regret and the best arm"), (32, "h  shows regret"), (15, "")]
+)
+def test_the_hint_is_whole_or_not_there(width: int, hint: str) -> None:
+    assert drawn(bandit(400), width).rstrip().splitlines()[-1].strip() == (hint or "winnings")
+
+
 def test_revealed() -> None:
     text = drawn(bandit(400), revealed=True)
     assert "regret" in text

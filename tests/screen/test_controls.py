@@ -16,7 +16,7 @@ from rl_tui.agents.hyperparameters import PARAMETERS, SAMPLE_AVERAGE, Hyperparam
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.keys.registry import ACTIONS
 from rl_tui.screen.panels.controls.controls import Controls, in_force, sliders_of
-from rl_tui.screen.panels.controls.settings import laid_out, settings_of
+from rl_tui.screen.panels.controls.settings import AgentSettings, laid_out, settings_of
 from rl_tui.screen.panels.controls.slider import Slider
 from rl_tui.screen.theme.glyphs import ASCII, UNICODE, Glyphs
 
@@ -72,13 +72,13 @@ def test_the_slider_of_alpha_shows_a_sample_average_by_schedule_too() -> None:
 
 
 def values_of(snapshot: Snapshot) -> dict[str, str]:
-    return {setting.full: setting.value for setting in settings_of(snapshot)}
+    return {setting.label or setting.action: setting.value for setting in settings_of(snapshot)}
 
 
 def test_settings_follow_algorithm_and_rule() -> None:
     plain = values_of(told("q-learning", "epsilon-greedy"))
-    assert plain["algorithm"] == "Q-learning"
-    assert plain["policy"] == "ε-greedy"
+    assert plain["agent.choose_algorithm"] == "Q-learning"
+    assert plain["agent.choose_policy"] == "ε-greedy"
     assert plain["ties"] == "random"
     assert "ties" not in values_of(told("q-learning", "softmax"))
     assert values_of(told("n-step-sarsa", "epsilon-greedy", n=7))["n"] == "7"
@@ -86,7 +86,7 @@ def test_settings_follow_algorithm_and_rule() -> None:
     assert values_of(told("q-lambda", "ucb", traces="accumulating"))["traces"] == "accumulating"
     assert values_of(told("q-learning", "gradient"))["baseline"] == "mean"
     planner = values_of(told("value-iteration", "epsilon-greedy"))
-    assert "policy" not in planner
+    assert "agent.choose_policy" not in planner
     assert planner["accuracy"] == "1e-09"
 
 
@@ -166,3 +166,26 @@ async def test_a_slider_whose_value_was_refused_goes_back_each_time() -> None:
             assert slider.value == 0.5
             slider.action_end(True)
             assert slider.value == 1.0
+
+
+async def test_the_settings_stand_below_a_blank_row_where_all_of_them_fit() -> None:
+    class Alone(App[None]):
+        CSS = "#sliders { height: auto; } Slider { height: 1; } #settings { height: 1fr; }"
+
+        def compose(self) -> ComposeResult:
+            yield controls
+
+    controls = Controls(look())
+    controls.begin_with(recipe("frozenlake"))
+    async with Alone().run_test(size=(48, 9)) as pilot:
+        for height, rows in (
+            (9, ["", "sliders", "sliders", "sliders", "", "a Q-learning · p ε-greedy · t ties random"]),
+            (4, ["sliders", "sliders", "sliders", "a Q-learning  p ε-greedy  + − 10/s  o options"]),
+        ):
+            controls.wanted = LAKE.agent.hyperparameters
+            controls.show(LAKE)
+            await pilot.resize_terminal(48, height)
+            settings = controls.query_one(AgentSettings)
+            top = controls.query_one(Slider).region.y
+            drawn = [settings.render_line(y).text.strip() for y in range(settings.size.height)]
+            assert ["" for _ in range(top)] + ["sliders"] * 3 + drawn[: len(rows) - 3 - top] == rows

@@ -1,25 +1,35 @@
-"""The axes of the return curve, and its lines down to their dots."""
+"""The axes of the curve, its area, and its lines down to their dots."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from drawn_curves import NARROW, WIDE, drawn, flat, steps
-from samples import answered, bandit, curve, lake, look, marks, planning, student
+from colour_vision import luminance
+from drawn_curves import NO_MARKS, WIDE, drawn, flat, steps
+from samples import answered, lake, look, marks, planning, student
 from snapshots import changed
 
+from rl_tui.runs.results import Curve
 from rl_tui.runs.timeline.branches import Branch, Timeline
 from rl_tui.screen.draw import braille
 from rl_tui.screen.draw.axes import apart, draw_value_axis
 from rl_tui.screen.draw.braille import Steps
 from rl_tui.screen.draw.canvas import Canvas
 from rl_tui.screen.draw.chart_plot import Plot
-from rl_tui.screen.draw.scale import Scale, round_range, round_scale, settled, tick_label, tick_step
-from rl_tui.screen.panels.curve.chart import taking_turns
+from rl_tui.screen.draw.scale import (
+    Scale,
+    round_range,
+    round_scale,
+    settled,
+    tick_label,
+    tick_step,
+    tight_scale,
+)
+from rl_tui.screen.panels.curve.area import area_of, area_styles
 from rl_tui.screen.panels.curve.curve import ReturnCurve
-from rl_tui.screen.panels.curve.data import curve_data
+from rl_tui.screen.panels.curve.data import MovingMean, curve_data, moving_mean
 from rl_tui.screen.panels.curve.seed_band import smoothed
-from rl_tui.screen.panels.curve.words import OPTIMUM
+from rl_tui.screen.panels.curve.words import GREEDY, OPTIMAL
 
 # Axes
 
@@ -54,7 +64,26 @@ def test_no_end_of_a_vertical_axis_is_empty_and_it_grows_in_few_steps(best: floa
         closest = round_scale(low, best)
         assert max(low - closest.low, closest.high - best) <= 0.28 * (closest.high - closest.low) + 1e-9
         assert 2 <= len(closest.ticks) <= 4
-    assert changes <= 8 * 16  # sixteen to a power of ten
+    assert changes <= 8 * 19
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "ends"),
+    [
+        (0.0, 0.74, (0.0, 0.8)),
+        (-96.0, -13.0, (-100.0, -10.0)),
+        (-3.5, 11.2, (-4.0, 12.0)),
+        (6.9, 7.8, (6.9, 7.8)),
+        (5.0, 5.0, (0.0, 5.0)),
+        (-5.0, -5.0, (-5.0, 0.0)),
+        (0.0, 0.0, (0.0, 1.0)),
+    ],
+)
+def test_a_tight_axis_has_round_ends_and_0_only_where_it_must(
+    low: float, high: float, ends: tuple[float, float]
+) -> None:
+    found = tight_scale(low, high)
+    assert (found.low, found.high) == pytest.approx(ends)
 
 
 def test_of_two_labels_in_one_row_the_end_of_the_axis_is_kept() -> None:
@@ -70,16 +99,17 @@ def test_the_vertical_axis_stays_until_the_data_leave_it_or_get_lost_in_it() -> 
     first = settled(None, 0.0, 0.8)
     assert settled(first, 0.0, 0.5) is first
     assert settled(first, 0.0, 1.2).high > first.high
-    assert settled(Scale(-100.0, 20.0, 50.0), -2.0, 8.0) == Scale(-5.0, 10.0, 5.0)
-    assert settled(Scale(-200.0, 0.0, 100.0), -80.0, -13.0) == Scale(-100.0, 0.0, 50.0)
+    lost = settled(Scale(-100.0, 20.0, 10.0), -2.0, 8.0)
+    assert -4.0 <= lost.low <= -2.0
+    assert 8.0 <= lost.high <= 10.0
 
 
 def test_an_axis_that_has_shrunk_does_not_grow_again_at_once() -> None:
-    wide = Scale(-2.0, 4.0, 2.0)
+    wide = Scale(-2.0, 4.0, 1.0)
     assert settled(wide, -0.95, 1.9) is wide
-    narrow = settled(wide, -0.8, 1.6)
-    assert narrow == Scale(-1.0, 2.0, 1.0)
-    assert settled(narrow, -0.95, 1.9) is narrow
+    narrow = settled(wide, -0.6, 1.2)
+    assert narrow.high - narrow.low < 4.0
+    assert settled(narrow, -0.9, 1.4) is narrow
 
 
 def test_the_horizontal_axis_changes_rarely_and_goes_no_further_than_there_will_be_episodes() -> None:
@@ -113,22 +143,6 @@ def test_episode_ticks_are_round_and_few() -> None:
     assert tick_step(3.0, 5) == 1.0
 
 
-def test_episodes_are_labelled() -> None:
-    bottom = drawn(lake(episodes=12_345, curve=curve(40, 0.0, 0.4, 308)))[0].splitlines()[-2]
-    assert "└0─" in bottom
-    assert "10k" in bottom
-    assert bottom.rstrip().endswith(" episode")
-
-
-@pytest.mark.parametrize("size", [NARROW, WIDE, (90, 13)])
-def test_no_pull_beyond_the_budget_is_labelled(size: tuple[int, int]) -> None:
-    bottom = next(line for line in drawn(bandit(), size)[0].splitlines() if "└0" in line)
-    assert bottom.rstrip().endswith(" pull")
-    assert "1k" in bottom or "1,000" in bottom
-    assert "1500" not in bottom
-    assert "2k" not in bottom
-
-
 def test_names_never_share_a_row() -> None:
     assert apart([3, 3, 3], 5) == [2, 3, 4]
     assert apart([0, 2, 4], 5) == [0, 2, 4]
@@ -142,9 +156,83 @@ def test_names_never_share_a_row() -> None:
 
 def test_of_equal_lines_the_optimum_is_named_above() -> None:
     lines = drawn(lake(greedy_return=lake().exact_answer.expected_return))[0].splitlines()
-    optimum = next(y for y, line in enumerate(lines) if OPTIMUM in line)
-    greedy = next(y for y, line in enumerate(lines) if "greedy" in line)
-    assert optimum < greedy
+    optimum = next(y for y, line in enumerate(lines) if OPTIMAL in line)
+    assert optimum < next(y for y, line in enumerate(lines) if GREEDY in line)
+
+
+def test_three_numbers_stand_at_the_left_of_a_high_plot_and_two_at_a_low_one() -> None:
+    for size, count in (((60, 9), 3), ((60, 5), 2)):
+        numbered = [line[:5].strip() for line in drawn(lake(), size)[0].splitlines()]
+        assert sum(map(bool, numbered)) == count
+        assert numbered[-1] == "0"
+
+
+@pytest.mark.parametrize(
+    ("values", "greedy", "optimum", "ends"),
+    [
+        ([*[-1_379.0] * 4, *[-40.0] * 96], -13.0, -13.0, (-40.0, -13.0)),
+        ([7.0] * 50 + [7.5] * 50, 7.5, 7.5, (7.0, 7.5)),
+        ([1.0] * 50 + [7.5] * 50, 7.5, 7.5, (0.0, 7.5)),
+        ([-40.0] * 50 + [-30.0] * 50, -500.0, None, (-40.0, -30.0)),
+        ([-40.0] * 50 + [-30.0] * 50, -45.0, None, (-45.0, -30.0)),
+    ],
+)
+def test_the_vertical_axis_is_that_of_the_later_means_the_best_and_the_greedy_policy(
+    values: list[float], greedy: float | None, optimum: float | None, ends: tuple[float, float]
+) -> None:
+    width = 100
+    mean = np.repeat(values, width)
+    episode = np.arange(1, len(mean) + 1)
+    curve = Curve(episode, mean, mean - 1.0, mean, mean)
+    shown = lake(
+        episodes=len(mean), curve=curve, marks=NO_MARKS, greedy_return=greedy, expected_return=optimum
+    )
+    assert curve_data(answered(shown)).range == pytest.approx(ends)
+
+
+# The area
+
+
+def moving(values: list[float], window: int) -> MovingMean:
+    total = np.concatenate(([0.0], np.cumsum(values)))
+    return MovingMean(np.arange(len(values) + 1.0), total, window)
+
+
+def test_a_moving_mean_is_that_of_the_last_episodes_or_of_as_many_as_there_are() -> None:
+    values = np.random.default_rng(0).normal(size=50)
+    found = moving(values.tolist(), 10).at(np.arange(1.0, 51.0))
+    assert found == pytest.approx([values[max(0, end - 10) : end].mean() for end in range(1, 51)])
+
+
+def test_bins_hide_the_episodes_in_them_and_a_window_holds_a_bin_at_least() -> None:
+    ends, mean = np.arange(1, 101) * 200, np.arange(100.0)
+    found = moving_mean(Curve(ends, mean, mean, mean, mean), mean, 20_000.0)
+    assert found.window == 200
+    assert found.at(np.array([400.0])) == pytest.approx([1.0])
+    assert found.at(np.array([500.0])) == pytest.approx([1.5])
+
+
+def test_an_area_goes_from_the_floor_to_the_mean_of_each_column() -> None:
+    plot = Plot(0, 4, 2, 8.0, Scale(0.0, 1.0, 0.5))
+    area = area_of(plot, moving([0.0, 0.0, 1.0, 1.0, 3.0, -1.0], 1))
+    full = area.eighths.sum(axis=0)
+    assert full[0] == 0
+    assert 8 < full[1] < 16  # the highest value is below the upper edge
+    assert area.below.tolist() == [False, False, True, False]
+    assert area.above.tolist() == [False] * 4
+    assert full[3] == 0, "no episode is there yet"
+    assert area_of(plot, moving([0.0, 3.0], 1)).above.tolist() == [True, False, False, False]
+
+
+def test_the_area_is_darker_below_where_there_are_shades() -> None:
+    for depth in ("truecolor", "256"):
+        rows = area_styles(look(depth=depth).palette, 8)
+        light = [luminance(each.color) for each in rows]
+        assert light == sorted(light, reverse=True)
+        assert light[0] > light[-1]
+    for depth in ("16", "none"):
+        palette = look(depth=depth).palette
+        assert set(area_styles(palette, 8)) == {palette.episodes}
 
 
 # Dots
@@ -194,54 +282,33 @@ def test_smoothing_keeps_a_constant_and_few_values() -> None:
     assert smoothed(few) is few
 
 
-def test_the_greedy_line_wins_a_shared_cell() -> None:
+def test_the_greedy_line_lies_over_the_area() -> None:
     same = lake(
         curve=flat(0.5),
-        marks=marks(30, 0.5, 0.5, 1_234),
+        marks=marks(30, 0.2, 0.2, 1_234),
         episodes=1_234,
-        greedy_return=0.5,
+        greedy_return=0.2,
         expected_return=None,
     )
     _, widget = drawn(same)
-    palette = widget.look.palette
-    dotted = [
-        segment.style
-        for row in widget.picture(same, *WIDE)
-        for segment in row
-        if any(0x2800 < ord(character) <= 0x28FF for character in segment.text)
-    ]
-    assert palette.greedy_line in dotted
-    assert palette.episodes not in dotted
+    ink = widget.look.palette.greedy_line.color
+    pieces = [piece for row in widget.picture(same, *WIDE) for piece in row]
+    dotted = [piece.style for piece in pieces if any(0x2800 < ord(each) <= 0x28FF for each in piece.text)]
+    assert {style.color for style in dotted} == {ink}
+    assert any(style.bgcolor is not None for style in dotted)
 
 
-def test_a_mean_somewhat_below_the_greedy_line_has_its_own_row() -> None:
-    snapshot = lake(
-        curve=flat(0.89),
-        marks=marks(30, 1.0, 1.0, 1_234),
-        episodes=1_234,
-        greedy_return=1.0,
-        expected_return=None,
-    )
-    top, below = drawn(snapshot, NARROW)[0].splitlines()[:2]
-    assert "⣀⣀⣀⣀" in top
-    assert "⠒⠒⠒⠒" in below
-
-
-def test_lines_side_by_side_in_one_row_take_turns() -> None:
-    first, second = np.array([[1, 1, 1, 1, 1, 0]]), np.array([[8, 8, 8, 1, 9, 8]])
-    assert taking_turns(first, second).tolist() == [[False, True, False, False, False, False]]
-
-
-def test_no_more_than_a_fifth_of_the_room_for_lines_is_empty() -> None:
-    for episodes in range(10, 20_000, 7):
-        assert episodes >= 0.8 * round_range(episodes) - 1e-9
-
-
-def test_ascii_has_no_other_characters() -> None:
+def test_ascii_has_its_own_area_lines_and_no_other_characters() -> None:
     text, _ = drawn(lake(), ascii=True)
     assert text.isascii()
-    assert "*" in text
-    assert ":" in text
+    assert {".", ":", "|", "#", "o"} <= set(text)
+    assert "- - -" in text
+
+
+def test_one_row_has_a_small_area_and_the_newest_numbers() -> None:
+    text, _ = drawn(lake(), (40, 1))
+    assert text.rstrip().endswith(".41  greedy .73")
+    assert len({"▁", "▂", "▃", "▄", "▅", "▆"} & set(text)) > 2
 
 
 def test_a_new_run_has_a_new_axis() -> None:

@@ -19,18 +19,20 @@ from rl_tui.screen.glossary.glossary import (
     term_at,
 )
 from rl_tui.screen.kit.blocks import lines_of
+from rl_tui.screen.kit.layers import WORDS, Layer
 from rl_tui.screen.kit.row import BUDGET, CURVE, LAST_STEP, TABLE, WORLD
 from rl_tui.screen.panels import seed_figures as study_figures
 from rl_tui.screen.panels.budget import budget_blocks
 from rl_tui.screen.panels.catalogue import PANELS
-from rl_tui.screen.panels.curve.text import figure_names
+from rl_tui.screen.panels.curve.words import BEST_ARM, GREEDY, OPTIMAL
 from rl_tui.screen.panels.last_step.last_step import last_step_lines
-from rl_tui.screen.panels.q_table.layers import Layer
 from rl_tui.screen.panels.status_line import status_line
+from rl_tui.screen.panels.world.scale_line import VALUE
 from rl_tui.screen.theme.glyphs import UNICODE
 
 TERMS = {row.id: row.terms for row in PANELS}
 STUDIED = [name for each in study_figures.FIGURES for name in (each.name, each.in_full)]
+LABELS = (GREEDY, OPTIMAL, BEST_ARM[0], "cost of exploring")
 SHOWN = (lake(), planning(), bandit(400))
 
 
@@ -51,7 +53,13 @@ def numbered(text: str) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    "label", [*figure_names(), *STUDIED, *(str(each) for each in Layer if each is not Layer.LANES)]
+    "label",
+    [
+        *LABELS,
+        *STUDIED,
+        *(str(each) for each in Layer if each is not Layer.LANES),
+        *(VALUE, *WORDS.values()),
+    ],
 )
 def test_a_label_of_a_figure_names_one(label: str) -> None:
     assert figures_in(label)
@@ -80,10 +88,10 @@ def test_the_sums_of_a_budget_do() -> None:
 @pytest.mark.parametrize("height", [1, 4, 9])
 def test_the_numbers_of_an_update_do(height: int) -> None:
     text = "\n".join(text_of(line) for line in last_step_lines(lake(), look(), 100, height))
-    labels = re.findall(r"(\w+) = ", text) + re.findall(r"(δ) [+−.\d]", text)
-    figures = [each for each in labels if each not in ("s", "s′", "a", "ε") and figures_in(f"{each} = ")]
-    assert {"δ"} <= set(figures)
-    assert not [each for each in labels if term_at(f"{each} = ", 0, UNICODE) is None and not each.isdigit()]
+    labels = [each for each in ("reward", "δ", "α", "γ") if each in text]
+    assert set(labels) == ({"δ"} if height == 1 else {"reward", "δ", "α", "γ"})
+    assert all(term_at(f"{each} ", 0, UNICODE) is not None for each in labels)
+    assert figures_in("δ = ")
 
 
 def test_a_panel_in_focus_lists_its_figures() -> None:

@@ -35,7 +35,7 @@ HALF = SliderMark(0.5, 0.49, 0.51)
 ASIDE = SliderMark(0.5, 0.49, 0.51, stands_out=False)
 
 
-def row(*marks: SliderMark, value: float = 0.9, ascii: bool = False, width: int = 46) -> str:  # noqa: A002
+def row(*marks: SliderMark, value: float = 0.9, ascii: bool = False, width: int = 45) -> str:  # noqa: A002
     state = SliderState(value, marks=marks)
     return slider_strip(GAMMA, scale_of(GAMMA), state, look(ascii), width).text
 

@@ -77,7 +77,7 @@ def test_where_the_sample_average_counts_updates_is_said_of_those_and_no_others(
         (" >−1 ", "−", "tiny-number"),
         ("last 12 episodes", "last", "last-100"),
         ("mean return: each episode", "mean return", "last-100"),
-        ("↓ below the axis", "below", "return"),
+        ("optimal  .74", "optimal", "gamma-best"),
         ("greedy: may never end", "never", "greedy"),
         ("ended its episode", "ended", None),
         ("Return per episode", "Return", "return"),
@@ -97,7 +97,7 @@ def test_words_are_found_as_ascii_spells_them() -> None:
     [
         ("  ●   ", "●", UNICODE, WORLD, "terminal"),
         ("5   ──●──   ┊", "●", UNICODE, WORLD, None),
-        ("▸ greedy · ● estimate", "●", UNICODE, WORLD, "arm"),
+        ("▸ greedy · ┃ estimate", "┃", UNICODE, WORLD, "arm"),
         ("α ●──── 0.001", "●", UNICODE, CONTROLS, None),
         ("━━━● now", "●", UNICODE, TIMELINE, None),
         ("● now", "●", UNICODE, TIMELINE, None),

@@ -79,7 +79,7 @@ def test_wheel_and_cursor_scroll_until_the_agent_is_followed_again() -> None:
     view.follow()
     assert "◉" in text()
     text(40)
-    assert view.footing == "0–9 of 40 · 0–7 of 40"  # that it follows is seen
+    assert view.footing == "rows 0–9 of 40 · columns 0–7 of 40"  # that it follows is seen
 
 
 def test_a_legend_stands_below_a_whole_map_and_above_one_that_scrolls() -> None:

@@ -210,7 +210,7 @@ def test_the_wind_is_lit_where_it_moved_the_agent(state: int, action: int, lit: 
 
 @pytest.mark.parametrize(
     ("state", "action", "size", "told"),
-    [(11, LEFT, (80, 10), "wind ↑ 1, → 5"), (12, LEFT, (80, 2), "wind ↑ 2"), (10, RIGHT, (80, 10), "")],
+    [(11, LEFT, (80, 10), "wind ↑ 1 to 5"), (12, LEFT, (80, 2), "wind ↑ 2"), (10, RIGHT, (80, 10), "")],
 )
 def test_the_last_step_tells_of_the_wind(state: int, action: int, size: tuple[int, int], told: str) -> None:
     text = "\n".join(

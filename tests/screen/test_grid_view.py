@@ -382,7 +382,7 @@ def test_no_number_is_cut_in_any_cell(in_ascii: bool, times: float) -> None:
         number_form = SteadyForms().form("", values, form.digits, most=2)._replace(leading_zero=False)
         artist = CellArtist(look(in_ascii), form)
         for cell in cells:
-            rows = artist.drawn(artist.face(cell, scale, number_form))
+            rows = artist.drawn(artist.face(cell, scale, number_form, scale))
             text = ["".join(segment.text for segment in row) for row in rows]
             assert [len(row) for row in text] == [width] * height
             if cell.value is not None and cell.known and form.has_values:

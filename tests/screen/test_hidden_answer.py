@@ -11,16 +11,16 @@ from seams import notes, on_screen, order, playground, press, screen_text, snaps
 from snapshots import changed
 
 from rl_tui.live.commands import HideAnswer
-from rl_tui.live.snapshot import Phase
+from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.screen.dialogs.until_options import until_options
 from rl_tui.screen.frame.number_here import number_of_pair, number_of_state
 from rl_tui.screen.kit.blocks import lines_of
+from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.snapshot_facts import ANSWER_KEY, hides_means, is_secret
 from rl_tui.screen.panels.curve.data import curve_data
-from rl_tui.screen.panels.curve.words import HIDDEN_OPTIMUM, OPTIMUM
+from rl_tui.screen.panels.curve.words import HIDDEN_OPTIMUM, OPTIMAL
 from rl_tui.screen.panels.microscope.microscope import history_strips
 from rl_tui.screen.panels.model.pair import pair_blocks
-from rl_tui.screen.panels.q_table.layers import EXACT_LAYERS, Layer
 from rl_tui.screen.theme.glyphs import UNICODE
 from rl_tui.worlds.files.catalogue import scenarios
 
@@ -34,12 +34,12 @@ def test_the_model_of_a_world_that_is_no_bandit_is_no_secret() -> None:
 
 
 @pytest.mark.parametrize("state", [changed(lake(), is_hidden=True), changed(student(), is_hidden=True)])
-def test_the_table_has_no_exact_layer_and_names_the_key(state: type) -> None:
+def test_the_table_has_dots_for_exact_numbers_and_names_the_key(state: Snapshot) -> None:
     for layer in Layer:
         table = Drawn(state, 44, 17, layer)
-        assert not set(table.table.layer_choices) & set(EXACT_LAYERS)
-        assert table.table.shown_layer not in EXACT_LAYERS
-    assert Drawn(state, 44, 17).table.footing == "v:▌Q▐ visits · h: Q*"
+        assert Layer.ERROR not in table.table.layer_choices
+        assert ("···" in table.text) is (layer is Layer.OPTIMAL)
+    assert Drawn(state, 44, 17).table.footing == "v:▌Q▐ Q*  visits · h: Q*"
 
 
 def test_a_world_without_an_exact_answer_hides_nothing_in_its_table() -> None:
@@ -55,10 +55,10 @@ def test_the_curve_keeps_the_greedy_policy_and_hides_the_best() -> None:
     assert shown.optimum is not None
     assert hidden.optimum is None
     assert hidden.greedy_now == shown.greedy_now
-    text, _ = drawn_curve(SECRET)
-    assert HIDDEN_OPTIMUM[0] in text
-    assert f"{OPTIMUM} 0" not in text
-    assert OPTIMUM in drawn_curve(lake())[0].replace(HIDDEN_OPTIMUM[0], "")
+    text, curve = drawn_curve(SECRET, (80, 13))
+    assert HIDDEN_OPTIMUM[0] in curve.heading
+    assert OPTIMAL not in text
+    assert OPTIMAL in drawn_curve(lake())[0]
 
 
 def test_the_bellman_equation_has_no_numbers() -> None:
@@ -123,15 +123,20 @@ async def test_h_hides_the_layer_that_is_shown_and_the_line_and_brings_both_back
         table = playground(pilot).board.table
         assert table.shown_layer is Layer.OPTIMAL
         before = screen_text(pilot.app)
-        assert f"{OPTIMUM} 1" in before
+        assert OPTIMAL in before
         hidden = await press(pilot, "h")
         assert is_secret(hidden)
-        assert table.shown_layer is Layer.Q
-        assert f"{OPTIMUM} 1" not in screen_text(pilot.app)
+        world = playground(pilot).board.world
+        assert world is not None
+        for panel in (table, world):
+            text = "".join(panel.render_line(y).text for y in range(panel.size.height))
+            assert "···" in text
+            assert "1.00" not in text
+        assert f"{OPTIMAL}  " not in screen_text(pilot.app)
         assert is_secret(await press(pilot, "r", "e"))
         await press(pilot, "h")
         assert table.shown_layer is Layer.OPTIMAL
-        assert f"{OPTIMUM} 1" in screen_text(pilot.app)
+        assert f"{OPTIMAL}  " in screen_text(pilot.app)
         assert not notes(pilot.app)
 
 

@@ -22,8 +22,8 @@ from rl_tui.screen.catalogue.catalogue import CatalogueScreen
 from rl_tui.screen.dialogs.choice import Choice
 from rl_tui.screen.dialogs.dialog import QuitQuestion
 from rl_tui.screen.frame.help import HelpScreen
+from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.panel import key_at
-from rl_tui.screen.panels.q_table.layers import Layer
 from rl_tui.screen.playground.playground import Playground
 
 # Messages

@@ -12,8 +12,9 @@ from snapshots import changed
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.timeline.lane_view import LaneView
 from rl_tui.screen.draw.number_form import SteadyForms
+from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.value_scale import ValueScale
-from rl_tui.screen.panels.q_table.layers import Figures, Layer
+from rl_tui.screen.panels.q_table.layers import Figures
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.worlds.mdp.space import FloatArray
 
@@ -23,7 +24,7 @@ def table_of(
 ) -> tuple[str, QTable]:
     table = sized(QTable(look(ascii_only)), width, 14)
     table.show(snapshot)
-    table.shown_layer = layer
+    table.wanted_layer = layer
     rows = table.picture(snapshot, width, 14)
     assert [row.cell_length for row in rows] == [width] * 14
     return "\n".join(row.text for row in rows), table

@@ -78,69 +78,65 @@ def lake_step(**changes: Any) -> Snapshot:
 # The update in numbers
 
 
-def test_one_line_holds_the_update_and_what_led_to_it() -> None:
-    (line,) = drawn(lake_step())
-    assert line == " Q(6,←) ← .36 + .10·(0 + .99·.56 − .36) = .38  δ +.19  meant ← went ↓  greedy"
+def test_one_line_holds_what_happened_and_the_update() -> None:
+    (line,) = drawn(lake_step(), 90)
+    equation = ".36 + .10·(0 + .99·.56 − .36) = .38  δ +.19"
+    assert line == f" 6 meant ← slipped ↓ to 10  r 0  {equation}  greedy"
+    assert drawn(lake_step(), 58) == [" 6 meant ← slipped ↓ to 10  r 0  now = .38  δ +.19  greedy"]
+    assert drawn(lake_step(), 30) == [" now = .38  δ +.19"]
 
 
-@pytest.mark.parametrize(("width", "remark"), [(80, ", the target is the estimate"), (45, "")])
+@pytest.mark.parametrize(("width", "remark"), [(80, ": the target is the estimate"), (45, "")])
 def test_a_target_that_is_the_estimate_is_told_in_words(width: int, remark: str) -> None:
-    lines = drawn(lake_step(before=0.0, bootstrap=0.0), width, 8)
-    told = next(line for line in lines if "stays" in line)
-    assert told.strip() == f"Q(6,←) stays 0: nothing to learn{remark}"
-    assert "(0)" not in "".join(lines)
+    lines = drawn(lake_step(before=0.0, bootstrap=0.0), width, 7)
+    assert lines[1].strip().startswith(f"nothing to learn{remark}")
+    assert lines[-1].endswith(" 0")
 
 
-def test_parts_that_do_not_fit_are_left_out_whole_and_a_sign_says_so() -> None:
+def test_every_form_is_whole() -> None:
     snapshot = lake_step()
-    parts = (
-        " Q(6,←) ← .36 + .10·(0 + .99·.56 − .36) = .38",
-        " Q(6,←) ← .38",
-        "  δ +.19",
-        "  meant ← went ↓",
-        "  greedy",
-    )
-    for width in range(13, 90):
+    parts = (".36 + .10·(0 + .99·.56 − .36) = .38", "now = .38", "δ +.19", "6 meant ← slipped ↓ to 10  r 0")
+    parts += ("in 6 meant ← slipped ↓ to 10   reward 0   p 1/3", "in 6 meant ← slipped ↓ to 10   reward 0")
+    parts += ("in 6 meant ← slipped ↓ to 10  r 0", "6 meant ← slipped ↓ to 10   reward 0", "p 1/3", "greedy")
+    for width in range(13, 120):
         (line,) = drawn(snapshot, width)
-        has_all = all(part in line for part in parts[2:])
-        for part in parts:
+        for part in sorted(parts, key=len, reverse=True):
             line = line.replace(part, "")
-        assert line.strip() == "" if has_all else line.strip() in ("", "…")
-    assert [drawn(snapshot, width)[0].endswith("…") for width in (50, 60, 70)] == [True] * 3
-
-
-def test_too_narrow_for_the_update_its_result_is_left() -> None:
-    assert drawn(lake_step(), 30) == [" Q(6,←) ← .38  δ +.19  greedy…"]
+        assert not line.strip()
 
 
 def test_a_terminal_step_does_not_bootstrap() -> None:
     ended = lake_step(terminated=True, next_state=5, bootstrap=0.0)
     (line,) = drawn(ended)
-    assert "Q(6,←) ← .36 + .10·(0 − .36) = .32  δ −.36" in line
-    assert "target = r = 0 (terminal)" in "\n".join(drawn(ended, 56, 10))
-    assert "s′ = 5: hole, the episode ends" in "\n".join(drawn(ended, 56, 10))
+    assert ".36 + .10·(0 − .36) = .32  δ −.36" in line
+    lines = drawn(ended, 56, 7)
+    assert lines[:2] == [" in 6 meant ← slipped ↓ to 5: hole   reward 0   p 1/3", " the episode ends"]
+    assert lines[2] == " now = was + α  ·(r − was)"
 
 
 def test_a_truncated_step_still_bootstraps() -> None:
-    assert "cut off by the time limit: still bootstraps" in "\n".join(
-        drawn(lake_step(truncated=True), 80, 10)
-    )
-    text = "\n".join(drawn(lake_step(truncated=True), 56, 10))
-    assert "cut off, still bootstraps" in text
-    assert "target = r + γ · max Q(10,·)" in text
-    assert "time limit" in drawn(lake_step(truncated=True), 100)[0]
+    truncated = lake_step(truncated=True)
+    lines = drawn(truncated, 56, 7)
+    assert lines[1] == " truncated by the time limit: still bootstraps"
+    assert "+ γ  ·best" in lines[2]
+    assert drawn(truncated, 45, 7)[1] == " truncated, still bootstraps"
+    assert drawn(truncated, 32, 3)[1:] == [" now = .38  δ +.19", " truncated, still bootstraps"]
+    assert drawn(truncated, 100)[0].endswith("δ +.19  time limit  greedy")
 
 
 def test_negative_numbers_stand_in_brackets() -> None:
-    (line,) = drawn(stepped(student(), before=-1.5, bootstrap=-0.5, reward=-2.0))
-    assert " Q(Class,study) ← −1.5 + .10·(−2 + .90·(−.5) − (−1.5)) = −1.59" in line
-    assert "δ −.95" in line
+    negative = stepped(student(), before=-1.5, bootstrap=-0.5, reward=-2.0)
+    (line,) = drawn(negative, 100)
+    assert "−1.5 + .10·(−2 + .90·(−.5) − (−1.5)) = −1.59  δ −.95" in line
+    assert drawn(negative, 45, 7)[2:4] == [
+        " now   = was  + α  ·(r  + γ  ·best  − was   )",
+        " −1.59 = −1.5 + .10·(−2 + .90·(−.5) − (−1.5))",
+    ]
 
 
 def test_a_sample_average_shows_its_fraction() -> None:
     (line,) = drawn(stepped(bandit(), before=1.39, reward=2.11))
-    assert line.startswith(" Q(5) ← 1.390")
-    assert "+ 1/842·(2.11" in line
+    assert "1.390 + 1/842·(2.110 − 1.390) = 1.391" in line
     assert step_size_text(0.5, 0.5, UNICODE) == ".50"
     assert step_size_text(0.5, "sample-average", UNICODE) == "1/2"
     assert step_size_text(0.3, 0.1, UNICODE) == ".30"
@@ -165,63 +161,93 @@ def test_a_small_estimate_does_not_look_like_none() -> None:
     assert text.after == ".0004"
 
 
-# The five parts
+# Words above numbers
 
 
-def test_the_loop_in_five_parts() -> None:
-    assert drawn(lake_step(), 56, 9) == [
-        " agent        s = 6   row 1, column 2, counted from 0",
-        "              greedy (ε = .10)   action a = ←",
-        " environment  meant ←, slipped ↓ (p 1/3)",
-        "              reward r = 0   next state s′ = 10",
-        " update       target = r + γ · max Q(10,·)",
-        "                     = 0 + .99 · .56 = .55",
-        "              δ = .55 − .36 = +.19",
-        "   Q(6,←) ← .36 + .10 · (+.19) = .38",
+def test_words_stand_above_the_numbers_and_a_bar_shows_the_error() -> None:
+    assert drawn(lake_step(), 45, 7) == [
+        " in 6 meant ← slipped ↓ to 10   reward 0",
         "",
+        " now = was + α  ·(r + γ  ·best − was)",
+        " .38 = .36 + .10·(0 + .99·.56  − .36)",
+        "                 ╰─────── δ ────────╯",
+        "",
+        " surprise δ ────────────│━━━━━━━━━━━━    +.19",
     ]
 
 
-@pytest.mark.parametrize("height", [4, 5, 6, 7])
+def test_in_three_rows_the_numbers_stand_without_words() -> None:
+    assert drawn(lake_step(), 32, 3) == [
+        " 6 meant ← slipped ↓ to 10  r 0",
+        " .36 + .10·(0 + .99·.56 − .36)",
+        "   = .38   surprise δ +.19",
+    ]
+    assert drawn(lake_step(before=0.63745, bootstrap=0.73106), 32, 3)[1:] == [
+        " .63745 + .10·(0 + .99·.73106",
+        "   − .63745) = .64608  δ +.08630",
+    ]
+
+
+def test_where_the_equation_is_too_long_for_a_line_it_goes_on_below() -> None:
+    assert drawn(lake_step(before=0.63745, bootstrap=0.73106), 45, 7)[2:6] == [
+        " now    = was    + α",
+        " .64608 = .63745 + .10",
+        "   ·(r + γ  ·best   − was   )",
+        "   ·(0 + .99·.73106 − .63745)",
+    ]
+
+
+@pytest.mark.parametrize("height", [4, 5, 6, 7, 9])
 def test_shorter_forms_tell_the_same(height: int) -> None:
     lines = drawn(lake_step(), 60, height)
     text = "\n".join(lines)
-    for part in ("s = 6", "a = ←", "greedy", "slipped ↓", "r = 0", "s′ = 10", ".55", "+.19", ".38"):
+    for part in ("6 meant ← slipped ↓ to 10", "reward 0", ".38 = .36 + .10·(0 + .99·.56  − .36)"):
         assert part in text
-    assert lines[-1] == "   Q(6,←) ← .36 + .10 · (+.19) = .38" or height == 4
+    assert lines[min(height, 7) - 1].startswith(" surprise δ ──")
+    assert ("╰" in text) is (height >= 6)
+
+
+@pytest.mark.parametrize(
+    ("error", "bar"),
+    [
+        (0.0, "────────────│────────────"),
+        (-0.01, "────━│──────"),
+        (0.01, "──────│━────"),
+        (-9.0, " ━━━━━━━━━━━━│"),
+    ],
+)
+def test_the_bar_goes_to_the_side_of_the_sign(error: float, bar: str) -> None:
+    assert bar in drawn(lake_step(before=0.0, bootstrap=error), 45, 7)[-1]
 
 
 def test_the_environment_of_a_graph_is_told_in_words() -> None:
     text = "\n".join(drawn(student(), 56, 8))
-    assert "s = Class" in text
-    assert "a = study" in text
-    assert "environment  → Pass (p .8)" in text
-    assert "s′ = Pass" in text
+    assert "in Class did study to Pass   reward −2   p .8" in text
     for word in ("meant", "went", "slipped", "row"):
         assert word not in text + drawn(student())[0]
 
 
 def test_a_certain_outcome_has_probability_1() -> None:
     certain = lake(slippery=False)
-    text = "\n".join(drawn(certain, 56, 8))
+    (line, *_) = drawn(certain, 70, 8)
     assert certain.counters.last_step
-    assert f"environment  → {certain.counters.last_step.next_state} (p 1)" in text
-    assert "meant" not in text
+    assert f"to {certain.counters.last_step.next_state}: " in line
+    assert line.endswith("p 1")
+    assert "meant" not in line
 
 
 def test_a_long_name_of_the_action_is_not_crowded_out() -> None:
     pair = student().world.space.pairs_of(0)[1]
     snapshot = stepped(student(), pair=pair, updated_pair=pair, explored=True)
-    assert "random (ε = .10)   action a = check phone" in drawn(snapshot, 56, 8)[1]
-    assert "random (ε = .10)   a = check phone" in drawn(snapshot, 50, 8)[1]
-    assert "random   action a = check phone" in drawn(snapshot, 46, 8)[1]
+    for width in (56, 46, 40):
+        assert "did check phone to " in drawn(snapshot, width, 7)[0]
 
 
 def test_a_bandit_has_no_next_state() -> None:
     text = "\n".join(drawn(stepped(bandit(), before=1.39, reward=2.11), 56, 8))
-    assert "pulled 5   greedy (ε = .10)" in text
-    assert "N = 842" in text
-    assert "s′" not in text
+    assert "pulled 5   reward 2.110   N 842" in text
+    assert "1/N" in text
+    assert " to " not in text
     assert "γ" not in text
 
 
@@ -237,23 +263,36 @@ def choice(q_before: list[float], pair: int, *, explored: bool) -> str:
     q[first + pair] = 9.9  # the update has moved it: what counts is what it was before
     assert snapshot.counters.last_step is not None
     last = replace(snapshot.counters.last_step, pair=first + pair, updated_pair=first + pair)
-    return drawn(changed(snapshot, q=q, last_step=last), 60, 8)[1].strip()
+    return heading(changed(snapshot, q=q, last_step=last))
+
+
+def heading(snapshot: Snapshot) -> str:
+    widget = LastStepPanel(look())
+    widget.picture(snapshot, 80, 7)
+    return widget.heading
 
 
 def test_a_greedy_choice() -> None:
-    assert choice([0.5, 0.1, 0.2, 0.3], 0, explored=False).startswith("greedy (ε = .10)   action a =")
+    assert choice([0.5, 0.1, 0.2, 0.3], 0, explored=False) == "Last step · the greedy action"
 
 
 def test_a_choice_among_ties() -> None:
-    assert choice([0.0, 0.0, 0.0, 0.0], 2, explored=False).startswith("greedy (ε = .10), one of 4 equal")
+    assert choice([0.0, 0.0, 0.0, 0.0], 2, explored=False) == "Last step · one of 4 equal greedy actions"
 
 
 def test_exploring() -> None:
-    assert choice([0.5, 0.1, 0.2, 0.3], 1, explored=True).startswith("random (ε = .10)   action a = ↓")
+    assert choice([0.5, 0.1, 0.2, 0.3], 1, explored=True) == "Last step · a random action, like 1 in 10"
+
+
+@pytest.mark.parametrize(("epsilon", "share"), [(0.25, "1 in 4"), (0.15, "15 %"), (1.0, "all")])
+def test_how_many_actions_are_random(epsilon: float, share: str) -> None:
+    assert heading(lake_step(explored=True, epsilon=epsilon)).startswith(
+        f"Last step · a random action, like {share}"
+    )
 
 
 def test_exploring_may_hit_the_greedy_action() -> None:
-    assert choice([0.5, 0.1, 0.2, 0.3], 0, explored=True).startswith("random (ε = .10), greedy by chance")
+    assert choice([0.5, 0.1, 0.2, 0.3], 0, explored=True).endswith("like 1 in 10, by chance the greedy one")
 
 
 # Any size
@@ -267,25 +306,15 @@ def test_before_the_first_step_it_says_what_to_press() -> None:
 def test_while_a_session_is_replayed_its_last_step_is_not_known() -> None:
     left = lake(0)
     left = replace(left, counters=replace(left.counters, step=2_000_000))
-    assert drawn(left)[0].strip() == "the last step is told once it is replayed"
+    assert drawn(left)[0].strip() == "the last step appears once it is replayed"
 
 
-def test_the_border_names_the_step() -> None:
-    widget = LastStepPanel(look())
-    widget.picture(lake_step(), 56, 8)
-    assert widget.heading == "Last step"
-    assert widget.footing == "step 150,000 · episode 12,500"
-    widget.picture(bandit(400), 56, 8)
-    assert widget.footing == "pull 400"
-
-
-@pytest.mark.parametrize(("speed", "is_named"), [(10.0, True), (30.0, True), (100.0, False), (None, False)])
-def test_a_step_that_passes_too_fast_is_not_named(speed: float | None, is_named: bool) -> None:
-    widget = LastStepPanel(look())
-    widget.picture(changed(lake_step(), phase=Phase.RUNNING, speed=speed), 56, 8)
-    assert bool(widget.footing) is is_named
-    widget.picture(changed(lake_step(), speed=speed), 56, 8)
-    assert widget.footing
+@pytest.mark.parametrize(("speed", "is_told"), [(10.0, True), (30.0, True), (100.0, False), (None, False)])
+def test_how_an_action_that_passes_too_fast_was_chosen_is_not_told(
+    speed: float | None, is_told: bool
+) -> None:
+    assert ("greedy" in heading(changed(lake_step(), phase=Phase.RUNNING, speed=speed))) is is_told
+    assert "greedy" in heading(changed(lake_step(), speed=speed))
 
 
 @pytest.mark.parametrize("snapshot", [None, lake(0), lake_step(), student(), bandit(400)])

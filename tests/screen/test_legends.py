@@ -9,7 +9,7 @@ import pytest
 from conftest import MakeApp
 from drawn_grids import large_lake, paying
 from rich.style import Style
-from samples import bandit, big_lake, lake, look, planning, student
+from samples import bandit, big_lake, lake, look, student
 from seams import app_at, on_screen, playground, press, train
 from textual.geometry import Size
 
@@ -21,10 +21,8 @@ from rl_tui.screen.kit.panel import LegendSign, Panel, legend_text
 from rl_tui.screen.kit.row import CONTROLS, CURVE, LAST_STEP, TABLE, WORLD
 from rl_tui.screen.panels.arms import ArmsView
 from rl_tui.screen.panels.catalogue import PANELS
-from rl_tui.screen.panels.curve.curve import ReturnCurve
 from rl_tui.screen.panels.graph.graph import GraphView
 from rl_tui.screen.panels.grid.grid import GridView
-from rl_tui.screen.panels.last_step.last_step import ENDED, LastStepPanel
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.world.scale_line import NOTHING_KNOWN
 from rl_tui.worlds.drawing import CellKind, Grid
@@ -88,7 +86,6 @@ def test_what_stands_on_the_border_already_stays_there() -> None:
         ("graph", lambda shown, look: GraphView(shown.world, look)),
         ("arms", lambda shown, look: ArmsView(shown.world, look)),
         ("table", lambda shown, look: QTable(look)),
-        ("step", lambda shown, look: LastStepPanel(look)),
     ],
 )
 def test_a_legend_has_signs_that_are_drawn_and_no_others(kind: str, made: object, in_ascii: bool) -> None:
@@ -106,8 +103,6 @@ def test_only_what_occurs_in_the_scenario_has_a_sign() -> None:
     assert "╱ cliff" not in legend(explained(GridView(lake().world, look()), lake(), 60, 13))
     table = explained(QTable(look()), bandit(400), 60, 20)
     assert legend(table) == ["▌▐ greedy", "▐ just updated", "◉ last pull", "· not tried"]
-    assert legend(explained(LastStepPanel(look()), bandit(400), 58, 12)) == ["δ TD error"]
-    assert "p probability" in legend(explained(LastStepPanel(look()), lake(), 58, 12))
 
 
 def test_an_end_whose_name_is_a_word_is_called_so() -> None:
@@ -165,31 +160,6 @@ def test_a_map_that_scrolls_leaves_a_row_for_its_legend() -> None:
     assert "◉ agent" in rows(grid)[-1]
 
 
-def test_a_legend_does_not_jump_when_the_picture_needs_its_row() -> None:
-    panel = explained(LastStepPanel(look()), lake(), 58, 9)
-    assert rows(panel)[-1].startswith(" δ TD error")
-    panel.show(lake(step=0, last_step=None))
-    assert rows(panel)[-1].startswith(" δ TD error")
-
-
-def test_the_curve_says_that_returns_are_not_discounted() -> None:
-    for snapshot in (lake(), planning()):
-        curve = explained(ReturnCurve(look()), snapshot, 60, 8)
-        assert "return = undiscounted sum" in legend(curve)
-    assert legend(explained(ReturnCurve(look()), bandit(400), 60, 8)) == []
-
-
-def test_the_last_step_of_an_episode_does_not_number_it() -> None:
-    panel = LastStepPanel(look())
-    step = lake().counters.last_step
-    assert step is not None
-    for ends in (False, True):
-        shown = lake(last_step=replace(step, terminated=ends, truncated=False))
-        panel.picture(shown, 58, 12)
-        assert (ENDED in panel.footing) is ends
-        assert (f"episode {step.episode:,}" in panel.footing) is not ends
-
-
 @pytest.mark.screen
 @pytest.mark.parametrize("size", [(80, 24), (120, 40)])
 async def test_a_key_hides_captions_and_legends_and_shows_them_again(
@@ -207,7 +177,8 @@ async def test_a_key_hides_captions_and_legends_and_shows_them_again(
         for each in (WORLD, TABLE, CURVE, LAST_STEP, CONTROLS):
             panel = board.panel(each)
             assert CAPTIONS[each] not in panel.head
-            assert panel.foot in ("", "v:▌Q▐ Q*  Q−Q*  visits", "step 2 · episode 1")
+            layers = "v:▌Q▐ Q*  Q−Q*  visits"
+            assert panel.foot in ("", layers, f"{layers}  landscape")
         await press(pilot, "L")
         assert {each: board.panel(each).head for each in titles} == titles
 

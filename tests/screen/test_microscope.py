@@ -82,7 +82,7 @@ def test_the_loop_in_five_parts() -> None:
     lines = part(shown(LAKE), "The step", "The update")
     assert lines == [
         " state   s = 6   row 1, column 2",
-        " action  a = ←   greedy (ε = .10)",
+        " action  a = ←   the greedy action",
         " reward  r = 0",
         " next    s′ = 2   slipped ↑, p 1/3",
         " update  Q(6,←) .2394 → .2464",
@@ -98,8 +98,12 @@ def test_an_action_of_a_person_is_told_as_such() -> None:
 def test_every_number_of_the_update_says_where_it_comes_from() -> None:
     lines = part(shown(LAKE), "The update", "The backup")
     text = " ".join(" ".join(lines).split())
-    assert "Q(6,←) ← .2394 + .10·(0 + .99·.3130 − .2394) = .2464 δ = +.0705" in text
-    assert ".2394 Q(6,←) before .10 α 0 reward .99 γ .3130 max Q(2,·): ↑" in text
+    assert "now = was + α .2464 = .2394 + .10 ·(r + γ ·best − was ) ·(0 + .99·.3130 − .2394)" in text
+    assert "δ = +.0705 .3130 is max Q(2,·): ↑" in text
+    wide = "\n".join(shown(LAKE, 60))
+    assert (
+        " now   = was   + α  ·(r + γ  ·best  − was  )\n .2464 = .2394 + .10·(0 + .99·.3130 − .2394)" in wide
+    )
 
 
 def test_a_mean_over_the_policy_lists_its_cells() -> None:
@@ -132,7 +136,7 @@ def test_numbers_of_cells_look_as_their_cells_do() -> None:
     for row in widget.picture(LAKE, NARROW, 60):
         for segment in row:
             styles.setdefault(segment.style, []).append(segment.text)
-    assert styles[palette.updated] == [".2394", ".2394", ".2464", ".2394"]
+    assert styles[palette.updated] == [".2464", ".2394", ".2394"]
     assert styles[palette.source] == [".3130", ".3130"]
 
 
@@ -329,13 +333,13 @@ def test_steps_that_pass_too_fast_leave_the_history_only() -> None:
 def test_what_does_not_fit_is_scrolled_with_a_bar_and_a_hint() -> None:
     widget = Microscope(look())
     rows = widget.picture(LAKE, NARROW, 17)
-    assert widget.footing == "↑ ↓ pgup pgdn: more · d: close"
+    assert widget.footing == "↑ ↓: more · d: close"
     assert all(row.text[-1] in "█│" for row in rows)
     top, end = shown(LAKE, NARROW, 17), shown(LAKE, NARROW, 17, scrolled=999)
     assert "The step" in top[0]
     assert " step" in end[-1]
     widget.picture(LAKE, NARROW, 60)
-    assert widget.footing == "d: close"
+    assert widget.footing == "tab: another cell · d: close"
 
 
 @pytest.mark.exhaustive("every algorithm at every size", but=["q-learning", "n-step-sarsa"])

@@ -43,8 +43,8 @@ async def test_d_opens_and_closes_it_and_keys_and_wheel_scroll_it(
         await press(pilot, "s", "d")
         widget = board(pilot).microscope
         assert board(pilot).shows(MICROSCOPE)
-        assert board(pilot).shows(TABLE)
-        assert board(pilot).shows(WORLD) is (size == (120, 40))
+        assert board(pilot).shows(WORLD)
+        assert not board(pilot).shows(TABLE)
         assert widget.has_focus
         assert "Q(0," in lines(pilot)
         if size == (80, 24):  # where it is longer than its place
@@ -62,7 +62,7 @@ async def test_d_opens_and_closes_it_and_keys_and_wheel_scroll_it(
             assert "The step" not in top(pilot)
         await press(pilot, "d")
         assert not board(pilot).shows(MICROSCOPE)
-        assert board(pilot).shows(CURVE)
+        assert board(pilot).shows(TABLE)
         assert not widget.has_focus
         assert widget.pair is None
 
@@ -97,24 +97,62 @@ async def test_the_tab_key_goes_to_panels_in_view_only(make_app: MakeApp) -> Non
         for _ in range(12):
             await press(pilot, "tab")
             seen.add(board(pilot).panel_of(pilot.app.focused))
-        assert seen == {TABLE, TIMELINE, MICROSCOPE, CONTROLS}
+        assert seen == {WORLD, CURVE, TIMELINE, MICROSCOPE, CONTROLS}
 
 
-async def test_the_cursor_of_the_table_chooses_the_cell(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student"), (120, 40)) as pilot:
-        await train(pilot, 50)
+async def test_the_cursor_of_the_world_chooses_the_state_and_its_greedy_or_updated_pair_is_shown(
+    make_app: MakeApp,
+) -> None:
+    async with on_screen(make_app("frozenlake-slippery")) as pilot:
+        await train(pilot, 2_000)
         await press(pilot, "d")
         shown = snapshot(pilot)
-        assert board(pilot).microscope.pair == shown.counters.last_step.updated_pair
+        last = shown.counters.last_step
+        assert last is not None
+        assert board(pilot).microscope.pair == last.updated_pair
+        world = board(pilot).world
+        assert world is not None
+        world.focus()
+        space, q = shown.world.space, shown.agent.q
+        for state in (0, 14):
+            world.put_cursor(state)
+            await settle(pilot)
+            pairs = space.pairs_of(state)
+            greedy = pairs.start + int(q[pairs.start : pairs.stop].argmax())
+            expected = last.updated_pair if last.updated_pair in pairs else greedy
+            assert board(pilot).microscope.pair == expected
+        world.put_cursor(last.state)
+        await settle(pilot)
+        assert board(pilot).microscope.pair == last.updated_pair
+        await press(pilot, "up", "full_stop")
+        assert board(pilot).microscope.pair == last.updated_pair
+
+
+async def test_a_pair_chosen_in_the_table_stays_chosen(make_app: MakeApp) -> None:
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
+        await train(pilot, 50)
         board(pilot).table.focus()
-        await press(pilot, "home", "end")
+        await press(pilot, "home", "end", "d")
         assert board(pilot).microscope.pair == 4
-        assert "History of Q(Pass,sleep)" in lines(pilot)
+        assert "Q(Pass,sleep)" in lines(pilot)
+        world = board(pilot).world
+        assert world is not None
+        world.focus()
+        await settle(pilot)
+        assert board(pilot).microscope.pair == 4
+        world.put_cursor(0)
+        await settle(pilot)
+        assert board(pilot).microscope.pair in snapshot(pilot).world.space.pairs_of(0)
         await press(pilot, "full_stop")
-        assert board(pilot).microscope.pair == shown.counters.last_step.updated_pair
-        await press(pilot, "1")  # goes to a slider that it hides
-        assert not board(pilot).opened
+        assert board(pilot).microscope.pair == 4
+        await press(pilot, "1")
         assert isinstance(pilot.app.focused, Slider)
+
+
+async def test_it_says_how_to_choose_a_cell(make_app: MakeApp) -> None:
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
+        await press(pilot, "s", "d")
+        assert "tab: another cell" in board(pilot).microscope.footing
 
 
 async def test_the_history_is_that_of_the_run(make_app: MakeApp) -> None:

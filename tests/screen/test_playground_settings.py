@@ -105,7 +105,7 @@ async def test_while_a_person_acts_digits_act_but_on_a_slider_they_are_typed(mak
 
 
 async def test_the_key_line_says_what_space_does_now_and_can_be_clicked(make_app: MakeApp) -> None:
-    async with on_screen(make_app("student")) as pilot:
+    async with on_screen(make_app("student"), (120, 40)) as pilot:
         line = pilot.app.screen.query_one(KeyLine)
         paused = line.render_line(0).text
         await press(pilot, "space")
@@ -115,7 +115,10 @@ async def test_the_key_line_says_what_space_does_now_and_can_be_clicked(make_app
         assert line.render_line(0).text == paused
         await click(pilot, line, offset=(14, 0))
         assert snapshot(pilot).counters.step == 1
-        await click(pilot, "#settings", offset=(31, 0))
+        settings = pilot.app.screen.query_one(AgentSettings)
+        rows = [settings.render_line(y).text for y in range(settings.size.height)]
+        y = next(place for place, row in enumerate(rows) if "ties" in row)
+        await click(pilot, settings, offset=(rows[y].index("ties"), y))
         assert snapshot(pilot).agent.hyperparameters.ties == "first"
 
 

@@ -29,17 +29,16 @@ from rl_tui.runs.answers.view import AnswersView
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.frame.number_here import number_here
 from rl_tui.screen.glossary.glossary import glossary, term_at
+from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.row import CURVE, POLICIES, TABLE, WORLD
 from rl_tui.screen.kit.snapshot_facts import shown_by
 from rl_tui.screen.panels.catalogue import PANELS
-from rl_tui.screen.panels.curve.data import curve_data
-from rl_tui.screen.panels.curve.text import all_words, label_columns
+from rl_tui.screen.panels.curve.columns import plot_columns
 from rl_tui.screen.panels.curve.text import amount as curve_amount
 from rl_tui.screen.panels.policies.names import POLICY_NAMES
 from rl_tui.screen.panels.policies.notes import AS_MUCH_AS_OPTIMAL, SHORT_OF_OPTIMAL, WITHOUT_LIMIT, amount
 from rl_tui.screen.panels.policies.policies import FIGURES, Policies
 from rl_tui.screen.panels.policies.studied import as_studied
-from rl_tui.screen.panels.q_table.layers import Layer
 from rl_tui.screen.panels.side_by_side import sides
 from rl_tui.screen.theme.glyphs import UNICODE
 
@@ -212,20 +211,9 @@ def test_a_level_that_decimals_do_not_show_is_not_passed_off_as_zero() -> None:
     assert curve_amount(0.0, 2, UNICODE) == "0"
 
 
-def test_what_is_below_the_axis_is_explained_before_the_rest() -> None:
-    forms = all_words(("cost", "c"), ("below", "b"), ("gap",))
-    assert forms[0] == "cost · below · gap"
-    assert all("b" in form for form in forms)
-    assert forms.index("b · gap") < forms.index("cost · below") < forms.index("b")
-    assert all_words(("cost",), (), ("gap",)) == ("cost · gap", "cost", "gap")
-
-
 def test_the_curve_is_as_wide_whichever_policy_is_studied() -> None:
-    for room in (30, 60):
-        wide = {
-            label_columns(curve_data(studied(lake(), kind)), look(), room)
-            for kind in (*KINDS[:3], PolicyKind.DRAWN)
-        }
+    for width in (40, 80):
+        wide = {plot_columns(studied(lake(), kind), look(), width) for kind in (*KINDS[:3], PolicyKind.DRAWN)}
         assert len(wide) == 1
 
 
@@ -282,11 +270,11 @@ async def test_enter_keeps_it_on_world_table_and_curve(make_app: MakeApp) -> Non
         assert headings(pilot)[1].strip().startswith("Q of uniform random")
         text = screen_text(pilot.app)
         assert "5.928" in text
-        assert "uniform 6.2" in text
+        assert "random    6.2" in text
         assert "╌╌" in text
         assert (await press(pilot, "P", "P")).answers.studied is None
         assert board.table.shown_layer is Layer.Q
-        assert "uniform 6.2" not in screen_text(pilot.app)
+        assert "random    6.2" not in screen_text(pilot.app)
         await press(pilot, "P")
         panel = board.panel(POLICIES)
         rows = [panel.render_line(y).text for y in range(8)]

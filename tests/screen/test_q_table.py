@@ -12,8 +12,9 @@ from snapshots import changed
 
 from rl_tui.agents.hyperparameters import Hyperparameters
 from rl_tui.live.snapshot import Phase, Snapshot
-from rl_tui.screen.panels.q_table.layers import Figures, Layer
-from rl_tui.screen.panels.q_table.sheet import COMPUTING, FOLLOWS
+from rl_tui.screen.kit.layers import Layer
+from rl_tui.screen.panels.q_table.layers import Figures
+from rl_tui.screen.panels.q_table.sheet import COMPUTING, FOLLOW_HINT
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
 from rl_tui.worlds.world import World
@@ -130,7 +131,7 @@ def test_a_value_beyond_the_scale_of_the_map_has_its_end_and_a_sign() -> None:
 def test_a_long_table_scrolls_and_follows_the_agent() -> None:
     drawn = Drawn(big_lake())
     assert "◉28" in drawn.text
-    assert drawn.table.footing.startswith(FOLLOWS)
+    assert FOLLOW_HINT not in drawn.table.footing
     assert any(row.endswith("█") for row in drawn.rows)
     for state in (0, 62, 33):
         rows = [strip.text for strip in drawn.table.picture(changed(big_lake(), state=state), 36, 17)]
@@ -152,7 +153,7 @@ def test_two_blocks_stand_side_by_side_where_that_saves_scrolling() -> None:
     drawn = Drawn(big_lake(), 56, 28)
     assert drawn.rows[0].split() == ["↑", "→", "↓", "←"] * 2
     assert "◉28" in drawn.rows[1]
-    assert not drawn.table.footing.startswith(FOLLOWS)
+    assert FOLLOW_HINT not in drawn.table.footing
     numbers = [
         word for row in drawn.rows[1:] for word in (row[:3].strip("◉ "), row[28:31].strip("◉ ")) if word
     ]
@@ -239,7 +240,7 @@ def test_only_rows_in_view_are_looked_at(monkeypatch: pytest.MonkeyPatch) -> Non
 def test_the_footing_names_the_layers_and_frames_the_one_in_force() -> None:
     drawn = Drawn(lake())
     assert drawn.table.footing == "v:▌Q▐ Q*  Q−Q*  visits"
-    drawn.table.next_layer()
+    drawn.table.wanted_layer = Layer.OPTIMAL
     drawn.table.picture(lake(), 36, 17)
     assert drawn.table.footing == "v: Q ▌Q*▐ Q−Q*  visits"
     assert Drawn(student(), 20, 10, Layer.VISITS).table.footing == "v: visits"

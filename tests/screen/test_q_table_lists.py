@@ -8,7 +8,7 @@ from samples import bandit, student
 from snapshots import changed
 
 from rl_tui.live.snapshot import Phase
-from rl_tui.screen.panels.q_table.layers import Layer
+from rl_tui.screen.kit.layers import Layer
 
 
 def test_few_pairs_are_listed_a_row_each() -> None:

@@ -20,11 +20,12 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.app.screenshot import settle
 from rl_tui.screen.board.board import Board
 from rl_tui.screen.draw.number_form import SteadyForms
+from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.snapshot_facts import is_secret
 from rl_tui.screen.kit.value_scale import SteadyScale
 from rl_tui.screen.panels.grid.grid import GridView
-from rl_tui.screen.panels.q_table.layers import Figures, Layer
+from rl_tui.screen.panels.q_table.layers import Figures
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.side_by_side import greedy_differences, sides
 from rl_tui.screen.panels.world.view import WorldView

@@ -72,7 +72,7 @@ def drawn(parameter: Parameter, state: SliderState, width: int, *, ascii: bool =
 @pytest.mark.parametrize(
     ("state", "width", "expected"),
     [
-        (SliderState(0.1), 46, " α  ━━━●──────────────────────────────  0.100 "),
+        (SliderState(0.1), 46, " α  ━━━●───────────────────────────────  0.100"),
         (SliderState(0.1), 26, " α ━━●───────────── 0.100 "),
         (SliderState(1.0), 26, " α ━━━━━━━━━━━━━━━● 1.000 "),
         (SliderState(0.0005), 26, " α ●────────────── 0.0005 "),
@@ -92,6 +92,31 @@ def test_it_is_drawn_in_one_row_without_cutting_a_number(
         assert text == expected
     else:
         assert text.split() == expected.split()
+
+
+@pytest.mark.parametrize(
+    ("width", "ascii", "start"),
+    [
+        (45, False, " α step size    ━━●──"),
+        (32, False, " α step size    ━●──"),
+        (29, False, " α ━━●──"),
+        (45, True, " alpha step size      ==o-"),
+        (32, True, " alpha    =o--"),
+    ],
+)
+def test_the_name_stands_behind_the_symbol_where_there_is_room(width: int, ascii: bool, start: str) -> None:  # noqa: A002
+    columns = len("epsilon exploration" if ascii else "ε exploration")
+    text = drawn(ALPHA, SliderState(0.1, label_columns=columns, name="step size"), width, ascii=ascii)
+    assert text.startswith(start)
+    assert text.rstrip().endswith("0.100")
+
+
+@pytest.mark.parametrize("ascii", [False, True])
+def test_what_a_lesson_points_at_has_a_sign_without_colours(ascii: bool) -> None:  # noqa: A002
+    plain, lit = (
+        drawn(ALPHA, SliderState(0.1, is_pointed_at=each), 26, ascii=ascii) for each in (False, True)
+    )
+    assert lit == (">" if ascii else "▸") + plain[1:]
 
 
 @pytest.mark.parametrize("width", range(1, 70))

@@ -114,14 +114,14 @@ def test_the_value_told_is_the_one_drawn(phase: SweepPhase) -> None:
 def test_an_evaluation_is_the_mean_over_the_policy() -> None:
     shown = snapshot_of(swept("frozenlake", "evaluation", "evaluation"))
     assert last_step(shown, 70, 8) == [
-        " planner      end of a sweep   backs up state s = 14",
-        "              policy 1, evaluation sweep 2: largest change 0.093",
+        " end of a sweep   backs up state 14   row 3, column 2, counted from 0",
+        " policy 1, evaluation sweep 2: largest change 0.093",
         " evaluation   V(s) ← Σ π(a|s) Σ p [r + γ V(s′)]",
-        "              ↑  0 + .99·.06 = .06",
-        "              →  1 + .99·0 = 1",
-        "              ↓  0 + .99·.25 = .25",
-        "              ←  0 + .99·.06 = .06",
-        "    V(14) ← .25·(.06 + 1 + .25 + .06) = .34",
+        "   ↑  0 + .99·.06 = .06",
+        "   →  1 + .99·0 = 1",
+        "   ↓  0 + .99·.25 = .25",
+        "   ←  0 + .99·.06 = .06",
+        " V(14) ← .25·(.06 + 1 + .25 + .06) = .34",
     ]
 
 
@@ -143,7 +143,7 @@ def test_value_iteration_takes_the_best() -> None:
     run.advance(episodes=2)
     lines = last_step(snapshot_of(run), 70, 8)
     assert lines[2] == " optimality   V(s) ← max Σ p [r + γ V(s′)]"
-    assert lines[-1] == "    V(14) ← max{↑.98 →1 ↓.99 ←.98} = 1"
+    assert lines[-1] == " V(14) ← max{↑.98 →1 ↓.99 ←.98} = 1"
 
 
 @pytest.mark.parametrize("width", [9, 14, 20, 28, 36, 44, 52, 60, 80])
@@ -160,7 +160,7 @@ def test_in_any_room_nothing_is_cut(width: int, height: int, ascii: bool) -> Non
 def test_where_there_is_no_room_for_each_action_there_is_one_line_of_all() -> None:
     run = run_of("taxi", "value-iteration")
     run.advance(30)
-    assert last_step(snapshot_of(run), 60, 8)[3] == "    V(0,1 in→G) ← max{−1, −1, −1, −1.99, −10, −10} = −1"
+    assert last_step(snapshot_of(run), 60, 8)[3] == " V(0,1 in→G) ← max{−1, −1, −1, −1.99, −10, −10} = −1"
 
 
 def test_below_the_picture_it_stands_in_the_longest_form_that_fits() -> None:

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from program_samples import program, watched
+from rich.style import Style
 from samples import bandit, lake, look, planning, stepped_lake, student
 from snapshots import changed
 
@@ -35,16 +36,29 @@ def running(width: int = 80, **changes: object) -> str:
 def test_the_short_form() -> None:
     text = running()
     assert text.startswith(" FrozenLake 4×4 slippery ")
-    assert text.split("  ")[-1].strip() == "38 M/s"
-    for part in ("▶ max", "ep 12,346", "step 151,002"):
+    assert text.endswith("step 151,002 ")
+    for part in ("38 M/s", "▶ max", "ep  12,346"):
         assert part in text
 
 
 def test_the_long_form() -> None:
     text = running(120)
-    assert text.startswith(" FrozenLake 4×4 slippery · Q-learning · seed 0 ")
-    assert text.endswith("38.2 M steps/s")
-    assert "episode 12,346" in text
+    assert text.startswith("  FrozenLake 4×4 slippery  Q-learning · ε-greedy  ")
+    assert "  38.2 M steps/s  " in text
+    assert text.endswith("episode  12,346  step    151,002  ")
+
+
+@pytest.mark.parametrize("width", [60, 80, 120])
+def test_the_name_and_the_numbers_are_bold_and_what_it_does_is_reversed(width: int) -> None:
+    (row,) = StatusLine(look()).picture(lake(151_002), width, 1)
+    styles = {segment.text.strip(): segment.style for segment in row if segment.style is not None}
+    strong = look().palette.strong
+    assert styles["151,002"] == strong
+    assert styles["❚❚ paused"] == strong + Style(reverse=True)
+    assert {text: style for text, style in styles.items() if text.startswith("FrozenLake")}.popitem()[
+        1
+    ] == strong
+    assert styles.get("Q-learning · ε-greedy", look().palette.dim) == look().palette.dim
 
 
 @pytest.mark.parametrize("is_past", [False, True])
@@ -53,12 +67,12 @@ def test_the_long_form() -> None:
 @pytest.mark.parametrize(
     ("make", "counted"),
     [
-        (lake, "ep(isode)? 13 .*step 1,234"),
-        (student, "ep(isode)? 13 .*step 1,234"),
-        (stepped_lake, "ep(isode)? 13 .*step 1,234"),
-        (partial(watched, program()), "ep(isode)? 13 .*step 1,234"),
-        (planning, "sweep 13 .*step 1,234"),
-        (bandit, "pull 400 of 1,000"),
+        (lake, "ep(isode)? +13  step +1,234"),
+        (student, "ep(isode)? +13  step +1,234"),
+        (stepped_lake, "ep(isode)? +13  step +1,234"),
+        (partial(watched, program()), "ep(isode)? +13  step +1,234"),
+        (planning, "sweep +13  step +1,234"),
+        (bandit, "pull +400 of 1,000"),
     ],
 )
 def test_no_field_is_missing(
@@ -77,14 +91,14 @@ def test_no_field_is_missing(
     text = drawn(snapshot, width)
     state = {
         (Phase.PAUSED, False): "❚❚ paused",
-        (Phase.PAUSED, True): "◀ past" if snapshot.program else "◀ the past",
+        (Phase.PAUSED, True): "◀ past, only shown" if snapshot.program else "◀ the past",
         (Phase.RUNNING, False): "▶ max",
         (Phase.RUNNING, True): "▶ replaying",
     }[phase, is_past]
-    # where the past is told, the step says how far it goes in place of the speed
-    is_told = is_past and phase is Phase.PAUSED and snapshot.results.bandit is None
-    last = " of 10,000" if is_told else "38.2 M steps/s" if width >= WIDE else "38 M/s"
-    assert re.search(f"{re.escape(state)}.*{counted}.*{re.escape(last)}", text), text
+    # in the past the end of the run has the place of the speed
+    is_told = is_past and phase is Phase.PAUSED
+    speed = ("end 10,000", "38.2 M steps/s") if width >= WIDE else ("end 10k", "38 M/s")
+    assert re.search(f"{speed[not is_told]} +{re.escape(state)}   *{counted} *$", text), text
 
 
 @pytest.mark.parametrize("width", [80, 120])
@@ -92,7 +106,7 @@ def test_nothing_moves_while_it_runs(width: int) -> None:
     early = running(width, episodes=1, step=12, steps_per_second=3.0)
     late = running(width, episodes=98_765_432, step=876_543_210, steps_per_second=999.4e6)
     unknown = running(width, steps_per_second=None)
-    for label in ("ep", "step", "▶"):
+    for label in (" ep", " step ", "▶"):
         assert early.index(label) == late.index(label) == unknown.index(label)
 
 
@@ -121,8 +135,8 @@ def test_why_runs_stay_interpreted_is_said_once(monkeypatch: pytest.MonkeyPatch)
 def test_a_wanted_speed() -> None:
     assert "▶ 10/s" in running(speed=10.0)
     assert "9.8/s" not in running(speed=10.0, steps_per_second=9.8)
-    assert running(speed=100_000.0, steps_per_second=52_000.0).endswith(" 52 k/s")
-    assert running(120, speed=10.0, steps_per_second=9.8).endswith(" steps/s")
+    assert " 52 k/s " in running(speed=100_000.0, steps_per_second=52_000.0)
+    assert " 9.8 steps/s " in running(120, speed=10.0, steps_per_second=9.8)
     assert "▶ 100,000/s" in running(speed=100_000.0)
 
 
@@ -132,7 +146,7 @@ def test_paused() -> None:
 
 
 def test_a_bandit_counts_pulls() -> None:
-    assert "pull 400 of 1,000" in drawn(bandit(400))
+    assert "pull   400 of 1,000" in drawn(bandit(400))
     assert "step" not in drawn(bandit(400))
     text = drawn(bandit())
     assert "■ budget spent" in text
@@ -172,27 +186,27 @@ def test_it_fits_any_width(width: int, phase: Phase) -> None:
 def test_ascii() -> None:
     text = drawn(lake(), 120, ascii=True)
     assert text.isascii()
-    assert text.startswith(" FrozenLake 4x4 slippery - Q-learning - seed 0 ")
+    assert text.startswith("  FrozenLake 4x4 slippery  Q-learning  ")
 
 
 def test_the_episode_is_the_one_that_the_agent_is_in() -> None:
-    assert "ep 1 " in drawn(lake(0))
-    assert "ep 1 " in drawn(lake(7, episodes=0, episode_step=7))
-    assert "ep 1 " in drawn(lake(8, episodes=1, episode_step=0))
-    assert "ep 2 " in drawn(lake(8, episodes=1, episode_step=0, is_at_beginning=True))
-    assert "ep 2 " in drawn(lake(9, episodes=1, episode_step=1))
-    assert "ep 2 " in drawn(lake(8, episodes=1, episode_step=0, last_step=None))
+    assert "ep       1 " in drawn(lake(0))
+    assert "ep       1 " in drawn(lake(7, episodes=0, episode_step=7))
+    assert "ep       1 " in drawn(lake(8, episodes=1, episode_step=0))
+    assert "ep       2 " in drawn(lake(8, episodes=1, episode_step=0, is_at_beginning=True))
+    assert "ep       2 " in drawn(lake(9, episodes=1, episode_step=1))
+    assert "ep       2 " in drawn(lake(8, episodes=1, episode_step=0, last_step=None))
 
 
 def test_a_planner_counts_sweeps_and_says_when_it_is_done() -> None:
-    assert "sweep 13 " in drawn(planning())
+    assert "sweep      13 " in drawn(planning())
     assert " ep " not in drawn(planning())
     message = "converged after 37 sweeps: no value moved by more than 1e-09 in the last one"
     done = planning(37, phase=Phase.DONE, message=message)
     for width in (80, 120):
         text = drawn(done, width)
         assert "■ converged after 37 sweeps  " in text
-        assert "sweep 37" in text
+        assert re.search("sweep +37 ", text)
     assert "# converged after" in drawn(done, ascii=True)
 
 
@@ -208,9 +222,10 @@ def past(here: int = 1_234, end: int = 10_000, branches: int = 1) -> Timeline:
 def test_the_past_is_told_with_how_far_it_goes(width: int) -> None:
     text = drawn(lake(1_234, timeline=past()), width)
     assert "◀ the past" in text
-    assert "step 1,234 of 10,000" in text
+    assert re.search("step +1,234 ", text)
+    assert ("end 10" in text) is (width > 60)
     assert "paused" not in text
-    assert "of 10,000" not in drawn(lake(10_000, timeline=past(10_000)), width)
+    assert "end 10" not in drawn(lake(10_000, timeline=past(10_000)), width)
 
 
 @pytest.mark.parametrize("width", [80, 100, 120])
@@ -225,16 +240,16 @@ def test_nothing_moves_on_the_way_into_the_past(width: int) -> None:
 @pytest.mark.parametrize("width", [80, 120])
 def test_the_longest_past_is_not_cut_off(width: int) -> None:
     text = drawn(lake(99_999_999, timeline=past(99_999_999, 876_543_210, 12)), width).rstrip()
-    assert text.endswith("step 99,999,999 of 877M" if width == 80 else "step 99,999,999 of 876,543,210")
+    assert text.endswith("step  100.0M" if width == 80 else "step 99,999,999")
+    assert ("end 877M" if width == 80 else "end 876,543,210") in text
 
 
 def test_a_branch_is_named_where_there_are_several() -> None:
     assert "branch" not in drawn(lake(timeline=past()), 120)
-    assert drawn(lake(timeline=past(branches=2)), 120).startswith(
-        " FrozenLake 4×4 slippery · seed 0 · branch 2  "
-    )
-    wide = drawn(lake(timeline=past(branches=2)), 140)
-    assert wide.startswith(" FrozenLake 4×4 slippery · Q-learning · seed 0 · branch 2  ")
+    starts = {110: "branch 2", 120: "Q-learning · branch 2", 140: "Q-learning · ε-greedy · branch 2"}
+    for width, details in starts.items():
+        text = drawn(lake(timeline=past(branches=2)), width)
+        assert text.startswith(f"  FrozenLake 4×4 slippery  {details}  ")
 
 
 def named(width: int, name: str = "an evening", **changes: object) -> str:
@@ -246,12 +261,12 @@ def named(width: int, name: str = "an evening", **changes: object) -> str:
 
 
 def test_the_name_of_the_session_stands_first() -> None:
-    assert named(140).startswith(" an evening · FrozenLake 4×4 slippery · Q-learning · seed 0 ")
-    assert named(110).startswith(" an evening · FrozenLake 4×4 slippery  ")
-    assert named(80).startswith(" an evening · FrozenLake 4×…  ")
+    assert named(140).startswith("  an evening  FrozenLake 4×4 slippery · Q-learning · ε-greedy  ")
+    assert named(110).startswith("  an evening  FrozenLake 4×4 slippery  ")
+    assert named(80).startswith(" an evening  ")
     branches = past(branches=2)
-    assert named(120, timeline=branches).startswith(" an evening · FrozenLake 4×4 slippery · branch 2  ")
-    assert named(80, timeline=branches).startswith(" an evening · branch 2 ")
+    assert named(120, timeline=branches).startswith("  an evening  FrozenLake 4×4 slippery · branch 2  ")
+    assert named(80, timeline=branches).startswith(" an evening  branch 2 ")
 
 
 @pytest.mark.parametrize("width", [1, 20, 40, 60, 80])
@@ -274,8 +289,8 @@ def test_why_it_paused_is_not_cut_off(why: str, width: int) -> None:
     for timeline in (Timeline(), past(branches=2)):
         text = drawn(lake(1_234, paused_by=why, timeline=timeline), width)
         assert f"❚❚ {why}  " in text
-        assert "step 1,234" in text
-        assert text.startswith((" FrozenLake", "    "))
+        assert re.search("step +1,234 ", text)
+        assert text.strip().startswith(("FrozenLake", "❚❚"))
         assert f"|| {why}" in drawn(lake(1_234, paused_by=why), width, ascii=True)
 
 
@@ -284,9 +299,9 @@ def test_why_it_paused_is_not_cut_off(why: str, width: int) -> None:
 def test_what_it_runs_until(what: str, width: int) -> None:
     text = running(width, until=what)
     assert f"▶ until {what}  " in text
-    assert "step 151,002" in text
+    assert re.search("step +151,002 ", text)
     unknown = running(width, until=what, steps_per_second=None, step=7)
-    assert unknown.index("step") == text.index("step")
+    assert unknown.index(" step ") == text.index(" step ")
 
 
 def test_why_it_paused_is_gone_once_it_runs() -> None:

@@ -143,7 +143,7 @@ async def test_the_keys_of_the_mode_fit_into_the_narrowest_screen(plain: bool, m
         assert bottom_line(pilot) == f"arrows or 1{dots}8 act  y hand back  s agent's step  ? help"
 
 
-@pytest.mark.parametrize(("size", "beside"), [((80, 24), False), ((120, 40), True)])
+@pytest.mark.parametrize(("size", "beside"), [((60, 18), False), ((80, 24), True), ((120, 40), True)])
 async def test_the_world_is_in_view_beside_the_microscope_or_in_its_place(
     size: tuple[int, int], beside: bool, make_app: MakeApp
 ) -> None:

@@ -76,19 +76,19 @@ async def test_the_timeline_is_scrubbed_with_keys_that_stand_above_it_and_with_t
     async with on_screen(make_app("student"), size) as pilot:
         shows(pilot, one(200, 200))
         sent, board = recorded(pilot, monkeypatch), playground(pilot).board
-        assert "move" not in board.curve.footing
+        assert "move" not in board.curve.heading
         await pilot.press("tab", "tab", "tab", "tab")
         assert board.timeline.has_focus
-        assert board.curve.footing.startswith("← →: move")
+        assert "← →: move" in board.curve.heading
         await pilot.press("pagedown", "pagedown", "shift+left", "home")
         assert sent == [GoTo(180), GoTo(160), GoTo(159), GoTo(0)]
         sent.clear()
-        await pilot.click("#timeline", offset=(size[0] * 2 // 7, 0))
+        await pilot.click("#timeline", offset=(size[0] // 4, 0))
         assert len(sent) == 1
         assert isinstance(sent[0], GoTo)
         assert 60 < (sent[0].step or 0) < 140
         await pilot.press("tab")
-        assert "move" not in board.curve.footing
+        assert "move" not in board.curve.heading
 
 
 async def test_g_asks_where_to_and_goes_there(make_app: MakeApp, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,7 +12,9 @@ from textual.widget import Widget
 
 from rl_tui.common.errors import UserError
 from rl_tui.live.snapshot import Phase, Snapshot
-from rl_tui.screen.panels.arms import NO_SCALE, ArmsView
+from rl_tui.runs.timeline.branches import Branch, Timeline
+from rl_tui.screen.panels.arm_bars import NO_SCALE
+from rl_tui.screen.panels.arms import ArmsView
 from rl_tui.screen.panels.curve.curve import ReturnCurve
 from rl_tui.screen.panels.last_step.last_step import LastStepPanel
 from rl_tui.screen.panels.q_table.q_table import QTable
@@ -37,6 +39,10 @@ def moment(pilot: Pilot[UserError]) -> Moment:
         (board.table, QTable(board.look)),
         (board.curve, ReturnCurve(board.look)),
         (board.query_one(LastStepPanel), LastStepPanel(board.look)),
+    )
+    # the axis of curve and timeline reaches as far as the branch does: then it came no further
+    shown = replace(
+        shown, timeline=Timeline((Branch("branch 1", end=shown.counters.step, here=shown.counters.step),))
     )
     pictures = []
     for shows, panel in fresh:

@@ -64,7 +64,7 @@ async def test_what_was_learned_is_drawn_while_it_waits(size: tuple[int, int], t
     app = RlTuiApp(Display(fps=1000.0), left_at(tmp_path, STEPS), picture=True)
     async with app.run_test(size=size) as pilot:
         assert await says(pilot, "200,000 steps to replay: waiting for the compiler")
-        assert await says(pilot, "the last step is told once it is replayed")
+        assert await says(pilot, "the last step appears once it is replayed")
         assert "−113" in screen_text(app)  # what it learned of the cliff
         waiting = snapshot(pilot).agent.q
         compile_here(Run(recipe_for(find("cliff"))).learner.loop)

@@ -57,7 +57,7 @@ def test_numbers_are_written_as_elsewhere_on_screen(number: float, text: str) ->
 async def test_the_curve_and_the_dialog_tell_it_and_a_remedy_is_applied(make_app: MakeApp) -> None:
     async with on_screen(make_app("frozenlake"), notifications=True) as pilot:
         await press(pilot, "t", *EPISODES)
-        assert "in 11 episodes, Y tells why" in screen_text(pilot.app)
+        assert "explains why" in screen_text(pilot.app)
         await press(pilot, "Y")
         assert isinstance(pilot.app.screen, Why)
         text, found = screen_text(pilot.app), command("frozenlake", "--ties", "first")
@@ -147,7 +147,7 @@ def test_the_curve_tells_that_no_estimate_has_moved() -> None:
     barren = lake(curve=flat(0.0), marks=NO_MARKS, episodes=1_234, greedy_return=0.0, return_last_100=0.0)
     stuck = replace(barren.answers, first_update=FirstUpdateView(None, "no table", False, True))
     shown = replace(barren, answers=stuck)
-    assert f"{NOTHING_LEARNED} in 1,234 episodes, Y tells why" in drawn(shown)[0]
-    assert "in 1,234 episodes, Y tells why" in drawn(shown, NARROW)[0]
+    assert f"{NOTHING_LEARNED} after 1,234 episodes; Y explains why" in drawn(shown, (80, 13))[0]
+    assert "Y explains" in drawn(shown, NARROW)[0]
     assert remedies_of(shown) == ()
     assert said(shown, UNICODE)[-1] == "How long the wait is cannot be told. No table."

@@ -10,7 +10,7 @@ from shipped import SHIPPED
 
 from rl_tui.common.errors import ScenarioError, UserError
 from rl_tui.common.streams import streams
-from rl_tui.worlds.drawing import Arms, Grid
+from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.files import catalogue
 from rl_tui.worlds.files.scenario import read_scenario
 from rl_tui.worlds.files.shipped import shipped_folder
@@ -46,6 +46,11 @@ def test_every_shipped_one_teaches_something(name):
     assert {"algorithm", "alpha", "gamma", "epsilon", "episodes"} <= scenario.defaults.keys()
 
 
+def labels(grid: Grid) -> tuple[int, int] | None:
+    """How long labels of rows are, and how many blocks are named."""
+    return None if grid.axes is None else (max(map(len, grid.axes.rows)), len(grid.axes.blocks))
+
+
 @pytest.mark.parametrize("name", SHIPPED)
 def test_a_file_tells_how_its_world_will_be_drawn(name):
     scenario = catalogue.find(name)
@@ -54,7 +59,9 @@ def test_a_file_tells_how_its_world_will_be_drawn(name):
     match drawing:
         case Grid():
             assert (sketch.rows, sketch.columns, sketch.wind) == (drawing.rows, drawing.columns, drawing.wind)
-        case Arms():
+            assert (bool(sketch.legend), bool(sketch.body)) == (bool(drawing.legend), bool(drawing.body))
+            assert labels(sketch) == labels(drawing)
+        case _:
             assert sketch == drawing
 
 

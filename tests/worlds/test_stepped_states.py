@@ -9,7 +9,7 @@ import pytest
 from gymnasium import spaces
 
 from rl_tui.worlds.drawing import CellKind
-from rl_tui.worlds.gym.states import OutsideError, ProductNames, discrete_states
+from rl_tui.worlds.gym.states import BinStates, OutsideError, ProductNames, discrete_states
 from rl_tui.worlds.gym.stepped_layout import product_grid
 
 
@@ -88,3 +88,24 @@ def test_further_parts_make_blocks_with_walls_between(sizes):
     assert np.all(np.diff(cells, axis=1) == 1)
     assert sum(kind is CellKind.FLOOR for kind in grid.kinds) == math.prod(sizes)
     assert len(grid.kinds) == grid.rows * grid.columns
+
+
+def test_bins_have_middles_those_outside_as_wide_as_their_neighbours() -> None:
+    states = BinStates([[], [0.0], [-1.0, 0.0, 2.0]], [["any"], ["a", "b"], ["a", "b", "c", "d"]])
+    once, twice, often = states.middles
+    assert np.isnan([*once, *twice]).all()
+    assert often == (-1.5, -0.5, 1.0, 3.0)
+
+
+def test_rows_columns_and_blocks_are_labelled() -> None:
+    names, terms = (list("abcdef"), ["only"], ["0", "1", "2"], ["no", "yes"]), ("sum", "one", "dealer", "ace")
+    axes = product_grid([6, 1, 3, 2], 1, terms, names).axes
+    assert axes is not None
+    assert axes.rows == tuple("abcdef")
+    assert axes.columns == ("0", "1", "2", "", "0", "1", "2")
+    assert axes.blocks == ((0, "ace: no"), (4, "ace: yes"))
+
+
+def test_what_has_no_names_or_fills_rows_only_has_no_labels() -> None:
+    assert product_grid([6, 1, 3, 2], 1).axes is None
+    assert product_grid([2], 1, names=(["a", "b"],)).axes is None

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 from rl_tui.runs.recipe import JournalEntry, Recipe, WorldChange
+
+if TYPE_CHECKING:
+    from rl_tui.agents.learner_counters import Counters
+    from rl_tui.runs.results import RunResults
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +57,15 @@ class RunRecord:
         return [change for change in changes if isinstance(change, WorldChange)]
 
 
+class Furthest(NamedTuple):
+    """What a branch had reached at its end."""
+
+    counters: Counters
+    """Its steps and episodes."""
+    results: RunResults
+    """Its returns."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Timeline:
     """Where a moment stands in time."""
@@ -61,6 +74,8 @@ class Timeline:
     """All branches, in the order in which they began; at least one."""
     branch: int = 0
     """The place of the one in force, from 0."""
+    furthest: Furthest | None = None
+    """What that one had reached at its end, None where that is not known, as in a session that was loaded."""
 
     @property
     def current(self) -> Branch:

@@ -20,7 +20,7 @@ from rl_tui.runs.recipe import (
     begin,
 )
 from rl_tui.runs.run import Run, RunState
-from rl_tui.runs.timeline.branches import Branch, RunRecord, Timeline
+from rl_tui.runs.timeline.branches import Branch, Furthest, RunRecord, Timeline
 from rl_tui.runs.timeline.checkpoints import Checkpoints, Seek, Target, limits
 from rl_tui.runs.timeline.table_samples import CellHistory, TableSamples
 from rl_tui.runs.timeline.trail import (
@@ -47,6 +47,8 @@ class KeptBranch:
     """States to come back to."""
     samples: TableSamples
     """Copies of Q along the branch."""
+    furthest: Furthest | None = None
+    """What it had reached at its end, once the run has gone back from there."""
 
 
 class BranchingRun:
@@ -98,7 +100,7 @@ class BranchingRun:
             step, number = step if target.step is None else target.step, target.branch
         branches = [each.branch for each in self._branches]
         branches[number] = replace(branches[number], here=step)
-        return Timeline(tuple(branches), number)
+        return Timeline(tuple(branches), number, self._branches[number].furthest)
 
     @property
     def record(self) -> RunRecord:
@@ -206,6 +208,8 @@ class BranchingRun:
             raise UserError(f"there is no branch {number + 1} here: they are 1 to {len(self._branches)}")
         run, kept = self.run, self._branches[number]
         self.kept.branch = replace(self.kept.branch, here=run.step)
+        if run.step == self.kept.branch.end:
+            self.kept.furthest = Furthest(run.learner.counters, run.results)
         if step is None and episode is None:
             step = timeline.current.here
         target = Target(number, kept.branch.end, step=step, episode=episode)

@@ -25,6 +25,7 @@ from rl_tui.screen.board.wanted import Wanted
 from rl_tui.screen.frame.legend_switch import LegendSwitch
 from rl_tui.screen.frame.shape import Shape, docks_lesson
 from rl_tui.screen.kit.counterparts import pairs_in
+from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.panel import BoardPanel
 from rl_tui.screen.kit.pointing import Moved, Pointed
 from rl_tui.screen.kit.row import (
@@ -178,6 +179,7 @@ class Board(Container):
         self.world: WorldView | None = None
         """The world of the lane that is led, None before the first snapshot."""
         self._is_one_lane = self.keeps_focus = False
+        self.wanted_layer = Layer.Q  # of worlds and tables
         self._made(WORLD, WorldPlaceholder)
         self.curve = self._made(CURVE, ReturnCurve)
         self.curve.begin_with(wanted.recipe)
@@ -304,21 +306,22 @@ class Board(Container):
         if snapshot is not None and (snapshot.beside is not None or snapshot.lesson is not None):
             self.show(snapshot)
 
-    def next_layer(self) -> None:
-        """Go to the next layer of the tables; where none is in view, show the one of the lane led alone."""
-        table = self._pair.led(TABLE)
-        if self.zoomed is None and self.is_paired and not self.shows(table):
-            self.zoom(table)
-            self.table.focus()
-            return
-        self.table.next_layer()
-        self._pair.align(self.table)
+    def show_layer(self, layer: Layer) -> None:
+        """Show ``layer`` in all worlds and tables."""
+        self.wanted_layer = layer
+        self.apply_switches()
+
+    def on_qtable_layer_chosen(self, event: QTable.LayerChosen) -> None:
+        """Show the layer whose name was clicked."""
+        self.show_layer(event.layer)
 
     def apply_switches(self) -> None:
         """Have every panel show what the switches say, the twins of a second lane too."""
         legends = self.legends
         for panel in self._panels.values():
             panel.is_explained = legends.is_on
+            if isinstance(panel, WorldView | QTable):
+                panel.wanted_layer = self.wanted_layer
             if isinstance(panel, WorldView):
                 panel.is_numbered, panel.shows_actions = legends.numbers_states, legends.shows_actions
             panel.redraw()

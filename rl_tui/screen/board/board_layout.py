@@ -9,9 +9,11 @@ from textual.geometry import NULL_OFFSET, NULL_SPACING, Region, Size
 from textual.layout import ArrangeResult, Layout, WidgetPlacement
 from textual.widget import Widget
 
-from rl_tui.screen.frame.arrange import Place, arrange
+from rl_tui.screen.frame.arrange import arrange
 from rl_tui.screen.frame.shape import Shape, docks_lesson
+from rl_tui.screen.frame.sheet import Place
 from rl_tui.screen.kit.row import LESSON, WORLD, PanelRow, beside
+from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.world.view import WorldView
 
 _AROUND = 2  # rows of the screen that the board has not: header and keys
@@ -57,11 +59,11 @@ class BoardLayout(Layout):
     def arrange(
         self, parent: Widget, children: list[Widget], size: Size, greedy: bool = True
     ) -> ArrangeResult:
-        """Return the places of ``children``, and give the worlds the size of their cells."""
+        """Return the places of ``children``, and give worlds and tables the size of the cells."""
         regions, cell = self.regions(size, self.zoomed), self._place(size, self.shape, self.zoomed).cell
         self.placed = frozenset(regions)
         for child in children:
-            if isinstance(child, WorldView) and child.cell != cell:
+            if isinstance(child, WorldView | QTable) and child.cell != cell:
                 child.cell = cell
                 child.call_later(child.redraw)
         return [

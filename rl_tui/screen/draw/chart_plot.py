@@ -10,7 +10,7 @@ import numpy as np
 from rl_tui.screen.draw import braille
 from rl_tui.screen.draw.braille import Steps
 from rl_tui.screen.draw.scale import Scale
-from rl_tui.worlds.mdp.space import BoolArray, IntArray
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 
 class Plot(NamedTuple):
@@ -36,6 +36,12 @@ class Plot(NamedTuple):
     def column(self, episode: float) -> int:
         """Return the column, from 0, of an episode."""
         return int(episode / self.right * self.columns)
+
+    def ends_of_columns(self, finished: float) -> FloatArray:
+        """Return the last whole episode in each column, [columns], of so many; NaN where none begins."""
+        edges = np.arange(self.columns + 1) * (self.right / self.columns)
+        ends = np.clip(np.ceil(edges[1:] - 1e-9), 1.0, max(1.0, finished))
+        return np.where(edges[:-1] < finished, ends, np.nan)
 
     def row(self, value: float) -> int:
         """Return the row of ``value``, placed as dots are, so that labels stand beside their lines.

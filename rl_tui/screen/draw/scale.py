@@ -13,7 +13,8 @@ FIRST_RANGE: Final = 10.0
 _MOST_TICKS: Final = 4
 _MOST_EMPTY: Final = 0.28  # of the axis, at either end: 0 to .74 has one that ends at 1
 _LEAST_SHARE: Final = 0.5  # of the axis that the data must take more than, else it shrinks
-_SPARE: Final = 1.2  # times the data must fit into an axis that has shrunk
+_SPARE: Final = 0.1  # of the data, at either end, must fit into an axis that has shrunk
+_MOST_STEPS: Final = 10  # of a tight axis
 _MOST_FIXED: Final = 4  # decimals of a label, else it has an exponent
 # Each is at most a quarter more than the one before
 _ROUND: Final = (1.0, 1.2, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0)
@@ -32,12 +33,6 @@ class Scale:
         """The labelled values, two to four, lowest first."""
         first, last = math.ceil(self.low / self.step - 1e-9), math.floor(self.high / self.step + 1e-9)
         return [each * self.step for each in range(first, last + 1)]
-
-    @property
-    def outer_labels(self) -> tuple[float, float]:
-        """The nearest labels that hold the whole axis between them, be they on it or not."""
-        first, last = math.floor(self.low / self.step + 1e-9), math.ceil(self.high / self.step - 1e-9)
-        return first * self.step, last * self.step
 
 
 def round_scale(low: float, high: float) -> Scale:
@@ -61,17 +56,26 @@ def round_scale(low: float, high: float) -> Scale:
     raise AssertionError("some step with two to four labels always does")
 
 
-def settled(previous: Scale | None, low: float, high: float, *, may_shrink: bool = True) -> Scale:
-    """Return ``previous`` as long as ``low`` .. ``high`` fits into it and does not look lost in it.
+def tight_scale(low: float, high: float) -> Scale:
+    """Return an axis with round ends that holds ``low`` .. ``high`` closely; 0 is on it only if they meet."""
+    if high - low < numbers.NEGLIGIBLE:
+        low, high = min(low, 0.0), max(high, 0.0)
+    if high - low < numbers.NEGLIGIBLE:
+        return Scale(0.0, 1.0, 1.0)
+    step = 10.0 ** (math.floor(math.log10(high - low)) - 1)
+    step = next(step * digit for digit in (1.0, 2.0, 5.0, 10.0) if high - low <= _MOST_STEPS * step * digit)
+    return Scale(math.floor(low / step + 1e-9) * step, math.ceil(high / step - 1e-9) * step, step)
 
-    Unless it ``may_shrink``, it is kept however lost they look.
-    """
-    if previous is None or low < previous.low or high > previous.high:
-        return round_scale(low, high)
-    # with room to spare, so that values near its end do not make it grow again at once
-    smaller = round_scale(_SPARE * low, _SPARE * high)
-    lost = smaller.high - smaller.low <= _LEAST_SHARE * (previous.high - previous.low) * (1.0 + 1e-9)
-    return smaller if lost and may_shrink else previous
+
+def settled(previous: Scale | None, low: float, high: float) -> Scale:
+    """Return ``previous`` as long as ``low`` .. ``high`` fits into it and does not look lost in it."""
+    if previous is not None and low >= previous.low and high <= previous.high:
+        # with room to spare, so that values near its end do not make it grow again at once
+        spare = _SPARE * (high - low)
+        smaller = tight_scale(low - spare, high + spare)
+        is_lost = smaller.high - smaller.low <= _LEAST_SHARE * (previous.high - previous.low)
+        return smaller if is_lost else previous
+    return tight_scale(low, high)
 
 
 def round_range(last: float, limit: float | None = None) -> float:

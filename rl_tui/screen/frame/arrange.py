@@ -8,8 +8,7 @@ upper left corner of the screen, whose first row is the header and whose last on
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass, field
-from typing import Final, NamedTuple
+from typing import Final
 
 from textual.geometry import Region, Size
 
@@ -21,8 +20,9 @@ from rl_tui.screen.frame.shape import (
     Shape,
     cell_size,
     docks_lesson,
-    size_class,
+    map_size,
 )
+from rl_tui.screen.frame.sheet import Place, Sheet
 from rl_tui.screen.kit.row import (
     BUDGET,
     CURVE,
@@ -34,21 +34,9 @@ from rl_tui.screen.kit.row import (
     WORLD,
     beside,
 )
-from rl_tui.worlds.drawing import Arms, Graph, Grid
-
-
-class Place(NamedTuple):
-    """The ``regions`` of the panels in view, by id, and the size of a ``cell`` of the map.
-
-    Without a map, or with none in view, that is 0 × 0.
-    """
-
-    regions: dict[str, Region]
-    cell: Size
-
-
-# The arrangement
-
+from rl_tui.screen.panels.graph.chain import chain_rows
+from rl_tui.screen.panels.surroundings.margins import wanted_margins
+from rl_tui.worlds.drawing import Arms, Axes, Body, Graph, Grid
 
 _LEAST_BELOW: Final = {SMALL: 3, MEDIUM: 5, ROOMY: 10}  # rows of the lower band
 _LEAST_BELOW_WIDE_MAP: Final = {SMALL: 5, MEDIUM: 7, ROOMY: 12}
@@ -63,6 +51,7 @@ _LAST_STEP: Final = 8  # rows in which it tells all
 _SHORT_STEP: Final = 3
 _BUDGET: Final = 6
 _MOST_ARM: Final = 3  # rows, with one for the axis of all
+_LEAST_LINK: Final = 5  # columns from a state of a chain to the next, below which the chain lies on top
 _LEAST_SETTINGS: Final = 5
 _TABLE_KEPT: Final = 12  # rows of the table before others come below it
 _SHARE: Final = 0.235  # of the screen; a map that has less takes rows of the lower band
@@ -90,7 +79,7 @@ def arrange(
     band if it ``is_wide`` and there is room. ``shown`` are the ids of the panels that a page of a lesson is
     about, None: all.
     """
-    sheet = _Sheet(size, shape, shown)
+    sheet = Sheet(size, shape, shown)
     if zoomed is not None:
         return sheet.alone(zoomed)
     if shape.has_lesson and shape.reads and not docks_lesson(size):
@@ -106,51 +95,10 @@ def arrange(
     return _Bands(sheet, opened, is_wide=is_wide and sheet.room is ROOMY and not shape.has_lesson).place()
 
 
-@dataclass
-class _Sheet:
-    """A screen on which regions are put: its class, its margins and the rows from ``top`` to ``foot``."""
-
-    size: Size
-    shape: Shape
-    shown: Collection[str] | None
-    regions: dict[str, Region] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        self.room = size_class(self.size)
-        self.margin, self.gap = (2, 3) if self.room is ROOMY else (1, 2)
-        self.top = 2 if self.room is ROOMY else 1
-        self.foot = self.size.height - (2 if self.room is ROOMY else 1)
-        self.usable = self.size.width - 2 * self.margin
-        self.lanes = self.shape.lanes and self.room is not SMALL
-        self.blank = 1 if self.room is ROOMY else 0
-
-    def shows(self, panel: str) -> bool:
-        return self.shown is None or panel in self.shown
-
-    def put(self, panel: str, region: Region) -> None:
-        """Put ``panel`` there, if that is anywhere."""
-        if region.width > 0 and region.height > 0:
-            self.regions[panel] = region
-
-    def alone(self, panel: str) -> Place:
-        """Return the place of ``panel`` on all of the screen; curve and timeline come together."""
-        body = Region(self.margin, 1, self.usable, self.size.height - 2)
-        if panel in (CURVE, TIMELINE):
-            self.put(CURVE, Region(*body[:3], body.height - 1))
-            self.put(TIMELINE, Region(body.x, body.bottom - 1, body.width, 1))
-            return Place(self.regions, Size(0, 0))
-        self.put(panel, body)
-        drawing, cell = self.shape.drawing, Size(0, 0)
-        if panel in (WORLD, beside(WORLD)) and isinstance(drawing, Grid):
-            high = body.height - 1 - bool(drawing.wind)
-            cell = cell_size(drawing.rows, drawing.columns, body.width, high)
-        return Place(self.regions, cell)
-
-
 class _Bands:
     """Puts world and right column into the upper band, curve and agent into the lower one."""
 
-    def __init__(self, sheet: _Sheet, opened: str | None, *, is_wide: bool) -> None:
+    def __init__(self, sheet: Sheet, opened: str | None, *, is_wide: bool) -> None:
         self.sheet, self.shape, self.room = sheet, sheet.shape, sheet.room
         self.wide = opened if is_wide and not sheet.lanes else None
         self.drawing = self.shape.drawing
@@ -173,6 +121,7 @@ class _Bands:
         self.has_lower = sheet.shows(CURVE) or sheet.shows(self.shape.settings)
         self.wind = int(isinstance(self.drawing, Grid) and bool(self.drawing.wind))
         self.is_place = isinstance(self.drawing, Grid) and not self.drawing.legend
+        self.chain = len(self.drawing.chain) if isinstance(self.drawing, Graph) else 0
         self.least, self.most = self._columns()
 
     def _columns(self) -> tuple[int, int]:
@@ -264,7 +213,9 @@ class _Bands:
             return min(_WIDE_PANEL, (sheet.foot - sheet.top) // 2)
         if self.aside == LESSON and sheet.shown is None:
             return _BESIDE_PAGE + 2
-        rows = self.drawing.rows if isinstance(self.drawing, Grid) else 0
+        rows = 0
+        if isinstance(self.drawing, Grid):
+            rows = self.drawing.rows + wanted_margins(self.drawing, sheet.foot - sheet.top).above
         may_take = self.room is ROOMY and not self.is_place and self.aside is None
         if may_take and rows > sheet.size.height - _AROUND_A_MAP:
             return _LEAST_SCROLLING
@@ -290,12 +241,20 @@ class _Bands:
     def _cell(self, width: int, height: int, *, is_broad: bool = False) -> Size:
         if not isinstance(self.drawing, Grid):
             return Size(0, 0)
-        return cell_size(self.drawing.rows, self.drawing.columns, width, height, is_broad=is_broad)
+        return map_size(self.drawing, width, height, is_broad=is_broad).cell
 
     def _stacked_cell(self, cell: Size, extra: int) -> Size | None:
-        """Return the cell of a map above all else, if that is much higher than ``cell``; else None."""
+        """Return the cell of a map above all else, if that is much higher than ``cell``; else None.
+
+        A long chain lies there too; it has no cells.
+        """
         sheet = self.sheet
-        if not self.is_place or sheet.lanes or self.aside or self.wide or sheet.shown is not None:
+        if sheet.lanes or self.aside or self.wide or sheet.shown is not None:
+            return None
+        if self.chain:
+            is_narrow = self._world_room() < _LEAST_LINK * self.chain
+            return cell if is_narrow else None
+        if not self.is_place:
             return None
         rows = sheet.foot - sheet.top - _LEAST_BELOW_WIDE_MAP[self.room] - extra - 1
         stacked = self._cell(sheet.usable, rows)
@@ -313,10 +272,14 @@ class _Bands:
     def _picture(self, cell: Size, room: int, height: int) -> Size:
         """Return the size of the picture of the world."""
         match self.drawing:
+            case Grid(axes=Axes()) | Grid(body=Body()) as grid:
+                return map_size(grid, room, height).picture
             case Grid(rows=rows, columns=columns):
                 return Size(min(room, cell.width * columns), min(height, cell.height * rows))
             case Arms(count=arms):
                 return Size(room, min(height, arms * max(1, min(_MOST_ARM, (height - 1) // arms)) + 1))
+            case Graph() if self.chain:
+                return Size(room, min(height, chain_rows(self.chain, room) + 1 + self.sheet.blank))
             case _:
                 return Size(room, height)
 

@@ -14,10 +14,11 @@ from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.screen.draw import names
 from rl_tui.screen.draw.action_order import shown_pairs
 from rl_tui.screen.draw.number_form import number_form
+from rl_tui.screen.kit.layers import EXACT_LAYERS, Layer, exact_q, other_lane
 from rl_tui.screen.kit.snapshot_facts import has_estimates, hides_means, is_secret, shown_by
 from rl_tui.screen.panels.model.pair import SECRET
 from rl_tui.screen.panels.policies.names import POLICY_NAMES
-from rl_tui.screen.panels.q_table.layers import Layer, exact_q, other_lane, policy_q
+from rl_tui.screen.panels.q_table.layers import policy_q
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.screen.theme.look import Look
@@ -72,7 +73,7 @@ def _of_world(view: WorldView, look: Look, at: Offset | None) -> NumberHere | No
     state = view.state_at(place)
     if state is not None and view.studied is not None:
         return number_of_policy(view.snapshot, state, view.studied, look)
-    return None if state is None else number_of_state(view.snapshot, state, look)
+    return None if state is None else number_of_state(view.snapshot, state, look, view.drawn_layer)
 
 
 def number_of_pair(snapshot: Snapshot, pair: int, layer: Layer, look: Look) -> NumberHere | None:
@@ -84,11 +85,14 @@ def number_of_pair(snapshot: Snapshot, pair: int, layer: Layer, look: Look) -> N
     return _Teller(snapshot, look).of_pair(pair, layer) if is_known and snapshot.agent.holds(pair) else None
 
 
-def number_of_state(snapshot: Snapshot, state: int, look: Look) -> NumberHere | None:
-    """Return V of ``state``; None where the snapshot does not hold it, or no estimate is known."""
-    pairs = snapshot.world.space.pairs_of(state)
-    held = not pairs or (has_estimates(snapshot) and snapshot.agent.holds(pairs.start))
-    return _Teller(snapshot, look).of_state(state) if held else None
+def number_of_state(snapshot: Snapshot, state: int, look: Look, layer: Layer = Layer.Q) -> NumberHere | None:
+    """Return the number of ``state`` in ``layer``, V in most; None where the snapshot does not hold it.
+
+    None as well where it is one of an estimate, and none is known.
+    """
+    pairs, is_known = snapshot.world.space.pairs_of(state), has_estimates(snapshot) or layer is Layer.VISITS
+    held = not pairs or (is_known and snapshot.agent.holds(pairs.start))
+    return _Teller(snapshot, look).of_state(state, layer) if held else None
 
 
 def number_of_policy(snapshot: Snapshot, state: int, kind: PolicyKind, look: Look) -> NumberHere:
@@ -169,8 +173,8 @@ class _Teller:
             "q",
         )
 
-    def of_state(self, state: int) -> NumberHere:
-        """Return V of ``state``."""
+    def of_state(self, state: int, layer: Layer = Layer.Q) -> NumberHere:
+        """Return the number of ``state`` in a layer of the world."""
         agent, glyphs = self._snapshot.agent, self._look.glyphs
         pairs = self._world.space.pairs_of(state)
         name = names.state_name(self._world, state, glyphs)
@@ -183,7 +187,15 @@ class _Teller:
         exact = None
         if self._exact is not None:
             exact = max(float(self._exact[0][pair]) for pair in pairs)
-        value, optimum, _ = self._written(best, exact, None)
+        if layer is Layer.VISITS:
+            return NumberHere(
+                f"N({name}) = {int(agent.visits[pairs.start : pairs.stop].sum()):,}",
+                f"How often the agent has acted in state {name}, counted over the run so far.",
+                "visits",
+            )
+        value, optimum, error = self._written(best, exact, None if exact is None else best - exact)
+        if optimum and layer in EXACT_LAYERS:
+            return self._compared_state(name, layer, value, optimum, error, self._from_visits(*pairs))
         actions = ", ".join(
             names.action_name(self._world, int(self._world.space.pair_action[pair]), glyphs)
             for pair in greedy
@@ -195,6 +207,25 @@ class _Teller:
             f"return is to be expected from there on, {self._from_visits(*pairs)}. "
             f"{self._truth(optimum, 'V*')}".strip(),
             "value",
+        )
+
+    @staticmethod
+    def _compared_state(
+        name: str, layer: Layer, value: str, optimum: str, error: str, learned: str
+    ) -> NumberHere:
+        """Return the exact value of a state, or how far its estimated ``value`` is from that."""
+        if layer is Layer.OPTIMAL:
+            return NumberHere(
+                f"V*({name}) = {optimum}",
+                f"The largest discounted return that can be expected from state {name} on. Exact: worked out "
+                f"from the table of the world. The agent's estimate is {value}, {learned}.",
+                "q-star",
+            )
+        return NumberHere(
+            f"V({name}) − V* = {error}",
+            f"The agent's estimate, {value}, less the exact value, {optimum}: above 0 it hopes for too much. "
+            f"The estimate is {learned}.",
+            "error",
         )
 
     def _written(self, *values: float | None) -> tuple[str, ...]:

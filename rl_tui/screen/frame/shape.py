@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Final
+from typing import Final, NamedTuple
 
 from textual.geometry import Size
 
 from rl_tui.screen.kit.row import CONTROLS, PROGRAM
-from rl_tui.worlds.drawing import Drawing
+from rl_tui.screen.panels.surroundings.margins import wanted_margins
+from rl_tui.worlds.drawing import Drawing, Grid
 from rl_tui.worlds.sections.schema import WorldSection
 
 ROOMY_WIDTH: Final = 100
@@ -103,3 +104,33 @@ def cell_size(rows: int, columns: int, width: int, height: int, *, is_broad: boo
             return Size(wide, tall)
     is_huge = rows > _HUGE.height or columns > _HUGE.width
     return Size(_READABLE if is_huge else max(1, min(_READABLE, width // columns)), 1)
+
+
+class MapSize(NamedTuple):
+    """The size of a ``cell`` of a map, and of the whole ``picture`` with what is around the map."""
+
+    cell: Size
+    picture: Size
+
+
+def map_size(grid: Grid, width: int, height: int, *, is_broad: bool = False) -> MapSize:
+    """Return the size of ``grid`` in width × height characters, see :func:`cell_size`.
+
+    A map goes without its labels where they would have it scroll, or make narrower what scrolls anyway.
+    """
+    margins = wanted_margins(grid, height)
+    left, above = margins.left, margins.above
+    cell = cell_size(grid.rows, grid.columns, width - left, height - above, is_broad=is_broad)
+    is_whole = cell.width * grid.columns <= width - left and cell.height * grid.rows <= height - above
+    if not is_whole and not margins.body:
+        bare = cell_size(grid.rows, grid.columns, width, height, is_broad=is_broad)
+        fits = bare.width * grid.columns <= width and bare.height * grid.rows <= height
+        if fits or bare.width > cell.width:
+            cell, left, above = bare, 0, 0
+    return MapSize(
+        cell,
+        Size(
+            min(width, cell.width * grid.columns + left),
+            min(height, cell.height * grid.rows + above),
+        ),
+    )

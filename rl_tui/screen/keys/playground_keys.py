@@ -331,7 +331,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         "view.next_layer",
         "v",
         "layer",
-        "Next layer of the table: Q, exact Q*, error Q−Q*, visits.",
+        "Next layer: value, exact value, error, visits, landscape.",
         Group.VIEW,
         rank=4,
     ),

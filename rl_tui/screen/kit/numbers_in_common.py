@@ -8,8 +8,9 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from rl_tui.live.snapshot import Snapshot
+from rl_tui.live.viewport import CopiedPart
 from rl_tui.worlds.drawing import Arms, Grid
-from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray
+from rl_tui.worlds.mdp.space import BoolArray, FiniteSpace, FloatArray, IntArray
 from rl_tui.worlds.world import World
 
 _EXITS: Final = WeakKeyDictionary[World, BoolArray]()  # worked out once a world
@@ -63,28 +64,30 @@ def _q(lane: Snapshot) -> FloatArray:
     return lane.agent.q if part is None else lane.agent.q[part.pairs]
 
 
+def held_pairs(space: FiniteSpace, part: CopiedPart | None) -> tuple[IntArray, IntArray | slice, IntArray]:
+    """Return the states with actions that are held, their pairs, and where those of each state begin."""
+    if part is None:
+        states = np.flatnonzero(np.diff(space.first_pair))
+        return states, slice(None), space.first_pair[states]
+    pairs = np.flatnonzero(part.held)
+    owner = np.searchsorted(space.first_pair, pairs, side="right") - 1
+    first = np.flatnonzero(np.diff(owner, prepend=-1))
+    return owner[first], pairs, first
+
+
 def _v(lane: Snapshot) -> tuple[FloatArray, BoolArray]:
     """Return V of each state with actions that is held, and whether something is known about it."""
-    first_pair, part, q, visits = (
-        lane.world.space.first_pair,
-        lane.agent.part,
-        lane.agent.q,
-        lane.agent.visits,
-    )
-    if part is None:
-        first = first_pair[:-1][np.diff(first_pair) > 0]
-    else:
-        pairs = np.flatnonzero(part.held)
-        state = np.searchsorted(first_pair, pairs, side="right")
-        q, visits, first = q[pairs], visits[pairs], np.flatnonzero(np.diff(state, prepend=-1))
+    agent = lane.agent
+    states, pairs, first = held_pairs(lane.world.space, agent.part)
     if not len(first):
         return np.empty(0), np.empty(0, dtype=np.bool_)
+    q, visits = agent.q[pairs], agent.visits[pairs]
     v = np.maximum.reduceat(q, first)
     known = (np.add.reduceat(visits, first) > 0) | (np.minimum.reduceat(q, first) != v)
-    if part is None:
+    if agent.part is None:
         known &= ~_exits(lane.world)
-    if len(lane.agent.policy):
-        v = lane.agent.values[np.diff(first_pair) > 0]
+    if len(agent.policy):
+        v = agent.values[states]
     return np.asarray(v), np.asarray(known)
 
 

@@ -1,15 +1,17 @@
-"""The scale of all tints of values, for map and table alike: that of V of what is known."""
+"""The scale of all tints, for map and table alike: in the layer Q that of V of what is known."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
+from enum import Enum, auto
 from typing import Final
 
 import numpy as np
 from rich.style import Style
 
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.screen.kit.numbers_in_common import known_v
+from rl_tui.screen.kit.layers import Layer, scale_numbers
 from rl_tui.screen.theme.roles import Palette
 from rl_tui.worlds.mdp.space import FloatArray
 
@@ -20,32 +22,54 @@ _BOTH_SIGNS: Final = 0.1  # of the larger end that the other one must reach
 _NEAR_ZERO: Final = 0.5  # of the greatest value: a scale that begins below that begins at 0
 
 
+class Ramp(Enum):
+    """The colours of a scale: those of values, of errors around a grey 0, or the greys of visits."""
+
+    VALUES = auto()
+    ERRORS = auto()
+    VISITS = auto()
+
+
+RAMPS: Final = {Layer.ERROR: Ramp.ERRORS, Layer.LANES: Ramp.ERRORS, Layer.VISITS: Ramp.VISITS}
+"""The colours of layers; all others have those of values."""
+
+
 @dataclass(frozen=True, slots=True)
 class ValueScale:
-    """The values between which tints change. What lies beyond has the tint of that end.
+    """The numbers between which tints change. What lies beyond has the tint of that end.
 
-    ``is_signed`` says that both signs matter: then a 0 in the middle is grey, and both ``ends``, the values
-    that have the tints of the ends, are as far from it.
+    ``is_signed`` says that both signs matter: then a 0 in the middle is grey, and both ``ends``, the numbers
+    that have the tints of the ends, are as far from it. Visits have tints by their logarithm.
     """
 
     low: float = 0.0
     high: float = 0.0
+    ramp: Ramp = Ramp.VALUES
     is_signed: bool = field(init=False)
     ends: tuple[float, float] = field(init=False)
 
     def __post_init__(self) -> None:
         least, most = sorted((-self.low, self.high))
-        is_signed = self.low < 0.0 < self.high and least > _BOTH_SIGNS * most
+        has_both = self.low < 0.0 < self.high and least > _BOTH_SIGNS * most
+        is_signed = self.ramp is Ramp.ERRORS or (self.ramp is Ramp.VALUES and has_both)
         object.__setattr__(self, "is_signed", is_signed)
         object.__setattr__(self, "ends", (-most, most) if is_signed else (self.low, self.high))
+
+    def tints(self, palette: Palette) -> tuple[Style, ...]:
+        """Return the tints from the least to the greatest number."""
+        if self.ramp is Ramp.VISITS:
+            return palette.visits
+        return palette.signed if self.is_signed else palette.values
 
     def style(self, x: float, palette: Palette) -> Style:
         """Return the tint of ``x``; of NaN that of no value."""
         if x != x:
             return palette.text
         low, high = self.ends
+        if self.ramp is Ramp.VISITS:
+            return palette.visit_count(math.log1p(x) / math.log1p(high) if high > 0.0 else 0.0)
         if self.is_signed:
-            return palette.signed_value(x / high)
+            return palette.signed_value(x / high if high > 0.0 else 0.0)
         return palette.value((x - low) / (high - low) if high > low else 0.0)
 
     def side(self, x: float) -> int:
@@ -57,16 +81,18 @@ class ValueScale:
         return (x > high + slack) - (x < low - slack) if high > low else 0
 
 
-def value_scale(values: FloatArray) -> ValueScale | None:
+def value_scale(values: FloatArray, ramp: Ramp = Ramp.VALUES) -> ValueScale | None:
     """Return the scale of finite ``values``, robust to outliers; None where there are none.
 
     Where the least and the greatest are more than four times as far apart as the middle 7/8, it ends there.
     A scale of positive values begins at 0 where the least is less than half of the greatest; that of a single
-    value has 0 as its other end.
+    value has 0 as its other end. Visits are not cut, and begin at 0.
     """
     if not len(values):
         return None
     low, high = float(values.min()), float(values.max())
+    if ramp is Ramp.VISITS:
+        return ValueScale(0.0, high, ramp)
     if len(values) >= _LEAST_TO_CUT:
         tail = len(values) // _TAIL
         parts = np.partition(values, (tail, len(values) - 1 - tail))
@@ -74,32 +100,38 @@ def value_scale(values: FloatArray) -> ValueScale | None:
         if high - low > _FAR * (above - below) > 0.0:
             low, high = below, above
     if low == high:
-        return ValueScale(min(low, 0.0), max(high, 0.0))
-    return ValueScale(0.0 if 0.0 <= low < _NEAR_ZERO * high else low, high)
+        return ValueScale(min(low, 0.0), max(high, 0.0), ramp)
+    return ValueScale(0.0 if 0.0 <= low < _NEAR_ZERO * high else low, high, ramp)
 
 
 class SteadyScale:
-    """The scale in force, which only gets wider until another run begins: tints must not flicker.
+    """The current scale of each layer, which only gets wider until another run begins: tints do not flicker.
 
     While policies are studied they share it; after that it is the agent's again.
     """
 
     def __init__(self) -> None:
-        self._scale: ValueScale | None = None
+        self._scales: dict[Layer, ValueScale] = {}
         self._is_study = False
 
     def clear(self) -> None:
-        """Forget the scale: another run begins."""
-        self._scale = None
+        """Forget all scales: another run begins."""
+        self._scales.clear()
 
-    def of(self, snapshot: Snapshot) -> ValueScale:
-        """Return the scale with what is known in ``snapshot``, in both lanes in view."""
-        is_study, now = snapshot.answers.studied is not None, value_scale(known_v(snapshot))
+    def of(self, snapshot: Snapshot, layer: Layer = Layer.Q) -> ValueScale:
+        """Return the scale of ``layer`` with what is known in ``snapshot``, in both lanes in view.
+
+        A landscape has that of Q.
+        """
+        layer = Layer.Q if layer is Layer.LANDSCAPE else layer
+        is_study, ramp = snapshot.answers.studied is not None, RAMPS.get(layer, Ramp.VALUES)
         if self._is_study and not is_study:
             self.clear()
         self._is_study = is_study
-        before = self._scale
+        now, before = value_scale(scale_numbers(snapshot, layer), ramp), self._scales.get(layer)
         if now is not None and before is not None:
-            now = ValueScale(min(before.low, now.low), max(before.high, now.high))
-        self._scale = now or before
-        return self._scale or ValueScale()
+            now = ValueScale(min(before.low, now.low), max(before.high, now.high), ramp)
+        scale = now or before or ValueScale(ramp=ramp)
+        if now is not None:
+            self._scales[layer] = scale
+        return scale

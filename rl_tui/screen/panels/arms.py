@@ -1,263 +1,45 @@
-"""The arms of a bandit: one bar per arm, with its estimate and standard error.
+"""The arms of a bandit: what is known of each, and the panel with their bars.
 
-The axis always holds 0 and only ever widens, in round steps, so that the bars stay calm. True means and
-the best arm are drawn only where they are not hidden.
+True means and the best arm are drawn only where they are not hidden.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
-from rich.cells import cell_len
-from rich.style import Style
 from textual.strip import Strip
 
 from rl_tui.agents.hyperparameters import SAMPLE_AVERAGE, StepSize
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.bandit import true_means
-from rl_tui.screen.draw import numbers
-from rl_tui.screen.draw.canvas import Canvas, shortened
 from rl_tui.screen.draw.names import pair_in_words
-from rl_tui.screen.draw.number_form import NumberForm, SteadyForms
-from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.draw.number_form import SteadyForms
 from rl_tui.screen.kit.numbers_in_common import all_q
 from rl_tui.screen.kit.panel import GREEDY_IN_FULL, BoardPanel, Legend, LegendSign
 from rl_tui.screen.kit.scrolling import scrolled_to
 from rl_tui.screen.kit.snapshot_facts import is_new_run, is_secret
+from rl_tui.screen.panels.arm_bars import (
+    NO_SCALE,
+    Arm,
+    ArmsScale,
+    bound_text,
+    draw_arms,
+    grown,
+    names_width,
+    rows_an_arm,
+    shown_scale,
+    true_mean_glyph,
+    value_width,
+)
 from rl_tui.screen.panels.world.shown_policy import drawn_pairs
 from rl_tui.screen.panels.world.view import WorldView
-from rl_tui.screen.theme.glyphs import Glyphs
-from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.editing.arms_draft import ArmsDraft
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 from rl_tui.worlds.world import World
-
-# The axis
-
-
-_STEPS: Final = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
-
-
-class ArmsScale(NamedTuple):
-    """The ends of an axis that holds 0: low ≤ 0 ≤ high."""
-
-    low: float
-    high: float
-
-
-NO_SCALE: Final = ArmsScale(0.0, 0.0)
-
-
-def grown(scale: ArmsScale, values: Iterable[float]) -> ArmsScale:
-    """Return ``scale``, widened to the next round ends that hold all finite ``values``."""
-    low, high = scale
-    for value in values:
-        if math.isfinite(value):
-            low = min(low, -round_up(-value)) if value < low else low
-            high = max(high, round_up(value)) if value > high else high
-    return ArmsScale(low, high)
-
-
-def shown_scale(scale: ArmsScale) -> ArmsScale:
-    """Return what is drawn: −1 … 1 while there is no value yet."""
-    return scale if scale.low < scale.high else ArmsScale(-1.0, 1.0)
-
-
-def round_up(value: float) -> float:
-    """Return the least of 1, 2, 3, 4, 5, 6, 8 times a power of ten that is not below ``value`` (> 0)."""
-    power = 10.0 ** math.floor(math.log10(value))
-    # 3 × 0.1 is not 0.3
-    ends = (float(f"{step * power:.3g}") for step in _STEPS)
-    return next((end for end in ends if value <= end), 10.0 * power)
-
-
-def ticks(scale: ArmsScale, most: int) -> list[float]:
-    """Return round values at even distances inside the scale, 0 among them, at most about ``most``."""
-    span = scale.high - scale.low
-    rough = span / max(1, most - 1)
-    power = 10.0 ** math.floor(math.log10(rough))
-    step = next(each * power for each in (1.0, 2.0, 5.0, 10.0) if rough <= each * power * (1 + 1e-9))
-    first, last = math.ceil(scale.low / step - 1e-9), math.floor(scale.high / step + 1e-9)
-    return [index * step for index in range(first, last + 1)]
-
-
-def bound_text(value: float, glyphs: Glyphs) -> str:
-    """Return a round value in the fewest characters, with its sign if negative."""
-    return f"{value:.6g}".replace("-", glyphs.minus) if value else "0"
-
-
-# The bars
-
-
-NOT_PULLED: Final = ("not pulled yet", "not pulled")  # the longest first
-_MOST_NAME: Final = 12
-_LEAST_PLOT: Final = 10
-_VALUES_FROM: Final = 76  # from this width on estimate and pulls are written beside the bars
-_VALUES_WIDTH: Final = 18
-_VALUE: Final = 6  # cells of an estimate
-_LEAST_VALUE: Final = 3
-
-
-class Arm(NamedTuple):
-    """One arm. ``error`` is None before its first pull, ``mean`` None while the truth is hidden.
-
-    ``cursor`` marks the arm the cursor stands on, ``stops`` a breakpoint.
-    """
-
-    name: str
-    estimate: float
-    error: float | None
-    pulls: int
-    greedy: bool
-    last: bool
-    mean: float | None
-    best: bool
-    cursor: bool = False
-    stops: bool = False
-
-    def extent(self) -> Iterator[float]:
-        """Yield the values that the scale has to hold."""
-        if self.error is not None:
-            yield self.estimate - self.error
-            yield self.estimate + self.error
-        if self.mean is not None:
-            yield self.mean
-
-
-class _Plot(NamedTuple):
-    """The columns of the bars: ``left`` … ``left + width − 1`` stand for the ends of ``scale``."""
-
-    left: int
-    width: int
-    scale: ArmsScale
-
-    def column(self, value: float) -> int:
-        low, high = self.scale
-        inside = min(max(value, low), high) if not math.isnan(value) else 0.0
-        return self.left + round((inside - low) / (high - low) * (self.width - 1))
-
-
-def rows_an_arm(arms: int, height: int) -> int:
-    """Return 2 where every arm and the axis fit with a blank row between, else 1."""
-    return 2 if 2 * arms + 1 <= height else 1
-
-
-def true_mean_glyph(look: Look) -> str:
-    """Return the mark of a true mean."""
-    return "x" if look.glyphs.name == "ascii" else "◆"
-
-
-def names_width(arms: Sequence[Arm], look: Look) -> int:
-    """Return the cells that the names of ``arms`` take."""
-    return min(_MOST_NAME, max((cell_len(to_ascii(arm.name, look.glyphs)) for arm in arms), default=0))
-
-
-def value_width(width: int, names: int) -> int:
-    """Return the cells that an estimate gets in a panel of ``width`` cells with ``names`` cells of names."""
-    return _VALUE if width >= _VALUES_FROM else max(_LEAST_VALUE, min(_VALUE, width - names - 3))
-
-
-def draw_arms(
-    arms: Sequence[Arm],
-    scale: ArmsScale,
-    look: Look,
-    width: int,
-    height: int,
-    each: int,
-    names: int,
-    form: NumberForm,
-) -> list[Strip]:
-    """Return the bars of ``arms``, ``each`` rows an arm, and below them the axis where a row is left.
-
-    A row: ▸ where greedy, ◉ where pulled last, the name, a breakpoint, the bar; the best arm has a ★ at the
-    end once the truth is shown. Names get ``names`` cells; estimates are in ``form``.
-    """
-    glyphs, palette = look.glyphs, look.palette
-    canvas = Canvas(width, height, palette.text)
-    left, right = 2 + names + 1, _VALUES_WIDTH if width >= _VALUES_FROM else 2
-    plot = _Plot(left, width - left - right, scale)
-    for index, arm in enumerate(arms):
-        _draw_head(canvas, index * each, arm, names, look)
-        if plot.width >= _LEAST_PLOT:
-            for y in range(index * each, min(height, (index + 1) * each)):
-                canvas.put(plot.column(0.0), y, glyphs.zero_line, palette.dim)
-            _draw_bar(canvas, index * each, arm, plot, look, form)
-        else:
-            _draw_value(canvas, index * each, arm, left, look, form)
-    axis = len(arms) * each
-    if axis < height and plot.width >= _LEAST_PLOT:
-        _draw_axis(canvas, axis, plot, look)
-    return canvas.strips()
-
-
-def _draw_head(canvas: Canvas, y: int, arm: Arm, names: int, look: Look) -> None:
-    glyphs, palette = look.glyphs, look.palette
-    if arm.greedy:
-        canvas.put(0, y, glyphs.cursor, palette.best)
-    if arm.last:
-        canvas.put(1, y, glyphs.agent, palette.agent)
-    name = shortened(to_ascii(arm.name, glyphs), names, glyphs.ellipsis)
-    style = palette.focus if arm.cursor else palette.best if arm.greedy else palette.text
-    canvas.put(2 + names - cell_len(name), y, name, style)
-    if arm.stops:
-        canvas.put(2 + names, y, glyphs.breakpoint, palette.breakpoint)
-
-
-def _draw_bar(canvas: Canvas, y: int, arm: Arm, plot: _Plot, look: Look, form: NumberForm) -> None:
-    glyphs, palette = look.glyphs, look.palette
-    if arm.error is None:
-        _draw_not_pulled(canvas, y, arm, plot, look)
-    else:
-        first, last = plot.column(arm.estimate - arm.error), plot.column(arm.estimate + arm.error)
-        style = palette.best if arm.greedy else palette.text
-        canvas.put(first, y, glyphs.whisker * (last - first + 1), style)
-        canvas.put(plot.column(arm.estimate), y, glyphs.estimate, style)
-    if arm.mean is not None:
-        canvas.put(plot.column(arm.mean), y, true_mean_glyph(look), palette.optimum + Style(bold=True))
-    if arm.best:
-        canvas.put(plot.left + plot.width + 1, y, glyphs.best_arm, palette.optimum + Style(bold=True))
-    if canvas.width >= _VALUES_FROM and arm.error is not None:
-        text = f"{form.text(arm.estimate, glyphs):>{_VALUE}}{numbers.count(arm.pulls, 7):>8}"
-        canvas.put(canvas.width - len(text) - 1, y, text, palette.dim)
-
-
-def _draw_not_pulled(canvas: Canvas, y: int, arm: Arm, plot: _Plot, look: Look) -> None:
-    """Say so where the true mean is not: before or behind its mark, nothing where there is no room."""
-    end = plot.left + plot.width
-    mark = end + 1 if arm.mean is None else plot.column(arm.mean)
-    for text in NOT_PULLED:
-        for start, behind in ((plot.left, min(end, mark - 1)), (mark + 2, end)):
-            if start + len(text) <= behind:
-                canvas.put(start, y, text, look.palette.dim)
-                return
-
-
-def _draw_value(canvas: Canvas, y: int, arm: Arm, left: int, look: Look, form: NumberForm) -> None:
-    """Write the estimate where a bar would have no room."""
-    if canvas.width - left < _LEAST_VALUE:
-        return
-    text = look.glyphs.ellipsis if arm.error is None else form.text(arm.estimate, look.glyphs)
-    canvas.put(left, y, text, look.palette.best if arm.greedy else look.palette.text)
-
-
-def _draw_axis(canvas: Canvas, y: int, plot: _Plot, look: Look) -> None:
-    """Write round values below their columns, as many as keep apart."""
-    end = -1
-    for value in ticks(plot.scale, max(2, plot.width // 10)):
-        text = bound_text(value, look.glyphs)
-        x = min(plot.column(value) - len(text) // 2, canvas.width - len(text))
-        if x > end:
-            canvas.put(x, y, text, look.palette.dim)
-            end = x + len(text)
-
-
-# The panel
-
 
 ARMS: Final = "Arms"
 HEADINGS: Final = ("Arms · estimate ± standard error", "Arms · estimate ± error", "Arms")  # the longest first
@@ -334,7 +116,7 @@ class ArmsView(WorldView):
             *(truth if shows_truth else ()),
             LegendSign(glyphs.agent, "last pull", palette.agent),
             LegendSign(glyphs.cursor, "greedy", palette.best, GREEDY_IN_FULL),
-            LegendSign(glyphs.estimate, "estimate", palette.text),
+            LegendSign(glyphs.bar_end, "estimate", palette.text),
             LegendSign(glyphs.whisker, "standard error", palette.text),
         )
 

@@ -87,9 +87,13 @@ def pair_blocks(snapshot: Snapshot, look: Look) -> Iterator[Block]:
 
 
 def _hint(snapshot: Snapshot, look: Look) -> Row:
+    """Return what shows the figures that are hidden, whole or not at all."""
+    key, dim = Piece(" h  ", look.palette.press), look.palette.dim
+    forms = [[key, Piece(each, dim)] for each in ("shows regret and the best arm", "shows regret")]
     if keeps_back(snapshot, "answer"):
-        return Row([Piece(f" regret and the best arm: {ANSWER_KEPT}", look.palette.dim)])
-    return Row([Piece(" h  ", look.palette.press), Piece("shows regret and the best arm", look.palette.dim)])
+        kept = f" regret and the best arm: {ANSWER_KEPT}"
+        forms = [[Piece(each, dim)] for each in (kept, f" {ANSWER_KEPT}")]
+    return Row(*forms, [])
 
 
 def _pulls(snapshot: Snapshot, figures: BanditFigures, look: Look) -> Labelled:

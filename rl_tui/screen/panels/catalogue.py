@@ -96,8 +96,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "Q",
         "One row a state, one column an action. The frame marks the greedy cell; ▐ stands before "
         "the cell that was just updated, ▴ or ▾ behind it; one never visited is a dot. Tints are those of "
-        "the map, and ‹ or › says that a value lies beyond. v turns to the exact Q*, the "
-        "error Q−Q* and visits. It has a cursor: tab to the table, then the arrows; m shows the model of "
+        "the map, and ‹ or › says that a value lies beyond. v turns table and map to the exact Q*, "
+        "the error Q−Q* and visits. It has a cursor: tab to the table, then the arrows; m shows the model of "
         "the pair under it, and esc follows the agent again. The tables of two lanes have cursor, rows and "
         "layer in common; ◤ stands behind a state where their greedy actions differ. <.01 and >−1 are not 0, "
         "but less than a unit of the last digit.",
@@ -109,17 +109,12 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         CURVE,
         "rl_tui.screen.panels.curve.curve:ReturnCurve",
         "Return",
-        "The return of each episode, its rewards added up without a discount, as band and mean, with the "
-        "mean of the last 100 beside it; the exact return that the greedy policy has on average; and dotted "
-        "what is best for this γ (in short γ-best): the return, undiscounted too, of the policy that is best "
-        "for the γ in force. At a smaller γ another policy can collect more than that one. What exploring "
-        "costs is exact too: the return of the greedy policy less that of the agent as it acts now, with its "
-        "ε. A greedy policy that may collect rewards for ever has no return: its line has a gap there. The "
-        "vertical axis is that of the best and of most episodes: an arrow stands where a line goes below it. "
-        "The other one counts finished episodes, the top line the one that the agent is in. On it ◈ marks "
-        "where the world was drawn anew, ✗ where that cut off an episode, which counts in no mean; what is "
-        "best is dotted from there on. Where the run cannot keep up with the wanted speed, the top line ends "
-        "with the one measured.",
+        "The area is the moving mean of the returns, each the undiscounted sum of its rewards; where all "
+        "returns are equal, of the steps per episode. The heading says of how many episodes. The line is the "
+        "exact return of the greedy policy, with a gap where that may never end. Dashed: the return of the "
+        "policy that is optimal for this γ (γ-best); at a smaller γ another policy can collect more. The "
+        "cost of exploring is exact: the return of the greedy policy less that of the agent. ▾ and ▴ mark "
+        "means off the axis. Both axes change in steps; the horizontal one counts finished episodes.",
         caption="what each episode has earned",
         terms=(
             "return",
@@ -138,12 +133,13 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         TIMELINE,
         "rl_tui.screen.panels.timeline:TimelineBar",
         "Timeline",
-        "The row below the curve is what was run so far, from step 0 to the end of the branch; the handle is "
-        "the moment that every panel shows. b, B and g go back, and so do a click, a drag and, with the row "
+        "The row below the curve is the run so far, on the same axis of episodes; the handle is the moment "
+        "that every panel shows. b, B and g go back, and so do a click, a drag and, with the row "
         "in focus (tab), the arrows, < and > by one step, pgup and pgdn by a tenth. g takes a step or, as "
         "e12, an episode, and goes to where that one begins. To play on from there "
-        "repeats what happened; to change something begins a branch, and j goes back to the other. ◆ is a "
-        "change, ◈ one of the world, ╍ steps taken by hand, ┻ where the branch began.",
+        "repeats what happened; to change something begins a branch, and j goes back to the other. ★ is the "
+        "first reward, ┃ a new greedy policy, ◆ an edit of the world, ▾ a setting, ╍ your own steps, ┆ where "
+        "the branch began.",
         caption="the run, to go back in",
         terms=("branch", "episode", "seed"),
         has_border=False,
@@ -172,14 +168,14 @@ PANELS: Final[tuple[PanelRow, ...]] = (
     PanelRow(
         CONTROLS,
         "rl_tui.screen.panels.controls.controls:Controls",
-        "Controls",
-        "What the agent is told. Focus a slider with tab or 1, 2, 3, 4: left and right change it; enter "
+        "Agent",
+        "The settings of the agent. Focus a slider with tab or 1, 2, 3, 4: left and right change it; enter "
         "types a value, and one that begins with 1 to 4 needs it first, as these go to sliders; the mouse "
         "drags it; esc leaves it. What would change nothing has no slider. a chooses the algorithm, p the "
         "policy, which is the rule by which actions are chosen; o "
         "lists everything, schedules and the sample average too. A change acts from the next step on; "
         "initial Q and seed start again.",
-        caption="what the agent is told",
+        caption="its settings and sliders",
         terms=("alpha", "gamma", "epsilon", "policy", "off-policy", "on-policy", "ties", "optimism", "seed"),
     ),
     PanelRow(
@@ -201,11 +197,11 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         LAST_STEP,
         "rl_tui.screen.panels.last_step.last_step:LastStepPanel",
         "Last step",
-        "One turn of the loop with its real numbers: what was chosen and why, what the world did, and the "
-        "update. δ is the error that the update shrinks. Algorithms that wait for n rewards or for the end "
-        "of the episode say so. Where one step moves many estimates, by their traces (how recently each "
-        "pair was taken) or from a model, one is told in full and the others are counted. Rows and columns "
-        "of a map are counted from 0, as states are.",
+        "What the agent did, where that led, and the update: each word stands above its number. The heading "
+        "says how the action was chosen. The bar shows δ, the error that the update shrinks, as a share of "
+        "the range of all estimates; negative is left of the middle. best, next or mean is the estimate of "
+        "the next state. Where one step moves many estimates, by their traces (how recently each pair was "
+        "taken) or from a model, one is shown and the others are counted.",
         caption="one turn of the loop",
         terms=(
             "td-error",
@@ -227,8 +223,8 @@ PANELS: Final[tuple[PanelRow, ...]] = (
         "were looked up are underlined, here as in the table. The backup hangs from the "
         "state and its action all that might have followed; ▸ marks what did. The target of this sample "
         "stands beside the expected one, the mean over all outcomes with the same estimates: what lies "
-        "between them is luck. At the end stands how the cell under the table's cursor went, else the one "
-        "updated last, with its exact value dotted. The return so far is told discounted, and without.",
+        "between them is luck. The history at the end is that of one cell, its exact value dotted: tab to "
+        "the world and choose a state with the arrows. Without a cursor it is the cell updated last.",
         caption="the last step, taken apart",
         terms=(
             "backup",

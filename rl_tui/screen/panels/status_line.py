@@ -5,14 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from rich.cells import cell_len, set_cell_size
+from rich.cells import cell_len
 from rich.style import Style
 from textual.strip import Strip
 
+from rl_tui.agents.catalogue import POLICY_BY_ID
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.bandit import BanditFigures
 from rl_tui.screen.draw import numbers
-from rl_tui.screen.draw.canvas import Line, Piece, shortened, strips_of
+from rl_tui.screen.draw.canvas import Line, Piece, length, shortened, strips_of
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.snapshot_facts import episode_shown
@@ -27,21 +28,23 @@ BUDGET_SPENT: Final = "budget spent"
 PROGRAM_ENDED: Final = "your program has ended"
 _WORTH_SHOWING: Final = 3.0  # seconds without an answer
 _GAP: Final = 2
-_LEAST_END: Final = 4  # columns of ``100M``
 _LEAST_TITLE: Final = 12
 COMPILING: Final = "compiling"
 """In place of the speed: machine code is on its way."""
 IN_PYTHON: Final = "in Python"
 """The same: there will be none."""
-_STATE_COLUMNS: Final = 11
+_CHIP: Final = 13  # columns of what the run does
+_SPEED_COLUMNS: Final = (8, 15)  # in short, and in words
+_BETWEEN: Final = " · "
 _KEEPS_UP: Final = 0.8  # from this share of the wanted speed on, the measured one is not shown beside it
 _SPEED_RANK: Final = 3  # above all others
 
 
 @dataclass(frozen=True, slots=True)
 class _Field:
-    """A part of fixed width, so that nothing beside it moves while its number grows.
+    """A part of fixed width, so that nothing beside it moves while its number grows, behind its ``label``.
 
+    The text is at the right, with ``after`` blanks behind it.
     Where there is no room for all, those of the highest ``rank`` are left out first.
     """
 
@@ -49,6 +52,8 @@ class _Field:
     columns: int
     style: Style
     rank: int = 0
+    label: str = ""
+    after: int = 0
 
 
 class StatusLine(Panel):
@@ -137,128 +142,128 @@ def status_line(
     waits = snapshot.editor.rebuilding or snapshot.playback.phase is Phase.SEEKING
     if waits and snapshot.playback.message:
         return _waiting(snapshot, snapshot.playback.message, look, width)
-    fields = _fitting(_fields(snapshot, look, width, is_manual=is_manual), width - 1)
-    right = [
-        Piece(" " * _GAP + set_cell_size(to_ascii(field.text, glyphs), field.columns), field.style)
-        for field in fields
-    ]
-    taken = sum(cell_len(piece.text) for piece in right)
-    room = max(0, width - 1 - taken)
-    title = _title(snapshot, look, room, session)
-    if room < _LEAST_TITLE and cell_len(title) > room - 1:
-        title = ""
-    return [Piece(f" {set_cell_size(title, room)}", palette.strong), *right]
+    margin = 2 if width >= WIDE else 1
+    fields = _fitting(_fields(snapshot, look, width, is_manual=is_manual), width - 2 * margin)
+    right = [piece for field in fields for piece in _pieces(field, look)]
+    room = max(0, width - 2 * margin - length(right))
+    name = _title(snapshot, look, room, session)
+    if room < _LEAST_TITLE and name[0].text.endswith(glyphs.ellipsis):
+        name = []
+    blanks = Piece(" " * (room - length(name)), palette.text)
+    return [Piece(" " * margin, palette.text), *name, blanks, *right]
+
+
+def _pieces(field: _Field, look: Look) -> list[Piece]:
+    """Return ``field`` in its columns behind a gap: a label at the left, what it says at the right."""
+    label, text = (to_ascii(each, look.glyphs) for each in (field.label, field.text))
+    blanks = " " * (field.columns - cell_len(label) - cell_len(text) - field.after)
+    gap = Piece(" " * _GAP + ("" if label else blanks), look.palette.text)
+    shown = [Piece(text, field.style), Piece(" " * field.after, look.palette.text)]
+    return [gap, Piece(label + blanks, look.palette.dim), *shown] if label else [gap, *shown]
 
 
 def _fitting(fields: list[_Field], width: int) -> list[_Field]:
     """Return those of ``fields`` that fit beside a title.
 
-    A long state, which tells what the run waits for or why it paused, is worth more than the title, though
+    A long state, which says what the run waits for or why it paused, is worth more than the title, though
     not the speed.
     """
 
     def room_beside(kept: list[_Field]) -> int:
         return width - sum(field.columns + _GAP for field in kept)
 
-    kept = fields
+    kept, is_long = fields, any(not field.rank and field.columns > _CHIP for field in fields)
     while len(kept) > 1 and room_beside(kept) < _LEAST_TITLE:
         last = max(kept, key=lambda field: field.rank)
-        if last.rank < _SPEED_RANK and fields[0].columns > _STATE_COLUMNS and room_beside(kept) >= 0:
+        if last.rank < _SPEED_RANK and is_long and room_beside(kept) >= 0:
             break
         kept = [field for field in kept if field is not last]
     return kept
 
 
-def _title(snapshot: Snapshot, look: Look, width: int, session: str = "") -> str:
-    forms = _titles(snapshot, session)
-    texts = (separated(" · ".join(filter(None, form)), look.glyphs) for form in forms)
-    fitting = next((text for text in texts if cell_len(text) <= width), None)
-    title = snapshot.recipe.scenario.title
-    name = title if snapshot.program is None else name_of(snapshot.program)
-    parts = (session, name) if snapshot.lesson is None else forms[-1]
-    longest = separated(" · ".join(filter(None, parts)), look.glyphs)
-    return fitting or shortened(longest, max(0, width), look.glyphs.ellipsis)
+def _title(snapshot: Snapshot, look: Look, width: int, session: str = "") -> list[Piece]:
+    """Return what runs and, dim, what it runs with: as much as ``width`` holds, else the name shortened."""
+    palette, glyphs = look.palette, look.glyphs
+    first, *others = _names(snapshot, session)
+    branch = snapshot.timeline.current.name if len(snapshot.timeline.branches) > 1 else ""
+    name = separated(first, glyphs)
+    forms = [filter(None, (*others[:count], branch)) for count in range(len(others), -1, -1)]
+    for each in (separated(_BETWEEN.join(form), glyphs) for form in (*forms, ())):
+        details = f"  {each}" if each else ""
+        if cell_len(name + details) <= width:
+            return [Piece(name, palette.strong), Piece(details, palette.dim)]
+    return [Piece(shortened(name, max(0, width), glyphs.ellipsis), palette.strong)]
 
 
-def _titles(snapshot: Snapshot, session: str) -> list[tuple[str, ...]]:
-    """Return the parts of each title that there may be, the longest first: of a program its name first."""
-    recipe, timeline = snapshot.recipe, snapshot.timeline
-    title, seed = recipe.scenario.title, f"seed {recipe.seed}"
+def _names(snapshot: Snapshot, session: str) -> tuple[str, ...]:
+    """Return what the run is called, and what else there is to say of it, the most important first."""
+    title, policy = snapshot.recipe.scenario.title, snapshot.agent.hyperparameters.policy
     if snapshot.program is not None:
-        name = name_of(snapshot.program)
-        return [(name, title, seed), (name, title), (name,)]
-    branch = timeline.current.name if len(timeline.branches) > 1 else ""
+        return name_of(snapshot.program), title, f"seed {snapshot.recipe.seed}"
     if snapshot.lesson is not None:
-        lesson = snapshot.lesson.record.lesson.title
-        return [(lesson, title, snapshot.agent.row.name, branch), (lesson, title), (lesson,)]
-    if session:
-        shorter = [(session, title, branch), *([(session, branch)] if branch else [])]
-    else:
-        shorter = [(title, seed, branch), (title, branch)] if branch else []
-    return [(session, title, snapshot.agent.row.name, seed, branch), *shorter]
+        session = snapshot.lesson.record.lesson.title
+    row = snapshot.agent.row
+    agent = (row.name, POLICY_BY_ID[policy].name) if "policy" in row.parameters else (row.name,)
+    return (session, title, *agent) if session else (title, *agent)
 
 
 def _waiting(snapshot: Snapshot, text: str, look: Look, width: int) -> Line:
+    """Return a long message behind as much of the title as there is room for."""
     palette, glyphs = look.palette, look.glyphs
-    message = to_ascii(f"  {text}", glyphs)
-    title = _title(snapshot, look, max(0, width - 1 - cell_len(message)))
-    if cell_len(title) < _LEAST_TITLE and title.endswith(glyphs.ellipsis):
-        title = ""
-    message = shortened(
-        message if title else message[1:], width - cell_len(title) - bool(title), glyphs.ellipsis
-    )
-    return [*([Piece(f" {title}", palette.strong)] if title else []), Piece(message, palette.strong)]
+    message = to_ascii(text, glyphs)
+    room = width - 1 - _GAP - cell_len(message)
+    title = _title(snapshot, look, room)
+    if not title[0].text or (room < _LEAST_TITLE and title[0].text.endswith(glyphs.ellipsis)):
+        return [Piece(shortened(f" {message}", width, glyphs.ellipsis), palette.strong)]
+    return [Piece(" ", palette.text), *title, Piece(" " * _GAP + message, palette.strong)]
 
 
 def _fields(snapshot: Snapshot, look: Look, width: int, *, is_manual: bool) -> list[_Field]:
-    """Return state, progress and measured speed, whatever learns and wherever in its time.
+    """Return the measured speed, the state and the progress, whatever learns and wherever in its time.
 
-    In the past the step has the place of the speed too, to say how far the branch has come.
+    In the past the end of the branch has the place of the speed.
     """
     wide, bandit = width >= WIDE, snapshot.results.bandit
     in_past = snapshot.timeline.in_past and snapshot.playback.phase is not Phase.RUNNING
     plans = snapshot.agent.row.planner
-    speed, has_speed = _speed(snapshot, look, wide=wide), True
     if isinstance(snapshot.world.drawing, Arms) and bandit is not None and not plans:
-        progress = [_pull(bandit, look.palette.strong if in_past else look.palette.text)]
+        progress = [_pull(bandit, look)]
     else:
         label = "sweep" if plans else "episode" if wide else "ep"
-        step = _counted("step", snapshot.counters.step, 11 if wide else 9, look, rank=1)
-        if in_past:
-            has_speed, step = False, _step_in_past(snapshot, step.columns + _GAP + speed.columns, look)
-        progress = [_counted(label, episode_shown(snapshot), 9, look, rank=2), step]
-    state = _state(snapshot, look, width - 1 - _GAP, is_manual=is_manual)
-    return [state, *progress, *([speed] if has_speed else [])]
+        progress = [
+            _counted(label, episode_shown(snapshot), 7, look, rank=2),
+            _counted("step", snapshot.counters.step, 10 if wide else 7, look, rank=1),
+        ]
+    speed = (_end if in_past else _speed)(snapshot, look, wide=wide)
+    return [speed, _state(snapshot, look, width - 1 - _GAP, is_manual=is_manual), *progress]
 
 
-def _pull(bandit: BanditFigures, style: Style) -> _Field:
-    budget = f"{bandit.budget:,}"
-    text = f"pull {numbers.count(bandit.pulls)} of {budget}"
-    return _Field(text, len(f"pull {budget} of {budget}"), style)
+def _pull(bandit: BanditFigures, look: Look) -> _Field:
+    of = f" of {bandit.budget:,}"
+    text = f"{numbers.count(bandit.pulls)}{of}"
+    return _Field(text, len(f"pull {bandit.budget:,}{of}"), look.palette.strong, label="pull ")
 
 
 def _counted(label: str, count: int, columns: int, look: Look, *, rank: int) -> _Field:
-    text = f"{label} {numbers.count(count, columns)}"
-    return _Field(text, len(label) + 1 + columns, look.palette.text, rank)
+    text, label = numbers.count(count, columns), f"{label} "
+    return _Field(text, len(label) + columns, look.palette.strong, rank, label)
 
 
-def _step_in_past(snapshot: Snapshot, columns: int, look: Look) -> _Field:
-    """Return the step and how far the branch has come; ``columns`` are those of step and speed otherwise."""
-    room = columns - len("step  of ")
-    here = numbers.count(snapshot.counters.step, room - _LEAST_END)
-    end = numbers.count(snapshot.timeline.current.end, room - len(here))
-    return _Field(f"step {here} of {end}", columns, look.palette.strong, rank=1)
+def _end(snapshot: Snapshot, look: Look, *, wide: bool) -> _Field:
+    """Return how far the branch has come."""
+    columns = _SPEED_COLUMNS[wide]
+    end = numbers.count(snapshot.timeline.current.end, columns - len("end "))
+    return _Field(f"end {end}", columns, look.palette.dim, _SPEED_RANK)
 
 
 def _speed(snapshot: Snapshot, look: Look, *, wide: bool) -> _Field:
     """Return the measured speed; without room for its unit only where the wanted one does not tell it."""
     speed = snapshot.playback.steps_per_second
-    if wide:
-        text, columns = "" if speed is None else numbers.long_rate(speed), len("999.9 M steps/s")
+    if speed is None or not (wide or not _keeps_up(snapshot, speed)):
+        text = ""
     else:
-        is_redundant = speed is None or _keeps_up(snapshot, speed)
-        text, columns = "" if speed is None or is_redundant else numbers.rate(speed), len("999 M/s")
-    return _Field(f"{text:>{columns}}", columns, look.palette.dim, _SPEED_RANK)
+        text = numbers.long_rate(speed) if wide else numbers.rate(speed)
+    return _Field(text, _SPEED_COLUMNS[wide], look.palette.dim, _SPEED_RANK)
 
 
 def _keeps_up(snapshot: Snapshot, speed: float) -> bool:
@@ -269,38 +274,36 @@ def _keeps_up(snapshot: Snapshot, speed: float) -> bool:
 
 
 def _state(snapshot: Snapshot, look: Look, most: int, *, is_manual: bool) -> _Field:
-    """Return what the run does now, in at most ``most`` columns where that is a sentence."""
-    palette, glyphs = look.palette, look.glyphs
-    if snapshot.playback.phase is Phase.SPENT:
-        text = f"{glyphs.stopped} {BUDGET_SPENT if snapshot.program is None else PROGRAM_ENDED}"
-        return _Field(text, len(text), palette.strong)
-    if snapshot.playback.phase is Phase.DONE:
-        text = (
-            f"{glyphs.stopped} {snapshot.playback.message.partition(':')[0] or snapshot.playback.phase.value}"
-        )
-        return _Field(text, cell_len(to_ascii(text, glyphs)), palette.strong)
-    if snapshot.playback.phase in (Phase.PAUSED, Phase.SEEKING):
-        if snapshot.playback.paused_by:
-            return _long_state(f"{glyphs.paused} {snapshot.playback.paused_by}", look, most)
-        if snapshot.timeline.in_past:
-            past = "the past" if snapshot.program is None else "past, only shown"
-            text = f"{glyphs.past} {past}"
-            return _Field(text, max(_STATE_COLUMNS, cell_len(to_ascii(text, glyphs))), palette.strong)
-        if is_manual:
-            return _Field(f"{glyphs.agent} you act", _STATE_COLUMNS, palette.you)
-        return _Field(f"{glyphs.paused} paused", _STATE_COLUMNS, palette.dim)
-    if snapshot.playback.until:
-        return _long_state(f"{glyphs.running} until {snapshot.playback.until}", look, most)
-    if snapshot.timeline.in_past:
-        return _Field(f"{glyphs.running} replaying", _STATE_COLUMNS, palette.strong)
-    if snapshot.playback.watching:
-        return _long_state(f"{glyphs.running} watching: {snapshot.playback.watching}", look, most)
-    if snapshot.playback.interpreted and snapshot.playback.speed is None:
-        text = IN_PYTHON if snapshot.playback.stays_interpreted else COMPILING
-        return _Field(f"{glyphs.running} {text}", _STATE_COLUMNS, palette.strong)
-    return _Field(f"{glyphs.running} {speed_text(snapshot.playback.speed)}", _STATE_COLUMNS, palette.good)
+    """Return what the run does now, reversed, in at most ``most`` columns where that is a sentence."""
+    sign, text, is_mode = _doing(snapshot, look, is_manual=is_manual)
+    style = look.palette.you if is_mode else look.palette.strong
+    shown = to_ascii(f"{sign} {text}", look.glyphs)
+    shown = shortened(shown, max(_CHIP, most) - 2, look.glyphs.ellipsis)
+    columns = cell_len(shown) + 2
+    style += Style(reverse=True)
+    return _Field(f" {shown} ", max(_CHIP, columns), style, after=max(0, _CHIP - columns))
 
 
-def _long_state(text: str, look: Look, most: int) -> _Field:
-    text = shortened(to_ascii(text, look.glyphs), max(_STATE_COLUMNS, most), look.glyphs.ellipsis)
-    return _Field(text, max(_STATE_COLUMNS, cell_len(text)), look.palette.strong)
+def _doing(snapshot: Snapshot, look: Look, *, is_manual: bool) -> tuple[str, str, bool]:
+    """Return a sign and words for what the run does, and whether a person takes its steps."""
+    glyphs, playback, in_past = look.glyphs, snapshot.playback, snapshot.timeline.in_past
+    is_program = snapshot.program is not None
+    if playback.phase is Phase.SPENT:
+        return glyphs.stopped, PROGRAM_ENDED if is_program else BUDGET_SPENT, False
+    if playback.phase is Phase.DONE:
+        return glyphs.stopped, playback.message.partition(":")[0] or playback.phase.value, False
+    if playback.phase in (Phase.PAUSED, Phase.SEEKING):
+        if playback.paused_by:
+            return glyphs.paused, playback.paused_by, False
+        if in_past:
+            return glyphs.past, "past, only shown" if is_program else "the past", False
+        return (glyphs.agent, "you act", True) if is_manual else (glyphs.paused, "paused", False)
+    if playback.until:
+        return glyphs.running, f"until {playback.until}", False
+    if in_past:
+        return glyphs.running, "replaying", False
+    if playback.watching:
+        return glyphs.running, f"watching: {playback.watching}", False
+    if playback.interpreted and playback.speed is None:
+        return glyphs.running, IN_PYTHON if playback.stays_interpreted else COMPILING, False
+    return glyphs.running, speed_text(playback.speed), False

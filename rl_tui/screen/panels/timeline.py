@@ -1,15 +1,17 @@
-"""The timeline: one row for the time of a run, with a handle that goes to any step.
+"""The timeline: one row below the curve, on the same axis of episodes, with a handle that goes to any step.
 
-Marks show where the branch begins, where something was changed, and the steps taken by hand.
+Marks show events: the first reward, changes of the greedy policy, what a person changed, and the branch.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from types import UnionType
 from typing import ClassVar, Final
 
-from rich.cells import cell_len
+import numpy as np
 from rich.style import Style
 from textual import events
 from textual.binding import BindingType
@@ -18,154 +20,200 @@ from textual.strip import Strip
 
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.recipe import OrderSweep, Setting, TakeAction, WorldChange
-from rl_tui.runs.timeline.branches import Timeline
+from rl_tui.runs.results import Curve
+from rl_tui.runs.timeline.branches import Branch, Furthest, Timeline
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Canvas, shortened
+from rl_tui.screen.draw.numbers import NEGLIGIBLE
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.draggable import Draggable
 from rl_tui.screen.kit.panel import Panel
+from rl_tui.screen.kit.snapshot_facts import episode_shown, hides_greedy
+from rl_tui.screen.panels.curve.axis import EpisodeAxis, episode_axis
+from rl_tui.screen.panels.curve.columns import PlotColumns, plot_columns
+from rl_tui.screen.panels.curve.text import label_gap
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
 # The row
 
 
-NOW: Final = "now"
-
-
-@dataclass(frozen=True, slots=True)
-class TimelineState:
-    """What a timeline shows: the handle is ``at`` a step, be it that the run is still on its way there.
-
-    ``unit`` is what a step is called, in four letters.
-    """
-
-    timeline: Timeline
-    at: int
-    focused: bool = False
-    unit: str = "step"
+_POLICIES: Final = 8  # changes of the greedy policy that are marked: the last ones
+_APART: Final = 0.04  # of the track, between two of them
 
 
 @dataclass(frozen=True, slots=True)
 class Track:
-    """The cells from column ``start`` on that stand for the steps 0 to ``end``."""
+    """The ``columns`` from column ``start`` on that ``axis`` takes, with the steps 0 to ``end`` on it."""
 
     start: int
-    cells: int
+    columns: int
+    axis: EpisodeAxis
     end: int
+
+    @property
+    def cells(self) -> int:
+        """How many columns the branch takes, as far as it has come."""
+        return min(self.columns, self.column_of(self.axis.episode_of(self.end)) + 1)
+
+    def column_of(self, episode: float) -> int:
+        """Return the column, from 0, of a number of episodes."""
+        return min(self.columns - 1, int(episode / self.axis.right * self.columns))
 
     def cell_of(self, step: int) -> int:
         """Return the cell, from 0, of ``step``; nothing before the end stands in the last one."""
         last = self.cells - 1
         if step >= self.end or last < 1:
             return max(0, last)
-        return min(round(step / self.end * last), last - 1)
+        return min(self.column_of(self.axis.episode_of(step)), last - 1)
 
     def step_at(self, cell: int) -> int:
-        """Return the step in the middle of ``cell``; cells beyond the ends count as the ends."""
+        """Return the step in the middle of ``cell``; the first and the last cell count as the ends."""
         last = self.cells - 1
-        return round(min(max(cell, 0), last) / last * self.end) if last > 0 else self.end
-
-    @property
-    def steps_a_cell(self) -> int:
-        """How many steps a cell stands for, at least 1."""
-        return max(1, round(self.end / max(1, self.cells - 1)))
+        if cell >= last:
+            return self.end
+        return round(self.axis.step_of((cell + 0.5) / self.columns * self.axis.right)) if cell > 0 else 0
 
 
 @dataclass(frozen=True, slots=True)
-class TimelineForm:
-    """A row: ``label`` (empty: no room), the step in ``digits`` columns, the track, the end in 7 columns.
+class TimelineState:
+    """What a timeline shows of ``snapshot``. The handle is ``at`` a step, even if the run is on its way."""
 
-    All columns are fixed, so that nothing moves while the numbers grow. Without ``digits`` there are none.
-    """
+    snapshot: Snapshot
+    at: int
+    focused: bool = False
 
-    label: str
-    digits: int
-    track: Track
+    @property
+    def unit(self) -> str:
+        """What the axis counts, in short."""
+        is_bandit = isinstance(self.snapshot.world.drawing, Arms)
+        return "sweep" if self.snapshot.agent.row.planner else "pull" if is_bandit else "ep"
+
+    @property
+    def known(self) -> Furthest:
+        """What is known of the branch: all that it has reached, else what the run has."""
+        here = Furthest(self.snapshot.counters, self.snapshot.results)
+        return (self.snapshot.timeline.in_past and self.snapshot.timeline.furthest) or here
 
 
-# The ways to write a row, the longest first: whether it says the unit beside the name of the branch, the
-# columns of the step, and the fewest cells of track that this leaves
-_FORMS: Final = ((True, 11, 20), (False, 7, 8), (False, 0, 6))
-_END_DIGITS: Final = 7
+def track_of(snapshot: Snapshot, look: Look, width: int) -> Track:
+    """Return the track in ``width`` cells: it has the columns of the curve."""
+    return _track_on(snapshot, plot_columns(snapshot, look, width))
 
 
-def timeline_form(timeline: Timeline, width: int, unit: str = "step") -> TimelineForm:
-    """Return what stands where in ``width`` cells."""
-    end = timeline.current.end
-    for says_unit, digits, least in _FORMS:
-        label = _label(timeline, unit, says_unit=says_unit)
-        before, after = (digits + 1, 1 + _END_DIGITS) if digits else (0, 0)
-        start = 1 + cell_len(label) + 1 + before
-        cells = width - start - after - 1
-        if cells >= least:
-            return TimelineForm(label, digits, Track(start, cells, end))
-    return TimelineForm("", 0, Track(0, max(0, width), end))
+def _track_on(snapshot: Snapshot, columns: PlotColumns) -> Track:
+    return Track(columns.left, columns.columns, episode_axis(snapshot), snapshot.timeline.current.end)
 
 
 def timeline_strip(state: TimelineState, look: Look, width: int) -> Strip:
     """Return the row."""
-    palette, glyphs = look.palette, look.glyphs
+    palette, timeline = look.palette, state.snapshot.timeline
     canvas = Canvas(width, 1, palette.text)
-    last = state.timeline.current.end
-    in_past = state.at < last
-    if last == 0:
-        text = shortened(f" timeline: no {state.unit} yet ", width, glyphs.ellipsis)
+    if timeline.current.end == 0:
+        unit = "pull" if state.unit == "pull" else "step"
+        text = shortened(f" timeline: no {unit} yet ", width, look.glyphs.ellipsis)
         canvas.put(0, 0, text, palette.focus if state.focused else palette.dim)
         return canvas.strips()[0]
-    form = timeline_form(state.timeline, width, state.unit)
+    columns = plot_columns(state.snapshot, look, width)
+    track = _track_on(state.snapshot, columns)
+    in_past = state.at < track.end
     calm = palette.press if in_past else palette.dim
-    if form.label:
-        focus = f" {form.label} ", palette.focus
-        canvas.put(0, 0, *(focus if state.focused else (f" {form.label}", calm)))
-    if form.digits:
-        here = palette.press + Style(bold=True) if in_past else palette.text
-        canvas.put(form.track.start - form.digits - 1, 0, numbers.count(state.at, form.digits), here)
-        end = numbers.count(last, _END_DIGITS) if in_past else NOW
-        canvas.put(form.track.start + form.track.cells + 1, 0, end, palette.dim)
-    _draw_track(canvas, form.track, state, look)
+    if track.start:
+        number = timeline.current.name.split()[-1]
+        begins = f"b{number}" if len(timeline.branches) > 1 else "0"
+        canvas.put(max(0, track.start - 1 - len(begins)), 0, begins, calm)
+    gap = label_gap(columns.labels)
+    label = next((each for each in _labels(state, track) if len(each) <= columns.labels - gap), "")
+    canvas.put(width - columns.labels + gap, 0, label, palette.focus if state.focused else calm)
+    _draw_track(canvas, track, state, look)
     return canvas.strips()[0]
+
+
+def _labels(state: TimelineState, track: Track) -> Iterator[str]:
+    """Yield where the handle is, in episodes, and in the past also how far the branch goes, longest first."""
+    now = episode_shown(state.snapshot)
+    if state.at != state.snapshot.counters.step:
+        now = int(track.axis.episode_of(state.at)) + 1
+    if state.at < track.end:
+        last = math.ceil(track.axis.episode_of(track.end))
+        yield f"{state.unit} {now:,}/{last:,}"
+        yield f"{state.unit} {numbers.count(now, 4)}/{numbers.count(last, 4)}"
+    yield f"{state.unit} {now:,}"
+    yield f"{state.unit} {numbers.count(now, 5)}"
 
 
 def _draw_track(canvas: Canvas, track: Track, state: TimelineState, look: Look) -> None:
     palette, glyphs = look.palette, look.glyphs
     handle = track.cell_of(state.at)
-    done = palette.slider_done if state.at < track.end else palette.slider_rest
+    in_past = state.at < track.end
+    done = palette.slider_done if in_past else palette.slider_rest
     canvas.put(track.start, 0, glyphs.track_done * handle, done)
-    rest = glyphs.track_rest * (track.cells - handle)
-    canvas.put(track.start + handle, 0, rest, palette.slider_rest)
-    for cell, (mark, style) in _marks(state.timeline, track, look).items():
+    canvas.put(track.start + handle, 0, glyphs.track_rest * (track.cells - handle), palette.slider_rest)
+    for cell, (mark, style) in _marks(state, track, look).items():
         canvas.put(track.start + cell, 0, mark, style)
-    thumb = palette.press if state.at < track.end else palette.slider_thumb
+    thumb = palette.press if in_past else palette.slider_thumb
     canvas.put(track.start + handle, 0, glyphs.thumb, palette.focus if state.focused else thumb)
 
 
-def _marks(timeline: Timeline, track: Track, look: Look) -> dict[int, tuple[str, Style]]:
-    """Return what stands in which cell: where the branch begins, a change, or steps by hand."""
-    palette, glyphs = look.palette, look.glyphs
-    branch = timeline.current
-    marks: dict[int, tuple[str, Style]] = {}
-    # what is told of a cell is the last of these that happened in it
-    kinds: tuple[tuple[type | UnionType, str], ...] = (
-        (TakeAction, glyphs.manual_mark),
-        (Setting | OrderSweep, glyphs.change_mark),
-        (WorldChange, glyphs.world_mark),
+# Events
+
+
+def _marks(state: TimelineState, track: Track, look: Look) -> dict[int, tuple[str, Style]]:
+    """Return what is marked in which cell; of several events in one the last of these."""
+    palette, glyphs, snapshot = look.palette, look.glyphs, state.snapshot
+    branch, results = snapshot.timeline.current, state.known.results
+    gold = Style(color=palette.goal.color, bold=True)
+    changed = {kind: _cells(branch, kind, track) for kind in _CHANGES}
+    first = _first_reward(results.curve) if state.unit == "ep" else None
+    events = (
+        (glyphs.manual_mark, palette.text, changed[TakeAction]),
+        (glyphs.policy_mark, palette.dim, _policies(state, track)),
+        (glyphs.goal, gold, [] if first is None else [track.column_of(first)]),
+        (glyphs.setting_mark, palette.text, changed[_SETTINGS]),
+        (glyphs.fork_mark, palette.strong, [] if branch.parent is None else [track.cell_of(branch.fork)]),
+        (glyphs.world_mark, palette.strong, changed[WorldChange]),
     )
-    for kind, mark in kinds:
-        for entry in branch.journal:
-            if isinstance(entry.change, kind):
-                marks[track.cell_of(entry.step)] = mark, palette.text
-    if branch.parent is not None:
-        marks[track.cell_of(branch.fork)] = glyphs.fork_mark, palette.strong
-    return marks
+    return {cell: (mark, style) for mark, style, cells in events for cell in cells if cell < track.cells}
 
 
-def _label(timeline: Timeline, unit: str, *, says_unit: bool) -> str:
-    if len(timeline.branches) == 1:
-        return unit
-    label = timeline.current.name.ljust(max(cell_len(each.name) for each in timeline.branches))
-    return f"{label}  {unit}" if says_unit else label
+_SETTINGS: Final = Setting | OrderSweep
+_CHANGES: Final[tuple[type | UnionType, ...]] = (TakeAction, _SETTINGS, WorldChange)
+
+
+def _cells(branch: Branch, kind: type | UnionType, track: Track) -> list[int]:
+    return [track.cell_of(entry.step) for entry in branch.journal if isinstance(entry.change, kind)]
+
+
+def _first_reward(curve: Curve) -> float | None:
+    """Return after which episode the first return above 0 came, None before that and where it means little.
+
+    That is where returns fall below 0, and where every episode has a reward.
+    """
+    rewarded = np.flatnonzero(curve.return_high > NEGLIGIBLE)
+    if not len(rewarded) or curve.return_low.min() < -NEGLIGIBLE:
+        return None
+    first = rewarded[0]
+    if first == 0:
+        return 0.0 if curve.return_low[0] < NEGLIGIBLE else None
+    return float(curve.episode[first - 1])
+
+
+def _policies(state: TimelineState, track: Track) -> list[int]:
+    """Return where the exact return of the greedy policy changed: the last cells, some way apart."""
+    marks = state.known.results.marks
+    if hides_greedy(state.snapshot) or not len(marks.episode):
+        return []
+    values = marks.expected_return
+    same = np.isclose(values[1:], values[:-1], rtol=0.0, atol=NEGLIGIBLE, equal_nan=True)
+    chosen: list[int] = []
+    for episode in reversed(marks.episode[1:][~same].tolist()):
+        cell = track.column_of(episode)
+        if not chosen or chosen[-1] - cell >= _APART * track.columns:
+            chosen.append(cell)
+        if len(chosen) == _POLICIES:
+            break
+    return chosen
 
 
 # The panel
@@ -207,9 +255,10 @@ class TimelineBar(Draggable, Panel, can_focus=True):
         super().__init__(look, id=id, classes=classes)
         glyphs = look.glyphs
         self.tooltip = to_ascii(
-            f"what was run; click or drag to go there. {glyphs.change_mark} a setting was changed, "
-            f"{glyphs.world_mark} the world, "
-            f"{glyphs.manual_mark} steps by hand, {glyphs.fork_mark} here the branch begins",
+            f"Click or drag to go there. {glyphs.goal} first reward, "
+            f"{glyphs.policy_mark} greedy policy changed, {glyphs.world_mark} world edited, "
+            f"{glyphs.setting_mark} setting changed, {glyphs.manual_mark} your steps, "
+            f"{glyphs.fork_mark} branch begins",
             glyphs,
         )
         self.sought: int | None = None
@@ -224,21 +273,25 @@ class TimelineBar(Draggable, Panel, can_focus=True):
         rows = [Strip.blank(width, self.look.palette.text)] * height
         if snapshot is None or (snapshot.playback.phase is Phase.PREPARING and not snapshot.counters.step):
             return rows
-        unit = "pull" if isinstance(snapshot.world.drawing, Arms) else "step"
-        state = TimelineState(snapshot.timeline, self._at(snapshot.timeline), self.has_focus, unit)
+        state = TimelineState(snapshot, self._at(snapshot.timeline), self.has_focus)
         return [timeline_strip(state, self.look, width), *rows[1:]]
 
     # Keys
 
     def action_move(self, distance: str, direction: int) -> None:
         """Move the handle by one ``step``, by a ``cell`` of the track, or by a ``tenth`` of the run."""
-        track = self._form.track
-        by = {_STEP: 1, _CELL: track.steps_a_cell, _TENTH: max(1, round(track.end / 10))}[distance]
-        self._seek(self.at + direction * by)
+        track, at = self._track, self.at
+        if track is None:
+            return
+        if distance == _CELL:
+            to = track.step_at(track.cell_of(at) + direction)
+            self._seek(max(at + 1, to) if direction > 0 else min(at - 1, to))
+        else:
+            self._seek(at + direction * (1 if distance == _STEP else max(1, round(track.end / 10))))
 
     def action_end(self, last: bool) -> None:
         """Go to the first or the last step."""
-        self._seek(self._form.track.end if last else 0)
+        self._seek(self._timeline.current.end if last else 0)
 
     def watch_has_focus(self, has_focus: bool) -> None:
         """Show the focus, or that it is gone."""
@@ -249,23 +302,23 @@ class TimelineBar(Draggable, Panel, can_focus=True):
 
     def on_mouse_down(self, event: events.MouseDown) -> None:
         """Take hold of the handle, which jumps to the pointer."""
-        offset = event.get_content_offset(self)
-        if event.button != 1 or offset is None or offset.x < self._form.track.start:
+        offset, track = event.get_content_offset(self), self._track
+        if event.button != 1 or offset is None or track is None or offset.x < track.start:
             return
         self.take_hold(offset.x)
 
     def drag_to(self, column: int) -> None:
         """Ask for the moment that belongs to ``column``."""
-        track: Track = self._form.track
-        self._seek(track.step_at(column - track.start))
+        if (track := self._track) is not None:
+            self._seek(track.step_at(column - track.start))
 
     @property
     def _timeline(self) -> Timeline:
         return self.snapshot.timeline if self.snapshot is not None else Timeline()
 
     @property
-    def _form(self) -> TimelineForm:
-        return timeline_form(self._timeline, self.size.width)
+    def _track(self) -> Track | None:
+        return None if self.snapshot is None else track_of(self.snapshot, self.look, self.size.width)
 
     def _at(self, timeline: Timeline) -> int:
         branch = timeline.current

@@ -33,7 +33,7 @@ from rl_tui.screen.frame.shape import Shape
 from rl_tui.screen.keys.action import Action, Place
 from rl_tui.screen.keys.bindings import bindings_of
 from rl_tui.screen.keys.registry import actions_of
-from rl_tui.screen.kit.pointing import Touched
+from rl_tui.screen.kit.pointing import Pointed, Touched
 from rl_tui.screen.kit.row import MICROSCOPE, PanelRow
 from rl_tui.screen.panels.catalogue import PANELS
 from rl_tui.screen.panels.controls.slider import Slider, key_hints
@@ -267,9 +267,11 @@ class Playground(ActionScreen):
         self.time.seek(event.step)
 
     @on(QTable.CursorMoved)
-    def follow_cursor(self) -> None:
-        """Show under the microscope the cell that the cursor of the table went to."""
-        self.microscope.follow_cursor()
+    @on(Pointed)
+    def follow_cursor(self, event: QTable.CursorMoved | Pointed) -> None:
+        """Show under the microscope the cell that a cursor went to."""
+        if isinstance(event, QTable.CursorMoved) or event.panel is self.board.world:
+            self.microscope.follow_cursor(of_world=isinstance(event, Pointed))
 
     def content(self) -> Iterable[Widget]:
         """Yield the status line and the board."""

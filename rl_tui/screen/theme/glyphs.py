@@ -50,9 +50,10 @@ class Glyphs:
     thumb: str
     flip: str  # on a track: the way from the start turns, only other states do
     side_flip: str
-    change_mark: str  # timeline: a setting was changed, the world, so that an episode was given up
+    change_mark: str  # on a chart: one of many changes
+    policy_mark: str  # timeline: the greedy policy changed, the world, a setting
     world_mark: str
-    given_up_mark: str
+    setting_mark: str
     manual_mark: str  # steps were taken by hand, the branch begins
     fork_mark: str
     running: str  # status
@@ -67,6 +68,7 @@ class Glyphs:
     level: str  # the horizontal line of an optimum
     dashes: str  # that of a policy
     whisker: str  # error bars
+    bar_end: str  # where a bar ends, on its error bar
     estimate: str
     zero_line: str
     thin: str  # graph edges: horizontal, vertical, then the four corners of rounded boxes
@@ -143,10 +145,11 @@ _ROWS: Final[Mapping[str, tuple[Any, Any]]] = {
     "flip": ("┃", "|"),
     "side_flip": ("│", ":"),
     "change_mark": ("◆", "+"),
-    "world_mark": ("◈", "W"),
-    "given_up_mark": ("✗", "x"),
+    "policy_mark": ("┃", "|"),
+    "world_mark": ("◆", "+"),
+    "setting_mark": ("▾", "v"),
     "manual_mark": ("╍", ":"),
-    "fork_mark": ("┻", "Y"),
+    "fork_mark": ("┆", "Y"),
     "running": ("▶", ">"),
     "paused": ("❚❚", "||"),
     "past": ("◀", "<"),
@@ -158,7 +161,8 @@ _ROWS: Final[Mapping[str, tuple[Any, Any]]] = {
     "axis_tick": ("┤", "+"),
     "level": ("┈", "."),
     "dashes": ("╌", "-"),
-    "whisker": ("─", "-"),
+    "whisker": ("━", "-"),
+    "bar_end": ("┃", "|"),
     "estimate": ("●", "o"),
     "zero_line": ("┊", ":"),
     "thin": ("─", "-"),

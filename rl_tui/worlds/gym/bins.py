@@ -65,6 +65,7 @@ def check_sizes(name: str, states: int, actions: int, key: str) -> None:
 
 _MOST_TOLD: Final = 100
 _MOST_DECIMALS: Final = 12
+_USUAL_NAME: Final = " " * len("-0.17")
 _FINEST: Final = 1e-14  # of the bounds; a double has 16 digits
 
 
@@ -116,6 +117,16 @@ class BinsSection(FileSection):
     def sizes(self) -> list[int]:
         """The number of bins of each dimension."""
         return self.count or [len(edges) + 1 for edges in self.edges or ()]
+
+    def known_names(self) -> list[list[str]]:
+        """Return the names of the bins; where their bounds are not in the file, blanks as long as most."""
+        if self.edges is not None:
+            return [_range_names(edges) for edges in self.edges]
+        counts = self.count or []
+        if self.low is None or self.high is None:
+            return [[_USUAL_NAME] * count for count in counts]
+        bounds = zip(self.low, self.high, counts, strict=False)
+        return [_middle_names(low, (high - low) / count, count) for low, high, count in bounds]
 
     def states(self, name: str, space: Box) -> BinStates:
         """Return the states of ``space``, that of the environment ``name``. Raises WorldRefusedError."""

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any, Final, NamedTuple
 
-from rl_tui.worlds.drawing import CellKind, Grid
+from rl_tui.worlds.drawing import Axes, CellKind, Grid
 from rl_tui.worlds.mdp.tabular_mdp import Outcome, Transition, tabular_mdp
 from rl_tui.worlds.world import World
 
@@ -22,6 +22,13 @@ DEALER_STANDS: Final = 17
 BEST: Final = 21
 WON, DREW, LOST = "won", "drew", "lost"
 STICK, HIT = 0, 1
+_CARD_LABELS: Final = ("A", *map(str, range(2, 10)), "T")
+TABLE_AXES: Final = Axes(
+    ("nat", *map(str, range(BEST, 3, -1))),
+    (*_CARD_LABELS, "", *_CARD_LABELS),
+    ((0, "no usable ace"), (len(_CARD_LABELS) + 1, "usable ace")),
+)
+TABLE_LEGEND: Final = "sum down, dealer's card across, usable ace right"
 
 
 class Hand(NamedTuple):
@@ -171,5 +178,4 @@ def _table_drawing(states: list[tuple[Hand, int]]) -> Grid:
         kinds[cell] = CellKind.FLOOR
     for cell, kind in zip(ends, (CellKind.GOAL, CellKind.FLOOR, CellKind.HOLE), strict=True):
         kinds[cell] = kind
-    legend = "sum down, dealer's card across, usable ace right"
-    return Grid(rows, columns, tuple(kinds), (*cells, *ends), (None, None), legend)
+    return Grid(rows, columns, tuple(kinds), (*cells, *ends), (None, None), TABLE_LEGEND, axes=TABLE_AXES)

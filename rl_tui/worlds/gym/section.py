@@ -78,11 +78,10 @@ class GymnasiumSection(WorldSection):
             yield Finding(("kwargs" if self.kwargs else "id",), str(failure), "an environment that starts")
 
     def sketch(self) -> Grid | None:
-        """Return a grid of the size that is known without Gymnasium, if one is."""
-        from rl_tui.worlds.gym.stepped_layout import known_shape
+        """Return a grid as far as it is known without Gymnasium, if its size is."""
+        from rl_tui.worlds.gym.stepped_layout import known_grid
 
-        shape = known_shape(self)
-        return None if shape is None else Grid(*shape, (), (), ())
+        return known_grid(self)
 
     def build(self, generator: Generator) -> World:
         """Return the world; ``generator`` is not touched. Imports gymnasium, raises WorldRefusedError."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, overload
 
 import numpy as np
@@ -108,6 +109,11 @@ class BinStates:
         self.sizes: Sequence[int] = [len(part) for part in names]
         self._bins = [(each, len(each) + 1) for each in edges]
 
+    @property
+    def middles(self) -> tuple[tuple[float, ...], ...]:
+        """The middle of each bin of each dimension, NaN where it has none: it is not cut, or once."""
+        return tuple(_middles(edges) for edges, _ in self._bins)
+
     def state_of(self, observation: Any) -> int:
         """Return the state of a Box's observation; an edge belongs to the bin above it."""
         state = 0
@@ -117,6 +123,17 @@ class BinStates:
                 raise OutsideError
             state = state * count + bisect_right(edges, value)
         return state
+
+
+def _middles(edges: Sequence[float]) -> tuple[float, ...]:
+    """Return the middles of the bins between ``edges``; those outside are as wide as their neighbours.
+
+    Without neighbours they have no middle: NaN.
+    """
+    if len(edges) < 2:
+        return (math.nan,) * (len(edges) + 1)
+    low, high = 2 * edges[0] - edges[1], 2 * edges[-1] - edges[-2]
+    return tuple((left + right) / 2 for left, right in pairwise((low, *edges, high)))
 
 
 def discrete_states(space: Space[Any]) -> DiscreteStates | None:

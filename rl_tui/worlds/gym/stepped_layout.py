@@ -14,7 +14,9 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from rl_tui.common.limits import MOST_STATES
-from rl_tui.worlds.drawing import CellKind, Grid
+from rl_tui.worlds.drawing import Axes, Body, BodyKind, CellKind, Grid
+from rl_tui.worlds.gym.blackjack import TABLE_AXES, TABLE_LEGEND
+from rl_tui.worlds.gym.table_layout import TAXI_AXES, TAXI_LEGEND, TAXI_SHAPE
 
 if TYPE_CHECKING:
     from rl_tui.worlds.gym.section import GymnasiumSection
@@ -33,10 +35,15 @@ _ACTIONS: Final[Mapping[str, tuple[str, ...]]] = {
 }
 # by part of an observation; empty: the part's own numbers
 _PARTS: Final[Mapping[str, tuple[tuple[str, ...], ...]]] = {"BlackjackEnv": ((), (), ("no", "yes"))}
+_MOST_LABELS: Final = 2_000
 _TERMS: Final[Mapping[str, tuple[str, ...]]] = {
     "BlackjackEnv": ("sum", "dealer", "usable ace"),
     "CartPoleEnv": ("position", "velocity", "angle", "angular velocity"),
     "MountainCarEnv": ("position", "velocity"),
+}
+_BODIES: Final[Mapping[str, BodyKind]] = {
+    "CartPoleEnv": BodyKind.CART_POLE,
+    "MountainCarEnv": BodyKind.MOUNTAIN_CAR,
 }
 
 
@@ -60,13 +67,27 @@ def part_terms(environment: Any) -> Sequence[str]:
     return _TERMS.get(type(environment).__name__, ())
 
 
-def product_grid(sizes: Sequence[int], actions: int, terms: Sequence[str] = ()) -> Grid:
+def body_of(environment: Any, middles: Sequence[Sequence[float]]) -> Body | None:
+    """Return the body of an unwrapped environment whose observations are cut into bins with ``middles``."""
+    kind = _BODIES.get(type(environment).__name__)
+    if kind is None or len(middles) != len(part_terms(environment)):
+        return None
+    return Body(kind, tuple(map(tuple, middles)))
+
+
+def product_grid(
+    sizes: Sequence[int],
+    actions: int,
+    terms: Sequence[str] = (),
+    names: Sequence[Sequence[str]] = (),
+    body: Body | None = None,
+) -> Grid:
     """Return the grid of states that are all combinations of parts with so many values each.
 
     One part lies in the squarest grid. The first two of several give the rows and columns; with every
     combination of the others begins a new block of those, set apart by a wall. Parts of one value do not
     count. No action is a direction. ``terms`` are what the parts are called in the legend, where that is
-    known; else they are numbered.
+    known; else they are numbered. ``names`` of the values of each part label rows and columns.
     """
     there = _that_count(sizes)
     shape = product_shape(sizes)
@@ -80,6 +101,8 @@ def product_grid(sizes: Sequence[int], actions: int, terms: Sequence[str] = ()) 
         cell_of_state=tuple(cell.tolist()),
         directions=(None,) * actions,
         legend=_legend(sizes, terms),
+        axes=_axes(sizes, terms, names),
+        body=body,
     )
 
 
@@ -109,6 +132,23 @@ def _legend(sizes: Sequence[int], terms: Sequence[str]) -> str:
     return f"{names[0]} down, {names[1]} across{blocks}"
 
 
+def _axes(sizes: Sequence[int], terms: Sequence[str], names: Sequence[Sequence[str]]) -> Axes | None:
+    """Return the labels of a grid that has rows and columns of its own; None of too many to label."""
+    there = [place for place, size in enumerate(sizes) if size > 1]
+    rows, columns = product_shape(sizes)
+    if not names or len(there) < 2 or rows + columns > _MOST_LABELS:
+        return None
+    down, across = (tuple(names[place]) for place in there[:2])
+    below, beside = (*down, ""), (*across, "")
+    row_labels = tuple(below[row % len(below)] for row in range(rows))
+    column_labels = tuple(beside[column % len(beside)] for column in range(columns))
+    blocks: tuple[tuple[int, str], ...] = ()
+    if len(there) == 3 and rows == len(down):
+        term = terms[there[2]] if len(terms) == len(sizes) else f"part {there[2] + 1}"
+        blocks = tuple((block * len(beside), f"{term}: {name}") for block, name in enumerate(names[there[2]]))
+    return Axes(row_labels, column_labels, blocks)
+
+
 def _cells(sizes: Sequence[int], width: int) -> np.ndarray:
     """Return the cell of each state, [product of ``sizes``], on a grid of ``width`` columns."""
     rows, columns, blocks = sizes[0], sizes[1], math.prod(sizes[2:])
@@ -119,32 +159,55 @@ def _cells(sizes: Sequence[int], width: int) -> np.ndarray:
     return cell
 
 
-# Sizes known before Gymnasium is imported
+# Grids known before Gymnasium is imported
 
 
 _BY_TABLE: Final[Mapping[str, tuple[int, int]]] = {
     "FrozenLake": (4, 4),
     "FrozenLake8x8": (8, 8),
     "CliffWalking": (4, 12),
-    "Taxi": (29, 23),
+    "Taxi": TAXI_SHAPE,
 }
 """By id, without its version."""
 _BLACKJACK: Final = "Blackjack"
-_BLACKJACK_TABLE: Final = (19, 21)
 _BLACKJACK_PARTS: Final = (32, 11, 2)  # sums, cards of the dealer, usable ace or not
 
 
-def known_shape(section: GymnasiumSection) -> tuple[int, int] | None:
-    """Return rows and columns of the drawing of ``section``, None if they are not known."""
+def known_grid(section: GymnasiumSection) -> Grid | None:
+    """Return the drawing of ``section`` as far as it is known, without cells; None if its size is not."""
+    name = re.sub(r"-v\d+$", "", section.id)
     if section.bins is not None:
         sizes = section.bins.sizes
-        return product_shape(sizes) if math.prod(sizes) <= MOST_STATES else None  # the world will be refused
-    name = re.sub(r"-v\d+$", "", section.id)
+        is_refused = math.prod(sizes) > MOST_STATES
+        return None if is_refused else _known_product(name, sizes, section.bins.known_names())
+    if name == _BLACKJACK and section.table:
+        return Grid(len(TABLE_AXES.rows), len(TABLE_AXES.columns), (), (), (), TABLE_LEGEND, axes=TABLE_AXES)
     if name == _BLACKJACK:
-        return _BLACKJACK_TABLE if section.table else product_shape(_BLACKJACK_PARTS)
+        return _known_product(
+            name, _BLACKJACK_PARTS, [list(map(str, range(size))) for size in _BLACKJACK_PARTS]
+        )
     if section.table is False or name not in _BY_TABLE:
         return None
-    return _map_shape(section.kwargs) or _BY_TABLE[name]
+    rows, columns = _map_shape(section.kwargs) or _BY_TABLE[name]
+    if (rows, columns) == TAXI_SHAPE:
+        return Grid(rows, columns, (), (), (), TAXI_LEGEND, axes=TAXI_AXES)
+    return Grid(rows, columns, (), (), ())
+
+
+def _known_product(name: str, sizes: Sequence[int], names: Sequence[Sequence[str]]) -> Grid:
+    """Return the grid of the environment ``name``, whose class is called like it."""
+    terms, kind = _TERMS.get(f"{name}Env", ()), _BODIES.get(f"{name}Env")
+    rows, columns = product_shape(sizes)
+    return Grid(
+        rows,
+        columns,
+        (),
+        (),
+        (),
+        _legend(sizes, terms),
+        axes=_axes(sizes, terms, names),
+        body=None if kind is None or len(sizes) != len(terms) else Body(kind, ()),
+    )
 
 
 def _map_shape(kwargs: Mapping[str, Any]) -> tuple[int, int] | None:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any, Final
 
 import numpy as np
 
-from rl_tui.worlds.drawing import CellKind, Grid
+from rl_tui.worlds.drawing import Axes, CellKind, Grid
 from rl_tui.worlds.mdp.tabular_mdp import UNKNOWN_ACTION
 
 _LETTERS: Final = {b"S": CellKind.START, b"F": CellKind.FLOOR, b"H": CellKind.HOLE, b"G": CellKind.GOAL}
@@ -37,8 +38,19 @@ _PITCH: Final = _TOWN + 1  # a line of wall keeps the towns apart
 _DESTINATIONS: Final = ("R", "G", "Y", "B")
 _PASSENGER: Final = (*_DESTINATIONS, "in")
 _STOPS: Final = ((0, 0), (0, 4), (4, 0), (4, 3))
-_TAXI_ROWS: Final = len(_PASSENGER) * _PITCH - 1
-_TAXI_COLUMNS: Final = len(_DESTINATIONS) * _PITCH - 1
+TAXI_SHAPE: Final = (len(_PASSENGER) * _PITCH - 1, len(_DESTINATIONS) * _PITCH - 1)
+_TAXI_ROWS, _TAXI_COLUMNS = TAXI_SHAPE
+TAXI_LEGEND: Final = "towns: passenger down, destination across"
+
+
+def _over_towns() -> tuple[str, ...]:
+    """Return the labels of the columns: where passengers want to go, over the middle of each town."""
+    half = _TOWN // 2
+    labels = ((*[""] * half, f"to {place}", *[""] * (_PITCH - half - 1)) for place in _DESTINATIONS)
+    return tuple(chain.from_iterable(labels))[:-1]
+
+
+TAXI_AXES: Final = Axes(("",) * _TAXI_ROWS, _over_towns())
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +157,8 @@ def _taxi_grid() -> Grid:
         kinds=tuple(kinds),
         cell_of_state=tuple(cells),
         directions=_TAXI_DIRECTIONS,
-        legend="towns: passenger down, destination across",
+        legend=TAXI_LEGEND,
+        axes=TAXI_AXES,
     )
 
 

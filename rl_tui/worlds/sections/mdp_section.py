@@ -24,6 +24,7 @@ from rl_tui.common.limits import (
 )
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.mdp.tabular_mdp import PROBABILITY_TOLERANCE
+from rl_tui.worlds.sections.chain import Move, chain_order
 from rl_tui.worlds.sections.schema import (
     Expect,
     FileSection,
@@ -383,16 +384,15 @@ class MDPSection(WorldSection):
         return connection_findings(raw)
 
     def sketch(self) -> Graph:
-        """Return that the world is drawn as a graph."""
-        return Graph(())
+        """Return how the world is drawn."""
+        seen, states = self._numbered()
+        return self._graph(states) if len(seen) == len(states) else Graph(self._places(seen))
 
     def build(self, generator: Generator) -> World:
         """Return the world; ``generator`` is not touched."""
         from rl_tui.worlds.mdp.tabular_mdp import Transition, tabular_mdp
 
-        mentioned = [name for each in self.transition for name in (each.state, *each.to)]
-        seen = _in_order(map(self._look, [*self.place, *mentioned]))
-        states = _in_order(sorted(mentioned, key=lambda name: seen[self._look(name)]))
+        seen, states = self._numbered()
         actions = _in_order(each.action for each in self.transition)
         names = [self._look(name) for name in states]
         is_plain = len(seen) == len(states)
@@ -409,10 +409,25 @@ class MDPSection(WorldSection):
             self.time_limit,
         )
         if is_plain:
-            return World(mdp, Graph(self._places(names)))
+            return World(mdp, self._graph(states))
         from rl_tui.worlds.sections.mdp_observed import observed_world
 
         return observed_world(mdp, list(seen), [seen[name] for name in names], Graph(self._places(seen)))
+
+    def _numbered(self) -> tuple[dict[str, int], dict[str, int]]:
+        """Return what is seen and the states, each with its number; without ``seen_as`` they are equal."""
+        mentioned = [name for each in self.transition for name in (each.state, *each.to)]
+        seen = _in_order(map(self._look, [*self.place, *mentioned]))
+        return seen, _in_order(sorted(mentioned, key=lambda name: seen[self._look(name)]))
+
+    def _graph(self, states: Mapping[str, int]) -> Graph:
+        """Return the drawing of ``states``, which are seen as they are, with their numbers."""
+        moves = (
+            Move(states[each.state], each.action, {states[name]: to.p for name, to in each.to.items()})
+            for each in self.transition
+        )
+        own = {states[name]: place for name, place in self.place.items() if name in states}
+        return Graph(self._places(states), chain_order(len(states), moves, own))
 
     def _look(self, name: str) -> str:
         return self.seen_as.get(name, name)

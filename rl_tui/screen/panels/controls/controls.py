@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from rich.cells import cell_len
 from textual.app import ComposeResult
 from textual.containers import Container
 
@@ -13,7 +14,7 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.flip_answer import beyond
 from rl_tui.runs.recipe import Recipe
 from rl_tui.screen.draw.to_ascii import to_ascii
-from rl_tui.screen.kit.panel import BORDER_ENDS, BoardPanel, Legend, LegendSign, legend_text
+from rl_tui.screen.kit.panel import BORDER_ENDS, BoardPanel
 from rl_tui.screen.kit.snapshot_facts import is_secret, keeps_back
 from rl_tui.screen.panels.controls.settings import AgentSettings
 from rl_tui.screen.panels.controls.slider import Slider
@@ -21,6 +22,7 @@ from rl_tui.screen.panels.controls.slider_picture import SliderMark
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
+_ROOMY: Final = 8  # rows, from which on a blank one sets the sliders off
 GAMMA: Final = "gamma"
 """The hyper-parameter whose slider marks flips."""
 
@@ -82,7 +84,6 @@ class Controls(Container, BoardPanel):
         """Whether the slider of γ marks every flip, not only those that turn the way from the start."""
         self._parameters: tuple[Parameter, ...] = ()
         self._sliders: dict[str, Slider] = {}  # by name; some are still to be mounted
-        self._has_marks = False
 
     def has_slider(self, name: str) -> bool:
         """Return whether the hyper-parameter ``name`` has a slider here."""
@@ -93,29 +94,30 @@ class Controls(Container, BoardPanel):
         self.query_one(AgentSettings).give_away(keys)
 
     def on_resize(self) -> None:
-        """Fit the legend to the new width."""
+        """Fit the heading, and the blank row below it, to the new size."""
         self._write_border()
+        margin = (self.size.height >= _ROOMY, 0, 0, 0)
+        if self._sliders and self.query_one("#sliders").styles.margin != margin:
+            self.query_one("#sliders").styles.margin = margin
 
     def _write_border(self) -> None:
-        look = self._look
-        title, legend = "Controls", ""
-        if self.is_explained:
-            signs = tuple(
-                LegendSign(to_ascii(each.symbol, look.glyphs), each.short_name, look.palette.text)
-                for each in self._parameters
-            )
-            explained = f"Controls · {self.caption}"
-            title = explained if len(explained) <= self.size.width - BORDER_ENDS else title
-            legend = self._legend(signs)
-        self.write_border(title, legend, look)
+        """Write the heading with the keys of the sliders; a single line has a sign in its place."""
+        numbers = " ".join(str(number + 1) for number in range(len(self._parameters)))
+        explained = f"Agent · {numbers} to turn"
+        has_room = self.is_explained and len(explained) <= self.size.width - BORDER_ENDS
+        self.write_border(explained if has_room else "Agent", "", self._look)
+        self._label_sliders()
 
-    def _legend(self, signs: Legend) -> str:
-        """Return ``signs`` behind that of a flip, which comes later, where that moves none of them."""
-        look, room = self._look, self.size.width - BORDER_ENDS
-        legend = legend_text(signs, room, look)
-        flip = LegendSign(look.glyphs.flip, "flip", look.palette.best)
-        longer = legend_text((flip, *signs), room, look) if self._has_marks else ""
-        return longer if longer.endswith(legend) else legend
+    def _label_sliders(self) -> None:
+        """Write the name of each slider in a column of its own; in a single line there is no room for any."""
+        is_line = self.size.height == 1
+        names = {each.name: "" if is_line else each.short_name for each in self._parameters}
+        labels = (
+            to_ascii(f"{each.symbol} {names[each.name]}", self._look.glyphs) for each in self._parameters
+        )
+        columns = 0 if is_line else max(map(cell_len, labels), default=0)
+        for place, (name, slider) in enumerate(self._sliders.items()):
+            slider.label(names[name], columns, is_pointed_at=self.is_spotlit and is_line and place == 0)
 
     def begin_with(self, recipe: Recipe) -> None:
         """Show the sliders of ``recipe`` before the first snapshot."""
@@ -158,10 +160,10 @@ class Controls(Container, BoardPanel):
         parameters = sliders_of(agent.algorithm, agent.hyperparameters, is_bandit=is_bandit)
         if parameters != self._parameters:
             self._parameters = parameters
-            self._write_border()
             new = self._new_sliders()
             # a value may be being typed on a slider that stays
             self._sliders = new | {name: slider for name, slider in self._sliders.items() if name in new}
+            self._write_border()
             self.run_worker(self._mount_sliders(), exclusive=True)
         for slider in self._sliders.values():
             slider.set_value(in_force(self.wanted, slider.parameter))
@@ -171,9 +173,6 @@ class Controls(Container, BoardPanel):
     def _mark_flips(self, slider: Slider, snapshot: Snapshot) -> None:
         marks = flip_marks(snapshot, every=self.marks_all_flips)
         slider.set_marks(marks, _MEANING)
-        if bool(marks) != self._has_marks:
-            self._has_marks = bool(marks)
-            self._write_border()
 
     def _new_sliders(self) -> dict[str, Slider]:
         return {

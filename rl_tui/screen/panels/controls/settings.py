@@ -15,31 +15,26 @@ from textual.widget import Widget
 from rl_tui.agents.catalogue import POLICY_BY_ID, parameters_of
 from rl_tui.agents.hyperparameters import PARAMETERS, Hyperparameters, Parameter, why_idle
 from rl_tui.live.snapshot import Phase, Snapshot
-from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.draw.to_ascii import separated, to_ascii
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
-_KEY_COLUMNS = 4
-_LABEL_COLUMNS = 10
-_GAPS = (3, 2)
+_BETWEEN: Final = " · "
+_WIDE_GAP: Final = 3
+_GAP: Final = 2
 _KEYED: Final = frozenset({"policy", "ties", "initial_q"})  # have a key and an entry of their own
-
-
-Texts = tuple[str, str, str]
-"""Key, label and value as they are written."""
 
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """One setting: the key that changes it, its name short and in full, its value, the action behind it.
+    """One setting: the key that changes it, its label, its value, the action behind it.
 
     Where there is no room for all, those of the highest ``rank`` are left out first.
     """
 
     key: str
-    short: str
-    full: str
+    label: str
     value: str
     action: str
     rank: int
@@ -56,28 +51,26 @@ def _settings(snapshot: Snapshot) -> Iterator[Setting]:
     parameters = parameters_of(snapshot.agent.algorithm, values.policy)
     lanes = snapshot.run_group.lanes
     if lanes:
-        yield Setting(
-            "l", "lane", "lane", f"{snapshot.run_group.shown + 1}/{len(lanes)}", "lanes.next_lane", 2
-        )
-    yield Setting("a", "", "algorithm", snapshot.agent.row.name, "agent.choose_algorithm", 0)
+        yield Setting("l", "lane", f"{snapshot.run_group.shown + 1}/{len(lanes)}", "lanes.next_lane", 2)
+    yield Setting("a", "", snapshot.agent.row.name, "agent.choose_algorithm", 0)
     if "policy" in parameters:
-        yield Setting("p", "", "policy", POLICY_BY_ID[values.policy].name, "agent.choose_policy", 1)
+        yield Setting("p", "", POLICY_BY_ID[values.policy].name, "agent.choose_policy", 1)
     if "ties" in parameters:
-        yield Setting("t", "ties", "ties", values.ties, "agent.next_ties", 4)
+        yield Setting("t", "ties", values.ties, "agent.next_ties", 4)
     if "initial_q" in parameters:
-        yield Setting("i", "Q₀", "initial Q", f"{values.initial_q:g}", "agent.ask_initial_q", 5)
-    yield Setting("n", "seed", "seed", str(snapshot.recipe.seed), "agent.ask_seed", 6)
+        yield Setting("i", "Q₀", f"{values.initial_q:g}", "agent.ask_initial_q", 5)
+    yield Setting("n", "seed", str(snapshot.recipe.seed), "agent.ask_seed", 6)
     if snapshot.playback.phase in (Phase.SPENT, Phase.DONE):
-        yield Setting("r", "", "", "start again", "run.reset", 2)
+        yield Setting("r", "", "start again", "run.reset", 2)
     else:
-        yield Setting("+ −", "", "speed", speed_text(snapshot.playback.speed), "run.faster", 2)
-    yield Setting("o", "options", "options", "", "agent.show_options", 3)
+        yield Setting("+ −", "", speed_text(snapshot.playback.speed), "run.faster", 2)
+    yield Setting("o", "options", "", "agent.show_options", 3)
     for name in parameters:
         parameter = PARAMETERS[name]
         idle = why_idle(name, snapshot.agent.algorithm, values, is_bandit=is_bandit)
         if is_an_option(parameter) and not idle:
             value = option_text(values.value(name))
-            yield Setting("", parameter.symbol, parameter.symbol, value, "agent.show_options", 7)
+            yield Setting("", parameter.symbol, value, "agent.show_options", 7)
     yield from _decaying(values, parameters, snapshot.counters.episodes)
 
 
@@ -85,9 +78,9 @@ def _decaying(values: Hyperparameters, parameters: tuple[str, ...], episode: int
     """Yield what schedules have made of α and ε by now, where they change them."""
     alpha = values.alpha_at(episode)
     if "alpha_decay" in parameters and alpha is not None and alpha_moves(values):
-        yield Setting("", "α now", "α now", f"{alpha:.3f}", "", 8)
+        yield Setting("", "α now", f"{alpha:.3f}", "", 8)
     if "epsilon_decay" in parameters and epsilon_moves(values):
-        yield Setting("", "ε now", "ε now", f"{values.epsilon_at(episode):.3f}", "", 8)
+        yield Setting("", "ε now", f"{values.epsilon_at(episode):.3f}", "", 8)
 
 
 def alpha_moves(values: Hyperparameters) -> bool:
@@ -134,18 +127,10 @@ class SettingCell:
 
 
 def laid_out(settings: Sequence[Setting], width: int, height: int, glyphs: Glyphs) -> list[list[SettingCell]]:
-    """Return the lines of ``settings``, at most ``height``: in columns where they fit, else running on.
-
-    Where they do not all fit, those that matter least are left out.
-    """
-    for write, columns in ((_in_full, 2), (_in_short, 3), (_in_short, 2)):
-        texts = [(each, write(each)) for each in settings]
-        lines = _in_columns(texts, columns, width, height, glyphs)
-        if lines:
-            return lines
+    """Return the lines of ``settings``, at most ``height``; where they do not fit, the least important go."""
     kept = list(settings)
     while kept:
-        for gap in _GAPS:
+        for gap in (_WIDE_GAP, _GAP):
             lines = _running_on(kept, width, gap, glyphs)
             if len(lines) <= height and all(cell.end <= width for line in lines for cell in line):
                 return lines
@@ -153,45 +138,22 @@ def laid_out(settings: Sequence[Setting], width: int, height: int, glyphs: Glyph
     return []
 
 
-def _in_full(setting: Setting) -> Texts:
-    return f"{setting.key:<{_KEY_COLUMNS}}", f"{setting.full:<{_LABEL_COLUMNS}} ", setting.value
-
-
-def _in_short(setting: Setting) -> Texts:
-    label = f"{setting.short} {setting.value}".strip().removesuffix(setting.value)
-    return setting.key, f" {label}" if setting.key else label, setting.value
-
-
-def _in_columns(
-    settings: Sequence[tuple[Setting, Texts]], columns: int, width: int, height: int, glyphs: Glyphs
-) -> list[list[SettingCell]]:
-    """Return nothing where there are not lines enough, or one setting is too long for its column."""
-    lines, room = -(-len(settings) // columns), width // columns
-    if height <= 1 or height < lines:
-        return []
-    cells = [
-        _cell(1 + number // lines * room, setting, text, glyphs)
-        for number, (setting, text) in enumerate(settings)
-    ]
-    if any(cell.end - cell.start >= room - 1 for cell in cells):
-        return []
-    return [cells[y::lines] for y in range(lines)]
-
-
 def _running_on(settings: Sequence[Setting], width: int, gap: int, glyphs: Glyphs) -> list[list[SettingCell]]:
     lines: list[list[SettingCell]] = [[]]
     column = 1
     for setting in settings:
-        cell = _cell(column, setting, _in_short(setting), glyphs)
+        cell = _cell(column, setting, glyphs)
         if lines[-1] and cell.end > width:
             lines.append([])
-            cell = _cell(1, setting, _in_short(setting), glyphs)
+            cell = _cell(1, setting, glyphs)
         lines[-1].append(cell)
         column = cell.end + gap
     return lines
 
 
-def _cell(start: int, setting: Setting, texts: Texts, glyphs: Glyphs) -> SettingCell:
+def _cell(start: int, setting: Setting, glyphs: Glyphs) -> SettingCell:
+    label = f"{setting.label} " if setting.label and setting.value else setting.label
+    texts = (setting.key, f" {label}" if setting.key else label, setting.value)
     key, label, value = (to_ascii(text, glyphs) for text in texts)
     return SettingCell(start, start + cell_len(key + label + value), setting, key, label, value)
 
@@ -223,8 +185,10 @@ class AgentSettings(Widget):
         segments: list[Segment] = []
         column = 0
         for cell in self._line(y):
+            space = cell.start - column
+            between = separated(_BETWEEN, self.look.glyphs) if space == _WIDE_GAP else " " * space
             segments += [
-                Segment(" " * (cell.start - column), palette.text),
+                Segment(between, palette.dim),
                 Segment(cell.key, palette.press),
                 Segment(cell.label, palette.dim),
                 Segment(cell.value, palette.text),
@@ -245,5 +209,7 @@ class AgentSettings(Widget):
             replace(each, key="") if self._taken.intersection(each.key.split()) else each
             for each in self._settings
         ]
-        lines = laid_out(settings, self.size.width, self.size.height, self.look.glyphs)
-        return lines[y] if y < len(lines) else []
+        width, height = self.size
+        lines = laid_out(settings, width, height, self.look.glyphs)
+        first = int(sum(map(len, lines)) == len(settings) and len(lines) < height)  # below a blank row
+        return lines[y - first] if first <= y < first + len(lines) else []

@@ -7,7 +7,7 @@ typed ends at the first key that cannot belong to it.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Final
 
 from textual import events
@@ -91,6 +91,7 @@ class Slider(Draggable, can_focus=True):
         super().__init__(id=parameter.name)
         self._reports_at_once = reports_at_once
         self._label_columns = label_columns
+        self._shown_name, self._is_pointed_at = "", False
         self._before_drag = value
         self.look = look
         self.parameter = parameter
@@ -133,6 +134,13 @@ class Slider(Draggable, can_focus=True):
             self.tooltip = to_ascii(tip, self.look.glyphs)
             self.refresh()
 
+    def label(self, name: str, columns: int, *, is_pointed_at: bool) -> None:
+        """Write ``name`` behind the symbol, both in ``columns``; mark what a lesson points at."""
+        before = self.state
+        self._shown_name, self._label_columns, self._is_pointed_at = name, columns, is_pointed_at
+        if self.state != before:
+            self.refresh()
+
     @property
     def is_typing(self) -> bool:
         """Whether a value is being typed."""
@@ -142,7 +150,14 @@ class Slider(Draggable, can_focus=True):
     def state(self) -> SliderState:
         """What the slider shows now."""
         return SliderState(
-            self._value, self._typed, self._refused, self.has_focus, self._label_columns, self._marks
+            self._value,
+            self._typed,
+            self._refused,
+            self.has_focus,
+            self._label_columns,
+            self._shown_name,
+            self._is_pointed_at,
+            self._marks,
         )
 
     def render_line(self, y: int) -> Strip:
@@ -289,7 +304,7 @@ class Slider(Draggable, can_focus=True):
         self._set(self._moved(-self.scale.step))
 
     def _track(self) -> tuple[int, int]:
-        plain = SliderState(self._number, label_columns=self._label_columns)
+        plain = replace(self.state, value=self._number, typed=None, refused=False)
         form = slider_form(self.parameter, plain, self.look.glyphs, self.size.width)
         return form.start, form.cells
 

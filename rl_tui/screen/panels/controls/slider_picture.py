@@ -22,6 +22,7 @@ ROOMY: Final = 30
 LEAST_TRACK: Final = 3
 _NUMBER: Final = 5
 _SPELLED: Final = 7  # cells of ``epsilon``
+_BESIDE_NAME: Final = 17  # cells: a short track and a number
 _CARET: Final = " "
 _WORDS: Final = {SAMPLE_AVERAGE: ("1/N  sample average", "1/N sample average", "1/N")}
 
@@ -43,7 +44,8 @@ class SliderMark:
 class SliderState:
     """What a slider shows. ``typed`` is the text being typed, else None; ``refused``: it was not accepted.
 
-    Its label takes at least so many ``label_columns``, those of others above and below it.
+    Behind its symbol stands its ``name``, where there is room. The label takes at least so many
+    ``label_columns``, those of others above and below it. ``is_pointed_at`` says that a lesson points here.
     """
 
     value: float | str
@@ -51,12 +53,14 @@ class SliderState:
     refused: bool = False
     focused: bool = False
     label_columns: int = 0
+    name: str = ""
+    is_pointed_at: bool = False
     marks: tuple[SliderMark, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class SliderForm:
-    """A row: ``label``, a gap, ``cells`` of track (0 without room), a gap, ``text``, a blank."""
+    """A row: a blank, ``label``, a gap, ``cells`` of track (0 without room), a gap, ``text``."""
 
     label: str
     gap: int
@@ -72,10 +76,14 @@ class SliderForm:
 def slider_form(parameter: Parameter, state: SliderState, glyphs: Glyphs, width: int) -> SliderForm:
     """Return what stands where in ``width`` cells."""
     gap = 2 if width >= ROOMY else 1
-    label = to_ascii(parameter.symbol, glyphs).ljust(state.label_columns)
+    label = to_ascii(parameter.symbol, glyphs)
+    if state.name and width >= ROOMY and width >= state.label_columns + _BESIDE_NAME:
+        label = f"{label} {to_ascii(state.name, glyphs)}".ljust(state.label_columns)
+    elif not state.name:
+        label = label.ljust(state.label_columns)
     if width >= ROOMY and label.rstrip() != parameter.symbol:
         label = label.ljust(_SPELLED)  # sliders one above the other begin in one column
-    room = width - 1 - cell_len(label) - 2 * gap - 1
+    room = width - 1 - cell_len(label) - 2 * gap - (width < ROOMY)
     is_word = isinstance(state.value, str) and state.typed is None and not state.refused
     forms = [to_ascii(form, glyphs) for form in _texts(parameter, state, glyphs)]
     if is_word:
@@ -93,10 +101,13 @@ def slider_strip(
     """Return the row of a slider."""
     palette, glyphs = look.palette, look.glyphs
     form = slider_form(parameter, state, glyphs, width)
-    label = f" {form.label} " if state.focused else f" {form.label}"
+    symbol, name, padding = form.label.partition(" ")
+    start = glyphs.cursor if state.is_pointed_at else " "
+    label = palette.focus if state.focused else palette.press
     segments = [
-        Segment(label, palette.focus if state.focused else palette.press),
-        Segment(" " * (form.start - cell_len(label)), palette.text),
+        Segment(start + symbol, label),
+        Segment(name + padding, palette.focus if state.focused else palette.dim),
+        Segment(" " * (form.start - 1 - cell_len(form.label)), palette.text),
     ]
     if form.cells and not isinstance(state.value, str):
         segments += _track(scale, state, state.value, form.cells, look)
@@ -130,7 +141,7 @@ def _text_segments(text: str, state: SliderState, look: Look) -> list[Segment]:
     if state.refused:
         return [Segment(text, palette.bad)]
     if state.typed is None:
-        return [Segment(text, palette.strong if state.focused else palette.text)]
+        return [Segment(text, palette.strong)]
     return [Segment(text[: -len(_CARET)], palette.strong), Segment(_CARET, palette.focus)]
 
 

@@ -4,42 +4,40 @@ from __future__ import annotations
 
 from typing import Final
 
-from rich.cells import cell_len
 from textual.strip import Strip
 
 from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.runs.recipe import Recipe
-from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Piece, strips_of
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.scale import Scale, settled
-from rl_tui.screen.draw.to_ascii import separated
-from rl_tui.screen.kit.panel import Legend, LegendSign, Panel, legend_text
+from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.snapshot_facts import has_estimates, is_new_run, passes_too_fast
-from rl_tui.screen.panels.curve.chart import draw_chart, plot_columns, plot_of, spark_line
+from rl_tui.screen.panels.curve.chart import draw_chart, plot_of, spark_line
+from rl_tui.screen.panels.curve.columns import PlotColumns, plot_columns
 from rl_tui.screen.panels.curve.data import CurveData, curve_data, is_decided, unit_of
-from rl_tui.screen.panels.curve.lane_text import lane_remark, lane_titles, steps_note
-from rl_tui.screen.panels.curve.seed_band import seed_bands, seed_sign, with_room_for
-from rl_tui.screen.panels.curve.text import all_words, below_note, decimals_for, gap_note, remark, titles
-from rl_tui.screen.panels.curve.words import TITLES
-from rl_tui.screen.panels.curve.world_marks import world_signs
+from rl_tui.screen.panels.curve.lane_text import lane_heads, lane_remark, steps_note
+from rl_tui.screen.panels.curve.middle_half import says_something
+from rl_tui.screen.panels.curve.seed_band import seed_remark, with_room_for
+from rl_tui.screen.panels.curve.text import amount, below_note, decimals_of_labels, gap_note, heads, remark
+from rl_tui.screen.panels.curve.words import GREEDY, TITLES
 from rl_tui.screen.panels.policies.studied import studied_answer
-from rl_tui.worlds.drawing import Arms
 
 WAITING: Final = "the world is being built"
 Words = tuple[str, ...]
-_ROOM_FOR_REMARK: Final = 10  # rows; with fewer the remark goes into the border
 
 
 class ReturnCurve(Panel, can_focus=True):
     """The curve of a run. Its vertical axis changes in steps only, and starts afresh with a new run.
 
-    ``hints`` are ways to write keys, the longest first, that stand on the border in place of all else.
+    ``hints`` are ways to write keys, the longest first, which take the place of the caption.
     """
 
     scale: Scale | None = None
+    _is_of_steps = False
+    _band: tuple[Plot | None, bool] = (None, False)
     _hints: Words = ()
     _unit = "episode"
 
@@ -50,7 +48,7 @@ class ReturnCurve(Panel, can_focus=True):
 
     @property
     def hints(self) -> Words:
-        """The keys on the border, empty for none."""
+        """The keys in the heading, empty for none."""
         return self._hints
 
     @hints.setter
@@ -66,7 +64,8 @@ class ReturnCurve(Panel, can_focus=True):
         return (
             *(snapshot.world, snapshot.world_changes, snapshot.results, snapshot.study),
             *(snapshot.agent.algorithm, values.policy, values.epsilon_at(episodes), is_decided(snapshot)),
-            *(episodes, snapshot.program is None, has_estimates(snapshot), snapshot.timeline.in_past),
+            *(episodes, snapshot.program is None, has_estimates(snapshot)),
+            *(snapshot.timeline.in_past, snapshot.timeline.furthest, snapshot.counters.episode_step > 0),
             *(snapshot.exact_answer.expected_return, snapshot.exact_answer.refused),
             *(answers.is_hidden, answers.kept_back, answers.first_update, answers.studied),
             *(answers.policies.get(PolicyKind.BEHAVIOUR), studied_answer(snapshot)),
@@ -83,85 +82,70 @@ class ReturnCurve(Panel, can_focus=True):
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
         """Return the picture of the curve of ``snapshot``."""
         if snapshot is None:
-            self.heading = self.fitting(TITLES[self._unit], width)
+            self.heading = self.fitting([TITLES[self._unit]], width)
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
         data = curve_data(snapshot)
+        scale = self._settled(data, in_past=snapshot.timeline.in_past)
+        if height == 1:
+            line = spark_line(data, scale, self.look, width, self._brief(data, decimals_of_labels(scale)))
+            return strips_of([line], width, 1, self.look)
+        columns = plot_columns(snapshot, self.look, width)
+        plot = plot_of(data, scale, columns, height)
+        has_band = self._has_middle_half(data, plot)
+        self.heading = self._headed(snapshot, data, plot, columns, width)
+        return draw_chart(data, plot, columns, self.look, (width, height), has_band=has_band)
+
+    def _has_middle_half(self, data: CurveData, plot: Plot) -> bool:
+        """Return whether the band of the middle half is drawn: decided anew only when an axis changes."""
+        if self._band[0] != plot:
+            single = bool(data.furthest) and not (
+                data.lanes or data.seeds or data.is_of_steps or data.is_bandit
+            )
+            self._band = plot, single and says_something(plot, data.curve, data.mean, self.look)
+        return self._band[1]
+
+    def _settled(self, data: CurveData, *, in_past: bool) -> Scale:
+        """Return the vertical axis: in the past that of the present."""
+        if data.is_of_steps is not self._is_of_steps:
+            self.scale, self._is_of_steps = None, data.is_of_steps
+        if in_past and self.scale is not None:
+            return self.scale
         low, high = with_room_for(data.range, data.seeds)
-        scale = settled(self.scale, low, high, may_shrink=not snapshot.timeline.in_past)
+        scale = settled(self.scale, low, high)
         if low or high:
             # else nothing stood on it, and how soon the exact answer came must not be seen later
             self.scale = scale
-        if height == 1:
-            line = spark_line(data, scale, self.look, width, self._brief(data))
-            return strips_of([line], width, 1, self.look)
-        decimals = decimals_for(*scale.outer_labels)
-        in_border = height < _ROOM_FOR_REMARK
-        plot = plot_of(data, scale, self.look, width, height)
-        heads, words, below = self._words(snapshot, data, plot, width, in_border)
-        if data.unit == "episode" and not data.lanes:
-            heads = (*self.captioned(heads[0]), *heads)
-        room = width - self._kept_for_legend(snapshot) if in_border else width
-        gap = gap_note(data, plot)
-        said = self.fitting(all_words(words, below, () if in_border else gap), room)
-        for note in (steps_note(data), gap if in_border else ()):
-            # where they come and go, the rest stays as it is
-            said = self.fitting([f"{said} · {each}" if said else each for each in note], room) or said
-        self.heading = self.fitting(heads, width)
-        self.footing = self.fitting(self.hints, width) or (said if in_border else "")
-        if not said or in_border:
-            return draw_chart(data, scale, self.look, decimals, width, height)
-        line = [Piece(f"    {separated(said, self.look.glyphs)}", self.look.palette.dim)]
-        chart = draw_chart(data, scale, self.look, decimals, width, height - 1)
-        return [*chart, *strips_of([line], width, 1, self.look)]
+        return scale
 
-    def _brief(self, data: CurveData) -> str:
-        """Return the figures of now in a few words: of each run, else of the agent and its greedy policy."""
-        figures = [(str(lane.number), lane.value) for lane in data.lanes]
-        figures = figures or [("mean", data.mean_now), ("greedy", data.greedy_now)]
-        glyphs = self.look.glyphs
-        return "  ".join(f"{name} {numbers.value(x, 4, glyphs)}" for name, x in figures if x is not None)
-
-    def legend(self, snapshot: Snapshot) -> Legend:
-        """Return where the world changed, what the band of many seeds is, and what the axis counts.
-
-        The lines have their names where they end.
-        """
-        seeds, worlds = seed_bands(snapshot), tuple(world_signs(snapshot.world_changes, self.look))
-        more = (seed_sign(seeds, self.look),) if seeds else ()
-        if isinstance(snapshot.world.drawing, Arms):
-            return (*worlds, *more)
-        sums = LegendSign("return", "= undiscounted sum", self.look.palette.text)
-        return (*worlds, *more, sums)
-
-    def _kept_for_legend(self, snapshot: Snapshot) -> int:
-        """Return the cells of the border for the first sign of its legend, with the ``·`` behind.
-
-        That is where the world changed; else none is kept.
-        """
-        signs = self.legend(snapshot)[:1]
-        if not self.is_explained or not snapshot.world_changes or not signs:
-            return 0
-        return cell_len(separated(f"{legend_text(signs, self.size.width, self.look)} · ", self.look.glyphs))
-
-    def _words(
-        self, snapshot: Snapshot, data: CurveData, plot: Plot, width: int, in_border: bool
-    ) -> tuple[Words, Words, Words]:
-        """Return the titles, the remarks and what is below the axis, the longest form of each first."""
-        look, decimals = self.look, decimals_for(*plot.scale.outer_labels)
-        # Figures in the border would redraw the whole panel at every frame
-        fast = passes_too_fast(snapshot)
-        heads = titles(data, look.glyphs, decimals, width, with_figures=not fast)
-        with_figures = not (fast and in_border)
-        words = remark(snapshot, data, look.glyphs, decimals, with_figures=with_figures)
+    def _headed(
+        self, snapshot: Snapshot, data: CurveData, plot: Plot, columns: PlotColumns, width: int
+    ) -> str:
+        """Return the heading: title, what is drawn, and as many notes as there is room for."""
+        glyphs, decimals = self.look.glyphs, decimals_of_labels(plot.scale)
+        titles = heads(data, has_band=self._band[1])
+        if self.hints:
+            return self.fitting([*(f"{titles[-1]} · {each}" for each in self.hints), titles[-1]], width)
+        # at full speed numbers would change in every frame
+        is_calm = not passes_too_fast(snapshot)
+        notes: list[Words] = [remark(snapshot, data, glyphs, decimals, with_figures=is_calm)]
         if data.lanes:
-            words = lane_remark(
-                data,
-                look,
-                plot_columns(plot.scale, look, width),
-                counts_seeds=snapshot.program is None,
-            )
-        # beside somebody's program a figure in the note would be taken for one of its figures now
-        tells_how_far = with_figures and snapshot.program is None
-        below = below_note(data, plot, look.glyphs, decimals, with_figures=tells_how_far)
-        heads = lane_titles(data, heads, look.glyphs) if data.lanes else heads
-        return heads, words, below
+            titles = lane_heads(data, titles, glyphs)
+            notes = [lane_remark(data, self.look, counts_seeds=snapshot.program is None), steps_note(data)]
+        elif not columns.labels and is_calm and (brief := self._brief(data, decimals)):
+            titles = f"{titles[-1]} · {brief}", titles[-1]
+        elif data.seeds:
+            notes.insert(0, seed_remark(data.seeds, self.look))
+        if is_calm and snapshot.program is None:
+            notes.append(below_note(data, plot, glyphs, decimals))
+        notes = [each for each in (*notes, gap_note(data, plot)) if each]
+        head = self.fitting(titles[1:] if notes and len(titles) > 2 else titles, width)
+        for note in notes:
+            head = self.fitting([f"{head} · {form}" for form in note], width) or head
+        return head
+
+    def _brief(self, data: CurveData, decimals: int) -> str:
+        """Return the newest numbers in a few words: of each run, else of the agent and its greedy policy."""
+        numbered = [(f"{lane.number} ", lane.value) for lane in data.lanes]
+        numbered = numbered or [("", data.mean_now), (f"{GREEDY} ", data.greedy_now)]
+        glyphs = self.look.glyphs
+        return "  ".join(f"{name}{amount(x, decimals, glyphs)}" for name, x in numbered if x is not None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -10,19 +11,34 @@ import numpy as np
 from rl_tui.agents.catalogue import algorithm_row
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.answers.policy_kind import PolicyKind
-from rl_tui.runs.results import RunResults
+from rl_tui.runs.history import RECENT
+from rl_tui.runs.results import Curve, RunResults
 from rl_tui.runs.run import WorldChanged
 from rl_tui.runs.timeline.lane_view import LaneView
 from rl_tui.screen.draw.braille import NO_STEPS, Steps
+from rl_tui.screen.draw.numbers import NEGLIGIBLE
 from rl_tui.screen.kit.snapshot_facts import has_estimates, hides_greedy, is_secret, keeps_back
+from rl_tui.screen.panels.curve import words
+from rl_tui.screen.panels.curve.axis import EpisodeAxis, episode_axis
 from rl_tui.screen.panels.curve.seed_band import SeedBand, seed_bands, smoothed
 from rl_tui.screen.panels.model.reward_range import reward_range
-from rl_tui.screen.panels.policies.names import POLICY_NAMES
 from rl_tui.screen.panels.policies.studied import studied_answer
 from rl_tui.worlds.drawing import Arms
 from rl_tui.worlds.mdp.space import FloatArray
 
 _MANY_WITHOUT_REWARD: Final = 10
+_LEAST_WINDOW: Final = 10
+_WINDOWS: Final = 20  # on the axis
+_EARLY: Final = 12  # the axis disregards the first of so many parts
+_OUTLIERS: Final = 0.02
+_COST_OF_ZERO: Final = 0.4
+
+
+_STUDIED: Final = {
+    PolicyKind.UNIFORM: words.RANDOM,
+    PolicyKind.BEHAVIOUR: words.ACTING,
+    PolicyKind.DRAWN: words.DRAWN,
+}
 
 
 class StudiedLevel(NamedTuple):
@@ -33,12 +49,55 @@ class StudiedLevel(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class MovingMean:
+    """The mean of the last ``window`` episodes at any moment, of B bins of episodes.
+
+    ``end`` and ``total``, [B + 1], are the last episode of each bin and the sum up to it, both from 0. Inside
+    a bin all episodes count as its mean.
+    """
+
+    end: FloatArray
+    total: FloatArray
+    window: int
+
+    @property
+    def finished(self) -> float:
+        """How many episodes there are."""
+        return float(self.end[-1])
+
+    def at(self, episode: FloatArray) -> FloatArray:
+        """Return the means at whole numbers of episodes, at least 1 each and of as many as there are."""
+        since = np.maximum(episode - self.window, 0.0)
+        sums = np.interp(episode, self.end, self.total) - np.interp(since, self.end, self.total)
+        return np.asarray(sums / (episode - since))
+
+    @property
+    def means(self) -> FloatArray:
+        """[B], the means at the end of each bin."""
+        return self.at(self.end[1:])
+
+
+def moving_mean(curve: Curve, mean: FloatArray, right: float) -> MovingMean:
+    """Return the moving mean of ``mean``, [B], of the bins of ``curve``.
+
+    Its window is a twentieth of the axis up to ``right``, from 10 to 100 episodes, and a bin at least.
+    """
+    count = np.diff(curve.episode, prepend=0)
+    window = int(min(RECENT, max(_LEAST_WINDOW, right // _WINDOWS)))
+    if len(count):
+        window = max(window, int(count[0]))
+    total = np.concatenate(([0.0], np.cumsum(mean * count)))
+    return MovingMean(np.concatenate(([0.0], curve.episode)), total, window)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class LaneLine:
     """One of several runs side by side.
 
-    ``number`` counts from 1. ``line`` is the smoothed mean of its returns; of a planner, which has none, what
-    its greedy policy is worth (then ``is_exact``). ``value`` is where that line ends: the mean of the last
-    100 episodes, None before the first. ``greedy_now`` is None where unknown, hidden, or the line itself.
+    ``number`` counts from 1. ``line`` is the smoothed mean of its returns (or steps, as of the run shown); of
+    a planner, which has none, the return of its greedy policy (then ``is_exact``). ``value`` is where that
+    line ends: the mean of the last 100 episodes, None before the first. ``greedy_now`` is None where unknown,
+    hidden, or the line itself.
     ``greedy_ends`` is as in :class:`CurveData`.
     """
 
@@ -55,34 +114,34 @@ class LaneLine:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CurveData:
-    """The curves and the figures beside them.
+    """The curve and the numbers beside it, all of the run shown.
 
-    ``episodes`` is the smoothed mean of the returns, ``greedy`` the exact expected return of the greedy
-    policy, each over episodes from 0. ``greedy_now``, ``mean_now`` (of the last 100 episodes) and
-    ``optimum`` are the values to print, None where unknown or hidden. ``hides_optimum`` tells that the
-    optimum is hidden, of a bandit the greedy arm as well, and ``has_key`` that a key shows it then.
-    ``barren`` tells that there were many episodes and none had a reward, ``unlearned`` that no estimate has
-    moved in many, ``is_decided`` that somewhere one action is estimated above another, so that being greedy
-    means something (true as well where there is no choice, false where ``greedy_now`` is unknown).
-    ``greedy_ends`` is, where the greedy policy has no return, how likely an episode of it ends; else None.
-    ``acting_now`` is the exact return of the agent as it acts now, None where it is not known, ``studied``
-    that of a policy that is studied and has no line already; ``is_studying`` tells that any is studied.
-    ``unit`` is what the horizontal axis counts: pulls, a planner's sweeps, or episodes. The optimum is the
-    undiscounted return of the policy that is best for the γ in force.
+    ``curve`` has the bins. ``mean`` is of the returns, or where they are all equal (``is_of_steps``) of the
+    steps per episode; then nothing is compared with it. ``greedy`` is the exact return of the greedy policy
+    over episodes from 0.
+    ``greedy_now``, ``mean_now`` (of the window of ``mean``), ``optimum``, ``acting_now`` (of the agent as it
+    acts) and ``studied`` are None where unknown, hidden, or drawn already. ``hides_optimum`` says that the
+    optimum is hidden, of a bandit the greedy arm as well, and ``has_key`` that a key shows it.
 
-    All this is of the run shown; ``lanes`` are the runs side by side, itself among them, none if it is alone.
-    ``seeds`` is what many seeds say of the same runs, none while that is not known. ``has_estimates`` is
-    false for a program without a table, which has no greedy policy. ``world_changes`` are those of the run
-    shown: only from the last of them on are optimum and studied policy those of the world in force.
+    ``barren`` says that there were many episodes without any reward, ``unlearned`` that no estimate has moved
+    in many, ``is_decided`` that somewhere one action is estimated above another (false where ``greedy_now``
+    is unknown). ``greedy_ends`` is, where the greedy policy has no return, how likely an episode of it ends.
+    ``unit`` is what ``axis`` counts: pulls, a planner's sweeps, or episodes. ``has_estimates`` is false for a
+    program without a table. Only after the last of ``world_changes`` do optimum and studied policy hold.
+
+    ``lanes`` are the runs side by side, the one shown among them; none if it is alone. ``seeds`` is what many
+    seeds say of the same runs, none where that is unknown.
     """
 
     finished: int
-    limit: int | None
-    episodes: Steps
+    axis: EpisodeAxis
+    mean: MovingMean
+    curve: Curve
     greedy: Steps
     greedy_now: float | None
     mean_now: float | None
     optimum: float | None
+    is_of_steps: bool
     is_bandit: bool
     unit: str
     hides_optimum: bool
@@ -91,23 +150,17 @@ class CurveData:
     unlearned: bool
     is_decided: bool
     greedy_ends: float | None
-    acting_now: float | None = None
-    studied: StudiedLevel | None = None
-    is_studying: bool = False
-    lanes: tuple[LaneLine, ...] = ()
-    seeds: tuple[SeedBand, ...] = ()
-    has_estimates: bool = True
-    world_changes: tuple[WorldChanged, ...] = ()
+    acting_now: float | None
+    studied: StudiedLevel | None
+    lanes: tuple[LaneLine, ...]
+    seeds: tuple[SeedBand, ...]
+    has_estimates: bool
+    world_changes: tuple[WorldChanged, ...]
 
     @property
     def world_since(self) -> int:
-        """How many episodes had ended when the world in force began."""
+        """How many episodes had ended when the present world began."""
         return self.world_changes[-1].episodes if self.world_changes else 0
-
-    @property
-    def has_both_units(self) -> bool:
-        """Whether planners run beside agents, so that the horizontal axis counts sweeps and episodes."""
-        return len({lane.is_exact for lane in self.lanes}) > 1
 
     @property
     def furthest(self) -> int:
@@ -116,74 +169,66 @@ class CurveData:
 
     @property
     def lines(self) -> list[Steps]:
-        """The lines that are drawn: of a run alone that of its episodes and the greedy one.
-
-        Of runs side by side the greedy line of the one shown (without a step where that is the run's own
-        line), then one a run.
-        """
+        """The greedy line (without a step where that is a run's own line), then one line a run."""
         if not self.lanes:
-            return [self.episodes, self.greedy]
+            means = self.mean.means
+            return [self.greedy, Steps(self.mean.end[:-1], self.mean.end[1:], means, means)]
         has_greedy = not any(lane.shown and lane.is_exact for lane in self.lanes)
         return [self.greedy if has_greedy else NO_STEPS, *(lane.line for lane in self.lanes)]
 
     @property
-    def line_names(self) -> list[str]:
-        """The names of :attr:`lines`."""
-        if not self.lanes:
-            return ["pulls" if self.is_bandit else "episodes", "greedy"]
-        return ["greedy", *(lane.name for lane in self.lanes)]
-
-    @property
     def range(self) -> tuple[float, float]:
-        """The lowest and highest value that must be on the vertical axis.
+        """The lowest and highest value of the vertical axis.
 
-        What is far below all the rest may stick out, for it would leave no room for the others: the
-        lowest twentieth of the episodes, and greedy policies, which may walk into walls until the time limit.
+        These are 2 to 100 % of the means after the first twelfth, stretched to the optimum and to policies
+        that are not too far below. Steps begin at 0, and so does what costs less than 40 % of the axis.
         """
-        ends = [self.optimum, self.mean_now, *(lane.value for lane in self.lanes if not lane.is_exact)]
-        lines = [self.episodes, *(lane.line for lane in self.lanes if not lane.is_exact)]
-        exact = [self.greedy, *(lane.line for lane in self.lanes if lane.is_exact)]
-        seen = [_known(line.low) for line in lines]
-        worth = [_known(line.low) for line in exact]
-        known = np.array([each for each in ends if each is not None])
-        core = np.concatenate((known, *map(_without_lowest, seen)))
-        if not len(core):
-            core = np.concatenate(list(map(_without_lowest, worth)))
-        if not len(core):
+        means = [self.mean.means, *(lane.line.low for lane in self.lanes if not lane.is_exact)]
+        late = [each[len(each) // _EARLY :] for each in means if len(each)]
+        if self.is_of_steps:
+            return 0.0, max((float(np.quantile(each, 1.0 - _OUTLIERS)) for each in late), default=1.0)
+        exact = [self.greedy_now, None if self.studied is None else self.studied.value]
+        exact += [lane.value if lane.is_exact else lane.greedy_now for lane in self.lanes]
+        lows = [float(np.quantile(each, _OUTLIERS)) for each in late]
+        highs = [float(each.max()) for each in late]
+        if self.optimum is not None:
+            lows.append(self.optimum)
+            highs.append(self.optimum)
+        known = np.array([each for each in exact if each is not None])
+        if not late:  # planners alone
+            known = np.concatenate((known, *(_known(line.low) for line in self.lines)))
+        if not lows and not len(known):
             return 0.0, 0.0
-        low, high = float(core.min()), float(core.max())
-        room = max((high - low) / 2.0, abs(high)) if core.any() else np.inf
-        studied = np.array([] if self.studied is None else [self.studied.value])
-        every = np.concatenate((*seen, *worth, studied))
-        every = every[every >= low - room]
-        return float(every.min(initial=low)), float(every.max(initial=high))
+        high = max(*highs, float(known.max(initial=-np.inf)), -np.inf)
+        low = min(lows, default=float(known.min(initial=np.inf)))
+        low = float(known[known >= low - max(high - low, abs(high))].min(initial=low))
+        return (0.0 if 0.0 < low < _COST_OF_ZERO * high else low), high
 
 
 def _known(values: FloatArray) -> FloatArray:
     return np.asarray(values[~np.isnan(values)])
 
 
-def _without_lowest(values: FloatArray) -> FloatArray:
-    """Return all of ``values`` but the lowest twentieth."""
-    few = len(values) // 20
-    return np.partition(values, few)[few:] if few else values
-
-
 def curve_data(snapshot: Snapshot) -> CurveData:
     """Return what there is to draw; what would give the answer away only where it is not hidden."""
     is_bandit = isinstance(snapshot.world.drawing, Arms)
-    hidden = hides_greedy(snapshot)
     plans = snapshot.agent.row.planner
+    lanes, results, axis = snapshot.run_group.lanes, snapshot.results, episode_axis(snapshot)
+    of_steps = _returns_are_equal([lane.results for lane in lanes] or [results])
+    curve = results.curve
+    mean = moving_mean(curve, curve.length_mean if of_steps else curve.return_mean, axis.right)
+    hidden = hides_greedy(snapshot) or of_steps
     hides_optimum = is_secret(snapshot) and not snapshot.exact_answer.refused
-    episodes = _episodes(snapshot.results)
     return CurveData(
         finished=snapshot.counters.episodes,
-        limit=None if plans else snapshot.world.budget,
-        episodes=episodes,
-        greedy=NO_STEPS if hidden else _greedy(snapshot.results, snapshot.counters.episodes),
-        greedy_now=None if hidden else snapshot.results.greedy_return,
-        mean_now=snapshot.results.return_last_100,
-        optimum=None if hides_optimum else snapshot.exact_answer.expected_return,
+        axis=axis,
+        mean=mean,
+        curve=curve,
+        greedy=NO_STEPS if hidden else _greedy(results, snapshot.counters.episodes),
+        greedy_now=None if hidden else results.greedy_return,
+        mean_now=_mean_now(results, mean, of_steps=of_steps),
+        optimum=None if hides_optimum or of_steps else snapshot.exact_answer.expected_return,
+        is_of_steps=of_steps,
         is_bandit=is_bandit,
         unit=unit_of(plans=plans, is_bandit=is_bandit),
         hides_optimum=hides_optimum,
@@ -191,18 +236,34 @@ def curve_data(snapshot: Snapshot) -> CurveData:
         barren=_barren(snapshot),
         unlearned=_is_unlearned(snapshot),
         is_decided=is_decided(snapshot),
-        greedy_ends=None if hidden else snapshot.results.greedy_ends,
+        greedy_ends=None if hidden else results.greedy_ends,
         acting_now=_acting(snapshot),
-        studied=_studied(snapshot),
-        is_studying=snapshot.answers.studied is not None and not hidden,
+        studied=None if of_steps else _studied(snapshot),
         lanes=tuple(
-            _lane(number, lane, shown=number - 1 == snapshot.run_group.shown, hidden=hidden)
-            for number, lane in enumerate(snapshot.run_group.lanes, 1)
+            _lane(number, lane, number - 1 == snapshot.run_group.shown, hidden=hidden, of_steps=of_steps)
+            for number, lane in enumerate(lanes, 1)
         ),
-        seeds=seed_bands(snapshot),
+        seeds=() if of_steps else seed_bands(snapshot),
         has_estimates=has_estimates(snapshot),
         world_changes=snapshot.world_changes,
     )
+
+
+def _returns_are_equal(every: Sequence[RunResults]) -> bool:
+    """Return whether no return differs from another of its run, but their lengths do."""
+    curves = [results.curve for results in every if len(results.curve.episode)]
+    return (
+        bool(curves)
+        and all(each.return_high.max() - each.return_low.min() < NEGLIGIBLE for each in curves)
+        and any(np.ptp(each.length_mean) > 0.0 for each in curves)
+    )
+
+
+def _mean_now(results: RunResults, mean: MovingMean, *, of_steps: bool) -> float | None:
+    """Return the newest moving mean: of 100 episodes the exact one."""
+    if not len(mean.means) or mean.window == RECENT:
+        return results.length_last_100 if of_steps else results.return_last_100
+    return float(mean.means[-1])
 
 
 def unit_of(*, plans: bool, is_bandit: bool) -> str:
@@ -229,32 +290,37 @@ def _studied(snapshot: Snapshot) -> StudiedLevel | None:
     """Return the level of the policy that is studied; the greedy one and the best have lines already."""
     kind = snapshot.answers.studied
     answer = studied_answer(snapshot)
-    has_line = kind is None or kind in (PolicyKind.GREEDY, PolicyKind.OPTIMAL)
-    if has_line or kind is None or answer is None or answer.expected_return is None:
+    if kind not in _STUDIED or answer is None or answer.expected_return is None:
         return None
-    return StudiedLevel(POLICY_NAMES[kind].line, answer.expected_return)
+    return StudiedLevel(_STUDIED[kind], answer.expected_return)
 
 
-def _lane(number: int, lane: LaneView, *, shown: bool, hidden: bool) -> LaneLine:
-    is_exact = algorithm_row(lane.algorithm).planner and not len(lane.results.curve.episode)
-    greedy_now = None if hidden else lane.results.greedy_return
+def _lane(number: int, lane: LaneView, shown: bool, *, hidden: bool, of_steps: bool) -> LaneLine:
+    curve, results = lane.results.curve, lane.results
+    is_exact = algorithm_row(lane.algorithm).planner and not len(curve.episode)
+    greedy_now = None if hidden else results.greedy_return
+    mean_now = results.length_last_100 if of_steps else results.return_last_100
     return LaneLine(
         number=number,
         name=lane.name,
         shown=shown,
         finished=lane.episodes,
-        line=_greedy(lane.results, lane.episodes) if is_exact and not hidden else _episodes(lane.results),
+        line=(
+            _greedy(results, lane.episodes)
+            if is_exact and not hidden
+            else _episodes(curve, curve.length_mean if of_steps else curve.return_mean)
+        ),
         is_exact=is_exact,
-        value=greedy_now if is_exact else lane.results.return_last_100,
+        value=greedy_now if is_exact else mean_now,
         greedy_now=None if is_exact else greedy_now,
-        greedy_ends=None if hidden else lane.results.greedy_ends,
+        greedy_ends=None if hidden else results.greedy_ends,
     )
 
 
-def _episodes(results: RunResults) -> Steps:
-    end = results.curve.episode.astype(np.float64)
+def _episodes(curve: Curve, values: FloatArray) -> Steps:
+    end = curve.episode.astype(np.float64)
     start = np.concatenate(([0.0], end[:-1])) if len(end) else end
-    mean = smoothed(results.curve.return_mean)
+    mean = smoothed(values)
     return Steps(start, end, mean, mean)
 
 

@@ -1,8 +1,9 @@
-"""The words of runs side by side on the return curve: names at the ends of their lines, and titles."""
+"""The words of runs side by side on the curve: labels of their lines, and titles."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from rich.cells import cell_len
@@ -13,30 +14,17 @@ from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.snapshot_facts import recent_name
 from rl_tui.screen.panels.curve.data import CurveData, LaneLine
 from rl_tui.screen.panels.curve.seed_band import seed_remark
-from rl_tui.screen.panels.curve.text import (
-    NUMBER,
-    ROOM_FOR_NAMES,
-    LineLabel,
-    amount,
-    label_columns,
-    labels,
-    no_end,
-)
-from rl_tui.screen.panels.curve.words import (
-    BESIDE_NAMES,
-    BEST_ARM,
-    COUNTS_SEEDS,
-    EQUAL_STEPS,
-    ONE_SEED,
-    SHORT_OPTIMUM,
-    TITLES,
-)
+from rl_tui.screen.panels.curve.text import NUMBER, LineLabel, amount, labels, no_end
+from rl_tui.screen.panels.curve.words import COUNTS_SEEDS, EQUAL_STEPS, HIDDEN_OPTIMUM, ONE_SEED
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
 
 _GREEDY: Final = ", greedy "
 _LARGEST_SHARE: Final = 0.5  # of the plot that names may take
 _TITLE_NAME: Final = 16  # cells of a shortened name in a title
+_ROOM_FOR_NAMES: Final = 20
+_GAP: Final = 2  # columns between plot and labels
+_OTHERS: Final = 16  # columns of the labels that are no run's
 
 
 class _Form(NamedTuple):
@@ -56,76 +44,59 @@ _FORMS: Final = (
 )
 
 
-def lane_labels(data: CurveData, look: Look, decimals: int, room: int) -> list[LineLabel]:
-    """Return the names for a plot of ``room`` columns, the lane shown and then the others before the rest."""
-    if room < ROOM_FOR_NAMES:
+def lane_labels(data: CurveData, look: Look, decimals: int, columns: int) -> list[LineLabel]:
+    """Return the labels in so many ``columns``, the run shown and then the others before the rest."""
+    names = [lane.name for lane in data.lanes]
+    form = next((each for each in _FORMS if _columns(names, look, each) <= columns), None)
+    if form is None:
         return []
-    form = _form(data, look, room)
-    names = _names(data, look, form.name)
-    lanes = sorted(zip(data.lanes, names, strict=True), key=lambda each: not each[0].shown)
+    shown = _names(names, look, form.name)
+    lanes = sorted(zip(data.lanes, shown, strict=True), key=lambda each: not each[0].shown)
     found = [
-        LineLabel(_said(lane, name, form, decimals, look.glyphs), _place(lane), _style(lane, look))
+        LineLabel(_said(lane, name, form, decimals, look.glyphs), _place(lane), _style(lane, look), _GAP)
         for lane, name in lanes
         if lane.value is not None or _has_no_line(lane)
     ]
     has_greedy = not any(lane.shown and lane.is_exact for lane in data.lanes)
-    return [*found, *labels(data, look, decimals, room, greedy=has_greedy, mean=False)]
+    return [*found, *labels(data, look, decimals, min(columns, _OTHERS), greedy=has_greedy, mean=False)]
 
 
-def lane_columns(data: CurveData, look: Look, room: int) -> int:
-    """Return how many columns the names take at most, their distance from the line included."""
-    if room < ROOM_FOR_NAMES:
+def lane_columns(names: Sequence[str], look: Look, room: int) -> int:
+    """Return how many of ``room`` columns the labels of runs with these ``names`` take.
+
+    They take the fullest form that leaves the lines their share, else the shortest; none if it is small.
+    """
+    if room < _ROOM_FOR_NAMES:
         return 0
-    return max(_columns(data, look, _form(data, look, room)), label_columns(data, look, room, mean=False))
+    widths = [_columns(names, look, form) for form in _FORMS]
+    return next((each for each in widths if each <= _LARGEST_SHARE * room), widths[-1])
 
 
-def lane_titles(data: CurveData, usual: tuple[str, ...], glyphs: Glyphs) -> tuple[str, ...]:
-    """Return titles that say which lane is shown, the longest first; ``usual`` are those of a single one."""
-    shown, least = next(lane for lane in data.lanes if lane.shown), TITLES[data.unit][-1]
-    short = f"{len(data.lanes)} lanes, {glyphs.cursor}{shown.number}"
+def lane_heads(data: CurveData, usual: Sequence[str], glyphs: Glyphs) -> tuple[str, ...]:
+    """Return titles that say which run is shown, the longest first; ``usual`` are those of a single one."""
+    shown, title = next(lane for lane in data.lanes if lane.shown), usual[-1]
+    short = f"{len(data.lanes)} runs, {glyphs.cursor}{shown.number}"
     named = f"{short} {shown.name}"
     clipped = f"{short} {_clipped(shown.name, _TITLE_NAME, glyphs.ellipsis)}"
-    return (
-        f"{usual[0]} · {named}",
-        *(f"{least} · {each}" for each in (named, clipped, short)),
-        clipped,
-        short,
-    )
+    return f"{title} · {named}", f"{title} · {clipped}", f"{title} · {short}", title
 
 
-def lane_remark(data: CurveData, look: Look, room: int, *, counts_seeds: bool = True) -> tuple[str, ...]:
-    """Return what the figures beside the names are, and of how many seeds, the longest form first.
+def lane_remark(data: CurveData, look: Look, *, counts_seeds: bool = True) -> tuple[str, ...]:
+    """Return what the numbers of the labels are, and of how many seeds, the longest form first.
 
-    ``counts_seeds`` says that M does for these lanes.
+    ``counts_seeds`` says that M does for these runs.
     """
-    if room < ROOM_FOR_NAMES or not data.furthest:
+    if not data.furthest:
         return ()
     if data.seeds:
         return seed_remark(data.seeds, look)
-    if not _form(data, look, room).number:
-        return (ONE_SEED + COUNTS_SEEDS, ONE_SEED) if counts_seeds else (ONE_SEED,)
-    what = "pulls" if data.is_bandit else "episodes"
     recent = recent_name(*(lane.finished for lane in data.lanes if not lane.is_exact))
     if any(lane.is_exact for lane in data.lanes):
-        return (
-            f"{BESIDE_NAMES}: mean of the {recent} {what} of one seed; of planners the exact return",
-            f"mean of the {recent}; planners: exact",
-            f"mean of the {recent}, or exact",
-        )
-    recent_return, recent_ones = f"mean of the {recent} {what}", f"{recent} {what}"
-    if recent == recent_name(1):
-        recent_return, recent_ones = f"return of the last {what[:-1]}", f"last {what[:-1]}"
-    best = f"the {BEST_ARM}" if data.is_bandit else SHORT_OPTIMUM
-    one_seed = ONE_SEED + COUNTS_SEEDS if counts_seeds else ONE_SEED
-    return (
-        f"{BESIDE_NAMES}: {recent_return} of {one_seed}",
-        *((f"{one_seed} · h adds {best}",) if data.hides_optimum and data.has_key else ()),
-        f"{BESIDE_NAMES}: {recent_ones}, {one_seed}",
-        f"{recent} of {one_seed}",
-        *((f"{recent}, one seed; M: many",) if counts_seeds else ()),
-        one_seed,
-        ONE_SEED,
-    )
+        return (f"mean of the {recent}, or exact", "mean or exact")
+    one = f"mean of the {recent} of {ONE_SEED}"
+    if data.hides_optimum and data.has_key:
+        return (f"{one} · {HIDDEN_OPTIMUM[-1]}", one, ONE_SEED)
+    return (f"{one} · {COUNTS_SEEDS}", one, ONE_SEED) if counts_seeds else (one, ONE_SEED)
 
 
 def steps_note(data: CurveData) -> tuple[str, ...]:
@@ -135,26 +106,20 @@ def steps_note(data: CurveData) -> tuple[str, ...]:
     return EQUAL_STEPS
 
 
-def _form(data: CurveData, look: Look, room: int) -> _Form:
-    """Return the fullest form that leaves the lines their share of ``room`` columns, else the shortest."""
-    fitting = (form for form in _FORMS if _columns(data, look, form) <= _LARGEST_SHARE * room)
-    return next(fitting, _FORMS[-1])
-
-
-def _columns(data: CurveData, look: Look, form: _Form) -> int:
-    longest = max(cell_len(name) for name in _names(data, look, form.name))
+def _columns(names: Sequence[str], look: Look, form: _Form) -> int:
+    longest = max(cell_len(name) for name in _names(names, look, form.name))
     number = cell_len(": ") + NUMBER if form.number else 0
-    return 2 + longest + number + (cell_len(_GREEDY) + NUMBER if form.greedy else 0)
+    return _GAP + longest + number + (cell_len(_GREEDY) + NUMBER if form.greedy else 0)
 
 
-def _names(data: CurveData, look: Look, width: int) -> list[str]:
+def _names(names: Sequence[str], look: Look, width: int) -> list[str]:
     """Return the names in at most ``width`` cells, with their numbers where they would not tell enough."""
     glyphs = look.glyphs
-    names = [to_ascii(lane.name, glyphs) for lane in data.lanes]
+    names = [to_ascii(name, glyphs) for name in names]
     is_enough = look.palette.tells_lanes_apart and glyphs.braille
     if is_enough and all(cell_len(name) <= width for name in names):
         return names
-    numbered = (f"{lane.number}) {name}" for lane, name in zip(data.lanes, names, strict=True))
+    numbered = (f"{number}) {name}" for number, name in enumerate(names, 1))
     return [_clipped(name, width + cell_len("1) "), glyphs.ellipsis) for name in numbered]
 
 

@@ -1,4 +1,4 @@
-"""The wording of the return curve, once: its titles, names of lines and remarks, each with shorter forms."""
+"""The wording of the curve, once: its titles, labels and notes, each with shorter forms."""
 
 from __future__ import annotations
 
@@ -6,57 +6,45 @@ from typing import Final
 
 from rl_tui.screen.kit.panel import MAY_NEVER_END
 
-RETURN_TITLES: Final = ("Return per episode", "Return")
-REWARD_TITLE: Final = "Reward per pull"
-SWEEP_TITLES: Final = ("Greedy return, exact, per sweep", "Greedy return per sweep", "Greedy return")
-TITLES: Final = {"episode": RETURN_TITLES, "pull": (REWARD_TITLE,), "sweep": SWEEP_TITLES}
-"""By what the horizontal axis counts, the longest form first."""
+RETURN: Final = "Return"
+REWARD: Final = "Reward"
+STEPS: Final = "Steps"
+SWEEPS: Final = "Greedy return"
+TITLES: Final = {"episode": RETURN, "pull": REWARD, "sweep": SWEEPS}
+"""By what the horizontal axis counts."""
+MEAN: Final = "mean"
+MEAN_AND_BAND: Final = "mean and middle half"
+AFTER_SWEEP: Final = "exact, after each sweep"
 
-GREEDY: Final = "greedy, exact"
-GREEDY_ARM: Final = "greedy arm, exact"
-OPTIMUM: Final = "best for this γ"
-SHORT_OPTIMUM: Final = "γ-best"
-BEST_ARM: Final = "best arm"
-TIES: Final = "greedy: ties"
+GREEDY: Final = "greedy"
+AGENT: Final = "agent"
+OPTIMAL: Final = "optimal"
+BEST_ARM: Final = ("best arm", "best")
+RANDOM: Final = "random"
+ACTING: Final = "acting"
+DRAWN: Final = "drawn"
+TIES: Final = "ties"
 NEVER_ENDS: Final = "never ends"
 NO_END: Final = "no end"
 
-HIDDEN_ARMS: Final = (
-    "h adds the best arm and the greedy arm, exact",
-    "h adds best and greedy arm",
-    "h adds the best arm",
-)
-HIDDEN_OPTIMUM: Final = (
-    "h adds what is best for this γ, exact",
-    "h adds what is best for γ",
-    "h adds γ-best",
-)
-KEPT_BACK: Final = ("the lesson keeps back what is exact", "what is exact: later")
+HIDDEN_ARMS: Final = ("h: show the best arm", "h: best arm")
+HIDDEN_OPTIMUM: Final = ("h: show the optimal return", "h: optimal")
+KEPT_BACK: Final = ("exact values: hidden by the lesson", "exact values: hidden")
 
-COST_AT_PAUSE: Final = ("pause to see what exploring costs", "pause: what exploring costs")
-COST_BY_KEY: Final = ("P: what exploring costs", "P: exploring")
-BELOW_AXIS: Final = "below the axis"
-NO_LINE_WITHOUT_TABLE: Final = (
-    "no greedy line: no table was found in your program",
-    "no table: no greedy line",
-    "no table",
-)
+COST_AT_PAUSE: Final = ("cost of exploring: when paused", "exploring: when paused")
+COST_BY_KEY: Final = "P: cost of exploring"
+NO_LINE_WITHOUT_TABLE: Final = ("no greedy line: your program has no table", "no table: no greedy line")
 NO_LINE_WITHOUT_END: Final = (
-    f"no greedy line where that policy {MAY_NEVER_END}: it has no return there",
-    f"no greedy line where it {MAY_NEVER_END}",
-    f"no line: {MAY_NEVER_END}",
+    f"gap in greedy: that policy {MAY_NEVER_END}",
+    f"gap in greedy: {MAY_NEVER_END}",
 )
 
 NO_SWEEP_YET: Final = ("no sweep has ended yet:", "space runs, e runs one sweep")
 NO_PULL_YET: Final = ("no arm has been pulled yet:", "space runs, s pulls once")
 NO_EPISODE_YET: Final = ("no episode has ended yet:", "space runs, e runs one episode")
 NOTHING_LEARNED: Final = "nothing learned"
-NO_REWARD: Final = "no reward seen yet"
+NO_REWARD: Final = "no reward yet"
 
 ONE_SEED: Final = "one seed"
-COUNTS_SEEDS: Final = "; M counts many"
-BESIDE_NAMES: Final = "beside names"
-EQUAL_STEPS: Final = (
-    "lanes take the same number of steps, so one may have finished more episodes",
-    "lanes take equal steps, not equal episodes",
-)
+COUNTS_SEEDS: Final = "M: many seeds"
+EQUAL_STEPS: Final = ("equal steps per run, not equal episodes", "equal steps per run")

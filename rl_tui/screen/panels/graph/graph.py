@@ -1,6 +1,6 @@
 """An MDP drawn as a graph: states as boxes with V(s), actions as edges, the greedy ones bold.
 
-Where the graph does not fit, a list of its edges takes its place.
+A chain is a row of boxes. Where boxes and edges do not fit, a list of the edges takes their place.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.panel import BoardPanel, Legend, LegendSign
 from rl_tui.screen.kit.scrolling import scrolled_to
 from rl_tui.screen.kit.snapshot_facts import keeps_back
+from rl_tui.screen.panels.graph.chain import chain_layout, chain_scene, draw_chain, end_rewards
 from rl_tui.screen.panels.graph.layout import GraphLayout, graph_layout
 from rl_tui.screen.panels.graph.routing import Box
 from rl_tui.screen.panels.graph.shape import (
@@ -144,7 +145,10 @@ class GraphView(WorldView):
         if not isinstance(world.drawing, Graph) or (world.mdp is None and not world.prospects):
             raise TypeError("a GraphView draws worlds whose outcomes are known and whose drawing is a Graph")
         super().enter(world, goes_on=goes_on)
-        self._graph = world.drawing
+        self._graph, chain = world.drawing, world.drawing.chain
+        if chain:
+            self._graph = replace(self._graph, places=tuple((chain.index(s), 0) for s in range(len(chain))))
+        self._ends = {} if world.mdp is None else end_rewards(world.mdp)
         self._take_shape(is_kept=False)
         self._number_forms = SteadyForms()
 
@@ -158,7 +162,8 @@ class GraphView(WorldView):
         """Return the graph, or the list of its edges where it does not fit."""
         is_kept = keeps_back(snapshot, "model")
         editor = snapshot.editor
-        drawn = draft_shape(editor, self.world, self._graph, self.look.glyphs)
+        assert isinstance(self.world.drawing, Graph)
+        drawn = draft_shape(editor, self.world, self.world.drawing, self.look.glyphs)
         if drawn is not None:
             self._shape, self._is_draft = drawn, True
         elif (
@@ -169,9 +174,17 @@ class GraphView(WorldView):
         forms = self.study_headings("V") or (*self.captioned(TITLE), heading)
         self.heading = self.fitting(forms, width) or heading
         values = _with_new(state_values(self.world.space, snapshot, self.tints), self._shape)
-        form = values.number_form(VALUE_WIDTH, self._number_forms)
+        chain = () if self._is_draft else self._graph.chain
+        layout = chain_layout(chain, width, height) if chain else None
+        form = values.number_form(
+            min(VALUE_WIDTH, layout.boxes[0].width) if layout else VALUE_WIDTH, self._number_forms
+        )
         stops = snapshot.playback.breakpoints
         signs = Signs(snapshot.counters.state, self.shown_cursor, stops, self.differing, editor)
+        if layout is not None:
+            self._layout, self.footing = layout, ""
+            scene = chain_scene(self.world.space, snapshot, values, form, signs, self._ends)
+            return draw_chain(self._shape, layout, scene, self.look, width, height)
         self._layout = layout = graph_layout(self._shape, width, height)
         if layout is not None:
             self.footing = ""
@@ -199,10 +212,18 @@ class GraphView(WorldView):
                 if self._keeps_chances
                 else ()
             ),
-            self.policy_sign("bold", palette.best),
+            *self._policy_signs(),
             *self.value_signs(),
             self.agent_sign(),
         )
+
+    def _policy_signs(self) -> Legend:
+        """Return how greedy actions are drawn: bold, in a chain as arrows; none where nothing is chosen."""
+        if self._is_draft or not self._graph.chain:
+            return (self.policy_sign("bold", self.look.palette.best),)
+        if len(self.world.space.action_names) == 1:
+            return ()
+        return (self.policy_sign(self.look.glyphs.right, self.look.palette.strong),)
 
     def moved(self, place: int, rows: int, columns: int) -> int:
         """Return the nearest state in that direction, ``place`` itself if there is none.

@@ -79,10 +79,12 @@ class ActionArtist:
         cells = [self._idle.drawn(each) if isinstance(each, Face) else self._drawn(each) for each in faces]
         return strips_of_row(cells, left, width, self.look.palette.text)
 
-    def face(self, cell: CellContent, scale: ValueScale, number_form: NumberForm) -> ActionFace | Face:
+    def face(
+        self, cell: CellContent, scale: ValueScale, number_form: NumberForm, range_of_v: ValueScale
+    ) -> ActionFace | Face:
         """Return how ``cell`` looks, each action tinted by its value on ``scale``."""
         if not cell.actions:
-            return self._idle.face(cell, scale, number_form)
+            return self._idle.face(cell, scale, number_form, range_of_v)
         field = max(LEAST_DIGITS, number_form.cells)  # of the widest number so far: they stay as wide
         entries = tuple(self._entry(action, scale, number_form) for action in cell.actions)
         extra = cell.extra or PLAIN

@@ -14,6 +14,7 @@ from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.block_signs import Direction, Sign, SignName, block_sign, sign_size
 from rl_tui.screen.draw.canvas import Canvas, Drawn, strips_of_row
 from rl_tui.screen.draw.number_form import NumberForm
+from rl_tui.screen.kit.layers import veiled
 from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.draft_cells import DraftCell, draw_draft_cell
 from rl_tui.screen.panels.grid.form import LEAST_ARROWS, CellForm
@@ -75,6 +76,8 @@ class CellArtist:
     def __init__(self, look: Look, form: CellForm) -> None:
         self.look = look
         self.form = form
+        self.veils = False
+        """Whether numbers that are missing are hidden."""
         palette = look.palette
         self._end_styles = {
             CellKind.HOLE: palette.hole,
@@ -110,20 +113,28 @@ class CellArtist:
         # a single row has one character for it, two rows have arrows beside it
         return reward_text(reward, self.form.width if self.form.height > 2 else 1, self.look)
 
-    def face(self, cell: CellContent, scale: ValueScale, number_form: NumberForm) -> Face:
-        """Return how ``cell`` looks, tinted by its value on ``scale``; fractions are ``.54``."""
+    def face(
+        self, cell: CellContent, scale: ValueScale, number_form: NumberForm, range_of_v: ValueScale
+    ) -> Face:
+        """Return how ``cell`` looks, tinted by its number on ``scale``; fractions are ``.54``.
+
+        Its greedy action is the paler the less it leads, compared with ``range_of_v``.
+        """
         palette, extra = self.look.palette, cell.extra or PLAIN
         marks = cell.reward, cell.stops, cell.cursor, cell.differs, extra
         if cell.value is None:
             style = self._end_styles.get(cell.kind, palette.unvisited)
             return Face(cell.kind, cell.agent, None, (), style, _LEADS, *marks)
-        style = scale.style(cell.value, palette) if cell.known else palette.unvisited
-        if abs(cell.value) < numbers.NEGLIGIBLE:
+        is_veiled = self.veils and cell.value != cell.value
+        style = scale.style(cell.value, palette) if cell.known and not is_veiled else palette.unvisited
+        if is_veiled:
+            text = veiled(self.look.glyphs)
+        elif abs(cell.value) < numbers.NEGLIGIBLE:
             text = "0" if cell.known else ""
         else:
             text = self._text(cell.value, number_form._replace(leading_zero=False))
             text = self.look.glyphs.no_room if "#" in text else text
-        clear = CLEAR_LEAD * (scale.high - scale.low)
+        clear = CLEAR_LEAD * (range_of_v.high - range_of_v.low)
         lead = _LEADS if cell.lead >= clear else int(_LEADS * cell.lead / clear)
         return Face(cell.kind, cell.agent, text, cell.greedy, style, lead, *marks)
 

@@ -88,6 +88,11 @@ class CellForm(NamedTuple):
         return self.digits if self.has_values and not self.has_corner else self.width - 1
 
     @property
+    def most_digits(self) -> int:
+        """The characters that there are for a whole number."""
+        return self.inner if self.height > 1 else self.digits
+
+    @property
     def digits(self) -> int:
         """The characters that a value has."""
         if self.height == 1:

@@ -9,17 +9,19 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 from rich.segment import Segment
+from textual.geometry import Size
 from textual.strip import Strip
 
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.live.viewport import Cells
 from rl_tui.runs.large_worlds import is_large
-from rl_tui.screen.draw.number_form import SteadyForms
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.draw.number_form import NumberForm, SteadyForms
 from rl_tui.screen.kit.counterparts import are_same_size
+from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.numbers_in_common import all_q, all_v, ends
 from rl_tui.screen.kit.panel import BoardPanel, LegendSign
 from rl_tui.screen.kit.scrolling import Scrolled, kept_in_view, scrolled_to
-from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.action_form import ActionForm, part_form, whole_map_form
 from rl_tui.screen.panels.grid.action_values import ActionArtist, name_room
 from rl_tui.screen.panels.grid.cells import CellArtist
@@ -35,8 +37,10 @@ from rl_tui.screen.panels.grid.headings import (
     shorter,
     where,
 )
-from rl_tui.screen.panels.grid.map import CellContent, GridMap, MapPart, with_extra
+from rl_tui.screen.panels.grid.landscape import LandscapeArtist, has_landscape, line_step
+from rl_tui.screen.panels.grid.map import CellContent, GridMap, MapPart, carried_place, with_extra
 from rl_tui.screen.panels.grid.marks import sign_text
+from rl_tui.screen.panels.grid.rows import draw_grid, origin
 from rl_tui.screen.panels.grid.signs import (
     action_signs,
     differing_sign,
@@ -48,80 +52,16 @@ from rl_tui.screen.panels.grid.signs import (
     wind_strip,
 )
 from rl_tui.screen.panels.grid.trail import trace_signs, traces
+from rl_tui.screen.panels.surroundings.margins import NO_MARGINS, LabelledPart, margins_in
+from rl_tui.screen.panels.surroundings.surrounded import surrounded
+from rl_tui.screen.panels.world.scale_line import NamedScale
 from rl_tui.screen.panels.world.shown_policy import TITLE
 from rl_tui.screen.panels.world.view import WorldView
 from rl_tui.worlds.drawing import CellKind, Grid
-from rl_tui.worlds.editing.grid_draft import GridDraft
 from rl_tui.worlds.mdp.space import FloatArray
 from rl_tui.worlds.world import World
 
-# Cells after rows or columns change
-
-
-def carried_place(place: int, before: Snapshot, now: Snapshot) -> tuple[int, int, int]:
-    """Return the cell of ``now`` that was ``place`` in ``before``, and how far down and right it has gone.
-
-    Where its row or column is gone, or nobody draws, it is the one at the same row and column, or the last.
-    """
-    was, grid = before.world.drawing, now.world.drawing
-    assert isinstance(was, Grid)
-    assert isinstance(grid, Grid)
-    was_row, was_column = row, column = divmod(place, was.columns)
-    old, new = before.editor.base, now.editor.base
-    if isinstance(old, GridDraft) and isinstance(new, GridDraft):
-        row = _line(row, old.row_ids, new.row_ids)
-        column = _line(column, old.column_ids, new.column_ids)
-    row, column = min(row, grid.rows - 1), min(column, grid.columns - 1)
-    return row * grid.columns + column, row - was_row, column - was_column
-
-
-def _line(line: int, old: tuple[int, ...], new: tuple[int, ...]) -> int:
-    wanted = old[line] if line < len(old) else None
-    return new.index(wanted) if wanted in new else line
-
-
-# Cells as rows of text
-
-
 _DECIMALS: Final = 2
-
-
-def origin(form: CellForm | ActionForm, part: MapPart, width: int, height: int) -> tuple[int, int]:
-    """Return column and row at which ``part`` begins, in the middle of width × height characters."""
-    return (
-        max(0, (width - part.columns * form.width) // 2),
-        max(0, (height - part.rows * form.height) // 2),
-    )
-
-
-def draw_grid(
-    cells: Sequence[CellContent],
-    artist: CellArtist | ActionArtist,
-    values: FloatArray,
-    scale: ValueScale,
-    part: MapPart,
-    width: int,
-    height: int,
-    number_forms: SteadyForms,
-) -> list[Strip]:
-    """Return ``cells``, those of ``part`` row by row, in the middle of width × height characters.
-
-    ``values`` are all numbers that have one form, not only those in view; ``scale`` is that of the tints.
-    """
-    form, text = artist.form, artist.look.palette.text
-    number_form = number_forms.form(type(form).__name__, values, form.digits, most=_DECIMALS)
-    faces = [artist.face(cell, scale, number_form) for cell in cells]
-    left, top = origin(form, part, width, height)
-    blank = Strip([Segment(" " * width, text)], width)
-    strips = [blank] * top
-    for first in range(0, len(faces), part.columns):
-        strips += artist.strips(tuple(faces[first : first + part.columns]), left, width)
-    return strips + [blank] * (height - len(strips))
-
-
-# The panel
-
-
 PALE: Final = "pale: hardly better"
 _LEAST_WITH_LEGEND: Final = 8  # rows of a map that scrolls
 
@@ -139,6 +79,8 @@ class GridView(WorldView):
     _requested: Cells | None = None
     _artist: CellArtist | None = None
     _action_artist: ActionArtist | None = None
+    _landscapes: LandscapeArtist | None = None
+    _is_landscape = False  # whether it was drawn as one
     _digits = LEAST_DIGITS
     _action_digits = LEAST_DIGITS
     _longest_name = 0  # of those in view, where names are shown
@@ -255,6 +197,21 @@ class GridView(WorldView):
         super().show(snapshot)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
+        """Return the map, or the part of it that fits, with its labels and the body above it."""
+        margins = NO_MARGINS
+        if self.cell and not self.shows_actions:
+            margins = margins_in(self._map.grid, self.cell, width, height)
+        strips = self._map_strips(snapshot, width - margins.left, height - margins.above)
+        if margins == NO_MARGINS:
+            return strips
+        assert self._part is not None
+        assert self._form is not None
+        cell, (x, y) = self._form[:2], self._origin
+        self._origin = x + margins.left, y + margins.above
+        place = LabelledPart(*self._part, cell, x, y)
+        return surrounded(strips, snapshot, place, margins, width, self.look)
+
+    def _map_strips(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return the map, or the part of it that fits, which leaves a row for the legend."""
         if self.cell is None and self.is_explained and self._map.grid.rows > height >= _LEAST_WITH_LEGEND:
             strips = self._drawn_map(snapshot, width, height - 1)
@@ -284,7 +241,7 @@ class GridView(WorldView):
         return strips
 
     def _drawn_cells(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
-        grid = self._map.grid
+        grid, self._is_landscape = self._map.grid, False
         form = self._cell_form(width, height)
         actions = self._action_form
         rows = min(grid.rows, max(1, height // form.height))
@@ -319,7 +276,46 @@ class GridView(WorldView):
         self.footing = self._where(width)
         self.free_rows = height - part.rows * form.height - max(0, (height - part.rows * form.height) // 2)
         self._form, self._origin = form, origin(form, part, width, height)
-        return draw_grid(cells, artist, values, self.tints, part, width, height, self._number_forms)
+        if self.drawn_layer is Layer.LANDSCAPE:
+            landscape = self._landscape(cells, part, form, width, height)
+            self._is_landscape = landscape is not None
+            if landscape is not None:
+                return landscape
+        number_form = self._number_form(values, form if actions is None else actions)
+        return draw_grid(cells, artist, number_form, self.tints, self.range_of_v, part, width, height)
+
+    @property
+    def has_landscape(self) -> bool:
+        """Whether its cells are large enough for a landscape, and nobody draws in it."""
+        form = self._form
+        cell = self.cell or (None if form is None else Size(form.width, form.height))
+        return not self.title and has_landscape(self.world, cell, self.look)
+
+    @property
+    def named_scale(self) -> NamedScale | None:
+        """The scale of the tints, with the step of the lines in a landscape."""
+        named = super().named_scale
+        if named is None or not self._is_landscape:
+            return named
+        step = numbers.brief(line_step(self.tints), self.look.glyphs)
+        return named._replace(note=f"a line every {step}")
+
+    def _landscape(
+        self, cells: Sequence[CellContent], part: MapPart, form: CellForm, width: int, height: int
+    ) -> list[Strip] | None:
+        """Return the map as a landscape, None where V is much the same everywhere."""
+        artist = self._landscapes
+        if artist is None or artist.look is not self.look:
+            artist = self._landscapes = LandscapeArtist(self.look)
+        cell = Size(form.width, form.height)
+        return artist.strips(cells, part, cell, self.tints, self._origin, Size(width, height))
+
+    def _number_form(self, values: FloatArray, form: CellForm | ActionForm) -> NumberForm:
+        """Return the form of all ``values`` of the layer, not only those in view; visits are whole."""
+        key, layer = type(form).__name__, self.drawn_layer
+        if layer is Layer.VISITS and isinstance(form, CellForm):
+            return self._number_forms.form((key, layer), values, form.most_digits, most=0)
+        return self._number_forms.form((key, layer), values, form.digits, most=_DECIMALS)
 
     def _cell_form(self, width: int, height: int) -> CellForm:
         """Return the form of cells; first it settles whether they show every action."""
@@ -333,7 +329,7 @@ class GridView(WorldView):
 
     def _form_of_actions(self, width: int, height: int) -> ActionForm | None:
         """Return the form of cells with every action, None where they are not wanted or have no room."""
-        if not self.shows_actions:
+        if not self.shows_actions or self.veils or self.drawn_layer not in (Layer.Q, Layer.OPTIMAL):
             return None
         grid, kinds, digits = self._map.grid, self._map.action_kinds, self._action_digits
         signs = max(len(sign_text(each, self.look)) for each in self._map.signs)
@@ -382,6 +378,10 @@ class GridView(WorldView):
         """Yield the signs of cells that this map has."""
         palette, glyphs = self.look.palette, self.look.glyphs
         form, signs, actions = self._form, self._map.signs, self._action_form
+        if self._is_landscape:
+            yield self.agent_sign()
+            yield from place_signs(self._map, self._kinds - {CellKind.START}, self.look, says_start=True)
+            return
         name = self._name_beside_arrows(form) if form else ""
         has_arrows = form is not None and form.width - len(name) >= LEAST_ARROWS
         if form is not None and self.differing:
@@ -451,6 +451,7 @@ class GridView(WorldView):
         artist = self._artist
         if artist is None or artist.form != form or artist.look is not self.look:
             artist = self._artist = CellArtist(self.look, form)
+        artist.veils = self.veils
         return artist
 
     @property
@@ -477,6 +478,8 @@ class GridView(WorldView):
         legend = self._map.grid.legend
         if self._is_whole or self._part is None:
             return self.fitting(shorter(legend), width)
-        if self._following and legend and legend not in self.heading:
+        has_heading = self.cell is None
+        if has_heading and self._following and legend and legend not in self.heading:
             return self.fitting((*shorter(legend), FOLLOWS), width)
-        return self.fitting(where(*in_view(self._map.grid, self._part), follows=self._following), width)
+        forms = where(self._map.grid, self._part, follows=self._following, has_heading=has_heading)
+        return self.fitting(forms, width)

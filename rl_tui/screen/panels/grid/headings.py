@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import compress
 from typing import Final
 
 from rl_tui.screen.panels.grid.action_form import ActionForm, Places
@@ -65,13 +66,23 @@ def headings_of_part(down: str, across: str) -> tuple[str, ...]:
     return f"{TITLE} · rows {down}, columns {across}", f"rows {down}, columns {across}", brief
 
 
-def where(down: str, across: str, *, follows: bool) -> tuple[str, ...]:
-    """Return which part is in view, the longest form first, and how to follow the agent again."""
+def where(grid: Grid, part: MapPart, *, follows: bool, has_heading: bool) -> tuple[str, ...]:
+    """Return which part is in view, the longest form first, and how to follow the agent again.
+
+    Rows or columns that are all in view are not named. Where the panel has no heading, which would say what
+    rows and columns mean, that comes first.
+    """
     follow = FOLLOWS if follows else FOLLOW_HINT
+    is_cut = part.rows < grid.rows, part.columns < grid.columns
+    stretches = tuple(compress(in_view(grid, part), is_cut))
+    named = " · ".join(map(" ".join, zip(compress(("rows", "columns"), is_cut), stretches, strict=True)))
+    brief = " · ".join(stretches)
+    legends = () if has_heading or not (grid.legend and follows) else shorter(grid.legend)
     return (
-        f"rows {down} · columns {across}, counted from 0 · {follow}",
-        f"rows {down} · columns {across} · {follow}",
-        f"{down} · {across} · {follow}",
-        *((f"{down} · {across}",) if follows else ()),  # that it follows is seen
+        *(f"{legend} · {named}" for legend in legends),
+        f"{named}, counted from 0 · {follow}",
+        f"{named} · {follow}",
+        f"{brief} · {follow}",
+        *((named, brief) if follows else ()),  # that it follows is seen
         follow,
     )

@@ -22,6 +22,7 @@ from rl_tui.screen.panels.grid.trail import Trace, traces
 from rl_tui.screen.panels.world.edit_marks import UNMARKED, EditMarks, marks_of
 from rl_tui.screen.panels.world.shown_policy import AT_RANDOM, drawn_actions, is_off_way
 from rl_tui.worlds.drawing import CellKind, Grid
+from rl_tui.worlds.editing.grid_draft import GridDraft
 from rl_tui.worlds.mdp.space import FiniteSpace, IntArray
 from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
 
@@ -45,6 +46,31 @@ def unreached_cells(space: FiniteSpace, grid: Grid) -> frozenset[int]:
     if missed:
         missed -= set(cells[reached].tolist())
     return frozenset(cell for cell in missed if grid.kinds[cell] is not CellKind.CLIFF)
+
+
+# Cells after rows or columns change
+
+
+def carried_place(place: int, before: Snapshot, now: Snapshot) -> tuple[int, int, int]:
+    """Return the cell of ``now`` that was ``place`` in ``before``, and how far down and right it has gone.
+
+    Where its row or column is gone, or nobody draws, it is the one at the same row and column, or the last.
+    """
+    was, grid = before.world.drawing, now.world.drawing
+    assert isinstance(was, Grid)
+    assert isinstance(grid, Grid)
+    was_row, was_column = row, column = divmod(place, was.columns)
+    old, new = before.editor.base, now.editor.base
+    if isinstance(old, GridDraft) and isinstance(new, GridDraft):
+        row = _line(row, old.row_ids, new.row_ids)
+        column = _line(column, old.column_ids, new.column_ids)
+    row, column = min(row, grid.rows - 1), min(column, grid.columns - 1)
+    return row * grid.columns + column, row - was_row, column - was_column
+
+
+def _line(line: int, old: tuple[int, ...], new: tuple[int, ...]) -> int:
+    wanted = old[line] if line < len(old) else None
+    return new.index(wanted) if wanted in new else line
 
 
 # The cells

@@ -8,17 +8,20 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 from rich.style import Style
 
+from rl_tui.agents.catalogue import Lookup
 from rl_tui.agents.hyperparameters import PARAMETERS
 from rl_tui.agents.last_step import LastStep
 from rl_tui.live.last_step.step_report import StepStory
 from rl_tui.programs.evidence.verdict import Rule
 from rl_tui.screen.draw import names, numbers
-from rl_tui.screen.draw.canvas import Line, Piece
+from rl_tui.screen.draw.canvas import Piece
 from rl_tui.screen.draw.precision import agrees, figure, leading_zeros, parsed
+from rl_tui.screen.kit.equation import Equation, Term
 from rl_tui.screen.panels.last_step.state_backup_text import BackupText, backup_text
 from rl_tui.screen.panels.last_step.update_text import UpdateText, setting, update_text
 from rl_tui.screen.panels.program.words import clause
@@ -91,8 +94,9 @@ class StepWords:
         return f"{'went' if self.went == self.meant else 'slipped'} {self.went}"
 
 
+@lru_cache(maxsize=1)
 def words_of(story: StepStory, glyphs: Glyphs) -> StepWords:
-    """Return the words of ``story``."""
+    """Return the words of ``story``; they are kept, since all panels of a frame show the same."""
     world, last = story.world, story.last
     if story.has_equation:
         update = update_text(last, story.step_size, glyphs, bootstraps=story.bootstraps)
@@ -147,7 +151,7 @@ def _endings(story: StepStory) -> Sequence[str]:
     if story.last.terminated:
         return "the episode ends", "ends"
     if story.last.truncated:
-        return "cut off by the time limit: still bootstraps", "cut off, still bootstraps", "time limit"
+        return "truncated by the time limit: still bootstraps", "truncated, still bootstraps", "time limit"
     return ()
 
 
@@ -169,13 +173,21 @@ def _choices(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
         return _choice_texts_of_program(last.pair, best, len(story.world.space.pairs_of(last.state)))
     if not story.policy.explores_by_epsilon:
         return _chosen_by_policy(story, glyphs)
-    epsilon = setting(last.epsilon, glyphs)
     if last.explored:
-        luck = ", greedy by chance" if last.pair in best else ""
-        return f"random (ε = {epsilon}){luck}", f"random{luck}"
+        luck = ", by chance the greedy one" if last.pair in best else ""
+        return f"a random action, like {_share(last.epsilon)}{luck}", f"random{luck}", "random"
     if len(best) > 1:
-        return f"greedy (ε = {epsilon}), one of {len(best)} equal", f"greedy, {len(best)} equal"
-    return f"greedy (ε = {epsilon})", "greedy"
+        return f"one of {len(best)} equal greedy actions", f"greedy, {len(best)} equal", "greedy"
+    return "the greedy action", "greedy"
+
+
+def _share(epsilon: float) -> str:
+    """Return how many actions are random: ``1 in 10``, ``15 %``."""
+    if not 0.0 < epsilon < 1.0:
+        return "all"
+    one_in = 1.0 / epsilon
+    is_whole = abs(one_in - round(one_in)) < numbers.NEGLIGIBLE
+    return f"1 in {one_in:,.0f}" if is_whole else numbers.percent(epsilon)
 
 
 def _chosen_by_policy(story: StepStory, glyphs: Glyphs) -> Sequence[str]:
@@ -254,43 +266,52 @@ def _why_no_equation(story: StepStory) -> Sequence[str]:
 # The update as an equation
 
 
-def equation(words: StepWords, look: Look, before: Style, bootstrap: Style, after: Style) -> list[Line]:
-    """Return ``Q(6,←) ← .36 + .10·(0 + .99·.62 − .36) = .39``, three of its numbers in styles of their own.
+NOW: Final = "now"
+"""The word for the estimate of the pair that was taken, once it is updated."""
+_WHICH: Final = {
+    Lookup.BEST: "best",
+    Lookup.NEXT: "next",
+    Lookup.MEAN: "mean",
+    Lookup.OTHER: "other",
+    Lookup.POLICY: "next",
+}
+"""In a word, the estimate in the target."""
 
-    A planner's has neither the estimate before nor a step size.
+
+def equation(
+    words: StepWords, look: Look, before: Style, bootstrap: Style, after: Style, label: str
+) -> Equation:
+    """Return ``now = was + α·(r + γ·best − was)`` with its numbers, three of them in styles of their own.
+
+    The ``label`` is that of its error. A planner's has neither the estimate before nor a step size.
     """
-    update, glyphs, plain = words.update, look.glyphs, look.palette.text
-    start = Piece(f" {words.estimate} {glyphs.arrow_update} ", look.palette.dim)
-    gain: list[Line] = [[Piece(update.gathered, plain)]]
+    story, update, glyphs = words.story, words.update, look.glyphs
+    is_own = story.last.updated_pair == story.last.pair and not story.last.table
+    left = Term("", NOW if is_own else words.estimate, update.after, after)
+    gain = [Term(" = " if story.last.planned else f"{glyphs.times}(", story.terms.gathered, update.gathered)]
     if words.bootstrap:
-        factor = Piece(f" + {update.discount}{glyphs.times}", plain)
-        gain.append([factor, *bracketed(update.bootstrap, bootstrap, look)])
-    end: Line = [Piece(" = ", plain), Piece(update.after, after)]
-    if words.story.last.planned:
-        return [[start, *gain[0]], *gain[1:], end]
-    opened = Piece(f" + {update.step_size}{glyphs.times}(", plain)
-    subtracted = [
-        Piece(f" {glyphs.minus} ", plain),
-        *bracketed(update.before, before, look),
-        Piece(")", plain),
-    ]
-    return [[start, Piece(update.before, before)], [opened, *gain[0]], *gain[1:], subtracted, end]
-
-
-def bracketed(number: str, style: Style, look: Look) -> list[Piece]:
-    """Return ``number`` in brackets where it starts with a minus and follows an operator."""
-    if not number.startswith(look.glyphs.minus):
-        return [Piece(number, style)]
-    return [Piece("(", look.palette.text), Piece(number, style), Piece(")", look.palette.text)]
+        which = _WHICH[story.terms.lookup] if story.reads_by_the_book else words.bootstrap
+        gain.append(Term(" + ", story.terms.discount, update.discount))
+        gain.append(Term(glyphs.times, which, in_brackets(update.bootstrap, look), bootstrap))
+    if not story.last.planned:
+        step_size = "1/N" if "/" in update.step_size else "α e" if story.has_trace else "α"
+        gain = [
+            Term(" = ", "was", update.before, before),
+            Term(" + ", step_size, update.step_size),
+            *gain,
+            Term(f" {glyphs.minus} ", "was", in_brackets(update.before, look), before),
+            Term(")"),
+        ]
+    return Equation(left, gain, Piece(label, error_style(words, look)))
 
 
 def in_brackets(number: str, look: Look) -> str:
-    """Return the same as a text."""
-    return "".join(piece.text for piece in bracketed(number, look.palette.text, look))
+    """Return ``number``, which follows an operator, in brackets if it starts with a minus."""
+    return f"({number})" if number.startswith(look.glyphs.minus) else number
 
 
-def error_piece(words: StepWords, look: Look) -> Piece:
-    """Return δ in the colour of its sign."""
+def error_style(words: StepWords, look: Look) -> Style:
+    """Return the style of the sign of δ."""
     error = words.update.error
     falls = look.palette.bad if error.startswith(look.glyphs.minus) else look.palette.text
-    return Piece(error, look.palette.good if error.startswith("+") else falls)
+    return look.palette.good if error.startswith("+") else falls

@@ -27,9 +27,10 @@ from rl_tui.screen.draw.names import COUNTED
 from rl_tui.screen.draw.number_form import number_form
 from rl_tui.screen.draw.scale import round_range, round_scale
 from rl_tui.screen.kit.blocks import Labelled, Row, Section, Text, stacked
+from rl_tui.screen.kit.layers import exact_q
 from rl_tui.screen.kit.scrolling import ScrolledPanel, scroll_bindings
 from rl_tui.screen.kit.snapshot_facts import is_secret, keeps_back, passes_too_fast
-from rl_tui.screen.panels.last_step.last_step import ENDED, ENDED_SWEEP, nothing_yet
+from rl_tui.screen.panels.last_step.last_step import nothing_yet
 from rl_tui.screen.panels.last_step.words import StepWords, words_of
 from rl_tui.screen.panels.microscope.backup import BACKUP_HEADING, backup_rows, backup_section
 from rl_tui.screen.panels.microscope.update import (
@@ -41,7 +42,6 @@ from rl_tui.screen.panels.microscope.update import (
     update_section,
 )
 from rl_tui.screen.panels.model.pair import means_key
-from rl_tui.screen.panels.q_table.layers import exact_q
 from rl_tui.screen.theme.look import Look
 
 # The history of a cell
@@ -49,7 +49,7 @@ from rl_tui.screen.theme.look import Look
 
 HISTORY: Final = "History"
 COMING: Final = "comes with the next picture"
-NO_CELL: Final = "no cell was updated yet: the table's cursor chooses one"
+NO_CELL: Final = "no cell was updated yet: choose a state with the world's cursor"
 NOT_KEPT: Final = "of a table as large as this no history is kept"
 LEAST_HEIGHT: Final = 4
 _LEAST_WIDTH: Final = 16
@@ -139,6 +139,8 @@ def _draw_line(canvas: Canvas, plot: Plot, cell: CellHistory, look: Look) -> Non
 
 
 STEP_HEADING: Final = "The step"
+ENDED: Final = "ended its episode"
+ENDED_SWEEP: Final = "ended its sweep"
 STEP_ROWS: Final = 5
 _LABEL: Final = 9
 _STEP_GAP: Final = "   "
@@ -261,8 +263,8 @@ class Microscope(ScrolledPanel):
         return page(snapshot, self.pair, self.look, width, height)
 
     def keys(self, snapshot: Snapshot | None) -> Sequence[str]:
-        """Return the key that closes it."""
-        return ("d: close",)
+        """Return the key that closes it, and those that choose the cell."""
+        return "tab: another cell · d: close", "d: close"
 
 
 def lit_sources(snapshot: Snapshot) -> frozenset[int]:

@@ -17,8 +17,9 @@ from rl_tui.screen.draw.canvas import Line, Piece, length, spelled
 from rl_tui.screen.draw.precision import column_figure, comes_to, parsed
 from rl_tui.screen.draw.to_ascii import separated
 from rl_tui.screen.kit.blocks import Block, Flow, Labelled, Row, Section, Text
+from rl_tui.screen.kit.equation import Equation
 from rl_tui.screen.panels.last_step.update_text import setting
-from rl_tui.screen.panels.last_step.words import StepWords, bracketed, equation, error_piece, in_brackets
+from rl_tui.screen.panels.last_step.words import StepWords, equation, error_style, in_brackets
 from rl_tui.screen.panels.program.words import fit_texts, open_text, update_texts
 from rl_tui.screen.theme.look import Look
 
@@ -181,7 +182,7 @@ def _equation_blocks(words: StepWords, look: Look) -> list[Block]:
     whole = [] if words.backup is None else words.backup.lines(look.glyphs.arrow_update)[0].split(" ")
     remarks = ([TABLES] if words.story.last.table else []) + [*words.others[:1]]
     return [
-        Flow(writer.equation(), 4),
+        writer.equation(),
         Flow(writer.terms()),
         Flow(writer.mixture(), 4),
         *writer.gathered(),
@@ -204,7 +205,7 @@ def _change_blocks(words: StepWords, look: Look) -> list[Block]:
         [Piece(f" {words.estimate}", palette.strong)],
         [Piece(" from ", palette.dim), Piece(update.before, palette.updated)],
         [Piece(" to ", palette.dim), Piece(update.after, palette.updated)],
-        [Piece(" (", palette.dim), error_piece(words, look), Piece(")", palette.dim)],
+        [Piece(" (", palette.dim), Piece(update.error, error_style(words, look)), Piece(")", palette.dim)],
     ]
     if words.changes_nothing:
         moved = [
@@ -242,37 +243,26 @@ class _Writer:
         self._plain = partial(Piece, style=look.palette.text)
         self._bootstrap_style = look.palette.source if words.story.sources else look.palette.strong
 
-    def equation(self) -> list[Line]:
-        """Return ``Q(6,←) ← .36 + .10·(0 + .99·.62 − .36) = .39  δ = +.25``."""
+    def equation(self) -> Equation:
+        """Return ``now = was + α·(r + γ·best − was)`` with its numbers."""
         updated = self._palette.updated
-        groups = equation(self._words, self._look, updated, self._bootstrap_style, updated)
-        return [*groups, [self._dim(f"{_GAP}δ = "), error_piece(self._words, self._look)]]
+        return equation(self._words, self._look, updated, self._bootstrap_style, updated, "δ")
 
     def terms(self) -> list[Line]:
-        """Return which number is what."""
-        words, update, terms = self._words, self._words.update, self._story.terms
-        found: list[Line] = []
-        if not self._story.last.planned:
-            found.append(
-                [Piece(update.before, self._palette.updated), self._dim(f" {words.estimate} before")]
-            )
-            found.append([self._plain(f"{_GAP}{update.step_size}"), self._dim(f" {self._step_size()}")])
-        gathered = {"r": "reward", "G": "rewards gathered"}.get(terms.gathered, terms.gathered)
-        found.append([self._plain(f"{_GAP}{update.gathered}"), self._dim(f" {gathered}")])
+        """Return δ, and what a word above the numbers does not say: which N, which estimate was looked up."""
+        words, update = self._words, self._words.update
+        error = Piece(update.error, error_style(words, self._look))
+        found: list[Line] = [[self._dim(" δ = "), error]]
+        if "/" in update.step_size:
+            found.append([self._dim(f"{_GAP}N = "), self._plain(update.step_size[2:])])
+        if self._story.has_trace:
+            found.append([self._dim(f"{_GAP}e is the trace of {words.estimate}")])
         if words.bootstrap:
             number = Piece(update.bootstrap, self._bootstrap_style)
-            found.append([self._plain(f"{_GAP}{update.discount}"), self._dim(f" {terms.discount}")])
-            found.append([self._plain(_GAP), number, self._dim(f" {self._looked_up()}")])
+            found.append([self._plain(_GAP), number, self._dim(f" is {self._looked_up()}")])
         elif self._story.last.terminated and not self._story.is_bandit:
-            found.append([self._dim(f"{_GAP}after the end nothing is added")])
+            found.append([self._dim(f"{_GAP}terminal: nothing is added for the next state")])
         return found
-
-    def _step_size(self) -> str:
-        """Return what the step size is: α, the fraction 1/N, or α times the trace of the pair."""
-        text = self._words.update.step_size
-        if "/" in text:
-            return f"α, N = {text[2:]}"
-        return "α e, e its trace" if self._story.has_trace else "α"
 
     def mixture(self) -> list[Line]:
         """Return the cells of a weighted mean in their order, ``.58 = .925·.62 + .025·.31``; else none."""
@@ -284,7 +274,7 @@ class _Writer:
         for number, (weight, estimate) in enumerate(self._mixed()):
             sign = " " if number == 0 else " + "
             factor = self._plain(f"{sign}{weight}{self._look.glyphs.times}")
-            groups.append([factor, *bracketed(estimate, self._palette.source, self._look)])
+            groups.append([factor, Piece(in_brackets(estimate, self._look), self._palette.source)])
         return groups
 
     def _mixed(self) -> list[tuple[str, str]]:

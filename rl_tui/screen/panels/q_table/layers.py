@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from enum import StrEnum
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -11,62 +10,31 @@ import numpy.typing as npt
 from rich.style import Style
 
 from rl_tui.live.snapshot import Snapshot
-from rl_tui.runs.bandit import best_arms, true_means
-from rl_tui.runs.timeline.lane_view import LaneView
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.number_form import NumberForm, SteadyForms
-from rl_tui.screen.kit.counterparts import are_alike
+from rl_tui.screen.kit.layers import (
+    EXACT_LAYERS,
+    Exact,
+    Layer,
+    exact_q,
+    hides_exact,
+    other_lane,
+    shown_exact,
+    veiled,
+    veils_exact,
+)
 from rl_tui.screen.kit.numbers_in_common import best_of_states, ends, finite, lanes_in_view
-from rl_tui.screen.kit.snapshot_facts import followed_step, has_estimates, is_secret, keeps_back
-from rl_tui.screen.kit.value_scale import ValueScale, value_scale
+from rl_tui.screen.kit.snapshot_facts import followed_step, has_estimates
+from rl_tui.screen.kit.value_scale import Ramp, ValueScale, value_scale
 from rl_tui.screen.panels.policies.studied import shown_actions, studied_answer
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
-from rl_tui.worlds.mdp.space import BoolArray, FloatArray
+from rl_tui.worlds.mdp.space import FloatArray
 
-
-class Layer(StrEnum):
-    """What the table shows of each pair."""
-
-    Q = "Q"
-    OPTIMAL = "Q*"
-    ERROR = "Q−Q*"
-    POLICY = "Qπ"
-    LANES = "Q−other"
-    VISITS = "visits"
-
-
-EXACT_LAYERS: Final = (Layer.OPTIMAL, Layer.ERROR)
 LEARNED_NOT: Final = (Layer.OPTIMAL, Layer.POLICY)
 """Layers of which nothing was learned."""
-
-Exact = tuple[FloatArray, BoolArray]
-
-
-def exact_q(snapshot: Snapshot) -> Exact | None:
-    """Return Q* and the pairs that are greedy for it, [P] each; None while unknown, hidden or refused.
-
-    For a bandit they are the true means, whatever γ is: every pull ends its episode. Where they drift they
-    are those of this very step.
-    """
-    if is_secret(snapshot):
-        return None
-    if isinstance(snapshot.world.drawing, Arms):
-        mdp = snapshot.world.mdp
-        if mdp is not None and (mdp.drift_std == 0.0 or snapshot.counters.step == 0):
-            return true_means(mdp), best_arms(mdp)
-    solution = snapshot.exact_answer.solution
-    return None if solution is None else (solution.q, solution.greedy)
-
-
-def hides_exact(snapshot: Snapshot) -> bool:
-    """Return whether there is or will be an exact answer, and it is hidden."""
-    return is_secret(snapshot) and not snapshot.exact_answer.refused
-
-
-def has_exact_key(snapshot: Snapshot) -> bool:
-    """Return whether it is hidden, and a key shows it."""
-    return hides_exact(snapshot) and not keeps_back(snapshot, "answer")
+_OF_THE_MAP: Final = (Layer.Q, *EXACT_LAYERS, Layer.VISITS)
+"""Layers whose scale is that of the map."""
 
 
 def policy_q(snapshot: Snapshot) -> Exact | None:
@@ -92,34 +60,24 @@ def exact_of(snapshot: Snapshot, layer: Layer) -> Exact | None:
     """Return the exact numbers that ``layer`` needs, and the pairs it frames; None where there are none."""
     if layer is Layer.POLICY:
         return policy_q(snapshot)
-    return exact_q(snapshot) if layer in EXACT_LAYERS else None
-
-
-def other_lane(snapshot: Snapshot) -> LaneView | None:
-    """Return the run that stands beside the one shown, None without one or where its table is too large.
-
-    None too where it is the table of a world with other states or pairs.
-    """
-    group, beside = snapshot.run_group, snapshot.beside
-    other = group.lanes[group.beside] if group.lanes and group.beside is not None else None
-    if other is None or (beside is not None and not are_alike(snapshot.world, beside.world)):
-        return None
-    return other if len(other.q) == snapshot.world.space.pairs else None
+    if layer is Layer.OPTIMAL:
+        return shown_exact(snapshot)
+    return exact_q(snapshot) if layer is Layer.ERROR else None
 
 
 def layer_choices(snapshot: Snapshot | None) -> tuple[Layer, ...]:
     """Return the layers there are: where the answer is hidden those that give nothing away.
 
     The difference from another run is there while runs are side by side, and a policy's while it is studied.
-    Without estimates there is nothing to compare.
+    Without estimates there is nothing to compare. The landscape is one of the world alone.
     """
-    missing: set[Layer] = set()
+    missing = {Layer.LANDSCAPE}
     if snapshot is None or other_lane(snapshot) is None:
         missing.add(Layer.LANES)
     if snapshot is None or policy_q(snapshot) is None:
         missing.add(Layer.POLICY)
     if snapshot is not None and hides_exact(snapshot):
-        missing.update(EXACT_LAYERS)
+        missing.update(EXACT_LAYERS if not veils_exact(snapshot) else (Layer.ERROR,))
     if snapshot is not None and not has_estimates(snapshot):
         missing.update((Layer.ERROR, Layer.LANES))
     return tuple(layer for layer in Layer if layer not in missing)
@@ -149,8 +107,8 @@ class Figures:
 
     All ``numbers`` of a layer have one form, which ``forms`` keeps steady from one moment to the next. Those
     of the lane beside this one are among them. Of a large world they are what the snapshot holds, which is
-    what is in view and around. Q has the tints of V on the map, by the ``scale`` of that; other values have
-    a scale of their own, differences one around 0, and visits greys.
+    what is in view and around. Tints are those of the map, by its ``scale`` in this layer; a policy and the
+    difference from another run, which it does not show, have one of their own.
     """
 
     def __init__(
@@ -178,8 +136,7 @@ class Figures:
         self._is_unknown = layer is Layer.Q and not has_estimates(snapshot)
         self.numbers = _numbers(snapshot, layer, exact)
         self.low, self.high = ends(self.numbers)
-        self._scale = scale if layer is Layer.Q else value_scale(_best(snapshot, layer, exact)) or scale
-        self._is_value = layer not in (Layer.VISITS, Layer.ERROR, Layer.LANES)
+        self._scale = scale if layer in _OF_THE_MAP else self._own_scale(snapshot, exact) or scale
         self._total_visits: int | None = None
         self._steady = forms
         self._forms: dict[int, NumberForm] = {}
@@ -190,6 +147,8 @@ class Figures:
             return ""
         x = self._values[pair].item()
         glyphs = self._look.glyphs
+        if self.layer is Layer.OPTIMAL and math.isnan(x):
+            return veiled(glyphs)
         if self._is_unknown or (x == 0 and self._is_new(pair) and self.layer is not Layer.ERROR):
             return "." if glyphs.name == "ascii" else "·"
         if self.layer is Layer.VISITS:
@@ -230,7 +189,7 @@ class Figures:
 
     def side(self, pair: int) -> int:
         """Return −1 where the number of ``pair`` lies below the scale of the tints, 1 where above, else 0."""
-        if not self._is_value or (self._held is not None and not self._held[pair]):
+        if self.layer is Layer.VISITS or (self._held is not None and not self._held[pair]):
             return 0
         return self._scale.side(self._values[pair].item())
 
@@ -260,14 +219,15 @@ class Figures:
 
     def _tint(self, x: float) -> Style:
         palette = self._look.palette
-        if self.layer is Layer.VISITS:
-            return palette.visit_count(math.log1p(x) / math.log1p(self.high))
-        if not math.isfinite(x):
-            return palette.text if self.layer is Layer.POLICY and math.isnan(x) else palette.bad
-        if self.layer in (Layer.ERROR, Layer.LANES):
-            largest = max(abs(self.low), abs(self.high))
-            return palette.signed_value(x / largest if largest > numbers.NEGLIGIBLE else 0.0)
-        return self._scale.style(x, palette)
+        if math.isnan(x) and self.layer in LEARNED_NOT:
+            return palette.text if self.layer is Layer.POLICY else palette.unvisited
+        return self._scale.style(x, palette) if math.isfinite(x) else palette.bad
+
+    def _own_scale(self, snapshot: Snapshot, exact: Exact | None) -> ValueScale | None:
+        """Return the scale of a layer that the map does not have."""
+        if self.layer is Layer.LANES:
+            return ValueScale(self.low, self.high, Ramp.ERRORS)
+        return value_scale(_best_of_policy(snapshot, exact))
 
     def _form(self, width: int) -> NumberForm:
         form = self._forms.get(width)
@@ -295,11 +255,11 @@ def _values(
     return exact[0] if layer in LEARNED_NOT else np.asarray(snapshot.agent.q - exact[0])
 
 
-def _best(snapshot: Snapshot, layer: Layer, exact: Exact | None) -> FloatArray:
-    """Return the greatest number of each state in an exact ``layer``, in both lanes; none in others."""
+def _best_of_policy(snapshot: Snapshot, exact: Exact | None) -> FloatArray:
+    """Return the greatest number of each state in the layer of a policy, in both lanes."""
     found = [np.empty(0)]
-    for lane in lanes_in_view(snapshot) if layer in LEARNED_NOT else ():
-        known = exact if lane is snapshot else exact_of(lane, layer)
+    for lane in lanes_in_view(snapshot):
+        known = exact if lane is snapshot else exact_of(lane, Layer.POLICY)
         if known is not None:
             found.append(np.asarray(best_of_states(lane.world.space, known[0])))
     return finite(np.concatenate(found))

@@ -12,7 +12,8 @@ from rich.segment import Segment
 
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.to_ascii import to_ascii
-from rl_tui.screen.panels.q_table.layers import EXACT_LAYERS, LEARNED_NOT, Layer
+from rl_tui.screen.kit.layers import EXACT_LAYERS, Layer, veiled
+from rl_tui.screen.panels.q_table.layers import LEARNED_NOT
 from rl_tui.screen.panels.q_table.world import NO_ROW, Pieces, Scene, aligned_right, boxed, framed, padded
 
 DIGITS: Final = 6
@@ -195,8 +196,7 @@ def _arm_columns(scene: Scene, width: int) -> list[Column]:
         return [Segment(name, style), Segment(" ", look.palette.text)]
 
     def secret(_: int, __: bool) -> Pieces:
-        hidden = "..." if look.glyphs.name == "ascii" else "···"
-        return [Segment(_right(hidden, BOX), look.palette.dim)]
+        return [Segment(_right(veiled(look.glyphs), BOX), look.palette.dim)]
 
     columns = [
         Column("", 1, 1, last),

@@ -10,7 +10,8 @@ from rich.segment import Segment
 
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import shortened
-from rl_tui.screen.panels.q_table.layers import LEARNED_NOT, Layer
+from rl_tui.screen.kit.layers import Layer
+from rl_tui.screen.panels.q_table.layers import LEARNED_NOT
 from rl_tui.screen.panels.q_table.world import Pieces, Scene, aligned_right, boxed, padded
 
 LEAST_FIELD: Final = 3  # .54

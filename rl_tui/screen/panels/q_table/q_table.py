@@ -8,6 +8,7 @@ from typing import ClassVar, Final
 
 from textual import events
 from textual.binding import BindingType
+from textual.geometry import Size
 from textual.message import Message
 from textual.strip import Strip
 
@@ -18,6 +19,7 @@ from rl_tui.screen.draw.canvas import Piece, strips_of
 from rl_tui.screen.draw.number_form import SteadyForms
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.counterparts import are_alike, pair_in, pairs_in
+from rl_tui.screen.kit.layers import EXACT_LAYERS, Layer, has_exact_key, shown_exact
 from rl_tui.screen.kit.panel import (
     GREEDY_IN_FULL,
     BoardPanel,
@@ -31,15 +33,12 @@ from rl_tui.screen.kit.pointing import NOWHERE, Moved, Pointed
 from rl_tui.screen.kit.scrolling import Scrolled
 from rl_tui.screen.kit.snapshot_facts import has_estimates, hides_means, is_new_run
 from rl_tui.screen.kit.value_scale import SteadyScale
+from rl_tui.screen.panels.grid.landscape import has_landscape
 from rl_tui.screen.panels.policies.studied import as_studied
 from rl_tui.screen.panels.q_table.layers import (
-    EXACT_LAYERS,
     LEARNED_NOT,
     Figures,
-    Layer,
     exact_of,
-    exact_q,
-    has_exact_key,
     lacks_values,
     layer_choices,
     lit_pair,
@@ -94,6 +93,12 @@ class QTable(Panel, can_focus=True):
 
         pair: int | None
 
+    @dataclass
+    class LayerChosen(Message):
+        """The user clicked on the name of ``layer``."""
+
+        layer: Layer
+
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(look, id=id, classes=classes)
         self.lights = True
@@ -103,9 +108,11 @@ class QTable(Panel, can_focus=True):
         # where the user put the cursor; None while the table follows the agent
         self.cursor_pair: int | None = None
         self.heading = "Q"
-        self.layer_choices = layer_choices(None)
-        """The layers that there are."""
-        self._layer = Layer.Q
+        self.wanted_layer = Layer.Q
+        """What is shown of each pair, if there is that; the same as in the world beside it."""
+        self.cell: Size | None = None
+        """The size of a cell of the map beside it, as the board gives it."""
+        self._choices = layer_choices(None)
         self._following = True
         self.pointed = NOWHERE
         self._first = 0
@@ -118,19 +125,16 @@ class QTable(Panel, can_focus=True):
         self._scale = SteadyScale()
 
     @property
+    def layer_choices(self) -> tuple[Layer, ...]:
+        """The layers that there are, of the world beside it too."""
+        if self.snapshot is None or not has_landscape(self.snapshot.world, self.cell, self.look):
+            return self._choices
+        return *self._choices, Layer.LANDSCAPE
+
+    @property
     def shown_layer(self) -> Layer:
-        """What is shown of each pair."""
-        return self._layer if self._layer in self.layer_choices else Layer.Q
-
-    @shown_layer.setter
-    def shown_layer(self, layer: Layer) -> None:
-        self._layer = layer
-        self.redraw()
-
-    def next_layer(self) -> None:
-        """Go to the next layer, from the last to the first."""
-        layers = self.layer_choices
-        self.shown_layer = layers[(layers.index(self.shown_layer) + 1) % len(layers)]
+        """The layer of the numbers; Q while the map is a landscape."""
+        return self.wanted_layer if self.wanted_layer in self._choices else Layer.Q
 
     def rows_of(self, snapshot: Snapshot) -> int:
         """Return how many rows the whole table takes below its heads, with what is noted below it."""
@@ -176,7 +180,7 @@ class QTable(Panel, can_focus=True):
         if is_new_run(self.snapshot, snapshot):
             self._forms.clear()
             self._scale.clear()
-        self.layer_choices = layer_choices(snapshot)
+        self._choices = layer_choices(snapshot)
         super().show(snapshot)
 
     def picture(self, snapshot: Snapshot | None, width: int, height: int) -> list[Strip]:
@@ -185,7 +189,7 @@ class QTable(Panel, can_focus=True):
         if snapshot is None:
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
         layer = self.shown_layer
-        if layer in EXACT_LAYERS and exact_q(snapshot) is None:
+        if layer in EXACT_LAYERS and shown_exact(snapshot) is None:
             self.heading = TITLES[layer]
             self.footing = self._footing(width, is_scrolled=False)
             return strips_of(no_answer(snapshot, width, self.look), width, height, self.look)
@@ -264,8 +268,7 @@ class QTable(Panel, can_focus=True):
         )
         if layer is not None:
             event.prevent_default()
-            self.shown_layer = layer
-            self.post_message(Moved(self))
+            self.post_message(self.LayerChosen(layer))
         offset = event.get_content_offset(self)
         pair = None if offset is None else self.pair_at(*offset)
         if pair is not None:
@@ -302,13 +305,13 @@ class QTable(Panel, can_focus=True):
 
     @property
     def stance(self) -> object:
-        """The cursor, the rows in view and the layer."""
-        return self.cursor_pair, self._following, self._first, self._layer
+        """The cursor and the rows in view."""
+        return self.cursor_pair, self._following, self._first
 
     def align_with(self, twin: BoardPanel) -> None:
         """Take the stance of the table ``twin``."""
         if isinstance(twin, QTable):
-            self._layer, self._forms, self._scale = twin._layer, twin._forms, twin._scale
+            self._forms, self._scale = twin._forms, twin._scale
             if self.snapshot and twin.snapshot and not are_alike(twin.snapshot.world, self.snapshot.world):
                 self._translate(twin, twin.snapshot.world, self.snapshot.world)
                 return
@@ -372,14 +375,15 @@ class QTable(Panel, can_focus=True):
             matrix = matrix_form(scene, width, height - 1)
             if matrix is not None:
                 return matrix, scene
-        scene = self._scene(snapshot, self.layer_choices)
+        scene = self._scene(snapshot, self._choices)
         is_scrolled = scene.world.space.pairs > height - 1
         return list_form(scene, width - 1 if is_scrolled else width), scene
 
     def _scene(self, snapshot: Snapshot, layers: Iterable[Layer]) -> Scene:
         exact = {layer: exact_of(snapshot, layer) for layer in layers}
         lit = lit_pair(snapshot) if self.lights else None
-        scale = self._scale.of(as_studied(snapshot))
+        shown = self.shown_layer
+        scale = self._scale.of(as_studied(snapshot) if shown is Layer.Q else snapshot, shown)
         figures = {
             layer: Figures(snapshot, layer, self.look, known, self._forms, scale, lit, self.sources)
             for layer, known in exact.items()
@@ -388,7 +392,7 @@ class QTable(Panel, can_focus=True):
         return Scene(
             world=self._world_of(snapshot),
             figures=figures,
-            shown=figures[self.shown_layer],
+            shown=figures[shown],
             state=snapshot.counters.state,
             last_pair=None if snapshot.counters.last_step is None else snapshot.counters.last_step.pair,
             cursor=self.shown_cursor if self.has_focus else None,
@@ -406,7 +410,8 @@ class QTable(Panel, can_focus=True):
         is_hidden = (
             snapshot is not None and has_exact_key(snapshot) and not self._world_of(snapshot).is_bandit
         )
-        forms = footings(self.shown_layer, self.layer_choices, self.look.glyphs, hides_exact=is_hidden)
+        wanted = self.wanted_layer if self.wanted_layer in self.layer_choices else Layer.Q
+        forms = footings(wanted, self.layer_choices, self.look.glyphs, hides_exact=is_hidden)
         if is_scrolled:
             forms = followed(forms, is_following=self._following)
         return self.fitting(forms, width)

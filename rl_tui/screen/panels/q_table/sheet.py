@@ -13,11 +13,11 @@ from rl_tui.common.words import counted
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw.canvas import Piece, wrapped
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
+from rl_tui.screen.kit.layers import Layer, other_lane
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.scrolling import kept_in_view
 from rl_tui.screen.kit.snapshot_facts import has_estimates
 from rl_tui.screen.panels.policies.names import POLICY_NAMES
-from rl_tui.screen.panels.q_table.layers import Layer, other_lane
 from rl_tui.screen.panels.q_table.list import ListForm, greedy_line
 from rl_tui.screen.panels.q_table.matrix import MatrixForm
 from rl_tui.screen.panels.q_table.world import NO_ROW, Pieces, Scene
@@ -181,6 +181,11 @@ _CAPTIONS: Final = {
 }
 NO_TABLE: Final = "no table found in your program"
 _KEY: Final = "v:"
+_NAMES: Final[tuple[dict[Layer, str], ...]] = (
+    {},
+    {Layer.ERROR: "err", Layer.LANES: "other", Layer.VISITS: "N", Layer.LANDSCAPE: "land"},
+)
+"""The names of layers that differ from their own: in full, and in short."""
 EXACT_KEY: Final = "h: Q*"
 
 
@@ -224,36 +229,42 @@ def size_in_words(scene: Scene, form: Form) -> str:
 
 
 def footings(layer: Layer, choices: Sequence[Layer], glyphs: Glyphs, *, hides_exact: bool) -> list[str]:
-    """Return the key and the layers that it goes through, then the key and ``layer``, which is shown.
+    """Return the key and the layers that it goes through, the longest form first, then ``layer`` alone.
 
     Behind them stands the key that shows what is exact, where ``hides_exact`` says that this is hidden.
     """
-    marked = [
-        f"{glyphs.mark_left}{each}{glyphs.mark_right}" if each is layer else f" {each} " for each in choices
-    ]
-    all_layers, one = f"{_KEY}{''.join(marked)}".rstrip(), f"{_KEY} {layer}"
-    return [*(f"{each} · {EXACT_KEY}" for each in (all_layers, one) if hides_exact), all_layers, one]
+    forms = []
+    for names in _NAMES:
+        texts = [(each, names.get(each, each)) for each in choices]
+        marked = [
+            f"{glyphs.mark_left}{text}{glyphs.mark_right}" if each is layer else f" {text} "
+            for each, text in texts
+        ]
+        forms.append(f"{_KEY}{''.join(marked)}".rstrip())
+    forms.append(f"{_KEY} {layer}")
+    return [*(f"{each} · {EXACT_KEY}" for each in forms if hides_exact), *forms]
 
 
 def followed(footings: Sequence[str], *, is_following: bool) -> list[str]:
-    """Return ``footings`` behind whether the table follows the agent."""
+    """Return ``footings`` behind whether the table follows the agent, that first where it does not."""
     follow = FOLLOWS if is_following else FOLLOW_HINT
-    return [*(f"{follow} · {each}" for each in footings), follow]
+    both = [f"{follow} · {each}" for each in footings]
+    return [*both[:-1], *footings] if is_following else [*both, follow]
 
 
 def layer_at(footing: str, column: int, choices: Sequence[Layer], glyphs: Glyphs) -> Layer | None:
     """Return the layer named in ``column`` of ``footing``; None where there is no room for all names."""
     text = separated(footing, glyphs)
-    end = text.find(_KEY) + len(_KEY)
-    for layer in choices:
-        name = to_ascii(layer, glyphs)
-        start = text.find(name, end)
-        if start < 0:
-            return None  # there is room for one name only: a click is the key
-        end = start + len(name)
-        if start - 1 <= column <= end:
-            return layer
-    return None
+    for names in _NAMES:
+        places, end = [], text.find(_KEY) + len(_KEY)
+        for layer in choices:
+            name = to_ascii(names.get(layer, layer), glyphs)
+            start = text.find(name, end)
+            end = start + len(name)
+            places.append((start, end, layer))
+        if all(start >= 0 for start, _, _ in places):
+            return next((layer for start, end, layer in places if start - 1 <= column <= end), None)
+    return None  # there is room for one name only: a click is the key
 
 
 def no_answer(snapshot: Snapshot, width: int, look: Look) -> list[list[Piece]]:

@@ -26,8 +26,9 @@ from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.names import action_name, with_minus
 from rl_tui.screen.draw.number_form import SteadyForms
 from rl_tui.screen.draw.to_ascii import to_ascii
+from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.pointing import NOWHERE
-from rl_tui.screen.panels.q_table.layers import Figures, Layer
+from rl_tui.screen.panels.q_table.layers import Figures
 from rl_tui.screen.panels.world.edit_marks import marks_of
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
@@ -202,7 +203,7 @@ def framed(scene: Scene, figures: Figures, pair: int, number: str, is_greedy: bo
     style = palette.focus if pair == scene.cursor else figures.style(pair, is_tinted=figures is scene.shown)
     left = Segment(glyphs.mark_left if is_greedy else " ", palette.best)
     right = Segment(glyphs.mark_right if is_greedy else " ", palette.best)
-    if side := figures.side(pair):
+    if figures is scene.shown and (side := figures.side(pair)):
         number = _in_margin(number, glyphs.beyond[side > 0], 0)
     error = figures.error(pair)
     if error is not None:

@@ -17,13 +17,15 @@ from rl_tui.screen.draw.canvas import Canvas, Piece, shortened
 from rl_tui.screen.draw.names import state_name
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.counterparts import are_alike
+from rl_tui.screen.kit.layers import WORDS, Layer, as_layer, veils_exact, world_layer
 from rl_tui.screen.kit.panel import AGENT, BoardPanel, Legend, LegendSign, agent_meaning
 from rl_tui.screen.kit.pointing import NOWHERE, Moved, PartPointed, Pointed, part_pointed_at
 from rl_tui.screen.kit.snapshot_facts import is_new_run, passes_too_fast
+from rl_tui.screen.kit.value_scale import Ramp, ValueScale
 from rl_tui.screen.panels.last_step.state_backup_text import backup_text
 from rl_tui.screen.panels.world.drawn_picture import DrawnPicture
 from rl_tui.screen.panels.world.edit_marks import edit_signs, with_signs
-from rl_tui.screen.panels.world.scale_line import NamedScale, scale_line
+from rl_tui.screen.panels.world.scale_line import NOTHING_KNOWN, VALUE, VEILED, NamedScale, scale_line
 from rl_tui.screen.panels.world.shown_policy import TITLE
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
@@ -78,6 +80,14 @@ class WorldView(DrawnPicture, can_focus=True):
         self.is_manual = False
         """Whether a person takes the actions."""
         self._has_equation = False
+        self.wanted_layer = Layer.Q
+        """What is drawn, if this world has that; the same as in the table beside it."""
+        self.drawn_layer = Layer.Q
+        """The layer that was drawn last."""
+        self.veils = False
+        """Whether there are dots in place of its numbers, which are hidden."""
+        self.range_of_v = self.tints
+        """The scale of V, by which actions lead, whatever is tinted."""
         self.is_numbered = False
         """Whether the cells of a map have the numbers of their states."""
         self.shows_actions = False
@@ -243,11 +253,30 @@ class WorldView(DrawnPicture, can_focus=True):
         if snapshot is None:
             return self._waiting(width, height)
         rows = height - 1 if self.has_line and height > 1 else height
-        self.tints = self.steady_scale.of(snapshot)
-        strips = self.drawing(snapshot, width, rows)
+        self.drawn_layer = layer = self._layer_of(snapshot, self.wanted_layer)
+        self.veils = layer is Layer.OPTIMAL and veils_exact(snapshot)
+        self.tints = ValueScale() if self.veils else self.steady_scale.of(snapshot, layer)
+        self.range_of_v = self.tints if self.tints.ramp is Ramp.VALUES else self.steady_scale.of(snapshot)
+        strips = self.drawing(as_layer(snapshot, layer), width, rows)
         self.free_rows = 0 if self.has_line else self.free_rows
         self._write_border_texts(snapshot, width)
         return strips if rows == height else [*strips, self._line(snapshot, width)]
+
+    def has_layer(self, layer: Layer) -> bool:
+        """Return whether it is drawn otherwise in ``layer`` than in others; V is drawn where it is not."""
+        snapshot = self.snapshot
+        return snapshot is not None and self._layer_of(snapshot, layer) is layer
+
+    def _layer_of(self, snapshot: Snapshot, layer: Layer) -> Layer:
+        """Return what is drawn in ``layer``; while a policy is studied that is its V."""
+        if layer is Layer.LANDSCAPE:
+            return layer if self.has_landscape else Layer.Q
+        return Layer.Q if self.studied is not None else world_layer(snapshot, layer)
+
+    @property
+    def has_landscape(self) -> bool:
+        """Whether it can be drawn as a landscape."""
+        return False
 
     def _waiting(self, width: int, height: int) -> list[Strip]:
         palette, glyphs = self.look.palette, self.look.glyphs
@@ -292,8 +321,10 @@ class WorldView(DrawnPicture, can_focus=True):
     @property
     def named_scale(self) -> NamedScale | None:
         """The scale of the tints and the word for it; None where nothing is tinted."""
-        has_none = self.lacks_table or isinstance(self.world.drawing, Arms)
-        return None if has_none else NamedScale("value", self.tints)
+        layer = self.drawn_layer
+        if isinstance(self.world.drawing, Arms) or (self.lacks_table and layer not in WORDS):
+            return None
+        return NamedScale(WORDS.get(layer, VALUE), self.tints, VEILED if self.veils else NOTHING_KNOWN)
 
     def _name_lane(self, width: int) -> None:
         """Write the lane in the border, and below it the note, else what the picture shows."""

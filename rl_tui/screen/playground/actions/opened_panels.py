@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from rl_tui.live.commands import EndStudy, FollowCell, StudyPolicy, StudySeeds
 from rl_tui.live.snapshot import Phase
 from rl_tui.runs.answers.policy_kind import PolicyKind
 from rl_tui.screen.board.subject import Subject
+from rl_tui.screen.kit.pointing import NOWHERE
 from rl_tui.screen.kit.row import MANY_SEEDS, MICROSCOPE, POLICIES
 from rl_tui.screen.panels.policies.names import POLICY_NAMES
 from rl_tui.screen.panels.seed_figures import may_count_again
@@ -13,6 +16,8 @@ from rl_tui.screen.panels.seed_figures import may_count_again
 
 class MicroscopeActions(Subject):
     """Which cell has its history shown under the microscope."""
+
+    _is_of_world = False
 
     def follow_update(self) -> None:
         """Show the history of the pair updated last, as long as there is none yet, or while nothing runs."""
@@ -22,22 +27,40 @@ class MicroscopeActions(Subject):
         elif self.board.microscope.pair is None or not runs:
             self._follow_cell()
 
-    def follow_cursor(self) -> None:
-        """Show the history of the cell that the cursor went to."""
+    def follow_cursor(self, *, of_world: bool) -> None:
+        """Show the history of what a cursor was moved to, that of the world or that of the table."""
+        world = self.board.world
+        self._is_of_world = of_world and world is not None and world.cursor is not None
         if self.board.opened == MICROSCOPE:
             self._follow_cell()
             self.board.microscope.redraw()
 
     def _follow_cell(self) -> None:
-        """Ask for the history of the cursor's pair, or of the one updated last."""
+        """Ask for the history of the pair under a cursor, or of the one updated last.
+
+        In a state that is the one updated last, if it was there, else its greedy pair.
+        """
         if self.snapshot is None:
             return
-        pair, last = self.board.table.cursor_pair, self.snapshot.counters.last_step
-        if pair is None and last is not None:
-            pair = last.updated_pair if last.learned else self.board.microscope.pair
-        if pair is not None and pair >= self.snapshot.world.space.pairs:
+        last, q = self.snapshot.counters.last_step, self.snapshot.agent.q
+        updated = last.updated_pair if last is not None and last.learned else None
+        chosen = self._pairs_under_cursor()
+        if chosen and chosen.stop <= len(q) and updated not in chosen:
+            pair: int | None = chosen.start + int(np.argmax(q[chosen.start : chosen.stop]))
+        elif updated is None and last is not None:
+            pair = self.board.microscope.pair
+        else:
+            pair = updated
+        if pair is not None and pair >= len(q):
             pair = None  # of the world before this one
         self._show_history(pair)
+
+    def _pairs_under_cursor(self) -> range:
+        """Return the pairs under the cursor that was moved last, of world or table; none without a cursor."""
+        table, world = self.board.table.cursor_pair, self.board.world
+        of_table = NOWHERE if table is None else range(table, table + 1)
+        of_world = NOWHERE if world is None or world.cursor is None else world.pairs_at(world.cursor)
+        return (of_world or of_table) if self._is_of_world else (of_table or of_world)
 
     def _show_history(self, pair: int | None) -> None:
         if pair != self.board.microscope.pair:

@@ -1,4 +1,4 @@
-"""What is shown: layers of the table, one panel alone, the exact answer, the model."""
+"""What is shown: layers of world and table, one panel alone, the exact answer, the model."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.answers.flip_answer import FlipState
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.dialogs.dialog import ModelScreen
+from rl_tui.screen.kit.layers import Layer
 from rl_tui.screen.kit.panel import BORDERS
 from rl_tui.screen.kit.row import DISCOUNT, WORLD_CHECK
 from rl_tui.screen.kit.snapshot_facts import is_secret
@@ -60,8 +61,25 @@ class ViewActions(Subject):
         return self.link.player.is_automatic and rests and self.board.controls.has_slider(GAMMA)
 
     def next_layer(self) -> None:
-        """Go to the next layer of the table."""
-        self.board.next_layer()
+        """Go to the next layer, of those that the world or the table in view has.
+
+        Where neither has another one, show the table alone.
+        """
+        board, order = self.board, list(Layer)
+        choices = [layer for layer in board.table.layer_choices if self._is_seen(layer)]
+        if len(choices) < 2 and board.zoomed is None:
+            board.zoom(board.table.id)
+            board.table.focus()
+            return
+        later = [layer for layer in choices if order.index(layer) > order.index(board.wanted_layer)]
+        board.show_layer((later or choices)[0])
+
+    def _is_seen(self, layer: Layer) -> bool:
+        """Return whether a panel in view shows ``layer``."""
+        board, world = self.board, self.board.world
+        if layer is not Layer.LANDSCAPE and board.shows(board.table.id or ""):
+            return True
+        return world is not None and board.shows(world.id or "") and world.has_layer(layer)
 
     def turn_actions(self) -> None:
         """Let the cells of a map show Q of every action, or V and greedy actions again."""

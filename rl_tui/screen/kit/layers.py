@@ -1,0 +1,185 @@
+"""The layers that world and table show: which there are, and their numbers.
+
+Pairs have numbers in the table, states in the picture of a world. Numbers of pairs are [P], of states [S].
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from enum import StrEnum
+from typing import Final
+
+import numpy as np
+
+from rl_tui.live.snapshot import AgentView, Snapshot
+from rl_tui.runs.bandit import best_arms, true_means
+from rl_tui.runs.timeline.lane_view import LaneView
+from rl_tui.screen.kit.counterparts import are_alike
+from rl_tui.screen.kit.numbers_in_common import finite, held_pairs, known_v, lanes_in_view
+from rl_tui.screen.kit.snapshot_facts import is_secret, keeps_back
+from rl_tui.screen.theme.glyphs import Glyphs
+from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.space import BoolArray, FloatArray
+
+
+class Layer(StrEnum):
+    """What world and table show, in the order in which one follows the other."""
+
+    Q = "Q"
+    OPTIMAL = "Q*"
+    ERROR = "Q−Q*"
+    POLICY = "Qπ"
+    LANES = "Q−other"
+    VISITS = "visits"
+    LANDSCAPE = "landscape"
+
+
+EXACT_LAYERS: Final = (Layer.OPTIMAL, Layer.ERROR)
+WORLD_LAYERS: Final = (*EXACT_LAYERS, Layer.VISITS)
+"""Layers whose numbers a world shows in place of V; the table has more."""
+WORDS: Final = {Layer.OPTIMAL: "exact value", Layer.ERROR: "error", Layer.VISITS: "visits"}
+"""What the numbers of a layer are called, those of all others ``value``."""
+
+Exact = tuple[FloatArray, BoolArray]
+
+# What is known
+
+
+def exact_q(snapshot: Snapshot) -> Exact | None:
+    """Return Q* and the pairs that are greedy for it, [P] each; None while unknown, hidden or refused.
+
+    For a bandit they are the true means, whatever γ is: every pull ends its episode. Where they drift they
+    are those of this very step.
+    """
+    if is_secret(snapshot):
+        return None
+    if isinstance(snapshot.world.drawing, Arms):
+        mdp = snapshot.world.mdp
+        if mdp is not None and (mdp.drift_std == 0.0 or snapshot.counters.step == 0):
+            return true_means(mdp), best_arms(mdp)
+    solution = snapshot.exact_answer.solution
+    return None if solution is None else (solution.q, solution.greedy)
+
+
+def hides_exact(snapshot: Snapshot) -> bool:
+    """Return whether there is or will be an exact answer, and it is hidden."""
+    return is_secret(snapshot) and not snapshot.exact_answer.refused
+
+
+def has_exact_key(snapshot: Snapshot) -> bool:
+    """Return whether it is hidden, and a key shows it."""
+    return hides_exact(snapshot) and not keeps_back(snapshot, "answer")
+
+
+def veils_exact(snapshot: Snapshot) -> bool:
+    """Return whether the layer Q* has ``···`` in place of numbers: a key shows them.
+
+    A bandit has them in a column of its table already.
+    """
+    return has_exact_key(snapshot) and not isinstance(snapshot.world.drawing, Arms)
+
+
+def veiled(glyphs: Glyphs) -> str:
+    """Return what is written in place of a number that is hidden."""
+    return "..." if glyphs.name == "ascii" else "···"
+
+
+def shown_exact(snapshot: Snapshot) -> Exact | None:
+    """Return :func:`exact_q`, or NaN for every pair where the layer Q* has ``···``."""
+    if veils_exact(snapshot):
+        pairs = snapshot.world.space.pairs
+        return np.full(pairs, np.nan), np.zeros(pairs, np.bool_)
+    return exact_q(snapshot)
+
+
+def other_lane(snapshot: Snapshot) -> LaneView | None:
+    """Return the run that stands beside the one shown, None without one or where its table is too large.
+
+    None too where it is the table of a world with other states or pairs.
+    """
+    group, beside = snapshot.run_group, snapshot.beside
+    other = group.lanes[group.beside] if group.lanes and group.beside is not None else None
+    if other is None or (beside is not None and not are_alike(snapshot.world, beside.world)):
+        return None
+    return other if len(other.q) == snapshot.world.space.pairs else None
+
+
+# Layers of a world
+
+
+def world_layer(snapshot: Snapshot, layer: Layer) -> Layer:
+    """Return what the picture of a world shows in ``layer``: that, or Q where it has no numbers for it."""
+    if isinstance(snapshot.world.drawing, Arms) or layer not in WORLD_LAYERS:
+        return Layer.Q
+    return Layer.Q if layer in EXACT_LAYERS and shown_exact(snapshot) is None else layer
+
+
+def as_layer(snapshot: Snapshot, layer: Layer) -> Snapshot:
+    """Return ``snapshot`` with the numbers of states in ``layer``, one of a world, in place of V.
+
+    The actions are those of Q* in its layer, else the agent's. The lane beside it has its own.
+    """
+    if layer in (Layer.Q, Layer.LANDSCAPE):
+        return snapshot
+    exact = shown_exact(snapshot)
+    if layer is Layer.OPTIMAL and exact is not None:
+        agent = _optimal(snapshot, exact)
+    else:
+        agent = _compared(snapshot, layer, exact)
+    beside = snapshot.beside
+    if beside is not None and world_layer(beside, layer) is layer:
+        beside = as_layer(beside, layer)
+    return replace(snapshot, agent=agent, beside=beside)
+
+
+def _optimal(snapshot: Snapshot, exact: Exact) -> AgentView:
+    q, greedy = exact
+    space = snapshot.world.space
+    states, _, first = held_pairs(space, None)
+    values = np.zeros(space.states)
+    values[states] = np.maximum.reduceat(q, first)
+    visits = np.ones(space.pairs, np.int64)
+    return replace(
+        snapshot.agent, q=q, values=values, policy=greedy.astype(np.float64), visits=visits, part=None
+    )
+
+
+def _compared(snapshot: Snapshot, layer: Layer, exact: Exact | None) -> AgentView:
+    """Return the agent with its errors or its visits in place of V, and its greedy actions."""
+    agent, space = snapshot.agent, snapshot.world.space
+    states, pairs, first = held_pairs(space, agent.part)
+    q = agent.q[pairs]
+    best = np.maximum.reduceat(q, first)
+    values, policy = np.zeros(space.states), agent.policy
+    if layer is Layer.VISITS:
+        values[states] = np.add.reduceat(agent.visits[pairs], first)
+    else:
+        assert exact is not None
+        own = agent.values[states] if len(agent.values) else best
+        values[states] = own - np.maximum.reduceat(exact[0][pairs], first)
+    if not len(policy):
+        counts = np.diff(first, append=len(q))
+        policy = np.zeros(space.pairs)
+        policy[pairs] = q == np.repeat(best, counts)
+    return replace(agent, values=values, policy=policy)
+
+
+# The numbers of scales
+
+
+def scale_numbers(snapshot: Snapshot, layer: Layer) -> FloatArray:
+    """Return the numbers that the scale of ``layer`` has to hold, in both lanes in view.
+
+    That of visits holds those of states, that of errors those of pairs, which are larger.
+    """
+    if layer is Layer.ERROR:
+        return finite(np.concatenate([_errors(lane) for lane in lanes_in_view(snapshot)]))
+    return known_v(as_layer(snapshot, layer) if layer in (Layer.OPTIMAL, Layer.VISITS) else snapshot)
+
+
+def _errors(lane: Snapshot) -> FloatArray:
+    exact, part = exact_q(lane), lane.agent.part
+    if exact is None:
+        return np.empty(0)
+    errors = lane.agent.q - exact[0]
+    return np.asarray(errors if part is None else errors[part.pairs])

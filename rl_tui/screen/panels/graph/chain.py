@@ -1,0 +1,278 @@
+"""A chain of states as a row of boxes: values inside, exact ones below, the two ends as goal and hole."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+from rich.style import Style
+
+from rl_tui.screen.draw.block_signs import block_sign, sign_size
+from rl_tui.screen.draw.canvas import Canvas, centred
+from rl_tui.screen.kit.snapshot_facts import followed_step, is_secret
+from rl_tui.screen.panels.graph.layout import GraphLayout
+from rl_tui.screen.panels.graph.routing import Box
+from rl_tui.screen.panels.graph.shape import GraphShape, Signs, reward_text
+from rl_tui.screen.panels.world.edit_marks import marks_of
+
+if TYPE_CHECKING:
+    from textual.strip import Strip
+
+    from rl_tui.live.snapshot import Snapshot
+    from rl_tui.screen.draw.number_form import NumberForm
+    from rl_tui.screen.panels.world.shown_policy import StateValues
+    from rl_tui.screen.theme.look import Look
+    from rl_tui.worlds.mdp.space import FiniteSpace
+    from rl_tui.worlds.mdp.tabular_mdp import TabularMDP
+
+# Boxes
+
+_LEAST_STEP: Final = 2  # columns from a box to the next: one for the box, one for the line between
+_MOST_WIDTH: Final = 25
+_GAPS: Final = 8  # times wider than the gap behind it is a box
+_HEIGHTS: Final = ((22, 11), (18, 9), (14, 7), (0, 5))  # of boxes from so many columns on
+_AROUND: Final = 2  # rows: the agent above, exact values below
+_LEAST_BLOCK: Final = 9  # columns of a box with arrows of blocks
+_LEAST_NUMBER: Final = 3  # columns; shorter numbers would say less than the tint
+_EXACT: Final = "exact"
+
+
+def chain_rows(states: int, width: int) -> int:
+    """Return the rows of a chain in ``width`` columns, with the agent above and the exact values below."""
+    return _box_size(width // states)[1] + _AROUND
+
+
+def _box_size(step: int) -> tuple[int, int]:
+    """Return the columns and rows of a box that begins ``step`` columns before the next one."""
+    wide = min(_MOST_WIDTH, step - max(1, step // _GAPS))
+    return wide, next(rows for least, rows in _HEIGHTS if wide >= least or not least)
+
+
+def chain_boxes(chain: tuple[int, ...], width: int, height: int) -> tuple[Box, ...] | None:
+    """Return the boxes of ``chain`` in the order of the states; None where they do not fit."""
+    step = width // len(chain)
+    if step < _LEAST_STEP or height < 1:
+        return None
+    wide, high = _box_size(step)
+    high = max(1, min(high, height - _AROUND))
+    top = max(0, (height - high - _AROUND) // 2) + (height > 1)
+    left = (width - step * (len(chain) - 1) - wide) // 2
+    boxes = {state: Box(left + place * step, top, wide, high) for place, state in enumerate(chain)}
+    return tuple(boxes[state] for state in range(len(chain)))
+
+
+@lru_cache(maxsize=32)
+def chain_layout(chain: tuple[int, ...], width: int, height: int) -> GraphLayout | None:
+    """Return the layout of ``chain``, which has no edges; None where its boxes do not fit."""
+    boxes = chain_boxes(chain, width, height)
+    return None if boxes is None else GraphLayout(boxes, (), (), (), ())
+
+
+# Ends
+
+
+def end_rewards(mdp: TabularMDP) -> Mapping[int, float | None]:
+    """Return the reward on the way into each state without actions; None where there are several."""
+    ends = np.flatnonzero(np.diff(mdp.first_pair) == 0)
+    rewards = {int(end): np.unique(mdp.reward[mdp.next_state == end]) for end in ends}
+    return {end: float(own[0]) if len(own) == 1 else None for end, own in rewards.items()}
+
+
+# The picture
+
+
+class ChainScene(NamedTuple):
+    """What a chain looks like at one moment.
+
+    ``rewards`` are those of :func:`end_rewards`, ``exact`` the exact V, [S], None where it is not shown.
+    ``updated`` is the state of the last update, with the sign of its error.
+    """
+
+    values: StateValues
+    form: NumberForm
+    signs: Signs
+    rewards: Mapping[int, float | None]
+    exact: tuple[float, ...] | None
+    updated: tuple[int, int] | None
+    way: tuple[int, int] | None
+    """The states between which the last step led."""
+
+
+def chain_scene(
+    space: FiniteSpace,
+    snapshot: Snapshot,
+    values: StateValues,
+    form: NumberForm,
+    signs: Signs,
+    rewards: Mapping[int, float | None],
+) -> ChainScene:
+    """Return the scene of ``snapshot``."""
+    last, solution = followed_step(snapshot), snapshot.exact_answer.solution
+    exact = None
+    if solution is not None and not is_secret(snapshot):
+        q = solution.q.tolist()
+        pairs = map(space.pairs_of, range(space.states))
+        exact = tuple(max(q[own.start : own.stop], default=0.0) for own in pairs)
+    updated = way = None
+    if last is not None and last.updated_pair >= 0:
+        error = (last.after > last.before) - (last.after < last.before)
+        updated = space.state_of(last.updated_pair), error
+    if last is not None and not last.planned:
+        way = last.state, last.next_state
+    return ChainScene(values, form, signs, rewards, exact, updated, way)
+
+
+def draw_chain(
+    shape: GraphShape, layout: GraphLayout, scene: ChainScene, look: Look, width: int, height: int
+) -> list[Strip]:
+    """Return the boxes of ``layout`` with all that ``scene`` has."""
+    return _ChainPicture(shape, layout.boxes, scene, look, Canvas(width, height, look.palette.text)).drawn()
+
+
+@dataclass
+class _ChainPicture:
+    shape: GraphShape
+    boxes: tuple[Box, ...]
+    scene: ChainScene
+    look: Look
+    canvas: Canvas
+
+    def drawn(self) -> list[Strip]:
+        """Return the rows of the picture."""
+        self._put_links()
+        for state, box in enumerate(self.boxes):
+            self._fill(box, self._ground(state))
+            if self.shape.nodes[state].terminal:
+                self._put_end(state, box)
+            else:
+                self._put_state(state, box)
+            self._put_marks(state, box)
+        self._put_agent()
+        self._put_exact()
+        return self.canvas.strips()
+
+    def _put_links(self) -> None:
+        """Join neighbours by a line; the way of the last step is an arrow."""
+        glyphs, palette = self.look.glyphs, self.look.palette
+        row = sorted(enumerate(self.boxes), key=lambda each: each[1].x)
+        for (state, box), (after, following) in pairwise(row):
+            x, y = box.x + box.width, box.y + box.height // 2
+            gap = following.x - x
+            line, style = glyphs.thin * gap, palette.dim
+            if self.scene.way == (state, after):
+                line, style = glyphs.track_done * (gap - 1) + glyphs.head_right, palette.agent
+            elif self.scene.way == (after, state):
+                line, style = glyphs.head_left + glyphs.track_done * (gap - 1), palette.agent
+            self.canvas.put(x, y, line, style)
+
+    def _ground(self, state: int) -> Style:
+        palette, reward = self.look.palette, self.scene.rewards.get(state)
+        if not self.shape.nodes[state].terminal:
+            return self.scene.values.style(state, self.look)
+        return palette.goal if reward is not None and reward > 0.0 else palette.hole
+
+    def _fill(self, box: Box, style: Style) -> None:
+        for y in range(box.y, box.y + box.height):
+            self.canvas.put(box.x, y, " " * box.width, style)
+
+    def _put(self, box: Box, row: int, text: str, style: Style) -> bool:
+        """Put ``text`` into the middle of a row of ``box`` if it fits whole; return whether it does."""
+        if fits := 0 < len(text) <= box.width and row < box.height:
+            self.canvas.put(box.x, box.y + row, centred(text, box.width), style)
+        return fits
+
+    def _put_end(self, state: int, box: Box) -> None:
+        """Put a star or a ring, with the reward on the way into it, and the name where a row is free."""
+        glyphs, style, reward = self.look.glyphs, self._ground(state), self.scene.rewards.get(state)
+        sign = glyphs.goal if reward is not None and reward > 0.0 else glyphs.hole
+        paid = "" if reward is None else reward_text(reward, glyphs)
+        name, edge = self.shape.nodes[state].name, int(box.height >= 5)
+        bold = style + Style(bold=True)
+        if box.height < 3 or not paid or len(f"{sign} {paid}") <= box.width:
+            self._put(box, box.height // 2, f"{sign} {paid}".rstrip(), bold) or self._put(
+                box, box.height // 2, sign, bold
+            )
+        else:
+            self._put(box, edge + 1, sign, bold)
+            self._put(box, box.height - 1 - edge, paid, bold)
+        if box.height >= 3:
+            self._put(box, edge if box.height > 3 else 0, name, style)
+
+    def _put_state(self, state: int, box: Box) -> None:
+        """Put name, arrows and value one below the other; a low box has its value alone."""
+        scene, look, style = self.scene, self.look, self._ground(state)
+        edge = int(box.height >= 5)
+        name = self.shape.nodes[state].name
+        flag = scene.values.flag(state, scene.signs.differing, look)
+        if box.height > 1 and self._put(box, edge, name, style + Style(bold=True)) and flag:
+            x = box.x + min(box.width - 1, (box.width + len(name)) // 2 + 1)
+            self.canvas.put(x, box.y + edge, flag, scene.values.flag_style(state, look.palette.you, look))
+        if box.height > 2:
+            self._put_arrows(state, box, edge + 1, box.height - 2 * edge - 2)
+        text = scene.values.text(state, scene.form, look)
+        is_new = state not in scene.values.known
+        ink = look.palette.focus if state == scene.signs.cursor else style + Style(bold=not is_new)
+        if box.width >= _LEAST_NUMBER:
+            self._put(box, box.height - 1 - edge, text, ink)
+
+    def _put_arrows(self, state: int, box: Box, top: int, rows: int) -> None:
+        """Put the greedy actions, left or right, into ``rows`` of a box; of a single action nothing."""
+        ways = [
+            -1 if action.name == "left" else 1
+            for action in self.shape.actions
+            if action.source == state and action.pair in self.scene.values.greedy
+        ]
+        glyphs, style = self.look.glyphs, self._ground(state) + Style(bold=True)
+        size = sign_size(box.width, max(3, 2 * rows - 1))[0], rows
+        if len(ways) == 1 and rows > 1 and box.width >= _LEAST_BLOCK and glyphs.braille:
+            for y, line in enumerate(block_sign("arrow", *size, (0, ways[0])), start=top):
+                self._put(box, y, line, style)
+        else:
+            text = "".join(glyphs.right if way > 0 else glyphs.left for way in ways)
+            self._put(box, top + rows // 2, text, style)
+
+    def _put_marks(self, state: int, box: Box) -> None:
+        """Frame the box of the last update; put breakpoints and marks of edits into its corners."""
+        scene, glyphs, palette = self.scene, self.look.glyphs, self.look.palette
+        right, last = box.x + box.width - 1, box.y + box.height - 1
+        if scene.updated is not None and scene.updated[0] == state and box.width >= 3:
+            error = scene.updated[1]
+            colour = palette.good if error > 0 else palette.bad if error < 0 else palette.dim
+            if not glyphs.braille:
+                low = last - int(box.height >= 5)
+                self.canvas.restyle(box.x, low, box.width, Style(reverse=True))
+            for y in range(box.y, last + 1 if glyphs.braille else box.y):
+                for x, sign in ((box.x, glyphs.frame[0]), (right, glyphs.frame[1])):
+                    if self.canvas.is_blank(x, y, 1):
+                        self.canvas.put_over(x, y, sign, colour)
+        if state in scene.signs.breakpoints.states:
+            self.canvas.put(right, box.y, glyphs.breakpoint, palette.breakpoint)
+        for y, mark in zip((box.y, last), marks_of(scene.signs.editor, state).signs(self.look), strict=False):
+            self.canvas.put(box.x, y, *mark)
+
+    def _put_agent(self) -> None:
+        box, sign = self.boxes[self.scene.signs.agent], self.look.glyphs.agent
+        x = box.x + (box.width - 1) // 2
+        if box.width >= 3:
+            self.canvas.put(x - 1, max(0, box.y - 1), f" {sign} ", self.look.palette.agent)
+        else:
+            self.canvas.put(x, max(0, box.y - 1), sign, self.look.palette.agent)
+
+    def _put_exact(self) -> None:
+        """Put the exact values below the boxes, if there is room for the word before them."""
+        scene, look = self.scene, self.look
+        row = sorted(enumerate(self.boxes), key=lambda each: each[1].x)
+        first, y = row[0][1], row[0][1].y + row[0][1].height
+        is_end = self.shape.nodes[row[0][0]].terminal
+        start, room = (first.x, first.width) if is_end else (0, first.x - 1)
+        if scene.exact is None or y >= self.canvas.height or room < len(_EXACT):
+            return
+        self.canvas.put(start, y, _EXACT, look.palette.dim)
+        for state, box in row:
+            text = scene.form.text(scene.exact[state], look.glyphs)
+            if not self.shape.nodes[state].terminal and len(text) <= box.width:
+                self.canvas.put(box.x, y, centred(text, box.width), look.palette.dim)

@@ -1,0 +1,237 @@
+"""A map as a landscape: V is its height, lit from the upper left, with a line at every round step.
+
+A character has two pixels, an upper and a lower one. V is interpolated between the middles of cells.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from itertools import pairwise
+from typing import Final, NamedTuple
+
+import numpy as np
+from rich.color import Color, ColorSystem, ColorType, blend_rgb
+from rich.color_triplet import ColorTriplet
+from rich.segment import Segment
+from rich.style import Style
+from textual.geometry import Size
+from textual.strip import Strip
+
+from rl_tui.screen.kit.value_scale import ValueScale
+from rl_tui.screen.panels.grid.map import CellContent, MapPart
+from rl_tui.screen.panels.grid.marks import SEVERAL, sign_text
+from rl_tui.screen.theme.look import Look
+from rl_tui.screen.theme.roles import Palette, contrast
+from rl_tui.worlds.drawing import CellKind, Grid
+from rl_tui.worlds.mdp.space import FloatArray, IntArray
+from rl_tui.worlds.world import World
+
+_LEAST_CELL: Final = Size(5, 2)
+_LEAST_RELIEF: Final = 0.05  # of the scale; where V differs by less there is nothing to see
+_HALF: Final = "▀"
+_LIGHTS: Final = 6  # steps of light, and as many of shade
+_MOST_LIGHT: Final = 0.38
+_STEEPNESS: Final = 1.1  # slopes of so much of the scale a cell are lit fully or half of it
+_LINES: Final = 8  # about so many steps are in the scale
+_TINTS: Final = 32
+_MOST_KEPT: Final = 4_096
+_BLACK, _WHITE = ColorTriplet(0, 0, 0), ColorTriplet(255, 255, 255)
+
+
+class Plate(NamedTuple):
+    """A ``text`` over the landscape from column ``x`` on, on a ground of its own if its ``style`` has one."""
+
+    x: int
+    text: str
+    style: Style | None = None
+
+
+def has_landscape(world: World, cell: Size | None, look: Look) -> bool:
+    """Return whether ``world``, drawn in cells of that size, can be a landscape."""
+    is_large = cell is not None and cell.width >= _LEAST_CELL.width and cell.height >= _LEAST_CELL.height
+    return is_large and isinstance(world.drawing, Grid) and look.palette.has_shades and look.glyphs.braille
+
+
+def has_relief(values: Sequence[float], scale: ValueScale) -> bool:
+    """Return whether ``values`` of states differ so much that there is something to see; NaN does not."""
+    low, high = scale.ends
+    return high > low and max(values, default=low) - min(values, default=low) > _LEAST_RELIEF * (high - low)
+
+
+def line_step(scale: ValueScale) -> float:
+    """Return the round step of the lines: 1, 2 or 5 times a power of ten, about an eighth of the scale."""
+    rough = (scale.ends[1] - scale.ends[0]) / _LINES
+    power = 10.0 ** math.floor(math.log10(rough))
+    return next(each * power for each in (1.0, 2.0, 5.0, 10.0) if rough <= each * power * (1.0 + 1e-9))
+
+
+def heights(values: FloatArray, cell: Size) -> FloatArray:
+    """Return V of each pixel, interpolated between ``values`` of cells, [rows, columns]; NaN in walls.
+
+    A cell sees its own value in place of that of a wall, and of one beyond the edge.
+    """
+    rows, columns = values.shape
+    down, across = 2 * cell.height, cell.width
+    own = np.repeat(np.repeat(values, down, axis=0), across, axis=1)
+    y, x = (np.arange(rows * down) + 0.5) / down - 0.5, (np.arange(columns * across) + 0.5) / across - 0.5
+    top, left = np.floor(y).astype(int), np.floor(x).astype(int)
+    found = np.zeros_like(own)
+    for i, part_y in ((top, 1.0 - (y - top)), (top + 1, y - top)):
+        for j, part_x in ((left, 1.0 - (x - left)), (left + 1, x - left)):
+            corner = values[i.clip(0, rows - 1)][:, j.clip(0, columns - 1)]
+            found += np.outer(part_y, part_x) * np.where(np.isnan(corner), own, corner)
+    return found
+
+
+def pixels(values: FloatArray, cell: Size, scale: ValueScale) -> IntArray:
+    """Return the colour of each pixel, as a number that :func:`_colours` knows; −1 in walls."""
+    z = heights(values, cell)
+    low, high = scale.ends
+    share = np.nan_to_num((z - low) / (high - low)).clip(0.0, 1.0)
+    tint = np.rint(share * (_TINTS - 1)).astype(np.int64)
+    down, across = np.gradient(z / (high - low))
+    slope = _STEEPNESS * (across * cell.width + down * 2 * cell.height)
+    light = np.rint(np.nan_to_num(slope).clip(-1.0, 1.0) * _LIGHTS).astype(np.int64) + _LIGHTS
+    step = np.floor(z / line_step(scale) + 1e-9)
+    is_line = np.zeros(z.shape, dtype=np.int64)
+    is_line[:, 1:] = np.abs(np.diff(step, axis=1)) > 0.0
+    is_line[1:] |= np.abs(np.diff(step, axis=0)) > 0.0
+    return np.where(np.isnan(z), -1, (tint * (2 * _LIGHTS + 1) + light) * 2 + is_line)
+
+
+def _values(cells: Sequence[CellContent], part: MapPart, scale: ValueScale) -> FloatArray:
+    """Return V of ``cells``, [rows, columns]: at goals the greatest of the scale, at holes the least."""
+    low, high = scale.ends
+    ends = {CellKind.GOAL: high, CellKind.HOLE: low, CellKind.CLIFF: low}
+    values = [ends.get(each.kind, math.nan) if each.value is None else each.value for each in cells]
+    return np.array(values).reshape(part.rows, part.columns)
+
+
+def _plates(cells: Sequence[CellContent], part: MapPart, cell: Size, look: Look) -> list[tuple[Plate, ...]]:
+    """Return what stands in each row of characters: the actions, agent and ends in the middle of cells."""
+    plates: list[list[Plate]] = [[] for _ in range(part.rows * cell.height)]
+    for place, content in enumerate(cells):
+        row, column = divmod(place, part.columns)
+        x, line = column * cell.width + (cell.width - 1) // 2, row * cell.height + (cell.height - 1) // 2
+        plates[line] += _plates_of(content, x, cell.width, look)
+    return [tuple(each) for each in plates]
+
+
+def _plates_of(content: CellContent, x: int, width: int, look: Look) -> Iterator[Plate]:
+    palette, glyphs = look.palette, look.glyphs
+    ends = {
+        CellKind.HOLE: Plate(x, glyphs.hole, palette.hole),
+        CellKind.GOAL: Plate(x, glyphs.goal, palette.goal),
+    }
+    text = "".join(sign_text(each, look) for each in content.greedy)
+    text = text if len(text) < width - 1 else SEVERAL
+    if content.value is None and content.kind in ends:
+        yield ends[content.kind]
+    elif text:
+        yield Plate(x - (len(text) - 1) // 2, text, palette.focus if content.cursor else None)
+    if content.agent:
+        yield Plate(x - 1, f" {glyphs.agent} ", palette.agent)
+    elif content.cursor and not text:
+        yield Plate(x, " ", palette.focus)
+    if content.stops:
+        yield Plate(x - 2, glyphs.breakpoint, palette.breakpoint)
+    if content.differs:
+        yield Plate(x - width // 2, glyphs.differs, palette.you)
+
+
+class LandscapeArtist:
+    """Draws landscapes of one look; rows that look the same are drawn once."""
+
+    def __init__(self, look: Look) -> None:
+        self.look = look
+        self._pixels: tuple[object, IntArray] | None = None
+        self._row = lru_cache(_MOST_KEPT)(self._drawn_row)
+        self._pair = lru_cache(_MOST_KEPT)(self._style)
+        self._ink = lru_cache(_MOST_KEPT)(self._ink_on)
+
+    def strips(
+        self,
+        cells: Sequence[CellContent],
+        part: MapPart,
+        cell: Size,
+        scale: ValueScale,
+        place: tuple[int, int],
+        size: Size,
+    ) -> list[Strip] | None:
+        """Return the landscape of ``cells``, those of ``part``, on ``size`` characters.
+
+        It begins at column and row ``place``. None where V differs so little that there is nothing to see.
+        """
+        if not has_relief([each.value for each in cells if each.value is not None], scale):
+            return None
+        values = _values(cells, part, scale)
+        key = values.tobytes(), values.shape, cell, scale
+        if self._pixels is None or self._pixels[0] != key:
+            self._pixels = key, pixels(values, cell, scale)
+        found = self._pixels[1]
+        (left, top), (width, height) = place, size
+        text, plates = self.look.palette.text, _plates(cells, part, cell, self.look)
+        blank = Strip([Segment(" " * width, text)], width)
+        before, after = (Segment(" " * each, text) for each in (left, width - left - found.shape[1]))
+        rows = [blank] * top
+        for y in range(part.rows * cell.height):
+            row = self._row(found[2 * y : 2 * y + 2].tobytes(), plates[y], scale.is_signed)
+            rows.append(Strip([before, *row, after], width))
+        return rows + [blank] * (height - len(rows))
+
+    def _drawn_row(self, row: bytes, plates: tuple[Plate, ...], is_signed: bool) -> Strip:
+        """Return a row of characters, one segment for all that look the same side by side."""
+        upper, lower = np.frombuffer(row, dtype=np.int64).reshape(2, -1)
+        last = len(upper)
+        signs = {
+            column: Segment(sign, style or self._ink(int(upper[column]), is_signed))
+            for x, text, style in plates
+            for column, sign in enumerate(text, start=x)
+        }
+        changes = np.flatnonzero(np.diff(upper) | np.diff(lower)) + 1
+        starts = sorted({0, last, *changes.tolist(), *signs, *(column + 1 for column in signs)})
+        above, below = upper.tolist(), lower.tolist()
+        segments = []
+        for start, end in pairwise(starts):
+            style = self._pair(above[start], below[start], is_signed)
+            segments.append(signs.get(start) or Segment(_HALF * (end - start), style))
+        return Strip(segments, last)
+
+    def _style(self, upper: int, lower: int, is_signed: bool) -> Style:
+        return Style(color=self._colour(upper, is_signed), bgcolor=self._colour(lower, is_signed))
+
+    def _ink_on(self, pixel: int, is_signed: bool) -> Style:
+        """Return black or white, whichever contrasts more with ``pixel``, on that."""
+        ground = self._colour(pixel, is_signed)
+        inks = map(Color.from_triplet, (_BLACK, _WHITE))
+        return Style(color=max(inks, key=lambda ink: contrast(ink, ground)), bgcolor=ground, bold=True)
+
+    def _colour(self, pixel: int, is_signed: bool) -> Color:
+        return _colours(self.look.palette, is_signed)[pixel]
+
+
+@lru_cache(8)
+def _colours(palette: Palette, is_signed: bool) -> tuple[Color, ...]:
+    """Return the colour of every pixel: for each tint, light and shade, each without a line and with one.
+
+    That of walls is the last one.
+    """
+    ramp = [each.bgcolor for each in (palette.signed if is_signed else palette.values)]
+    ground, wall = palette.page.color, palette.wall.bgcolor
+    assert ground is not None
+    assert wall is not None
+    steps = [each.get_truecolor() for each in ramp if each is not None]
+    page = ground.get_truecolor()
+    found = []
+    for tint in range(_TINTS):
+        part, at = math.modf(tint * (len(steps) - 1) / (_TINTS - 1))
+        base = blend_rgb(steps[int(at)], steps[min(int(at) + 1, len(steps) - 1)], part)
+        for light in range(-_LIGHTS, _LIGHTS + 1):
+            lit = blend_rgb(base, _WHITE if light > 0 else _BLACK, _MOST_LIGHT * abs(light) / _LIGHTS)
+            found += [lit, blend_rgb(lit, page, 0.5)]
+    colours = [Color.from_triplet(each) for each in found]
+    if ramp[0] is not None and ramp[0].type is ColorType.EIGHT_BIT:
+        colours = [each.downgrade(ColorSystem.EIGHT_BIT) for each in colours]
+    return *colours, wall
