@@ -30,6 +30,7 @@ class History:
 
     def __init__(self, bins: int = BINS) -> None:
         self._bins = empty_bins(bins)
+        self._count, self._every = 0, 1  # episodes, and the distance of two kept returns
         self._samples: FloatArray = np.empty(0)
         self._recent_returns: FloatArray = np.empty(0)
         self._recent_lengths: IntArray = np.empty(0, np.int64)
@@ -37,26 +38,17 @@ class History:
 
     def add(self, returns: FloatArray, lengths: IntArray) -> None:
         """Add finished episodes, [n] each, in order."""
-        self._sample(returns)
+        before, done = self._every, self._count
+        self._count += len(returns)
+        while self._count > _SAMPLES_A_BIN * len(self._bins.episodes) * self._every:
+            self._every *= 2
+        new = returns[-done % self._every :: self._every]
+        self._samples = np.concatenate((self._samples[:: self._every // before], new))
         fastest(fold)(self._bins, returns, lengths)
         self._recent_returns = np.concatenate((self._recent_returns, returns[-RECENT:]))[-RECENT:]
         self._recent_lengths = np.concatenate((self._recent_lengths, lengths[-RECENT:]))[-RECENT:]
         if len(self._first_lengths) < FIRST:
             self._first_lengths = np.concatenate((self._first_lengths, lengths[:FIRST]))[:FIRST]
-
-    def _sample(self, returns: FloatArray) -> None:
-        done = self._finished
-        before, every = self._every(done), self._every(done + len(returns))
-        self._samples = np.concatenate((self._samples[:: every // before], returns[-done % every :: every]))
-
-    def _every(self, episodes: int) -> int:
-        """Return of how many of so many episodes one return is kept: a power of two."""
-        most = _SAMPLES_A_BIN * len(self._bins.episodes)
-        return 1 << max(0, (max(1, episodes) - 1) // most).bit_length()
-
-    @property
-    def _finished(self) -> int:
-        return int(self._bins.episodes[: int(self._bins.used[0])].sum())
 
     @property
     def total_return(self) -> float:
@@ -97,7 +89,7 @@ class History:
             return_high=self._bins.return_high[used].copy(),
             length_mean=self._bins.length_sum[used] / count,
             samples=self._samples,
-            sample_every=self._every(self._finished),
+            sample_every=self._every,
         )
 
     def checkpoint(self) -> Arrays:
@@ -110,3 +102,7 @@ class History:
         # what is no bin is never written to
         *bins, self._samples, self._recent_returns, self._recent_lengths, self._first_lengths = state
         put_back(self._bins, tuple(bins))
+        self._count = int(self._bins.episodes[: int(self._bins.used[0])].sum())
+        self._every = 1
+        while self._count > _SAMPLES_A_BIN * len(self._bins.episodes) * self._every:
+            self._every *= 2

@@ -38,7 +38,7 @@ class Curve:
     samples: FloatArray = field(default_factory=_no_numbers)
     """[S], the undiscounted returns of the first episode and of every so many-th after it, for quartiles."""
     sample_every: int = 1
-    """How many episodes later the next of them is: a power of two, at most an eighth of a bin, or 1."""
+    """The distance of two samples in episodes: a power of two, at most an eighth of a bin, or 1."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

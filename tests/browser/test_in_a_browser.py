@@ -105,13 +105,13 @@ async def test_it_is_the_same_app(browser: Chromium, server: Served, tmp_path: P
 
 async def move_the_first_slider(tab: Tab) -> None:
     """Click on the right end of the slider of α, which stands at 0.1."""
-    await tab.wait_for(r"α\W+0\.100")
+    await tab.wait_for(r"α step size\W+0\.100")
     lines = tab.emulator.text.splitlines()
-    row = next(row for row, line in enumerate(lines) if re.search(r"α\W+0\.100", line))
+    row = next(row for row, line in enumerate(lines) if re.search(r"α step size\W+0\.100", line))
     column = lines[row].index("0.100") - 4
     width, height = await tab.cell()
     await tab.click((column + 0.5) * width, (row + 0.5) * height)
-    await tab.wait_for(r"α\W+(0\.[89]|1\.0)")
+    await tab.wait_for(r"α step size\W+(0\.[89]|1\.0)")
 
 
 async def test_nobody_else_gets_in_and_nothing_stays(browser: Chromium, server: Served) -> None:

@@ -48,9 +48,9 @@ pytest.importorskip("textual_serve", reason='needs textual-serve: pip install "r
 
 
 def test_the_apps_get_the_display_options_that_were_given(started: list[tuple[str, ...]]) -> None:
-    result = run("student", "--port", "0", "--theme", "light", "--ascii", "--fps", "5.5")
+    result = run("student", "--port", "0", "--theme", "light", "--ascii", "--reduced-motion", "--fps", "5.5")
     assert (result.exit_code, result.output) == (0, "")
-    arguments = ("play", "student", "--theme=light", "--ascii", "--fps=5.5")
+    arguments = ("play", "student", "--theme=light", "--ascii", "--fps=5.5", "--reduced-motion")
     assert started == [(sys.executable, "-P", "-m", "rl_tui", *arguments)]
 
 

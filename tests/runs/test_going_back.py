@@ -353,3 +353,23 @@ def test_few_functions_run_from_a_command_to_its_snapshot(command: Command, most
     do(playback, *[Step()] * 20, command, command)  # whatever is read or built at first does not count
     # what is worked out for some steps only, such as the value of another policy, does not count either
     assert min(len(functions_of(playback, command)) for _ in range(3)) <= most
+
+
+def test_what_a_branch_has_reached_is_known_as_long_as_one_is_in_its_past() -> None:
+    playback = begin(recipe("student"))
+    now = do(playback, Train(600))
+    assert now.timeline.furthest is None
+    for step in (200, 400):
+        furthest = do(playback, GoTo(step)).timeline.furthest
+        assert furthest is not None
+        assert furthest.counters.step == 600
+        assert furthest.counters.episodes == now.counters.episodes
+        assert furthest.results.curve.return_mean.tobytes() == now.results.curve.return_mean.tobytes()
+    further = do(playback, GoTo(600), Train(100), GoTo(650)).timeline.furthest
+    assert further is not None
+    assert further.counters.step == 700
+    forked = do(playback, Apply(SetParameter("alpha", 0.5)))
+    assert forked.timeline.furthest is None
+    back = do(playback, ChooseBranch(0)).timeline.furthest
+    assert back is not None
+    assert back.counters.step == 700

@@ -13,11 +13,11 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw.number_form import SteadyForms
 from rl_tui.screen.kit.numbers_in_common import all_v
 from rl_tui.screen.kit.value_scale import SteadyScale
+from rl_tui.screen.panels.grid.action_values import draw_grid
 from rl_tui.screen.panels.grid.cells import CellArtist
 from rl_tui.screen.panels.grid.form import CellForm
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.panels.grid.map import GridMap, MapPart
-from rl_tui.screen.panels.grid.rows import draw_grid
 from rl_tui.worlds.drawing import Grid
 from rl_tui.worlds.grid.section import GridSection
 from rl_tui.worlds.mdp.space import FloatArray

@@ -192,7 +192,7 @@ def test_kings_moves_stand_as_on_a_keypad() -> None:
         q[names[name]] = number / 10
     snapshot = changed(snapshot, q=q, visits=np.ones(space.pairs, np.int64))
     rows = drawn(with_actions(snapshot), snapshot, 34, 6)
-    numbers = [[part for part in row[:17].split() if "." in part] for row in rows[:3]]
+    numbers = [[part for part in row[:15].split() if "." in part] for row in rows[:3]]
     assert numbers == [[".10", ".20", ".30"], [".40", ".50"], [".60", ".70", "▌.80▐"]]
     rows = drawn(with_actions(snapshot), snapshot, 26, 10)
     numbers = [[part for part in row[:13].split() if "." in part] for row in rows[:5]]
@@ -330,12 +330,14 @@ async def test_a_key_turns_cells_to_q_and_back_and_the_next_scenario_shows_them_
 
 @pytest.mark.screen
 async def test_where_cells_are_too_small_it_says_so_and_the_zoom_helps(make_app: MakeApp) -> None:
-    async with on_screen(make_app("frozenlake"), (60, 18), notifications=True) as pilot:
+    async with on_screen(make_app("frozenlake-8x8"), (80, 24), notifications=True) as pilot:
         world = playground(pilot).board.world
+        await press(pilot, "d")
         before = world.head
         await press(pilot, "V")
         assert notes(pilot.app) == ["cells too small for Q of every action; f, the world alone, has room"]
         assert world.head == before
+        world.focus()
         await press(pilot, "f")
         assert not world.lacks_room
         assert world.head.startswith("World · Q of every action")
@@ -362,5 +364,5 @@ def test_in_lists_numbers_stand_above_one_another_at_the_right() -> None:
     actions = tuple(ActionValue(sign, q, not q, False) for sign, q in values)
     cell = CellContent(CellKind.FLOOR, False, 6.0, True, actions=actions)
     scale = ValueScale(-8.0, 6.0)
-    rows = artist.strips((artist.face(cell, scale, NumberForm(3, 0), scale),), 0, 13)
+    rows = artist.strips((artist.face(cell, scale, NumberForm(3, 0), scale),), 13)
     assert ["".join(segment.text for segment in row).rstrip() for row in rows] == ["↑ −8  ↓ −7", "→  6  ← ·"]

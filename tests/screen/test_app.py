@@ -9,6 +9,7 @@ import pytest
 from conftest import MakeApp
 from seams import notes, on_screen, screen_text, tap
 from textual.command import CommandPalette
+from textual.geometry import Region
 from textual.widgets import LoadingIndicator
 
 from rl_tui.common.errors import UserError
@@ -86,6 +87,8 @@ async def test_the_theme_changes_colours_and_the_palette_finds_and_does_the_acti
         await settle(pilot)
         assert screen.board.table.look.palette != before
         assert screen.board.table.look.palette == pilot.app.look.palette
+        heading = next(iter(screen.board.controls.render_lines(Region(0, 0, 5, 1))[0]))
+        assert (heading.text, heading.style.color) == ("Agent", pilot.app.look.palette.strong.color)
         provider = ActionProvider(screen)
         offered = [hit.display async for hit in provider.discover()]
         there = [action for action in actions_of(Place.PLAYGROUND) if not action.of_lesson]
@@ -135,10 +138,10 @@ async def test_escape_leaves_a_run_with_steps_only_when_pressed_again(make_app: 
 async def test_in_ascii_no_character_is_left_over(make_app: MakeApp) -> None:
     app = make_app("student", ascii=True)
     async with on_screen(app) as pilot:
-        assert "v:[Q] visits - h: Q*" in screen_text(app)
+        assert "v:[Q] Q*  visits - h: Q*" in screen_text(app)
         assert screen_text(app).isascii()
         for panel in app.screen.query(BoardPanel):  # as where it becomes narrower, until it is fitted anew
-            panel.write_border("x" * 200, "x" * 200, pilot.app.look.glyphs)
+            panel.write_border("x" * 200, "x" * 200, app.look)
         await settle(pilot)
         assert screen_text(app).isascii()
         await pilot.press("ctrl+p", *"xyzzy")  # few are found: the dots have room below them

@@ -63,7 +63,7 @@ def test_each_arm_is_a_bar_of_its_estimate_and_standard_error() -> None:
         "  8     ━━━┃━━━                         ",
         "  9                       ━┃━           ",
     ]
-    assert view.heading == "Arms · estimate ± error  −2…+2"
+    assert view.heading == "Arms · estimate ± standard error  −2…+2"
 
 
 def test_where_there_is_room_rows_are_spaced_and_an_axis_is_drawn() -> None:

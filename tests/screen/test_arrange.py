@@ -1,4 +1,4 @@
-"""Where everything stands on the screen, checked without one."""
+"""The place of every panel on the screen, checked without a screen."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ import pytest
 from textual.geometry import Region, Size
 
 from rl_tui.screen.frame.arrange import arrange
-from rl_tui.screen.frame.shape import Shape, cell_size
-from rl_tui.screen.frame.sheet import Place
+from rl_tui.screen.frame.shape import Arrangement, Shape, cell_size
 from rl_tui.screen.kit.row import (
     CONTROLS,
     CURVE,
@@ -67,6 +66,7 @@ STATES: Mapping[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "plain": ({}, {}),
     "panel": ({"opened": "microscope"}, {}),
     "wide panel": ({"opened": "discount", "is_wide": True}, {}),
+    "wide panel, drawing": ({"opened": "discount", "is_wide": True}, {"is_drawn": True}),
     "lanes": ({}, {"lanes": True}),
     "lanes, panel": ({"opened": "microscope"}, {"lanes": True}),
     "lanes, drawing": ({}, {"lanes": True, "is_drawn": True}),
@@ -85,13 +85,13 @@ STATES: Mapping[str, tuple[dict[str, Any], dict[str, Any]]] = {
 }
 
 
-def arranged(shape: Shape, state: str, size: Size) -> Place:
+def arranged(shape: Shape, state: str, size: Size) -> Arrangement:
     asked, changes = STATES[state]
     return arrange(size, replace(shape, **changes), **asked)
 
 
-def check(place: Place, shape: Shape, state: str, size: Size) -> None:
-    """Fail unless nothing overlaps, all stands between header and keys, and what was asked for is there."""
+def check(place: Arrangement, shape: Shape, state: str, size: Size) -> None:
+    """Fail unless nothing overlaps, all is between header and keys, and the panels asked for are there."""
     case = state, size, place
     between = Region(0, 1, size.width, size.height - 2)
     assert all(between.contains_region(each) for each in place.regions.values()), case
@@ -252,3 +252,20 @@ def test_cells_are_as_tall_as_fits_then_as_wide(
     rows: int, columns: int, width: int, height: int, cell: tuple[int, int]
 ) -> None:
     assert cell_size(rows, columns, width, height) == cell
+
+
+def test_a_long_chain_lies_above_all_else_and_a_short_one_beside_the_table() -> None:
+    long, short = (arrange(Size(120, 40), SHAPES[name]).regions for name in ("long walk", "walk"))
+    assert long[TABLE].y > long[WORLD].bottom
+    assert short[TABLE].y == short[WORLD].y
+    assert short[CURVE].height == 16
+
+
+@pytest.mark.parametrize(
+    ("size", "cell"), [((60, 18), (2, 1)), ((80, 24), (3, 1)), ((120, 40), (5, 2)), ((160, 50), (9, 4))]
+)
+def test_bins_keep_their_size_below_a_body(size: tuple[int, int], cell: tuple[int, int]) -> None:
+    place = arrange(Size(*size), SHAPES["bins of a body"])
+    assert place.cell == cell
+    around = place.regions[WORLD].height - 1 - 6 * place.cell.height
+    assert 4 <= around - 1 <= 9

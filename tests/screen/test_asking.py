@@ -112,9 +112,9 @@ async def test_the_word_or_number_under_the_mouse_comes_before_the_focus(make_ap
         await press(pilot, "question_mark")
         assert listed(pilot) == ["td-error", *(each for each in TERMS[LAST_STEP] if each != "td-error")]
         await press(pilot, "escape")
-        await point_at(pilot, LAST_STEP, "agent")
+        await point_at(pilot, LAST_STEP, "reward")
         await press(pilot, "2", "question_mark")
-        assert listed(pilot)[0] == "agent"
+        assert listed(pilot)[0] == "reward"
         assert "gamma" in listed(pilot), "what is in focus is asked about too"
         await press(pilot, "escape", "escape")
         await train(pilot, 400)

@@ -59,7 +59,7 @@ def marks(strips: list[Strip], style: Style) -> list[tuple[int, int, str]]:
     ("size", "place"),
     [
         ((40, 8), (2, 28, "!")),  # two rows a cell: its upper right corner; state 6 is in row 1, column 2
-        ((60, 12), (3, 42, "!")),
+        ((60, 12), (3, 40, "!")),
         ((20, 4), (1, 10, "!")),  # one row: in place of the mark
         ((12, 4), (1, 6, "!")),  # arrows alone
     ],
@@ -121,7 +121,7 @@ def test_a_click_finds_the_cell_the_box_and_the_arm() -> None:
     snapshot = lake()
     view: WorldView = GridView(snapshot.world, LOOK)
     view.picture(snapshot, 44, 9)
-    assert [view.place_at(x, y) for x, y in ((2, 0), (11, 0), (12, 1), (41, 7), (1, 0), (43, 3))] == [
+    assert [view.place_at(x, y) for x, y in ((0, 0), (9, 0), (10, 1), (39, 7), (40, 0), (3, 8))] == [
         0,
         0,
         1,

@@ -13,6 +13,7 @@ from rl_tui.live.snapshot import Snapshot
 from rl_tui.runs.exact_answers import Answer
 from rl_tui.runs.library import recipe_for
 from rl_tui.runs.run import Run
+from rl_tui.screen.panels.graph.chain import chain_boxes
 from rl_tui.screen.panels.graph.graph import GraphView
 from rl_tui.worlds.drawing import Graph
 from rl_tui.worlds.files.catalogue import find
@@ -129,3 +130,22 @@ def test_no_label_is_cut_and_every_size_is_filled(size: tuple[int, int], plain: 
         assert text.isascii() or not plain
         words = set(text.replace("◉", " ").split())
         assert not {"Lef", "Le", "Righ", "Rig", "exac"} & words
+
+
+def test_the_last_step_is_an_arrow_between_its_states_and_its_update_has_a_frame() -> None:
+    snapshot = random_walk()
+    last = snapshot.counters.last_step
+    assert last is not None
+    drawn = rows(snapshot, 69, 11)
+    boxes = chain_boxes((0, 1, 2, 3, 4, 5, 6), 69, 11)
+    assert boxes is not None
+    state, after = boxes[last.state], boxes[last.next_state]
+    y = state.y + state.height // 2
+    gap = drawn[y][min(state.x, after.x) + state.width : max(state.x, after.x)]
+    assert gap.strip("━") == ("▶" if after.x > state.x else "◀")
+    updated = boxes[snapshot.world.space.state_of(last.updated_pair)]
+    assert [x for x, sign in enumerate(drawn[y]) if sign in "▌▐"] == [
+        updated.x,
+        updated.x + updated.width - 1,
+    ]
+    assert not {"▌", "▐"} & set("".join(rows(snapshot, 69, 11, plain=True)))

@@ -69,7 +69,7 @@ def test_a_greedy_line_below_the_axis_is_marked_in_its_colour_and_the_heading_sa
     signs = {style.color for character, style in cells(snapshot, look())[-1] if character == "▾"}
     assert look().palette.greedy_line.color in signs
     assert "▾ greedy down to −65,375" in drawn(snapshot, (90, 9))[1].heading
-    assert "- greedy down to -65,375" in drawn(snapshot, (90, 9), ascii=True)[1].heading
+    assert "v greedy down to -65,375" in drawn(snapshot, (90, 9), ascii=True)[1].heading
     beside_program = replace(snapshot, program=ProgramView("student.py", "FrozenLake-v1"))
     assert "65,375" not in drawn(beside_program, (90, 9))[1].heading
 

@@ -9,6 +9,7 @@ from drawn_curves import NO_MARKS, WIDE, drawn, flat, steps
 from samples import answered, lake, look, marks, planning, student
 from snapshots import changed
 
+from rl_tui.live.snapshot import Phase
 from rl_tui.runs.results import Curve
 from rl_tui.runs.timeline.branches import Branch, Timeline
 from rl_tui.screen.draw import braille
@@ -309,6 +310,16 @@ def test_one_row_has_a_small_area_and_the_newest_numbers() -> None:
     text, _ = drawn(lake(), (40, 1))
     assert text.rstrip().endswith(".41  greedy .73")
     assert len({"▁", "▂", "▃", "▄", "▅", "▆"} & set(text)) > 2
+
+
+def test_the_axis_of_a_still_picture_does_not_tell_how_one_came_there() -> None:
+    widget, wide = ReturnCurve(look()), lake(greedy_return=0.9)
+    widget.picture(wide, *WIDE)
+    running = changed(lake(), phase=Phase.RUNNING)
+    widget.picture(running, *WIDE)
+    assert widget.scale.high >= 0.9
+    widget.picture(lake(), *WIDE)
+    assert widget.scale == drawn(lake())[1].scale
 
 
 def test_a_new_run_has_a_new_axis() -> None:

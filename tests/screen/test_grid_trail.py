@@ -247,7 +247,9 @@ def test_which_part_is_in_view_stands_on_the_border_before_the_wind() -> None:
     view.picture(snapshot, 24, 2)
     assert view.footing == "1–2 of 3 · 0–3 of 5"
     view.picture(snapshot, 42, 2)
-    assert view.footing == "wind 0 ↑1 ↑2 0 0 · 1–2 of 3 · 0–4 of 5"
+    assert view.footing == "rows 1–2 of 3 · follows the agent"
+    view.picture(snapshot, 90, 2)
+    assert view.footing.startswith("wind 0 ↑1 ↑2 0 0 · rows 1–2 of 3")
 
 
 def test_a_world_without_wind_has_no_row_for_it() -> None:
@@ -289,11 +291,11 @@ def test_legend_and_cursor_tell_of_cells_that_are_never_reached() -> None:
 @pytest.mark.parametrize(
     ("size", "row", "expected"),
     [
-        ((60, 12), 0, "  0      start ▕ ◉ 1         ▕2            ▕3            ▕"),
+        ((60, 12), 0, "0      start ▕ ◉ 1         ▕2            ▕3            ▕"),
         ((40, 8), 0, "0   ·   S▕ ◉ 1·    ▕2   ·    ▕3   ·    ▕"),
         ((32, 8), 1, "   0   ▕   1   ▕   2   ▕   3   ▕"),
         ((32, 4), 0, " S    0▕ ◉    1▕      2▕      3▕"),
-        ((26, 5), 0, " S   0▕◉   1▕    2▕    3▕"),
+        ((26, 5), 0, "S   0▕◉   1▕    2▕    3▕"),
     ],
 )
 def test_cells_have_the_numbers_of_their_states(size: tuple[int, int], row: int, expected: str) -> None:

@@ -19,7 +19,7 @@ from rl_tui.screen.panels.grid.cells import CellArtist
 from rl_tui.screen.panels.grid.form import CellForm, cell_form
 from rl_tui.screen.panels.grid.grid import GridView
 from rl_tui.screen.panels.grid.map import GridMap
-from rl_tui.screen.panels.grid.rewards import cell_rewards
+from rl_tui.screen.panels.grid.marks import cell_rewards
 from rl_tui.worlds.drawing import CellKind, Grid
 from rl_tui.worlds.files.catalogue import find
 from rl_tui.worlds.grid.section import GridSection
@@ -222,10 +222,10 @@ def test_values_of_three_digits_are_never_number_signs() -> None:
     snapshot = large_lake()
     q = np.full_like(snapshot.agent.q, -100.0)
     view = GridView(snapshot.world, look())
-    assert view.picture(changed(snapshot, q=q), 60, 10)[1].text.startswith("    −100▕  −100▕  −100▕")
+    assert view.picture(changed(snapshot, q=q), 60, 10)[1].text.startswith("  −100▕  −100▕  −100▕")
     assert "−12k" in view.picture(changed(snapshot, q=120 * q), 60, 10)[1].text
     zero = view.picture(visited(changed(snapshot, q=0 * q), 40), 60, 10)[1].text
-    assert zero.startswith("       0▕")  # as wide as they have been
+    assert zero.startswith("     0▕")  # as wide as they have been
     medium = large_lake(10)
     view = GridView(medium.world, look())
     view.picture(medium, 50, 10)

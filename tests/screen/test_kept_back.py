@@ -109,5 +109,5 @@ def test_a_graph_has_them_again_once_the_page_is_done() -> None:
 
 def test_the_last_step_keeps_the_probability_of_what_happened_back() -> None:
     told = text_of(last_step_lines(student(), look(), 100, 8))
-    assert " p ." in told
-    assert " p " not in text_of(last_step_lines(kept(student(), "model"), look(), 100, 8))
+    assert " chance ." in told
+    assert " chance " not in text_of(last_step_lines(kept(student(), "model"), look(), 100, 8))

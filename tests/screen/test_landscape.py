@@ -132,6 +132,20 @@ def test_with_256_colours_it_has_no_others() -> None:
             assert style.bgcolor is None or style.bgcolor.type is not ColorType.TRUECOLOR
 
 
+@pytest.mark.parametrize("width", [5, 6, 7, 8])
+def test_signs_stay_in_their_cells(width: int) -> None:
+    view = view_of(big_lake(), cell=Size(width, 2))
+    view.differing, view.cursor = frozenset(range(64)), 0
+    stops = replace(big_lake().playback.breakpoints, states=frozenset(range(64)))
+    shown = replace(big_lake(), playback=replace(big_lake().playback, breakpoints=stops))
+    strips = view.picture(shown, 66, 17)
+    assert [strip.cell_length for strip in strips] == [66] * 17
+    assert [len(strip.text) for strip in strips] == [66] * 17
+    texts = [strip.text for strip in strips[:16]]
+    left = min(len(text) - len(text.lstrip()) for text in texts)
+    assert sum(text[left] == look().glyphs.differs for text in texts) == 8
+
+
 def test_nobody_draws_in_a_landscape() -> None:
     view = view_of(lake())
     view.title = ("You draw the world",)

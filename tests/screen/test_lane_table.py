@@ -67,10 +67,10 @@ def test_it_shows_the_difference_with_colours_for_both_directions() -> None:
 
 
 def test_the_title_says_whose_tables_they_are() -> None:
-    assert table_of(side_by_side(2, 1), 60)[1].heading == "▸2 · Q of α 0.5 − Q of α 0.1 · 11 states × 4"
-    assert table_of(side_by_side(2, 0), 34)[1].heading == "▸1 · Q − Q of α 0.5"
+    assert table_of(side_by_side(2, 1), 60)[1].heading == "▸2 · Q of α 0.5 − Q of α 0.1"
+    assert table_of(side_by_side(2, 0), 27)[1].heading == "▸1 · Q − Q of α 0.5"
     assert table_of(side_by_side(4, 3), 24)[1].heading == "▸4 · Q − Q of α 0.1"
-    assert table_of(side_by_side(2), 44, Layer.Q)[1].heading == "▸1 · Q · 11 states × 4"
+    assert table_of(side_by_side(2), 44, Layer.Q)[1].heading == "▸1 · Q"
 
 
 def test_in_a_list_the_difference_has_a_column() -> None:

@@ -74,13 +74,13 @@ async def test_two_lanes_from_the_first_key_to_the_last(make_app: MakeApp) -> No
         await press(pilot, "v")  # no table is in view here: the worlds turn
         assert [board.panel(each).drawn_layer for each in (WORLD, beside(WORLD))] == [Layer.OPTIMAL] * 2
         await press(pilot, "z", "v", "v")
-        assert board.table.heading == "▸1 · Q − Q of α 0.5"
+        assert board.table.heading == "▸1 · Q of α 0.1 − Q of α 0.5"
 
         shown = await press(pilot, "l")
         assert shown.run_group.shown == 1
         assert shown.agent.hyperparameters.alpha == 0.5
         assert np.array_equal(shown.agent.q, shown.run_group.lanes[1].q)
-        assert board.table.heading == "▸2 · Q − Q of α 0.1"
+        assert board.table.heading == "▸2 · Q of α 0.5 − Q of α 0.1"
         await press(pilot, "escape")
         assert "2 runs, ▸2 α 0.5" in board.curve.heading
         assert pilot.app.screen.query_one("#alpha", Slider).value == 0.5

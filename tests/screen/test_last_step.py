@@ -96,8 +96,16 @@ def test_a_target_that_is_the_estimate_is_told_in_words(width: int, remark: str)
 def test_every_form_is_whole() -> None:
     snapshot = lake_step()
     parts = (".36 + .10·(0 + .99·.56 − .36) = .38", "now = .38", "δ +.19", "6 meant ← slipped ↓ to 10  r 0")
-    parts += ("in 6 meant ← slipped ↓ to 10   reward 0   p 1/3", "in 6 meant ← slipped ↓ to 10   reward 0")
-    parts += ("in 6 meant ← slipped ↓ to 10  r 0", "6 meant ← slipped ↓ to 10   reward 0", "p 1/3", "greedy")
+    parts += (
+        "in 6 meant ← slipped ↓ to 10   reward 0   chance 1/3",
+        "in 6 meant ← slipped ↓ to 10   reward 0",
+    )
+    parts += (
+        "in 6 meant ← slipped ↓ to 10  r 0",
+        "6 meant ← slipped ↓ to 10   reward 0",
+        "chance 1/3",
+        "greedy",
+    )
     for width in range(13, 120):
         (line,) = drawn(snapshot, width)
         for part in sorted(parts, key=len, reverse=True):
@@ -110,7 +118,7 @@ def test_a_terminal_step_does_not_bootstrap() -> None:
     (line,) = drawn(ended)
     assert ".36 + .10·(0 − .36) = .32  δ −.36" in line
     lines = drawn(ended, 56, 7)
-    assert lines[:2] == [" in 6 meant ← slipped ↓ to 5: hole   reward 0   p 1/3", " the episode ends"]
+    assert lines[:2] == [" in 6 meant ← slipped ↓ to 5: hole   reward 0", " the episode ends"]
     assert lines[2] == " now = was + α  ·(r − was)"
 
 
@@ -222,7 +230,7 @@ def test_the_bar_goes_to_the_side_of_the_sign(error: float, bar: str) -> None:
 
 def test_the_environment_of_a_graph_is_told_in_words() -> None:
     text = "\n".join(drawn(student(), 56, 8))
-    assert "in Class did study to Pass   reward −2   p .8" in text
+    assert "in Class did study to Pass   reward −2   chance .8" in text
     for word in ("meant", "went", "slipped", "row"):
         assert word not in text + drawn(student())[0]
 
@@ -232,7 +240,7 @@ def test_a_certain_outcome_has_probability_1() -> None:
     (line, *_) = drawn(certain, 70, 8)
     assert certain.counters.last_step
     assert f"to {certain.counters.last_step.next_state}: " in line
-    assert line.endswith("p 1")
+    assert line.endswith("chance 1")
     assert "meant" not in line
 
 

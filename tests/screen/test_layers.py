@@ -1,4 +1,4 @@
-"""The layers of a world, which are those of the table beside it."""
+"""The layers that world and table share."""
 
 from __future__ import annotations
 
@@ -146,7 +146,7 @@ def test_a_table_that_is_a_list_shows_q_beside_a_landscape() -> None:
     drawn_list = Drawn(learning(), 30, 12, Layer.LANDSCAPE)
     table = drawn_list.table
     table.cell = Size(7, 3)
-    text = "".join(strip.text for strip in table.picture(table.snapshot, 27, 12))
+    text = "".join(strip.text for strip in table.picture(table.snapshot, 22, 12))
     assert Layer.LANDSCAPE in table.layer_choices
     assert "state" in text
     assert table.shown_layer is Layer.Q
@@ -157,7 +157,10 @@ def test_a_graph_turns_too() -> None:
     view = GraphView(shown.world, look())
     view.cell, view.wanted_layer = Size(0, 0), Layer.VISITS
     view.show(shown)
-    assert view.picture(shown, 60, 14)[-1].text.startswith("visits 0 ")
+    rows = [strip.text for strip in view.picture(shown, 60, 14)]
+    assert rows[-1].startswith("visits 0 ")
+    counts = [int(shown.agent.visits[shown.world.space.pairs_of(state)].sum()) for state in range(3)]
+    assert all(any(f" {count:,} " in row for row in rows) for count in counts)
 
 
 def test_small_cells_have_all_layers() -> None:
@@ -198,3 +201,31 @@ async def test_what_is_alone_in_view_turns(make_app: MakeApp) -> None:
         await press(pilot, "s")
         assert board.world is not None
         assert board.world.drawn_layer is board.table.shown_layer is Layer.ERROR
+
+
+@pytest.mark.parametrize("panel", ["curve", "timeline"])
+async def test_v_leaves_a_panel_without_layers_as_it_is(make_app: MakeApp, panel: str) -> None:
+    async with on_screen(make_app("frozenlake"), (120, 40)) as pilot:
+        board = playground(pilot).board
+        board.panel(panel).focus()
+        await press(pilot, "f", "v")
+        assert (board.zoomed, board.wanted_layer) == (panel, Layer.Q)
+
+
+def test_the_scale_of_values_gets_wider_whatever_layer_is_shown() -> None:
+    steady, wider = SteadyScale(), learning()
+    steady.of(wider, Layer.VISITS)
+    assert steady.of(changed(wider, q=wider.agent.q * 0.5)) == SteadyScale().of(wider)
+
+
+async def test_a_map_of_every_action_begins_with_their_values(make_app: MakeApp) -> None:
+    async with on_screen(make_app("frozenlake-slippery"), (160, 50)) as pilot:
+        board = playground(pilot).board
+        await press(pilot, "v", "v", "V")
+        assert board.wanted_layer is Layer.Q
+        assert board.world is not None
+        assert board.world.shows_actions
+        assert "Q of every action" in board.world.heading
+        await press(pilot, "v", "v")
+        assert board.wanted_layer is Layer.ERROR
+        assert "Q of every action" not in board.world.heading

@@ -124,6 +124,8 @@ async def test_the_cursor_of_the_world_chooses_the_state_and_its_greedy_or_updat
         world.put_cursor(last.state)
         await settle(pilot)
         assert board(pilot).microscope.pair == last.updated_pair
+        widget = board(pilot).microscope
+        assert any("History of Q(" in widget.render_line(y).text for y in range(widget.size.height))
         await press(pilot, "up", "full_stop")
         assert board(pilot).microscope.pair == last.updated_pair
 

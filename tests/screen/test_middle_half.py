@@ -11,13 +11,13 @@ from lane_samples import lane_views
 from samples import answered, bandit, lake, look, student
 from snapshots import changed
 
-from rl_tui.live.snapshot import Snapshot
+from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.history import History
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.scale import Scale
+from rl_tui.screen.panels.curve.area import band_cells, band_styles, middle_half, pixel_styles
 from rl_tui.screen.panels.curve.curve import ReturnCurve
 from rl_tui.screen.panels.curve.data import moving_mean
-from rl_tui.screen.panels.curve.middle_half import band_cells, band_styles, middle_half, pixel_styles
 from rl_tui.screen.panels.curve.words import MEAN_AND_BAND
 
 SIZE = (90, 9)
@@ -64,6 +64,11 @@ def test_the_band_is_not_drawn_where_it_would_not_help_or_lie(returns: np.ndarra
     assert not has_band(of(returns))
 
 
+def test_a_narrow_heading_names_the_window_rather_than_the_band() -> None:
+    _, widget = drawn(of(spread()), (44, 9))
+    assert widget.heading == "Return · mean of the last 100"
+
+
 def test_it_takes_seven_rows_and_shades() -> None:
     shown = of(spread())
     assert has_band(shown, (90, 7))
@@ -82,14 +87,16 @@ def test_steps_pulls_and_runs_side_by_side_have_none() -> None:
     assert not has_band(bandit(curve=replace(curve, episode=curve.episode // 2 + 1)))
 
 
-def test_it_comes_and_goes_with_an_axis_only() -> None:
+def test_in_a_run_it_comes_and_goes_with_an_axis_only() -> None:
     widget, thin = ReturnCurve(look()), of(spread(0.1))
     assert not has_band(thin)
-    widget.picture(of(spread()), *SIZE)
+    widget.picture(changed(of(spread()), phase=Phase.RUNNING), *SIZE)
     axis = widget.scale
-    widget.picture(thin, *SIZE)
+    widget.picture(changed(thin, phase=Phase.RUNNING), *SIZE)
     assert widget.scale == axis
     assert MEAN_AND_BAND in widget.heading
+    widget.picture(thin, *SIZE)
+    assert MEAN_AND_BAND not in widget.heading
 
 
 @pytest.mark.parametrize("count", [40, 900, 5_000, 100_000])

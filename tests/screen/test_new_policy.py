@@ -61,8 +61,8 @@ def test_its_settings_are_those_of_its_row(curious: str) -> None:
         "gamma",
         "epsilon",
     ]
-    values = {setting.full: setting.value for setting in settings_of(chosen_by(curious))}
-    assert values["policy"] == "curious"
+    values = {setting.label or setting.action: setting.value for setting in settings_of(chosen_by(curious))}
+    assert values["agent.choose_policy"] == "curious"
     # Its row names no schedule, so the decay that was set for another policy moves nothing
     assert not {"ties", "ε now"} & set(values)
 

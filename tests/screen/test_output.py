@@ -53,6 +53,16 @@ async def test_what_gathers_meanwhile_goes_out_as_one_frame() -> None:
     assert len(terminal.written) == 2, "nothing more to tell"
 
 
+async def test_it_keeps_up_while_each_frame_leaves_before_the_next_is_drawn() -> None:
+    terminal = FarTerminal()
+    terminal.show("step 0")
+    assert terminal.output.keeps_up
+    terminal.show("step 1")
+    assert not terminal.output.keeps_up
+    terminal.answer()
+    assert terminal.output.keeps_up
+
+
 async def test_each_frame_asks_for_another_place() -> None:
     terminal = FarTerminal()
     places = set()

@@ -113,7 +113,7 @@ async def test_the_key_line_says_what_space_does_now_and_can_be_clicked(make_app
         assert running == paused.replace("run  ", "pause", 1)
         await click(pilot, line, offset=(running.index("pause"), 0))
         assert line.render_line(0).text == paused
-        await click(pilot, line, offset=(14, 0))
+        await click(pilot, line, offset=(15, 0))
         assert snapshot(pilot).counters.step == 1
         settings = pilot.app.screen.query_one(AgentSettings)
         rows = [settings.render_line(y).text for y in range(settings.size.height)]

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from conftest import MakeApp
 from samples import bandit, stepped_lake
-from seams import on_screen, press, screen_text
+from seams import on_screen, press, screen_text, train
 from snapshots import changed
 from test_policies_panel import SIZES, drawn, said, studied
 
@@ -37,7 +37,11 @@ async def test_the_border_names_the_key_that_leads_back_to_v_where_there_is_v(ma
         async with on_screen(make_app(scenario), (120, 40)) as pilot:
             await press(pilot, "P")
             text = screen_text(pilot.app)
-            assert ("P: back to V" in text, "keep it in view · P: close" in text) == (
-                leads_back,
-                not leads_back,
-            )
+            assert ("P: back" in text, "P: close" in text) == (leads_back, not leads_back)
+
+
+async def test_a_policy_that_may_never_end_has_arrows_without_a_lead(make_app: MakeApp) -> None:
+    async with on_screen(make_app("windy"), (120, 40)) as pilot:
+        await train(pilot, 500)
+        await press(pilot, "P", "down")
+        assert "V of" in screen_text(pilot.app)

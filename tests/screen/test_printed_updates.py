@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from fractions import Fraction
 
@@ -200,6 +201,10 @@ def test_a_small_change_of_a_large_estimate_is_printed() -> None:
 def test_a_figure_of_an_equation(x: float, decimals: int, text: str) -> None:
     assert figure(x, decimals, UNICODE) == text
     assert figure(x, decimals, ASCII) == text.replace("−", "-")
+
+
+def test_what_is_not_finite_is_written_as_such() -> None:
+    assert [figure(x, 3, UNICODE) for x in (math.inf, -math.inf, math.nan)] == ["inf", "−inf", "nan"]
 
 
 STORY = story_of(LAKE)

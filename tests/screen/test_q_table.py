@@ -26,7 +26,7 @@ def test_rows_are_live_states_and_columns_actions() -> None:
     states = [row.replace("◉", " ").split()[0] for row in drawn.rows[1:12]]
     assert states == ["0", "1", "2", "3", "4", "6", "8", "9", "10", "13", "14"]
     assert not "".join(drawn.rows[12:]).strip()
-    assert drawn.table.heading == "Q · 11 states × 4"
+    assert drawn.table.heading == "Q"
     assert drawn.table.rows_of(lake()) == 11
     assert drawn.row("6").startswith("◉ 6")
     assert drawn.text.count("◉") == 1
@@ -61,7 +61,7 @@ def test_a_visited_row_of_equal_values_is_framed_whole() -> None:
 def test_the_frames_of_the_exact_layer_are_the_ties_of_the_solution() -> None:
     drawn = Drawn(lake(), layer=Layer.OPTIMAL)
     assert drawn.row("6").count("▌") == 2  # left and right are equally good there
-    assert drawn.table.heading == "Q*, exact · 11 states × 4"
+    assert drawn.table.heading == "Q*, exact"
 
 
 def test_unvisited_differs_from_zero() -> None:
@@ -81,7 +81,7 @@ def test_the_signed_layer_is_tinted_around_zero() -> None:
     assert exact is not None
     target = replace(exact, q=np.full(44, 0.5))
     drawn = Drawn(changed(state, solution=target), layer=Layer.ERROR)
-    assert drawn.table.heading.startswith("Q − Q* · ")
+    assert drawn.table.heading == "Q − Q*"
     assert drawn.style_of(1, "−.300") == PALETTE.signed_value(-0.3 / 0.5)
     assert drawn.style_of(1, ".400") == PALETTE.signed_value(0.4 / 0.5)
     assert drawn.style_of(1, "−.500") == PALETTE.unvisited
@@ -126,6 +126,20 @@ def test_a_value_beyond_the_scale_of_the_map_has_its_end_and_a_sign() -> None:
     cell = next(segment for segment in drawn.strips[1] if "−50" in segment.text)
     assert cell.text.startswith("‹")
     assert cell.style == PALETTE.value(0.0)
+
+
+def test_a_narrow_table_of_states_and_actions_has_no_gaps() -> None:
+    drawn = Drawn(lake(), 26, 11)
+    assert drawn.rows[0].split() == ["↑", "→", "↓", "←"]
+    states = [row.replace("◉", " ").split()[0] for row in drawn.rows[1:]]
+    assert states == ["0", "1", "2", "3", "4", "6", "8", "9", "10", "13"]
+    wide = Drawn(lake(), 30, 11)
+    assert [row[4:24].split() for row in drawn.rows[1:3]] == [row[4:28].split() for row in wide.rows[1:3]]
+    assert Drawn(lake(), 24, 11).rows[0].split()[0].startswith("sta")
+
+
+def test_a_long_table_says_how_many_of_its_rows_are_in_view() -> None:
+    assert Drawn(big_lake(), 44, 17).table.footing.startswith("16 of 53 · v:")
 
 
 def test_a_long_table_scrolls_and_follows_the_agent() -> None:
@@ -243,5 +257,5 @@ def test_the_footing_names_the_layers_and_frames_the_one_in_force() -> None:
     drawn.table.wanted_layer = Layer.OPTIMAL
     drawn.table.picture(lake(), 36, 17)
     assert drawn.table.footing == "v: Q ▌Q*▐ Q−Q*  visits"
-    assert Drawn(student(), 20, 10, Layer.VISITS).table.footing == "v: visits"
+    assert Drawn(student(), 14, 10, Layer.VISITS).table.footing == "v: visits"
     assert Drawn(changed(bandit(), phase=Phase.PAUSED), 30, 12).table.footing == "v:▌Q▐ visits"

@@ -13,7 +13,7 @@ from rl_tui.screen.kit.layers import Layer
 
 def test_few_pairs_are_listed_a_row_each() -> None:
     drawn = Drawn(student())
-    assert drawn.table.heading == "Q · 5 pairs"
+    assert drawn.table.heading == "Q"
     assert drawn.table.rows_of(student()) == 7
     assert drawn.rows[0].split() == ["state", "action", "Q", "N"]
     assert drawn.rows[1].split() == ["Class", "study", "▐", "6.370▐", "1,204"]

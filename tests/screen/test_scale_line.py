@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from samples import bandit, lake, look, student
+from snapshots import changed
 from textual.geometry import Size
 
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw.canvas import Piece
 from rl_tui.screen.kit.panel import LegendSign
-from rl_tui.screen.kit.value_scale import ValueScale
+from rl_tui.screen.kit.value_scale import Ramp, ValueScale
 from rl_tui.screen.panels.arms import ArmsView
 from rl_tui.screen.panels.graph.graph import GraphView
 from rl_tui.screen.panels.grid.grid import PALE, GridView
 from rl_tui.screen.panels.world.scale_line import NOTHING_KNOWN, NamedScale, scale_line
 from rl_tui.screen.panels.world.view import WorldView
+from rl_tui.worlds.drawing import Grid
 
 PALETTE = look().palette
 AGENT = LegendSign("◉", "agent", PALETTE.agent)
@@ -38,8 +42,14 @@ def test_word_and_ends_come_first_then_signs_as_there_is_room() -> None:
 
 
 def test_the_scale_gets_coarser_and_then_leaves_its_word_where_there_is_little_room() -> None:
-    for width, scale in ((19, f"value 0 {' ' * 6} .86"), (10, "value"), (4, "")):
-        assert scale_line((), VALUES, (), width, look()).text.rstrip() == scale
+    errors = NamedScale("error", ValueScale(-0.5, 0.5, Ramp.ERRORS))
+    for named, width, scale in (
+        (VALUES, 19, f"value 0 {' ' * 6} .86"),
+        (VALUES, 10, ""),
+        (errors, 10, "error"),
+        (errors, 4, ""),
+    ):
+        assert scale_line((), named, (), width, look()).text.rstrip() == scale
 
 
 def test_what_is_said_of_mode_lane_or_cursor_comes_before_it() -> None:
@@ -82,3 +92,29 @@ def test_a_lane_and_a_mode_are_named_before_the_scale() -> None:
 def test_without_a_board_there_is_no_such_line() -> None:
     view = GridView(lake().world, look())
     assert "value" not in "".join(strip.text for strip in view.picture(lake(), 70, 25))
+
+
+def test_a_name_leaves_room_for_what_is_said_with_it() -> None:
+    view = GridView(lake().world, look())
+    view.title = ("You draw the world here and there", "You draw the world")
+    view.prompt = ("enter: paint it all · esc: end", "esc: end")
+    for width, line in (
+        (72, "You draw the world here and there   enter: paint it all · esc: end"),
+        (50, "You draw the world here and there   esc: end"),
+        (36, "You draw the world   esc: end"),
+    ):
+        assert line_below(view, lake(), width) == line
+
+
+def test_what_rows_and_columns_mean_leaves_room_for_the_scale() -> None:
+    drawing = lake().world.drawing
+    assert isinstance(drawing, Grid)
+    world = replace(
+        lake().world, drawing=replace(drawing, legend="sum down, dealer across, blocks: usable ace")
+    )
+    shown = changed(lake(), world=world)
+    for width, said in (
+        (100, "sum down, dealer across, blocks: usable ace"),
+        (70, "sum down, dealer across"),
+    ):
+        assert line_below(GridView(world, look()), shown, width).startswith(f"{said}  value 0 ")

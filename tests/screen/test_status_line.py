@@ -36,7 +36,7 @@ def running(width: int = 80, **changes: object) -> str:
 def test_the_short_form() -> None:
     text = running()
     assert text.startswith(" FrozenLake 4×4 slippery ")
-    assert text.endswith("step 151,002 ")
+    assert text.endswith("step   151,002 ")
     for part in ("38 M/s", "▶ max", "ep  12,346"):
         assert part in text
 
@@ -240,7 +240,7 @@ def test_nothing_moves_on_the_way_into_the_past(width: int) -> None:
 @pytest.mark.parametrize("width", [80, 120])
 def test_the_longest_past_is_not_cut_off(width: int) -> None:
     text = drawn(lake(99_999_999, timeline=past(99_999_999, 876_543_210, 12)), width).rstrip()
-    assert text.endswith("step  100.0M" if width == 80 else "step 99,999,999")
+    assert text.endswith("step    100.0M" if width == 80 else "step 99,999,999")
     assert ("end 877M" if width == 80 else "end 876,543,210") in text
 
 

@@ -104,7 +104,7 @@ async def test_the_cursor_of_one_panel_shows_in_the_other(make_app: MakeApp) -> 
         world, table = board.world, board.table
         world.focus()
         await settle(pilot)
-        assert world.foot == "arrows: cursor · k: breakpoint"
+        assert world.foot == "arrows: cursor · k: breakpoint · ?: words"
         await press(pilot, "down", "right", "down", "right")
         assert world.cursor == 10
         assert world.foot == "state 10 · k: breakpoint · esc: back"

@@ -17,9 +17,9 @@ from rl_tui.runs.run import Run
 from rl_tui.screen.frame.arrange import arrange
 from rl_tui.screen.frame.shape import Shape, map_size
 from rl_tui.screen.kit.row import WORLD
+from rl_tui.screen.panels.bodies import MIDDLE, Pose, body_strips
 from rl_tui.screen.panels.grid.grid import GridView
-from rl_tui.screen.panels.surroundings.bodies import MIDDLE, Pose, body_strips
-from rl_tui.screen.panels.surroundings.margins import NO_MARGINS, Margins, margins_in, wanted_margins
+from rl_tui.screen.panels.margins import NO_MARGINS, Margins, margins_in, wanted_margins
 from rl_tui.worlds.drawing import Axes, Body, BodyKind, CellKind, Grid
 from rl_tui.worlds.files.catalogue import find
 
@@ -79,11 +79,12 @@ def test_a_map_that_scrolls_is_not_made_narrower_by_labels() -> None:
 def test_margins_are_what_the_map_leaves_free() -> None:
     grid = table(6, 12, body=True)
     assert margins_in(grid, (3, 1), 39, 12) == Margins(3, 5, 1)
-    assert margins_in(grid, (3, 1), 38, 9) == Margins(0, 0, 1)
+    assert margins_in(grid, (3, 1), 38, 8) == Margins(0, 0, 1)
     assert margins_in(grid, (3, 1), 36, 6) == NO_MARGINS
 
 
-def test_a_map_that_scrolls_gives_way_to_labels_and_body() -> None:
+def test_a_map_that_scrolls_gives_way_to_labels_and_every_map_to_its_body() -> None:
+    assert margins_in(table(18, 12, body=True), (3, 1), 40, 22) == Margins(4, 7, 1)
     assert margins_in(table(40, 12, body=True), (3, 1), 40, 15) == Margins(4, 5, 1)
 
 
@@ -168,6 +169,12 @@ def test_the_picture_says_what_it_shows() -> None:
     assert MIDDLE in text
     assert MIDDLE in picture(car(-0.45))[0]
     assert "position −0.45" in picture(car(-0.45))[0]
+
+
+@pytest.mark.parametrize(("width", "height"), [(30, 4), (36, 4), (42, 5), (70, 9)])
+def test_where_there_is_little_room_it_still_says_that_this_is_the_middle(width: int, height: int) -> None:
+    for pose in (cart(-0.1), car(-0.45)):
+        assert MIDDLE in "".join(picture(pose, width, height))
 
 
 def test_a_push_is_an_arrow_at_its_side() -> None:

@@ -129,7 +129,7 @@ async def test_cards_by_hand(make_app: MakeApp) -> None:
         assert dealt.counters.step_from not in (None, dealt.counters.state)
         world = playground(pilot).board.world
         hand = dealt.world.space.state_names[dealt.counters.step_from or 0]
-        assert world.head == f"You act · starts at {hand}"
+        assert world.head == f"You are the agent · starts at {hand}"
         played = await press(pilot, "1")
         assert played.counters.episodes == 2
         assert played.counters.last_step.state == dealt.counters.step_from

@@ -19,8 +19,8 @@ from rl_tui.runs.results import Curve, Marks
 from rl_tui.runs.run import WorldChanged
 from rl_tui.runs.timeline.branches import Branch, Furthest, Timeline
 from rl_tui.screen.panels.curve.axis import episode_axis
-from rl_tui.screen.panels.curve.columns import plot_columns
 from rl_tui.screen.panels.curve.data import curve_data
+from rl_tui.screen.panels.curve.lane_text import plot_columns
 from rl_tui.screen.panels.timeline import TimelineBar, TimelineState, Track, timeline_strip, track_of
 from rl_tui.screen.theme.look import Palette
 from rl_tui.worlds.editing.edit import read_edits
@@ -51,7 +51,7 @@ def episodes(lengths: list[int], returns: list[float] | None = None) -> Curve:
 
 
 def shown(timeline: Timeline, length: int = 50, **changes: object) -> Snapshot:
-    """A run of episodes of equal length, which has gone back if ``timeline`` says so."""
+    """A run of episodes of equal length, which has gone back if ``timeline`` has."""
     here, end = timeline.current.here, timeline.current.end
     count = here // length
     usual = {

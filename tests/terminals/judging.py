@@ -6,12 +6,11 @@ import re
 from typing import Final
 
 PLAIN_STUDENT: Final = "A student's eve"
-_TITLES: Final = ("World", "Q", "Return", "greedy")  # the curve's panel names its lines where it is low
-_TITLES_WITH_ROOM: Final = ("World", "Q", "Return", "Controls", "Last step")
+_TITLES: Final = ("Q",)
+_TITLES_WITH_ROOM: Final = ("Q", "Return", "Agent", "Last step")
 _ROOM: Final = (100, 36)
 _ESCAPE_TEXT: Final = re.compile(r"\[[?<>]?\d+(?:;\d+)*[a-zA-Z$~]|\x1b|�")
 _COLOURS: Final = re.compile(rb"\x1b\[([0-9;]*)m")
-_LEFT_CORNERS, _RIGHT_CORNERS = "╭╔+", "╮╗+"
 
 
 def check_playground(screen: str, size: tuple[int, int], step: int) -> None:
@@ -21,25 +20,11 @@ def check_playground(screen: str, size: tuple[int, int], step: int) -> None:
     assert len(lines) == rows, screen
     assert max(map(len, lines)) <= columns, screen
     assert not _ESCAPE_TEXT.search(screen), screen
-    assert lines[0].startswith(f" {PLAIN_STUDENT}"), screen
-    assert re.search(rf"paused .* step +{step}$", lines[0]), screen
+    assert lines[0].lstrip().startswith(PLAIN_STUDENT), screen
+    assert re.search(rf"paused .* step +{step} *$", lines[0]), screen
     assert lines[-1].rstrip().endswith("? help"), screen
-    tops = "\n".join(line for line in lines if re.search(r"[╭+][─-] \w", line))
-    for title in _TITLES_WITH_ROOM if columns >= _ROOM[0] and rows >= _ROOM[1] else _TITLES[:2]:
-        assert re.search(rf"[╭+][─-] {title}\b", tops), screen
-    assert any(re.search(rf"[╭+][─-] {title}\b", tops) for title in _TITLES[2:]), screen
-    check_boxes(lines, columns)
-
-
-def check_boxes(lines: list[str], columns: int) -> None:
-    """Raise where the panel at the right edge is not closed in every row that it takes."""
-    edge = [line.ljust(columns)[columns - 1] for line in lines]
-    sides = [row for row, character in enumerate(edge) if character in "│|"]
-    assert sides, "\n".join(lines)
-    tops = [row for row, character in enumerate(edge) if character in "╮+"]
-    assert tops[0] == sides[0] - 1, "\n".join(lines)
-    inside = edge[sides[0] : sides[-1] + 1]
-    assert set(inside) <= set("│|╮╯+"), "\n".join(lines)
+    for title in _TITLES_WITH_ROOM if columns >= _ROOM[0] and rows >= _ROOM[1] else _TITLES:
+        assert re.search(rf"(^|  ){title}(  |$)", screen, re.MULTILINE), screen
 
 
 def colour_kinds(written: bytes) -> set[str]:

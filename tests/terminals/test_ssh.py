@@ -80,7 +80,7 @@ def test_it_trains_steps_and_quits_over_ssh(tmp_path: Path) -> None:
         terminal.press("1s")  # to the first slider
         terminal.wait_for(r"step\s+4\b")
         terminal.press("\x1b[C")
-        terminal.wait_for(r"α\W+0\.1[1-9]")
+        terminal.wait_for(r"α step size\W+0\.1[1-9]")
         terminal.press("?")
         terminal.wait_for("Words here")
         terminal.press("\x1b")

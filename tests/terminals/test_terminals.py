@@ -15,8 +15,10 @@ from multiplexers import in_screen, in_tmux
 from pseudo_terminal import RL_TUI, PseudoTerminal
 
 PLAY: Final = (*RL_TUI, "play", "student")
-EXACT: Final = r"γ-best 7\.5|10┤"  # the optimum: its name, or an axis that holds it
-FLIP: Final = r"γ +━+┃"  # its mark on the slider of γ: worked out beside, and known after the optimum
+EXACT: Final = r"optimal +7\.5"
+FLIP: Final = (
+    r"γ discount +━+┃"  # its mark on the slider of γ: worked out beside, and known after the optimum
+)
 SIZES: Final = ((80, 24), (100, 30), (120, 40), (200, 60))
 ODD_SIZES: Final = ((60, 18), (61, 19), (79, 23), (81, 25), (300, 80))
 STEPS: Final = 5

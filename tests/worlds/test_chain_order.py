@@ -1,4 +1,4 @@
-"""Which worlds are chains, and in which order their states stand."""
+"""Which worlds are chains, and the order of their states."""
 
 from __future__ import annotations
 

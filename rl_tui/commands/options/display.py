@@ -30,8 +30,9 @@ _OPTIONS: Final = (
     click.option("--ascii", is_flag=True, help="draw with ASCII characters only"),
     click.option("--fps", type=ParameterValue(_FPS), default=_DEFAULT.fps, show_default=True, help=_FPS.help),
     click.option("--no-mouse", is_flag=True, help="leave the mouse alone"),
+    click.option("--reduced-motion", is_flag=True, help="show each step at once, without motion"),
 )
-DISPLAY_OPTIONS: Final = ("theme", "colors", "no_color", "ascii", "fps", "no_mouse")
+DISPLAY_OPTIONS: Final = ("theme", "colors", "no_color", "ascii", "fps", "no_mouse", "reduced_motion")
 
 
 def display_options(command: Command) -> Command:
@@ -55,4 +56,5 @@ def display_of(values: Mapping[str, Any]) -> Display:
         ascii=values["ascii"],
         fps=values["fps"],
         mouse=not values["no_mouse"],
+        reduced_motion=values["reduced_motion"],
     )

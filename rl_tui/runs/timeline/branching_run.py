@@ -100,7 +100,10 @@ class BranchingRun:
             step, number = step if target.step is None else target.step, target.branch
         branches = [each.branch for each in self._branches]
         branches[number] = replace(branches[number], here=step)
-        return Timeline(tuple(branches), number, self._branches[number].furthest)
+        furthest = self._branches[number].furthest
+        if furthest is not None and furthest.counters.step < branches[number].end:
+            furthest = None  # it has come further since
+        return Timeline(tuple(branches), number, furthest)
 
     @property
     def record(self) -> RunRecord:

@@ -139,6 +139,7 @@ class RlTuiApp(LinkedApp[UserError]):
             raise UserError(f"theme {options.theme!r} is not known; choose one of {known}")
         self.theme = options.theme
         self.options = options
+        self.ticks = 0.0 if picture else options.ticks
         self._depth: Depth = depth
         ours = getattr(sys.stdout, "encoding", None)  # there is no stdout where it is closed
         named = encoding_of(os.environ, ours, utf8_mode=bool(sys.flags.utf8_mode))

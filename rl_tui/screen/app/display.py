@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
+_LEAST_FPS: Final = 10.0  # for motion
+_TICKS: Final = 15.0
 Colours = Literal["auto", "none", "16", "256", "truecolor"]
 
 
@@ -13,7 +15,7 @@ class Display:
     """Display options of play and screenshot.
 
     ``theme`` is the name of a theme, ``ascii`` keeps to ASCII characters, ``fps`` (> 0) is the most frames
-    drawn a second.
+    drawn a second. With ``reduced_motion`` nothing moves after a step.
     """
 
     theme: str = "dark"
@@ -21,3 +23,9 @@ class Display:
     ascii: bool = False
     fps: float = 15.0
     mouse: bool = True
+    reduced_motion: bool = False
+
+    @property
+    def ticks(self) -> float:
+        """How often a second a moving picture is drawn; 0: no picture moves."""
+        return 0.0 if self.reduced_motion or self.fps < _LEAST_FPS else min(self.fps, _TICKS)

@@ -10,8 +10,7 @@ from textual.layout import ArrangeResult, Layout, WidgetPlacement
 from textual.widget import Widget
 
 from rl_tui.screen.frame.arrange import arrange
-from rl_tui.screen.frame.shape import Shape, docks_lesson
-from rl_tui.screen.frame.sheet import Place
+from rl_tui.screen.frame.shape import Arrangement, Shape, docks_lesson
 from rl_tui.screen.kit.row import LESSON, WORLD, PanelRow, beside
 from rl_tui.screen.panels.q_table.q_table import QTable
 from rl_tui.screen.panels.world.view import WorldView
@@ -52,7 +51,7 @@ class BoardLayout(Layout):
             for name, each in self._place(size, self.shape, zoomed).regions.items()
         }
 
-    def _place(self, size: Size, shape: Shape, zoomed: str | None) -> Place:
+    def _place(self, size: Size, shape: Shape, zoomed: str | None) -> Arrangement:
         is_wide = self.opened is not None and self._rows[self.opened].is_wide
         return arrange(_screen(size), shape, self.opened, zoomed=zoomed, is_wide=is_wide)
 

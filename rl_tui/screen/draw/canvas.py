@@ -111,15 +111,14 @@ Drawn = list[list[Segment]]
 """The rows of a piece of a picture, such as a cell of a map."""
 
 
-def strips_of_row(cells: Sequence[Drawn], left: int, width: int, style: Style) -> tuple[Strip, ...]:
-    """Return the strips of ``width`` characters for a row of ``cells``, which begins at column ``left``."""
+def strips_of_row(cells: Sequence[Drawn], width: int, style: Style) -> tuple[Strip, ...]:
+    """Return the strips of ``width`` characters for a row of ``cells``."""
     strips = []
     for lines in zip(*cells, strict=True):
         inside = list(chain.from_iterable(lines))
-        taken = left + sum(len(each.text) for each in inside)
-        before = [Segment(" " * left, style)] if left else []
+        taken = sum(len(each.text) for each in inside)
         after = [Segment(" " * (width - taken), style)] if taken < width else []
-        strip = Strip(_joined([*before, *inside, *after]), max(taken, width))
+        strip = Strip(_joined([*inside, *after]), max(taken, width))
         strips.append(strip if taken <= width else strip.adjust_cell_length(width, style))
     return tuple(strips)
 

@@ -18,8 +18,10 @@ def figure(x: float, decimals: int, glyphs: Glyphs, nothing: float = numbers.NEG
     """Return ``x`` rounded to ``decimals`` (−3: to thousands): ``.000130``, ``1.3e-8``, ``−3e11``.
 
     What is not above ``nothing`` is 0. Whole numbers and tenths stand as they are. A number that so many
-    decimals would not show keeps three digits of its own.
+    decimals would not show keeps three digits of its own. An infinite one, or none, is written as such.
     """
+    if not math.isfinite(x):
+        return str(x).replace("-", glyphs.minus)
     if abs(x) <= nothing:
         return "0"
     rounded, short = round(x, decimals), round(x, 1)
@@ -72,7 +74,7 @@ def magnitude(x: float) -> int:
 
 def leading_zeros(*values: float) -> int:
     """Return how many zeros follow the point of the largest number; below 0 the digits beyond a million."""
-    largest = magnitude(max(map(abs, values), default=0.0))
+    largest = magnitude(max((abs(each) for each in values if math.isfinite(each)), default=0.0))
     return max(0, -1 - largest) if largest < math.log10(_LARGEST) else -largest
 
 

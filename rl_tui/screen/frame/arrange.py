@@ -1,4 +1,4 @@
-"""Where everything stands: a pure function of the size of the screen, the world's shape and what is open.
+"""The place of every panel: a pure function of the size of the screen, the world's shape and what is open.
 
 The world is served first: its cells are as large as the least that all else needs allows. Two bands share a
 horizontal line: world and table above, curve and agent below. Regions are counted in characters from the
@@ -17,12 +17,13 @@ from rl_tui.screen.frame.shape import (
     ROOMY,
     ROOMY_WIDTH,
     SMALL,
+    Arrangement,
+    ScreenPlan,
     Shape,
     cell_size,
     docks_lesson,
     map_size,
 )
-from rl_tui.screen.frame.sheet import Place, Sheet
 from rl_tui.screen.kit.row import (
     BUDGET,
     CURVE,
@@ -35,14 +36,14 @@ from rl_tui.screen.kit.row import (
     beside,
 )
 from rl_tui.screen.panels.graph.chain import chain_rows
-from rl_tui.screen.panels.surroundings.margins import wanted_margins
+from rl_tui.screen.panels.margins import wanted_margins
 from rl_tui.worlds.drawing import Arms, Axes, Body, Graph, Grid
 
 _LEAST_BELOW: Final = {SMALL: 3, MEDIUM: 5, ROOMY: 10}  # rows of the lower band
 _LEAST_BELOW_WIDE_MAP: Final = {SMALL: 5, MEDIUM: 7, ROOMY: 12}
 _BESIDE_PAGE: Final = 12  # rows of curve and table, where the page of a lesson has the right column
 _AROUND_A_MAP: Final = 15  # rows
-_LEAST_SCROLLING: Final = 5  # rows of the lower band, before a map scrolls in which nobody walks
+_LEAST_SCROLLING: Final = 5  # rows of the lower band, before a map without an agent that walks scrolls
 _WIDE_PANEL: Final = 19  # rows of a panel of charts below world and table, with timeline and sliders
 _BELOW_LANES: Final = 18  # rows below the worlds of two lanes, before there are tables
 _UPPER: Final = 16  # rows of the upper band that a table is given beside a low map
@@ -58,8 +59,8 @@ _SHARE: Final = 0.235  # of the screen; a map that has less takes rows of the lo
 _PANEL_COLUMNS: Final = (44, 60)
 _PANEL_SHARE: Final = 0.4
 _BESIDE_A_GRAPH: Final = 36  # columns; with more the boxes of a graph become a list
-_TALLER: Final = 1.5  # times: a wide map lies above all else if its cells get so much higher
-_LARGER: Final = 1.3  # times: two maps lie one above the other if cells get so much larger
+_TALLER: Final = 1.5  # times: a wide map lies above all else if its cells get that much higher
+_LARGER: Final = 1.3  # times: two maps lie one above the other if cells get that much larger
 _BESIDE_MAPS: Final = 28  # columns
 _TOOLS: Final = 14  # rows of the tools while another panel is open too
 
@@ -72,14 +73,14 @@ def arrange(
     zoomed: str | None = None,
     is_wide: bool = False,
     shown: Collection[str] | None = None,
-) -> Place:
-    """Return where everything stands on a screen of ``size``.
+) -> Arrangement:
+    """Return the place of every panel on a screen of ``size``.
 
     The panel ``zoomed`` covers all others. The one ``opened`` by its key has the right column, or the lower
     band if it ``is_wide`` and there is room. ``shown`` are the ids of the panels that a page of a lesson is
     about, None: all.
     """
-    sheet = Sheet(size, shape, shown)
+    sheet = ScreenPlan(size, shape, shown)
     if zoomed is not None:
         return sheet.alone(zoomed)
     if shape.has_lesson and shape.reads and not docks_lesson(size):
@@ -89,7 +90,7 @@ def arrange(
         sheet.top = 2
     if sheet.room is SMALL and opened is not None:
         sheet.put(opened, Region(0, sheet.top, size.width, sheet.foot - sheet.top))
-        return Place(sheet.regions, Size(0, 0))
+        return Arrangement(sheet.regions, Size(0, 0))
     if opened is not None and sheet.room is not ROOMY:
         sheet.lanes = False
     return _Bands(sheet, opened, is_wide=is_wide and sheet.room is ROOMY and not shape.has_lesson).place()
@@ -98,16 +99,16 @@ def arrange(
 class _Bands:
     """Puts world and right column into the upper band, curve and agent into the lower one."""
 
-    def __init__(self, sheet: Sheet, opened: str | None, *, is_wide: bool) -> None:
+    def __init__(self, sheet: ScreenPlan, opened: str | None, *, is_wide: bool) -> None:
         self.sheet, self.shape, self.room = sheet, sheet.shape, sheet.room
-        self.wide = opened if is_wide and not sheet.lanes else None
+        self.wide = opened if is_wide and not sheet.lanes and not sheet.shape.is_drawn else None
         self.drawing = self.shape.drawing
         docked = LESSON if self.shape.has_lesson and docks_lesson(sheet.size) else None
         tools = DRAW if self.shape.is_drawn and self.room is not SMALL else None
         self.table = DRAW if self.shape.is_drawn and self.room is SMALL else TABLE
-        """What stands beside the world."""
+        """The panel at the right of the world."""
         self.below_page = opened or tools if docked else None
-        """What stands below the world, where a page has the right column."""
+        """The panel below the world, where a page has the right column."""
         self.aside = docked or (None if self.wide else opened) or tools
         """What has the right column in both bands."""
         self.extra_tools = (
@@ -143,7 +144,7 @@ class _Bands:
             return least, max(least, 33 if width < ROOMY_WIDTH else 44)
         return least, max(44, min(most, 46 if width < 150 else 56))
 
-    def place(self) -> Place:
+    def place(self) -> Arrangement:
         """Return the regions of all."""
         sheet = self.sheet
         room, below = self._world_room(), self._least_below()
@@ -170,7 +171,7 @@ class _Bands:
         if sheet.lanes and self.aside is None and self.below_page is None and not is_over:
             low = self._put_tables(low, room)
         self._put_lower(low, left, columns)
-        return Place(sheet.regions, cell)
+        return Arrangement(sheet.regions, cell)
 
     def _height(self, below: int, extra: int) -> int:
         """Return the rows for the picture of the world, with ``below`` in the lower band."""
@@ -284,7 +285,7 @@ class _Bands:
                 return Size(room, height)
 
     def _put_world(self, picture: Size, extra: int, left: int, room: int, *, is_over: bool) -> None:
-        """Put the world with its scale below it, and that of a second lane; the frame has a column before."""
+        """Put the world, its scale below, and the world of a second run; a column before is for the frame."""
         sheet = self.sheet
         x = sheet.margin
         if self.is_alone and self.room is ROOMY and picture.width < left:
@@ -336,7 +337,7 @@ class _Bands:
             sheet.put(self.table, Region(x, sheet.top, columns, bottom - sheet.top))
 
     def _below_table(self) -> list[tuple[str, tuple[int, ...]]]:
-        """Return what may stand below the table, and in how many rows, the most first."""
+        """Return the panels that may follow below the table, with their numbers of rows, the most first."""
         panels: list[tuple[str, tuple[int, ...]]] = []
         if self.wide is None and self.room is not SMALL:
             panels.append((LAST_STEP, (_LAST_STEP,) if self.room is ROOMY else (_LAST_STEP, _SHORT_STEP)))
@@ -433,7 +434,7 @@ class _Bands:
         sheet.put(CURVE, Region(x, y + 2, half - 1, 1))
         sheet.put(TIMELINE, Region(x + half, y + 2, width - half, 1))
 
-    def _on_top(self, cell: Size, extra: int) -> Place:
+    def _on_top(self, cell: Size, extra: int) -> Arrangement:
         """Return the place of a wide map above all else: below it the last step, curve and table."""
         sheet, x, foot = self.sheet, self.sheet.margin, self.sheet.foot
         picture = self._picture(cell, sheet.usable, sheet.foot)
@@ -455,4 +456,4 @@ class _Bands:
             sheet.put(TIMELINE, Region(x, foot - 1, left, 1))
         else:
             self._put_curve(low, foot, left)
-        return Place(sheet.regions, cell)
+        return Arrangement(sheet.regions, cell)

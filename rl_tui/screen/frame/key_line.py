@@ -116,14 +116,17 @@ class KeyLine(Widget):
 
     async def on_click(self, event: events.Click) -> None:
         """Do what the hint under the pointer says."""
+        offset = event.get_content_offset(self)
+        if offset is None:
+            return
         if self.hints:
-            self._press_hint(self._fitting_hints(), _GAPS[1], event.x)
+            self._press_hint(self._fitting_hints(), _GAPS[1], offset.x)
             return
         shown, gap = self._fitting_actions()
-        column = self._press_hint(self._fitting_first(), gap, event.x)
+        column = self._press_hint(self._fitting_first(), gap, offset.x)
         for action in shown:
             end = column + _columns(action)
-            if column <= event.x < end:
+            if column <= offset.x < end:
                 await self.screen.run_action(action.textual_action)
                 return
             column = end + gap

@@ -1,15 +1,16 @@
-"""What an arrangement of the screen goes by: its size, the shape of the world, and the cells of a map."""
+"""What decides an arrangement: the size of the screen, the shape of the world, and the cells of a map."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Final, NamedTuple
 
-from textual.geometry import Size
+from textual.geometry import Region, Size
 
-from rl_tui.screen.kit.row import CONTROLS, PROGRAM
-from rl_tui.screen.panels.surroundings.margins import wanted_margins
+from rl_tui.screen.kit.row import CONTROLS, CURVE, PROGRAM, TIMELINE, WORLD, beside
+from rl_tui.screen.panels.margins import wanted_margins
 from rl_tui.worlds.drawing import Drawing, Grid
 from rl_tui.worlds.sections.schema import WorldSection
 
@@ -23,7 +24,7 @@ MEDIUM_HEIGHT: Final = 22
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """What the arrangement depends on besides the size and what is open.
+    """What the arrangement depends on, apart from the size and what is open.
 
     ``actions`` is the greatest number of a state, ``table_rows`` what the whole table takes. With ``lanes``
     two runs are to stand side by side. Of a program that is watched there is nothing to set. With
@@ -69,7 +70,7 @@ SMALL, MEDIUM, ROOMY = SizeClass
 
 
 def size_class(size: Size) -> SizeClass:
-    """Return how much room a screen of ``size`` has."""
+    """Return the size class of a screen of ``size``."""
     if size.width >= ROOMY_WIDTH and size.height >= ROOMY_HEIGHT:
         return ROOMY
     return MEDIUM if size.width >= MEDIUM_WIDTH and size.height >= MEDIUM_HEIGHT else SMALL
@@ -84,8 +85,8 @@ def docks_lesson(size: Size) -> bool:
 
 
 _MOST_HEIGHT: Final = 12  # of a cell
-_LOW: Final = {1: (1, 7), 2: (3, 8)}  # columns of cells of so many rows, least and most
-_ODD_FROM: Final = 5  # columns: a cell with an odd number of them has a middle
+_LOW: Final = {1: (1, 7), 2: (3, 8)}  # rows of a cell: its least and most columns
+_ODD_FROM: Final = 5  # columns: an odd number has a middle
 _HUGE: Final = Size(80, 40)  # cells: a map that is larger scrolls at a size that can be read
 _READABLE: Final = 3  # columns
 
@@ -134,3 +135,58 @@ def map_size(grid: Grid, width: int, height: int, *, is_broad: bool = False) -> 
             min(height, cell.height * grid.rows + above),
         ),
     )
+
+
+# Where panels are put
+
+
+class Arrangement(NamedTuple):
+    """The ``regions`` of the panels in view, by id, and the size of a ``cell`` of the map.
+
+    Without a map, or with none in view, that is 0 × 0.
+    """
+
+    regions: dict[str, Region]
+    cell: Size
+
+
+@dataclass
+class ScreenPlan:
+    """A screen on which regions are put: its class, its margins and the rows from ``top`` to ``foot``."""
+
+    size: Size
+    shape: Shape
+    shown: Collection[str] | None
+    regions: dict[str, Region] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.room = size_class(self.size)
+        self.margin, self.gap = (2, 3) if self.room is ROOMY else (1, 2)
+        self.top = 2 if self.room is ROOMY else 1
+        self.foot = self.size.height - (2 if self.room is ROOMY else 1)
+        self.usable = self.size.width - 2 * self.margin
+        self.lanes = self.shape.lanes and self.room is not SMALL
+        self.blank = 1 if self.room is ROOMY else 0
+
+    def shows(self, panel: str) -> bool:
+        """Return whether a page of a lesson shows ``panel``; a page that names none shows all."""
+        return self.shown is None or panel in self.shown
+
+    def put(self, panel: str, region: Region) -> None:
+        """Put ``panel`` there, if that is anywhere."""
+        if region.width > 0 and region.height > 0:
+            self.regions[panel] = region
+
+    def alone(self, panel: str) -> Arrangement:
+        """Return the place of ``panel`` on all of the screen; curve and timeline come together."""
+        body = Region(self.margin, 1, self.usable, self.size.height - 2)
+        if panel in (CURVE, TIMELINE):
+            self.put(CURVE, Region(*body[:3], body.height - 1))
+            self.put(TIMELINE, Region(body.x, body.bottom - 1, body.width, 1))
+            return Arrangement(self.regions, Size(0, 0))
+        self.put(panel, body)
+        drawing, cell = self.shape.drawing, Size(0, 0)
+        if panel in (WORLD, beside(WORLD)) and isinstance(drawing, Grid):
+            high = body.height - 1 - bool(drawing.wind)
+            cell = map_size(drawing, body.width, high).cell
+        return Arrangement(self.regions, cell)

@@ -331,7 +331,7 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         "view.next_layer",
         "v",
         "layer",
-        "Next layer: value, exact value, error, visits, landscape.",
+        "Turn world and table: value, exact value, error, visits, landscape.",
         Group.VIEW,
         rank=4,
     ),

@@ -29,7 +29,7 @@ class Term(NamedTuple):
 class Equation:
     """``left`` and the ``terms`` that give it; a brace with the ``label`` joins their brackets, if any.
 
-    ``now = was + α·(r − was)`` stands above its numbers, each word in the column of its number.
+    ``now = was + α·(r − was)`` is written above its numbers, each word in the column of its number.
     """
 
     left: Term
@@ -55,7 +55,7 @@ class Equation:
         return [line for place, part in parts for line in _pair(part, _INDENT if place else " ", look)]
 
     def _brace(self, look: Look) -> Iterator[Line]:
-        """Yield the brace from the bracket that opens to the one that closes."""
+        """Yield the brace from the opening bracket to the closing bracket."""
         start = end = 0
         column = 1 + _cells(self.left, look)
         for term in self.terms:
@@ -96,7 +96,7 @@ def _broken(terms: Sequence[Term], width: int, look: Look) -> Iterator[Sequence[
 def _pair(terms: Sequence[Term], indent: str, look: Look) -> tuple[Line, Line]:
     """Return the line of the words and the line of the numbers."""
     palette, words, numbers = look.palette, indent, list[Piece]()
-    before = indent  # what stands before the next number that has a style of its own
+    before = indent  # the text before the next number with a style of its own
     for place, term in enumerate(terms):
         operator, word, number = (to_ascii(each, look.glyphs) for each in term[:3])
         operator = operator if place else operator.lstrip()

@@ -37,6 +37,8 @@ class Layer(StrEnum):
 EXACT_LAYERS: Final = (Layer.OPTIMAL, Layer.ERROR)
 WORLD_LAYERS: Final = (*EXACT_LAYERS, Layer.VISITS)
 """Layers whose numbers a world shows in place of V; the table has more."""
+ACTION_LAYERS: Final = (Layer.Q, Layer.OPTIMAL)
+"""Layers in which the cells of a map may show the number of every action."""
 WORDS: Final = {Layer.OPTIMAL: "exact value", Layer.ERROR: "error", Layer.VISITS: "visits"}
 """What the numbers of a layer are called, those of all others ``value``."""
 
@@ -108,7 +110,7 @@ def other_lane(snapshot: Snapshot) -> LaneView | None:
 
 
 def world_layer(snapshot: Snapshot, layer: Layer) -> Layer:
-    """Return what the picture of a world shows in ``layer``: that, or Q where it has no numbers for it."""
+    """Return the layer that a world shows for ``layer``: that one, or Q if it has no numbers for it."""
     if isinstance(snapshot.world.drawing, Arms) or layer not in WORLD_LAYERS:
         return Layer.Q
     return Layer.Q if layer in EXACT_LAYERS and shown_exact(snapshot) is None else layer
@@ -168,7 +170,7 @@ def _compared(snapshot: Snapshot, layer: Layer, exact: Exact | None) -> AgentVie
 
 
 def scale_numbers(snapshot: Snapshot, layer: Layer) -> FloatArray:
-    """Return the numbers that the scale of ``layer`` has to hold, in both lanes in view.
+    """Return the numbers that the scale of ``layer`` must hold, of both runs in view.
 
     That of visits holds those of states, that of errors those of pairs, which are larger.
     """

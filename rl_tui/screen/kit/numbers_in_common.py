@@ -44,7 +44,7 @@ def known_v(snapshot: Snapshot) -> FloatArray:
 
 
 def best_of_states(space: FiniteSpace, values: FloatArray) -> FloatArray:
-    """Return the greatest of ``values``, [P], of each state with actions; NaN where one of them is."""
+    """Return the greatest of ``values``, [P], for each state with actions; NaN if any of its values is."""
     first = space.first_pair[:-1][np.diff(space.first_pair) > 0]
     return np.asarray(np.maximum.reduceat(values, first)) if len(first) else np.empty(0)
 

@@ -126,7 +126,6 @@ def _entries(signs: Legend, look: Look) -> list[str]:
 # The panel
 
 
-BORDERS: Final = 2  # rows, and columns, that the border takes
 BORDER_ENDS: Final = 1  # a blank between a title and the rule behind it
 _TITLE_GAP: Final = "  "  # between a title and its caption
 _EDGES: Final = {  # by the name of a border in a style sheet: its rule, its upper and its lower corners
@@ -184,9 +183,10 @@ class BoardPanel(Widget):
     drawn_from: object = None
     """What :meth:`depends_on` was for the last snapshot; None has the next one drawn."""
     head = ""
-    """What stands above the panel: its title, and behind that its caption."""
+    """The text above the panel: its title, then its caption."""
     foot = ""
-    """What stands in the row below: mostly its keys."""
+    """The text in the row below the panel: mostly its keys."""
+    _border_look: Look | None = None
     _heading: Sequence[Segment] = ()
     _keys: Sequence[Segment] = ()
 
@@ -228,8 +228,9 @@ class BoardPanel(Widget):
         """
         head = f"{look.glyphs.cursor} {head}" if self.is_spotlit else head
         texts = separated(head, look.glyphs), separated(foot, look.glyphs)
-        if texts == (self.head, self.foot):
+        if texts == (self.head, self.foot) and look is self._border_look:
             return
+        self._border_look = look
         self.head, self.foot = texts
         title, _, caption = (separated(part, look.glyphs) for part in head.partition(_BETWEEN))
         dim, strong = look.palette.dim, look.palette.strong
@@ -241,7 +242,7 @@ class BoardPanel(Widget):
         self.refresh(Region(-x, -y, width, 1), Region(-x, height - 1 - y, width, 1))
 
     def render_lines(self, crop: Region) -> list[Strip]:
-        """Return the lines to paint: that of the heading, the picture, and that of the keys."""
+        """Return the lines to paint: the heading, the picture, and the keys."""
         strips = super().render_lines(crop)
         styles, bottom = self.styles, self.outer_size.height
         if strips and crop.y == 0 and styles.border_top[0]:
@@ -266,7 +267,10 @@ class BoardPanel(Widget):
         taken = sum(part.cell_length for part in parts) + len(end)
         parts.append(Segment(rule * max(0, self.outer_size.width - taken) + end, line))
         ground = self.rich_style
-        return Strip(parts).apply_style(ground).adjust_cell_length(self.outer_size.width, ground)
+        strip = Strip(parts).apply_style(ground).adjust_cell_length(self.outer_size.width, ground)
+        for each in self.get_line_filters():  # of a terminal without colours, say
+            strip = strip.apply_filter(each, self.background_colors[1])
+        return strip
 
 
 class Panel(BoardPanel):

@@ -1,4 +1,4 @@
-"""The scale of all tints, for map and table alike: in the layer Q that of V of what is known."""
+"""The scale of all tints, equal for map and table: in the layer Q it is the scale of the known V."""
 
 from __future__ import annotations
 
@@ -11,12 +11,15 @@ import numpy as np
 from rich.style import Style
 
 from rl_tui.live.snapshot import Snapshot
+from rl_tui.screen.draw import numbers
+from rl_tui.screen.draw.canvas import Piece
 from rl_tui.screen.kit.layers import Layer, scale_numbers
+from rl_tui.screen.theme.look import Look
 from rl_tui.screen.theme.roles import Palette
 from rl_tui.worlds.mdp.space import FloatArray
 
 _LEAST_TO_CUT: Final = 8  # values; the ends of fewer say nothing of outliers
-_TAIL: Final = 16  # of so many values one at each end may be an outlier
+_TAIL: Final = 16  # values, of which one at each end may be an outlier
 _FAR: Final = 4.0  # times the range without the tails
 _BOTH_SIGNS: Final = 0.1  # of the larger end that the other one must reach
 _NEAR_ZERO: Final = 0.5  # of the greatest value: a scale that begins below that begins at 0
@@ -121,8 +124,10 @@ class SteadyScale:
     def of(self, snapshot: Snapshot, layer: Layer = Layer.Q) -> ValueScale:
         """Return the scale of ``layer`` with what is known in ``snapshot``, in both lanes in view.
 
-        A landscape has that of Q.
+        A landscape has that of Q, which gets wider whatever layer is shown.
         """
+        if layer not in (Layer.Q, Layer.LANDSCAPE):
+            self.of(snapshot)
         layer = Layer.Q if layer is Layer.LANDSCAPE else layer
         is_study, ramp = snapshot.answers.studied is not None, RAMPS.get(layer, Ramp.VALUES)
         if self._is_study and not is_study:
@@ -135,3 +140,31 @@ class SteadyScale:
         if now is not None:
             self._scales[layer] = scale
         return scale
+
+
+# A scale as text
+
+
+_END: Final = 4  # characters of the value of an end
+
+
+def scale_pieces(scale: ValueScale, look: Look, *, every: int = 1) -> tuple[Piece, ...]:
+    """Return ``scale`` as its two ends with its tints between them, ``every`` second one, say.
+
+    Without colours a word is between the ends; nothing where all that is known is 0.
+    """
+    low, high = scale.ends
+    if high <= low:
+        return ()
+    palette = look.palette
+    ends = [_end_text(end, scale, look) for end in (low, high)]
+    if not palette.tints:
+        return (Piece(f"{ends[0]} to {ends[1]}", palette.dim),)
+    tints = (Piece(" ", style) for style in scale.tints(palette)[::every])
+    return Piece(f"{ends[0]} ", palette.dim), *tints, Piece(f" {ends[1]}", palette.dim)
+
+
+def _end_text(end: float, scale: ValueScale, look: Look) -> str:
+    if scale.ramp is Ramp.VISITS:
+        return numbers.count(int(end))
+    return numbers.value(end, _END, look.glyphs, 2) if end else "0"

@@ -23,6 +23,7 @@ from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
 
 WIDE: Final = 100
+SMALL: Final = 70
 WAITING: Final = "the world is being built"
 BUDGET_SPENT: Final = "budget spent"
 PROGRAM_ENDED: Final = "your program has ended"
@@ -232,7 +233,7 @@ def _fields(snapshot: Snapshot, look: Look, width: int, *, is_manual: bool) -> l
         label = "sweep" if plans else "episode" if wide else "ep"
         progress = [
             _counted(label, episode_shown(snapshot), 7, look, rank=2),
-            _counted("step", snapshot.counters.step, 10 if wide else 7, look, rank=1),
+            _counted("step", snapshot.counters.step, 10 if wide else 9 if width > SMALL else 7, look, rank=1),
         ]
     speed = (_end if in_past else _speed)(snapshot, look, wide=wide)
     return [speed, _state(snapshot, look, width - 1 - _GAP, is_manual=is_manual), *progress]

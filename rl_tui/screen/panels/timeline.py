@@ -31,16 +31,18 @@ from rl_tui.screen.kit.draggable import Draggable
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.snapshot_facts import episode_shown, hides_greedy
 from rl_tui.screen.panels.curve.axis import EpisodeAxis, episode_axis
-from rl_tui.screen.panels.curve.columns import PlotColumns, plot_columns
+from rl_tui.screen.panels.curve.lane_text import PlotColumns, plot_columns
 from rl_tui.screen.panels.curve.text import label_gap
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
+from rl_tui.worlds.mdp.space import IntArray
 
 # The row
 
 
 _POLICIES: Final = 8  # changes of the greedy policy that are marked: the last ones
-_APART: Final = 0.04  # of the track, between two of them
+_APART: Final = 0.04  # of the track, between two of them, and
+_CELLS_APART: Final = 3  # at least: else they are a comb
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,12 +63,16 @@ class Track:
         """Return the column, from 0, of a number of episodes."""
         return min(self.columns - 1, int(episode / self.axis.right * self.columns))
 
-    def cell_of(self, step: int) -> int:
-        """Return the cell, from 0, of ``step``; nothing before the end stands in the last one."""
+    def cells_of(self, steps: IntArray) -> IntArray:
+        """Return the cell, from 0, of each of ``steps``; only the end is in the last one."""
         last = self.cells - 1
-        if step >= self.end or last < 1:
-            return max(0, last)
-        return min(self.column_of(self.axis.episode_of(step)), last - 1)
+        places = np.interp(steps, self.axis.step, self.axis.episode) / self.axis.right * self.columns
+        before_end = np.minimum(places.astype(np.int64), max(0, last - 1))
+        return np.where(steps >= self.end, last, before_end)
+
+    def cell_of(self, step: int) -> int:
+        """Return the cell of ``step``."""
+        return int(self.cells_of(np.array([step]))[0])
 
     def step_at(self, cell: int) -> int:
         """Return the step in the middle of ``cell``; the first and the last cell count as the ends."""
@@ -181,8 +187,9 @@ _SETTINGS: Final = Setting | OrderSweep
 _CHANGES: Final[tuple[type | UnionType, ...]] = (TakeAction, _SETTINGS, WorldChange)
 
 
-def _cells(branch: Branch, kind: type | UnionType, track: Track) -> list[int]:
-    return [track.cell_of(entry.step) for entry in branch.journal if isinstance(entry.change, kind)]
+def _cells(branch: Branch, kind: type | UnionType, track: Track) -> set[int]:
+    steps = [entry.step for entry in branch.journal if isinstance(entry.change, kind)]
+    return set(track.cells_of(np.array(steps)).tolist())  # a person may have taken thousands of steps
 
 
 def _first_reward(curve: Curve) -> float | None:
@@ -206,10 +213,10 @@ def _policies(state: TimelineState, track: Track) -> list[int]:
         return []
     values = marks.expected_return
     same = np.isclose(values[1:], values[:-1], rtol=0.0, atol=NEGLIGIBLE, equal_nan=True)
-    chosen: list[int] = []
+    chosen, apart = list[int](), max(_CELLS_APART, _APART * track.columns)
     for episode in reversed(marks.episode[1:][~same].tolist()):
         cell = track.column_of(episode)
-        if not chosen or chosen[-1] - cell >= _APART * track.columns:
+        if not chosen or chosen[-1] - cell >= apart:
             chosen.append(cell)
         if len(chosen) == _POLICIES:
             break

@@ -242,7 +242,7 @@ class Playground(ActionScreen):
         keys.idle = idle | self.kept_back.idle_keys | self.editing.idle_keys
 
     def _moment_of(self, snapshot: Snapshot) -> object:
-        """Return what besides the focus decides which keys do something, and whether flips are asked for."""
+        """Return what decides, apart from the focus, which keys do something and if flips are asked for."""
         answers, wanted = snapshot.answers, self.wanted
         return (
             *(snapshot.playback.phase, snapshot.world, snapshot.program is None, snapshot.agent.algorithm),

@@ -56,6 +56,8 @@ class LinkedApp(App[ReturnType]):
         """The keys that end something, and so count in a flood of others."""
         self.synchronises = False
         """Whether the terminal can hold back what is unfinished."""
+        self.ticks = 0.0
+        """How often a second a moving picture is drawn; 0: no picture moves."""
         self._output: Output | None = None
         self._claimed = Size(0, 0)  # what the terminal says it is
         self._draws = True
@@ -83,6 +85,11 @@ class LinkedApp(App[ReturnType]):
     def has_slow_link(self) -> bool:
         """Whether what changes on screen takes its time to arrive, so that it should be little."""
         return self._output is not None and self._output.link.is_slow
+
+    @property
+    def keeps_up(self) -> bool:
+        """Whether a moving picture arrives in time."""
+        return self._output is None or self._output.keeps_up
 
     async def painted(self) -> None:
         """Wait until something was drawn, where there is a terminal: what is slow begins after that.

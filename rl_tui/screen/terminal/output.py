@@ -53,6 +53,11 @@ class Output:
         self._beside = ""  # what is said where nothing is drawn
         self._erases = False
 
+    @property
+    def keeps_up(self) -> bool:
+        """Whether the link is fast and nothing drawn waits for a frame to arrive."""
+        return not (self.link.is_slow or self.buffer.is_touched)
+
     def write_beside(self, x: int, y: int, words: str) -> None:
         """Say ``words`` at column ``x`` of line ``y``, where nothing is ever drawn; what stood there goes."""
         self._erases = bool(words or self._beside)

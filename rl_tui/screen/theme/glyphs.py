@@ -65,6 +65,7 @@ class Glyphs:
     axis_horizontal: str
     axis_corner: str
     axis_tick: str
+    off_axis: str  # what is below an axis, above it
     level: str  # the horizontal line of an optimum
     dashes: str  # that of a policy
     whisker: str  # error bars
@@ -159,6 +160,7 @@ _ROWS: Final[Mapping[str, tuple[Any, Any]]] = {
     "axis_horizontal": ("─", "-"),
     "axis_corner": ("└", "+"),
     "axis_tick": ("┤", "+"),
+    "off_axis": ("▾▴", "v^"),
     "level": ("┈", "."),
     "dashes": ("╌", "-"),
     "whisker": ("━", "-"),

@@ -18,6 +18,7 @@ PALEST: Final = 3.0
 """The least contrast of a sign with its cell."""
 _SLIGHT: Final = 1.0 / 3.0
 _STEPS: Final = 24
+_MIXABLE: Final = (ColorType.TRUECOLOR, ColorType.EIGHT_BIT)
 _NO_LEAD, _SOME_LEAD, _CLEAR_LEAD = Style(dim=True), Style(bold=False), Style(bold=True)
 
 
@@ -54,17 +55,30 @@ def paled(style: Style, share: float) -> Style:
     ink, ground = style.color, style.bgcolor
     if ink is None or ground is None:
         return style + (_NO_LEAD if share < _SLIGHT else _SOME_LEAD if share < 2 * _SLIGHT else _CLEAR_LEAD)
-    if share >= 1.0 or ink.type not in (ColorType.TRUECOLOR, ColorType.EIGHT_BIT):
+    if share >= 1.0 or ink.type not in _MIXABLE:
         return style
     least = PALEST + share * (contrast(ink, ground) - PALEST)
     for step in range(1, _STEPS):
-        mixed = blend_rgb(ground.get_truecolor(), ink.get_truecolor(), step / _STEPS)
-        pale = Color.from_triplet(mixed)
-        if ink.type is ColorType.EIGHT_BIT:
-            pale = pale.downgrade(ColorSystem.EIGHT_BIT)
-        if contrast(pale, ground) >= least:
-            return style + Style(color=pale)
+        pale = faded(style, step / _STEPS)
+        assert pale.color is not None
+        if contrast(pale.color, ground) >= least:
+            return pale
     return style
+
+
+@lru_cache(4_096)
+def faded(style: Style, share: float) -> Style:
+    """Return ``style`` with an ink of which a ``share`` (0 to 1) is left, the rest is its ground.
+
+    The 16 colours of a terminal cannot be mixed: they stay as they are, as does ink without a ground.
+    """
+    ink, ground = style.color, style.bgcolor
+    if ink is None or ground is None or ink.type not in _MIXABLE:
+        return style
+    mixed = Color.from_triplet(blend_rgb(ground.get_truecolor(), ink.get_truecolor(), share))
+    return style + Style(
+        color=mixed.downgrade(ColorSystem.EIGHT_BIT) if ink.type is ColorType.EIGHT_BIT else mixed
+    )
 
 
 # Roles

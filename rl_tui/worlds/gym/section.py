@@ -78,7 +78,7 @@ class GymnasiumSection(WorldSection):
             yield Finding(("kwargs" if self.kwargs else "id",), str(failure), "an environment that starts")
 
     def sketch(self) -> Grid | None:
-        """Return a grid as far as it is known without Gymnasium, if its size is."""
+        """Return what is known of the grid without Gymnasium; None if its size is not."""
         from rl_tui.worlds.gym.stepped_layout import known_grid
 
         return known_grid(self)

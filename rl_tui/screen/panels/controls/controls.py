@@ -78,7 +78,7 @@ class Controls(Container, BoardPanel):
 
     def __init__(self, look: Look, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)
-        self._look = look
+        self.look = look
         self.wanted = Hyperparameters()
         self.marks_all_flips = False
         """Whether the slider of γ marks every flip, not only those that turn the way from the start."""
@@ -105,7 +105,7 @@ class Controls(Container, BoardPanel):
         numbers = " ".join(str(number + 1) for number in range(len(self._parameters)))
         explained = f"Agent · {numbers} to turn"
         has_room = self.is_explained and len(explained) <= self.size.width - BORDER_ENDS
-        self.write_border(explained if has_room else "Agent", "", self._look)
+        self.write_border(explained if has_room else "Agent", "", self.look)
         self._label_sliders()
 
     def _label_sliders(self) -> None:
@@ -113,7 +113,7 @@ class Controls(Container, BoardPanel):
         is_line = self.size.height == 1
         names = {each.name: "" if is_line else each.short_name for each in self._parameters}
         labels = (
-            to_ascii(f"{each.symbol} {names[each.name]}", self._look.glyphs) for each in self._parameters
+            to_ascii(f"{each.symbol} {names[each.name]}", self.look.glyphs) for each in self._parameters
         )
         columns = 0 if is_line else max(map(cell_len, labels), default=0)
         for place, (name, slider) in enumerate(self._sliders.items()):
@@ -129,7 +129,7 @@ class Controls(Container, BoardPanel):
         """Yield sliders and settings."""
         self._sliders = self._new_sliders()
         yield Container(*self._sliders.values(), id="sliders")
-        yield AgentSettings(self._look, id="settings")
+        yield AgentSettings(self.look, id="settings")
 
     def depends_on(self, snapshot: Snapshot) -> object:
         """Return what is in force and what is wanted, the speed, and the flips that may be marked.
@@ -176,7 +176,7 @@ class Controls(Container, BoardPanel):
 
     def _new_sliders(self) -> dict[str, Slider]:
         return {
-            parameter.name: Slider(self._look, parameter, in_force(self.wanted, parameter))
+            parameter.name: Slider(self.look, parameter, in_force(self.wanted, parameter))
             for parameter in self._parameters
         }
 

@@ -1,4 +1,8 @@
-"""The area under the moving mean, in eighths of a character, darker below."""
+"""The area under the moving mean, and over it the band of the middle half of the returns.
+
+The area is drawn in eighths of a character. With the band there are two pixels a row. Its quartiles come from
+single returns, of which a long run keeps every second, fourth, eighth and so on.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +13,15 @@ import numpy as np
 from rich.color import Color, ColorSystem, ColorType, blend_rgb
 from rich.style import Style
 
+from rl_tui.runs.results import Curve
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.panels.curve.data import MovingMean
 from rl_tui.screen.theme.glyphs import Glyphs
-from rl_tui.screen.theme.look import Palette
+from rl_tui.screen.theme.look import Look, Palette
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
+
+# The area under the moving mean, in eighths of a character, darker below
+
 
 FULL: Final = 8
 _EIGHTHS: Final = " ▁▂▃▄▅▆▇█"
@@ -63,3 +71,97 @@ def area_styles(palette: Palette, rows: int) -> tuple[Style, ...]:
         mixed = Color.from_triplet(blend_rgb(page.get_truecolor(), ink.get_truecolor(), share))
         shades.append(mixed.downgrade(ColorSystem.EIGHT_BIT) if ink.type is ColorType.EIGHT_BIT else mixed)
     return tuple(Style(color=shade) for shade in shades)
+
+
+# The middle half, where it says something
+
+
+_LEAST_ROWS: Final = 7
+_LEAST_VALUES: Final = 6  # different returns among the last episodes
+_LAST: Final = 2_000  # episodes
+_HEIGHTS: Final = (0.05, 0.7)  # shares of the axis that the band may take
+_INSIDE: Final = 0.7  # of the columns have their mean in the band
+_SHARES: Final = (0.2, 0.42, 1.0)  # of the ink in area, band and mean
+_PAGE, _AREA, _BAND, _MEAN = range(4)
+
+
+class MiddleHalf(NamedTuple):
+    """The quartiles of the returns in the window of each column, [columns] each; NaN without episodes."""
+
+    low: FloatArray
+    high: FloatArray
+
+
+def says_something(plot: Plot, curve: Curve, mean: MovingMean, look: Look) -> bool:
+    """Return whether a band of the middle half helps, and is true to the mean.
+
+    It takes six different returns, seven rows, shades of colour, a height of 5 to 70 % of the axis (the
+    median over the columns), and a mean inside of it in more than 70 % of the columns.
+    """
+    if plot.rows < _LEAST_ROWS or not (look.glyphs.braille and look.palette.has_shades):
+        return False
+    recent = curve.samples[-max(1, _LAST // curve.sample_every) :]
+    if len(np.unique(recent.round(6))) < _LEAST_VALUES:
+        return False
+    band, values = middle_half(plot, curve, mean), values_of(plot, mean)
+    there = ~np.isnan(values)
+    height = np.median((band.high - band.low)[there]) / (plot.scale.high - plot.scale.low)
+    inside = ((band.low <= values) & (values <= band.high))[there].mean()
+    return bool(_HEIGHTS[0] < height < _HEIGHTS[1] and inside > _INSIDE)
+
+
+def middle_half(plot: Plot, curve: Curve, mean: MovingMean) -> MiddleHalf:
+    """Return the quartiles in the window of ``mean`` up to the right edge of each column."""
+    ends = plot.ends_of_columns(mean.finished)
+    behind = np.ceil(ends / curve.sample_every)  # samples up to there; NaN beyond the last episode
+    first = np.ceil(np.maximum(ends - mean.window, 0.0) / curve.sample_every)
+    most = int(np.nanmax(behind - first))
+    places = np.nan_to_num(behind)[:, None] - 1.0 - np.arange(most)
+    inside = places >= np.nan_to_num(first)[:, None]
+    found = np.where(inside, curve.samples[np.maximum(places, 0.0).astype(np.int64)], np.inf)
+    found.sort(axis=1)
+    last, rows = inside.sum(axis=1) - 1, np.arange(len(ends))
+    low, high = (found[rows, np.rint(share * last).astype(np.int64)] for share in (0.25, 0.75))
+    unknown = np.isnan(ends)
+    return MiddleHalf(np.where(unknown, np.nan, low), np.where(unknown, np.nan, high))
+
+
+def band_cells(plot: Plot, band: MiddleHalf, mean: MovingMean) -> tuple[IntArray, IntArray]:
+    """Return the characters, 0 for none, and the kinds, of cells, [rows, columns] each.
+
+    The kind is 4 times the upper pixel and the lower one: 0 page, 1 area, 2 band, 3 mean.
+    """
+    per_unit = 2 * plot.rows / (plot.top - plot.scale.low)
+    low, high, middle = ((each - plot.scale.low) * per_unit for each in (*band, values_of(plot, mean)))
+    centre = np.arange(2 * plot.rows)[::-1, None] + 0.5
+    pixels = np.where(centre < np.fmax(low, middle), _AREA, _PAGE)
+    pixels[(low <= centre) & (centre <= high)] = _BAND
+    pixels[np.abs(centre - middle) <= 0.5] = _MEAN
+    upper, lower = pixels[::2], pixels[1::2]
+    codes = np.where(upper == lower, ord("█"), np.where(upper == _PAGE, ord("▄"), ord("▀")))
+    codes[(upper == _PAGE) & (lower == _PAGE)] = 0
+    return codes, 4 * upper + lower
+
+
+@lru_cache(64)
+def pixel_styles(palette: Palette) -> tuple[Style, ...]:
+    """Return the inks of a pixel of the area, of the band and of the mean."""
+    ink, page = palette.episodes.color, palette.page.color
+    assert ink is not None
+    assert page is not None
+    mixed = (
+        Color.from_triplet(blend_rgb(page.get_truecolor(), ink.get_truecolor(), share)) for share in _SHARES
+    )
+    is_of_256 = ink.type is ColorType.EIGHT_BIT
+    return tuple(Style(color=each.downgrade(ColorSystem.EIGHT_BIT) if is_of_256 else each) for each in mixed)
+
+
+@lru_cache(64)
+def band_styles(palette: Palette) -> list[Style]:
+    """Return the styles of the kinds of cells of :func:`band_cells`."""
+    colours = (None, *(style.color for style in pixel_styles(palette)))
+    return [
+        Style(color=lower if upper is None else upper, bgcolor=None if upper is None else lower)
+        for upper in colours
+        for lower in colours
+    ]

@@ -37,7 +37,7 @@ class EpisodeAxis:
         return float(np.interp(step, self.step, self.episode))
 
     def step_of(self, episode: float) -> float:
-        """Return after how many steps so many episodes have passed."""
+        """Return the step at which ``episode`` episodes have passed."""
         return float(np.interp(episode, self.episode, self.step))
 
 
@@ -45,7 +45,7 @@ class EpisodeAxis:
 def episode_axis(snapshot: Snapshot) -> EpisodeAxis:
     """Return the axis of the branch shown, from its beginning to as far as it has come.
 
-    The curve and the timeline ask for that of the same snapshot.
+    The curve and the timeline both ask for the axis of a snapshot.
     """
     timeline, counters = snapshot.timeline, snapshot.counters
     furthest = timeline.furthest if timeline.in_past else None

@@ -1,6 +1,6 @@
 """The curve as character cells: numbers at its left, the plot, and labels in columns of their own.
 
-All cell arrays are [rows, columns]. A run alone is an area; several runs are lines in their colours.
+All cell arrays are [rows, columns]. A single run is an area; several runs are lines in their colours.
 """
 
 from __future__ import annotations
@@ -8,9 +8,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from rich.cells import cell_len
 from rich.style import Style
 from textual.strip import Strip
@@ -21,12 +22,18 @@ from rl_tui.screen.draw.braille import Steps
 from rl_tui.screen.draw.canvas import Canvas, Line, Piece, shortened, wrapped
 from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.scale import Scale
-from rl_tui.screen.panels.curve.area import FULL, area_of, area_styles, eighths_of
-from rl_tui.screen.panels.curve.columns import LEFT, PlotColumns
+from rl_tui.screen.panels.curve.area import (
+    FULL,
+    area_of,
+    area_styles,
+    band_cells,
+    band_styles,
+    eighths_of,
+    middle_half,
+    pixel_styles,
+)
 from rl_tui.screen.panels.curve.data import CurveData
-from rl_tui.screen.panels.curve.lane_lines import lane_cells
-from rl_tui.screen.panels.curve.lane_text import lane_labels
-from rl_tui.screen.panels.curve.middle_half import band_cells, band_styles, middle_half, pixel_styles
+from rl_tui.screen.panels.curve.lane_text import LEFT, PlotColumns, lane_labels
 from rl_tui.screen.panels.curve.seed_band import seed_cells
 from rl_tui.screen.panels.curve.text import (
     LineLabel,
@@ -39,13 +46,89 @@ from rl_tui.screen.panels.curve.text import (
 from rl_tui.screen.theme.look import Look, Palette
 from rl_tui.worlds.mdp.space import IntArray
 
+# The lines of several runs, which areas would hide, and of one run over the band of many seeds
+
+
+_TURN: Final = 2  # columns in which one of several lines in the same cells is seen
+_MARKS_APART: Final = 16  # columns from one number on a line to the next
+_LaneCodes = npt.NDArray[np.int64]
+
+
+class LaneCells(NamedTuple):
+    """What is in each cell, [rows, columns]: the code of its character, 0 for none.
+
+    ``line`` tells whose it is: −1 no line's, 0 the greedy line's, n that of run n.
+    """
+
+    codes: _LaneCodes
+    line: _LaneCodes
+
+
+def lane_cells(plot: Plot, data: CurveData, look: Look) -> LaneCells:
+    """Return the mean of every run, and of the run shown the greedy line."""
+    layers = _in_braille(plot, data) if look.glyphs.braille else _in_ascii(plot, data)
+    there = layers > 0
+    line = _whose(_with_greedy_behind(there))
+    codes = np.take_along_axis(layers, np.maximum(line, 0)[None], axis=0)[0]
+    codes[line < 0] = 0
+    if data.lanes and look.glyphs.braille and not look.palette.tells_lanes_apart:
+        _mark(codes, line, there)
+    return LaneCells(codes, line)
+
+
+def _in_braille(plot: Plot, data: CurveData) -> _LaneCodes:
+    """Return the characters of greedy line and runs, [1 + runs, rows, columns]."""
+    codes = np.stack([plot.braille_line(line) for line in data.lines])
+    return np.where(codes > braille.BLANK, codes, 0)
+
+
+def _in_ascii(plot: Plot, data: CurveData) -> _LaneCodes:
+    """Return a letter for the greedy line and for each run its number."""
+    dots = np.stack([plot.line_dots(line, plot.columns, plot.rows) for line in data.lines])
+    signs = np.array([ord("o"), *(ord(str(number)) for number in range(1, len(data.lines)))])
+    return np.asarray(dots * signs[:, None, None])
+
+
+def _with_greedy_behind(there: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Return the cells of lines, [lines, rows, columns], where the greedy one goes behind the runs.
+
+    That is where it goes up and down: passing through many policies, it would cover all else.
+    """
+    goes_up_or_down = there[0].sum(axis=0) > 1
+    behind = there[1:].any(axis=0) & goes_up_or_down
+    return np.concatenate(((there[0] & ~behind)[None], there[1:]))
+
+
+def _whose(there: npt.NDArray[np.bool_]) -> _LaneCodes:
+    """Return which of the lines that are ``there``, [lines, rows, columns], each cell shows; −1: none.
+
+    Lines that share cells take turns, so that none hides another.
+    """
+    among = np.cumsum(there, axis=0)
+    count = among[-1]
+    turn = np.arange(there.shape[2]) // _TURN % np.maximum(count, 1)
+    chosen = there & (among == turn + 1)
+    return np.where(count > 0, chosen.argmax(axis=0), -1)
+
+
+def _mark(codes: _LaneCodes, line: _LaneCodes, there: npt.NDArray[np.bool_]) -> None:
+    """Write the number of each run on its line now and then, in columns of its own."""
+    lanes = len(there) - 1
+    for number in range(1, lanes + 1):
+        first = (number - 1) * _MARKS_APART // lanes + 1
+        for column in range(first, codes.shape[1], _MARKS_APART):
+            rows = np.flatnonzero(there[number, :, column])
+            if len(rows):
+                codes[rows[0], column], line[rows[0], column] = ord(str(number)), number
+
+
 # The chart
 
 
 LEAST_WIDTH: Final = 14
-LEAST_HEIGHT: Final = 3
+LEAST_HEIGHT: Final = 2
 LEAST_IN_FULL: Final = 7  # rows of a plot with three numbers at the left
-_EXACT: Final = 1e-6  # of the axis: so much may be rounded off a number at the left
+_EXACT: Final = 1e-6  # of the axis: the most that rounding may take off a number at the left
 _ARROWS_APART: Final = 8  # columns between the signs of a line that stays below the axis
 _CHANGES_APART: Final = 8  # columns: of more changes of the world the lines would hide the curve
 # What a cell shows. From the last on it is the area, a cell of the band, or the line or band of a run
@@ -53,7 +136,7 @@ _NOTHING, _CHANGE, _OPTIMUM, _STUDIED, _OUTLIER, _GREEDY, _CELLS = range(7)
 
 
 def plot_of(data: CurveData, scale: Scale, columns: PlotColumns, height: int) -> Plot:
-    """Return where the curve stands among ``height`` rows."""
+    """Return the plot of the curve in ``height`` rows."""
     return Plot(columns.left, columns.columns, max(1, height), data.axis.right, scale)
 
 
@@ -69,14 +152,14 @@ def draw_chart(
         for y, label in enumerate(names[:height]):
             canvas.put(0, y, shortened(label.text, width, look.glyphs.ellipsis), label.style)
         return canvas.strips()
-    if not data.furthest:
-        _put_message(canvas, plot, empty_words(data.unit), look)
-        return canvas.strips()
-    _draw_numbers(canvas, plot, look)
-    if data.lanes or data.seeds:
-        _draw_lines(canvas, plot, data, look)
+    if data.furthest:
+        _draw_numbers(canvas, plot, look)
+        if data.lanes or data.seeds:
+            _draw_lines(canvas, plot, data, look)
+        else:
+            _draw_area(canvas, plot, data, look, has_band=has_band)
     else:
-        _draw_area(canvas, plot, data, look, has_band=has_band)
+        _put_message(canvas, plot, empty_words(data.unit), look)
     for label, row in _rows_of(names[: plot.rows], plot):
         canvas.put(width - columns.labels + label.gap, row, label.text, label.style)
     if (data.barren or data.unlearned) and not data.lanes:
@@ -85,7 +168,7 @@ def draw_chart(
 
 
 def _draw_numbers(canvas: Canvas, plot: Plot, look: Look) -> None:
-    """Write both ends of the vertical axis, and its middle where there is room."""
+    """Write both ends of the vertical axis, and its middle if there is room."""
     low, high = plot.scale.low, plot.scale.high
     values = (high, (low + high) / 2.0, low) if plot.rows >= LEAST_IN_FULL else (high, low)
     exact = [all(abs(round(each, n) - each) < _EXACT * (high - low) for each in values) for n in range(5)]
@@ -112,7 +195,7 @@ def _draw_area(canvas: Canvas, plot: Plot, data: CurveData, look: Look, *, has_b
         there = plot.line_dots(data.greedy, plot.columns, plot.rows)
         greedy = np.full_like(codes, ord("o"))
     codes[there], kind[there] = greedy[there], _GREEDY
-    for row, columns, sign in zip((-1, 0), (area.below, area.above), look.glyphs.moved, strict=True):
+    for row, columns, sign in zip((-1, 0), (area.below, area.above), look.glyphs.off_axis, strict=True):
         codes[row, columns], kind[row, columns] = ord(sign), _OUTLIER
     _put_outliers(codes, kind, plot, data.greedy, _GREEDY, look)
     if has_band:
@@ -181,7 +264,7 @@ def _put_outliers(codes: IntArray, kind: IntArray, plot: Plot, line: Steps, own:
     begins = away & ~np.concatenate(([False], away[:-1]))
     since = places - np.maximum.accumulate(np.where(begins, places, 0))
     there = away & (since % _ARROWS_APART == 0)
-    codes[-1, there], kind[-1, there] = ord(look.glyphs.moved[0]), own
+    codes[-1, there], kind[-1, there] = ord(look.glyphs.off_axis[0]), own
 
 
 @lru_cache(64)
@@ -217,16 +300,14 @@ def _put_cells(
 
 def _put_message(canvas: Canvas, plot: Plot, words: Sequence[str], look: Look) -> None:
     """Write ``words`` into the middle of the plot: on one line if they fit, else on a line each."""
-    columns = canvas.width - plot.left
     whole = " ".join(words)
     parts = (whole,) if len(whole) <= plot.columns else words
-    lines = [line for part in parts for line in wrapped(part, plot.columns - 2, look.palette.text, look)]
+    lines = [line for part in parts for line in wrapped(part, plot.columns, look.palette.text, look)]
     first = max(0, (plot.rows - len(lines)) // 2)
     for row, line in enumerate(lines[: plot.rows], first):
         for piece in line:
-            text = f" {piece.text} "
-            x = plot.left + max(0, (min(plot.columns, columns) - cell_len(text)) // 2)
-            canvas.put(x, row, text, piece.style)
+            text = f" {piece.text} " if cell_len(piece.text) + 2 <= plot.columns else piece.text
+            canvas.put(plot.left + (plot.columns - cell_len(text)) // 2, row, text, piece.style)
 
 
 def _rows_of(names: Sequence[LineLabel], plot: Plot) -> list[tuple[LineLabel, int]]:

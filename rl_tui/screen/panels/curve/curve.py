@@ -15,11 +15,17 @@ from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.draw.scale import Scale, settled
 from rl_tui.screen.kit.panel import Panel
 from rl_tui.screen.kit.snapshot_facts import has_estimates, is_new_run, passes_too_fast
+from rl_tui.screen.panels.curve.area import says_something
+from rl_tui.screen.panels.curve.axis import episode_axis
 from rl_tui.screen.panels.curve.chart import draw_chart, plot_of, spark_line
-from rl_tui.screen.panels.curve.columns import PlotColumns, plot_columns
 from rl_tui.screen.panels.curve.data import CurveData, curve_data, is_decided, unit_of
-from rl_tui.screen.panels.curve.lane_text import lane_heads, lane_remark, steps_note
-from rl_tui.screen.panels.curve.middle_half import says_something
+from rl_tui.screen.panels.curve.lane_text import (
+    PlotColumns,
+    lane_heads,
+    lane_remark,
+    plot_columns,
+    steps_note,
+)
 from rl_tui.screen.panels.curve.seed_band import seed_remark, with_room_for
 from rl_tui.screen.panels.curve.text import amount, below_note, decimals_of_labels, gap_note, heads, remark
 from rl_tui.screen.panels.curve.words import GREEDY, TITLES
@@ -37,7 +43,7 @@ class ReturnCurve(Panel, can_focus=True):
 
     scale: Scale | None = None
     _is_of_steps = False
-    _band: tuple[Plot | None, bool] = (None, False)
+    _band: tuple[object, bool] = (None, False)
     _hints: Words = ()
     _unit = "episode"
 
@@ -66,10 +72,16 @@ class ReturnCurve(Panel, can_focus=True):
             *(snapshot.agent.algorithm, values.policy, values.epsilon_at(episodes), is_decided(snapshot)),
             *(episodes, snapshot.program is None, has_estimates(snapshot)),
             *(snapshot.timeline.in_past, snapshot.timeline.furthest, snapshot.counters.episode_step > 0),
+            episode_axis(snapshot).right,
             *(snapshot.exact_answer.expected_return, snapshot.exact_answer.refused),
             *(answers.is_hidden, answers.kept_back, answers.first_update, answers.studied),
             *(answers.policies.get(PolicyKind.BEHAVIOUR), studied_answer(snapshot)),
-            *(playback.phase is Phase.SPENT, passes_too_fast(snapshot), snapshot.run_group.shown),
+            *(
+                playback.phase is Phase.SPENT,
+                _runs(snapshot),
+                passes_too_fast(snapshot),
+                snapshot.run_group.shown,
+            ),
             *((each.name, each.algorithm, each.episodes, each.results) for each in lanes),
         )
 
@@ -85,33 +97,32 @@ class ReturnCurve(Panel, can_focus=True):
             self.heading = self.fitting([TITLES[self._unit]], width)
             return strips_of([[Piece(f" {WAITING}", self.look.palette.dim)]], width, height, self.look)
         data = curve_data(snapshot)
-        scale = self._settled(data, in_past=snapshot.timeline.in_past)
+        scale = self._settled(data, snapshot)
         if height == 1:
             line = spark_line(data, scale, self.look, width, self._brief(data, decimals_of_labels(scale)))
             return strips_of([line], width, 1, self.look)
         columns = plot_columns(snapshot, self.look, width)
         plot = plot_of(data, scale, columns, height)
-        has_band = self._has_middle_half(data, plot)
+        key = plot, bool(data.lanes), data.seeds, data.is_of_steps
+        if self._band[0] != key or not _runs(snapshot):
+            self._band = key, self._has_middle_half(data, plot)
         self.heading = self._headed(snapshot, data, plot, columns, width)
-        return draw_chart(data, plot, columns, self.look, (width, height), has_band=has_band)
+        return draw_chart(data, plot, columns, self.look, (width, height), has_band=self._band[1])
 
     def _has_middle_half(self, data: CurveData, plot: Plot) -> bool:
-        """Return whether the band of the middle half is drawn: decided anew only when an axis changes."""
-        if self._band[0] != plot:
-            single = bool(data.furthest) and not (
-                data.lanes or data.seeds or data.is_of_steps or data.is_bandit
-            )
-            self._band = plot, single and says_something(plot, data.curve, data.mean, self.look)
-        return self._band[1]
+        """Return whether there is a middle half, and a band of it says something."""
+        if not data.furthest or data.lanes or data.seeds or data.is_of_steps or data.is_bandit:
+            return False
+        return says_something(plot, data.curve, data.mean, self.look)
 
-    def _settled(self, data: CurveData, *, in_past: bool) -> Scale:
-        """Return the vertical axis: in the past that of the present."""
+    def _settled(self, data: CurveData, snapshot: Snapshot) -> Scale:
+        """Return the vertical axis: steady in a run, in the past as in the present, else what fits best."""
         if data.is_of_steps is not self._is_of_steps:
             self.scale, self._is_of_steps = None, data.is_of_steps
-        if in_past and self.scale is not None:
+        if snapshot.timeline.in_past and self.scale is not None:
             return self.scale
         low, high = with_room_for(data.range, data.seeds)
-        scale = settled(self.scale, low, high)
+        scale = settled(self.scale if _runs(snapshot) else None, low, high)
         if low or high:
             # else nothing stood on it, and how soon the exact answer came must not be seen later
             self.scale = scale
@@ -149,3 +160,7 @@ class ReturnCurve(Panel, can_focus=True):
         numbered = numbered or [("", data.mean_now), (f"{GREEDY} ", data.greedy_now)]
         glyphs = self.look.glyphs
         return "  ".join(f"{name}{amount(x, decimals, glyphs)}" for name, x in numbered if x is not None)
+
+
+def _runs(snapshot: Snapshot) -> bool:
+    return snapshot.playback.phase is Phase.RUNNING

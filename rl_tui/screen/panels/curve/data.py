@@ -29,7 +29,7 @@ from rl_tui.worlds.mdp.space import FloatArray
 _MANY_WITHOUT_REWARD: Final = 10
 _LEAST_WINDOW: Final = 10
 _WINDOWS: Final = 20  # on the axis
-_EARLY: Final = 12  # the axis disregards the first of so many parts
+_EARLY: Final = 12  # parts of the run, of which the axis disregards the first
 _OUTLIERS: Final = 0.02
 _COST_OF_ZERO: Final = 0.4
 
@@ -195,7 +195,7 @@ class CurveData:
             lows.append(self.optimum)
             highs.append(self.optimum)
         known = np.array([each for each in exact if each is not None])
-        if not late:  # planners alone
+        if not late:  # only planners
             known = np.concatenate((known, *(_known(line.low) for line in self.lines)))
         if not lows and not len(known):
             return 0.0, 0.0

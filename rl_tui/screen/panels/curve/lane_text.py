@@ -9,6 +9,7 @@ from typing import Final, NamedTuple
 from rich.cells import cell_len
 from rich.style import Style
 
+from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw.canvas import shortened
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.kit.snapshot_facts import recent_name
@@ -45,7 +46,7 @@ _FORMS: Final = (
 
 
 def lane_labels(data: CurveData, look: Look, decimals: int, columns: int) -> list[LineLabel]:
-    """Return the labels in so many ``columns``, the run shown and then the others before the rest."""
+    """Return the labels in ``columns``: the run shown, the other runs, then the rest."""
     names = [lane.name for lane in data.lanes]
     form = next((each for each in _FORMS if _columns(names, look, each) <= columns), None)
     if form is None:
@@ -157,3 +158,29 @@ def _place(lane: LaneLine) -> float:
 def _style(lane: LaneLine, look: Look) -> Style:
     style = look.palette.lanes[lane.number - 1]
     return style + Style(bold=True) if lane.shown else style
+
+
+# The columns of the plot
+
+
+LEFT: Final = 5
+"""Columns of the numbers left of the plot."""
+_LABELS: Final = ((60, 15), (36, 13))  # columns of the labels at the right, by the least width
+
+
+class PlotColumns(NamedTuple):
+    """The plot has ``columns`` from column ``left`` on; behind them are ``labels`` columns of labels."""
+
+    left: int
+    columns: int
+    labels: int
+
+
+def plot_columns(snapshot: Snapshot, look: Look, width: int) -> PlotColumns:
+    """Return the columns of the plot in ``width`` cells, which do not change while a run goes on."""
+    left = LEFT if width >= 2 * LEFT else 0
+    lanes = snapshot.run_group.lanes
+    labels = next((columns for least, columns in _LABELS if width >= least), 0)
+    if lanes:
+        labels = max(labels, lane_columns([lane.name for lane in lanes], look, width - left))
+    return PlotColumns(left, max(1, width - left - labels), labels)

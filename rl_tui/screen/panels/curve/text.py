@@ -131,8 +131,9 @@ def heads(data: CurveData, *, has_band: bool) -> tuple[str, ...]:
     title = words.STEPS if data.is_of_steps else words.TITLES[data.unit]
     if data.unit == "sweep":
         return f"{title} · {words.AFTER_SWEEP}", title
-    mean = f"{words.MEAN_AND_BAND if has_band else words.MEAN} of the last {data.mean.window}"
-    return f"{title} · of each {data.unit}, {mean}", f"{title} · {mean}", title
+    names = (words.MEAN_AND_BAND, words.MEAN) if has_band else (words.MEAN,)
+    drawn = [f"{name} of the last {data.mean.window}" for name in names]
+    return f"{title} · of each {data.unit}, {drawn[0]}", *(f"{title} · {each}" for each in drawn), title
 
 
 def remark(
@@ -154,7 +155,7 @@ def remark(
     if by_epsilon and values.epsilon_at(snapshot.counters.episodes) == 0.0:
         return ()
     if data.acting_now is None:
-        return _gap(data, glyphs, decimals) if with_figures else ()
+        return _gap(data, snapshot.results.return_last_100, glyphs, decimals) if with_figures else ()
     cost = data.greedy_now - data.acting_now
     if not _is_seen(cost, decimals):
         return ()
@@ -164,11 +165,11 @@ def remark(
     return f"{said} per {data.unit}", said
 
 
-def _gap(data: CurveData, glyphs: Glyphs, decimals: int) -> tuple[str, ...]:
-    """Return the gap between greedy policy and episodes, where the cost of exploring was not asked for."""
-    if data.greedy_now is None or data.mean_now is None or not _has_learned(data):
+def _gap(data: CurveData, last_100: float | None, glyphs: Glyphs, decimals: int) -> tuple[str, ...]:
+    """Return the gap between greedy policy and the last 100 episodes, if the cost of exploring is unknown."""
+    if data.greedy_now is None or last_100 is None or not _has_learned(data):
         return ()
-    gap = data.greedy_now - data.mean_now
+    gap = data.greedy_now - last_100
     if not _is_seen(gap, decimals) or gap < 0.0:
         return ()
     said = f"gap: {amount(gap, decimals, glyphs)}"
@@ -188,7 +189,7 @@ def below_note(data: CurveData, plot: Plot, glyphs: Glyphs, decimals: int) -> tu
     if not data.furthest or not plot.below(greedy).any():
         return ()
     lowest = amount(float(np.nanmin(greedy.low)), decimals, glyphs)
-    return (f"{glyphs.moved[0]} greedy down to {lowest}",)
+    return (f"{glyphs.off_axis[0]} greedy down to {lowest}",)
 
 
 def gap_note(data: CurveData, plot: Plot) -> tuple[str, ...]:

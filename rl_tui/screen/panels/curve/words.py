@@ -39,9 +39,9 @@ NO_LINE_WITHOUT_END: Final = (
     f"gap in greedy: {MAY_NEVER_END}",
 )
 
-NO_SWEEP_YET: Final = ("no sweep has ended yet:", "space runs, e runs one sweep")
-NO_PULL_YET: Final = ("no arm has been pulled yet:", "space runs, s pulls once")
-NO_EPISODE_YET: Final = ("no episode has ended yet:", "space runs, e runs one episode")
+NO_SWEEP_YET: Final = ("no sweep has ended:", "space: run · e: sweep")
+NO_PULL_YET: Final = ("no arm was pulled:", "space: run · s: pull")
+NO_EPISODE_YET: Final = ("no episode has ended:", "space: run · e: episode")
 NOTHING_LEARNED: Final = "nothing learned"
 NO_REWARD: Final = "no reward yet"
 

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 _LEAST_STEP: Final = 2  # columns from a box to the next: one for the box, one for the line between
 _MOST_WIDTH: Final = 25
 _GAPS: Final = 8  # times wider than the gap behind it is a box
-_HEIGHTS: Final = ((22, 11), (18, 9), (14, 7), (0, 5))  # of boxes from so many columns on
+_HEIGHTS: Final = ((22, 11), (18, 9), (14, 7), (0, 5))  # least columns of a box, and its rows
 _AROUND: Final = 2  # rows: the agent above, exact values below
 _LEAST_BLOCK: Final = 9  # columns of a box with arrows of blocks
 _LEAST_NUMBER: Final = 3  # columns; shorter numbers would say less than the tint
@@ -203,7 +203,7 @@ class _ChainPicture:
             self._put(box, edge if box.height > 3 else 0, name, style)
 
     def _put_state(self, state: int, box: Box) -> None:
-        """Put name, arrows and value one below the other; a low box has its value alone."""
+        """Put name, arrows and value one below the other; a low box has only its value."""
         scene, look, style = self.scene, self.look, self._ground(state)
         edge = int(box.height >= 5)
         name = self.shape.nodes[state].name

@@ -147,7 +147,8 @@ class GraphView(WorldView):
         super().enter(world, goes_on=goes_on)
         self._graph, chain = world.drawing, world.drawing.chain
         if chain:
-            self._graph = replace(self._graph, places=tuple((chain.index(s), 0) for s in range(len(chain))))
+            place_of = {state: place for place, state in enumerate(chain)}
+            self._graph = replace(self._graph, places=tuple((place_of[s], 0) for s in range(len(chain))))
         self._ends = {} if world.mdp is None else end_rewards(world.mdp)
         self._take_shape(is_kept=False)
         self._number_forms = SteadyForms()

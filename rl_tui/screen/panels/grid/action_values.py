@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache, partial
 from typing import Final, NamedTuple
 
+from rich.segment import Segment
 from rich.style import Style
 from textual.strip import Strip
 
@@ -15,9 +17,15 @@ from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.action_form import FRAME, ActionForm, Places, side_of
 from rl_tui.screen.panels.grid.cells import MOST_ROWS, CellArtist, Face
 from rl_tui.screen.panels.grid.form import LEAST_DIGITS, CellForm
-from rl_tui.screen.panels.grid.map import PLAIN, ActionValue, CellContent
-from rl_tui.screen.panels.grid.marks import mark_of, put_reward, reward_text, sign_text, value_text
-from rl_tui.screen.panels.grid.rewards import CellReward
+from rl_tui.screen.panels.grid.map import PLAIN, ActionValue, CellContent, MapPart
+from rl_tui.screen.panels.grid.marks import (
+    CellReward,
+    mark_of,
+    put_reward,
+    reward_text,
+    sign_text,
+    value_text,
+)
 from rl_tui.screen.panels.grid.trail import Trace, put_trail
 from rl_tui.screen.panels.world.edit_marks import EditMarks, put_marks
 from rl_tui.screen.theme.look import Look
@@ -74,10 +82,10 @@ class ActionArtist:
         """Return how a cell without other signs shows what it pays."""
         return reward_text(reward, _reward_room(self.form), self.look)
 
-    def _strips(self, faces: tuple[ActionFace | Face, ...], left: int, width: int) -> tuple[Strip, ...]:
+    def _strips(self, faces: tuple[ActionFace | Face, ...], width: int) -> tuple[Strip, ...]:
         """Return a row of cells with these ``faces``."""
         cells = [self._idle.drawn(each) if isinstance(each, Face) else self._drawn(each) for each in faces]
-        return strips_of_row(cells, left, width, self.look.palette.text)
+        return strips_of_row(cells, width, self.look.palette.text)
 
     def face(
         self, cell: CellContent, scale: ValueScale, number_form: NumberForm, range_of_v: ValueScale
@@ -385,3 +393,28 @@ def _put_mark(
 
 def _has_mark(face: ActionFace) -> bool:
     return face.agent or face.stops or face.kind is CellKind.START or bool(face.way)
+
+
+# Cells of either kind as rows of text
+
+
+def draw_grid(
+    cells: Sequence[CellContent],
+    artist: CellArtist | ActionArtist,
+    number_form: NumberForm,
+    scale: ValueScale,
+    range_of_v: ValueScale,
+    part: MapPart,
+    width: int,
+    height: int,
+) -> list[Strip]:
+    """Return ``cells``, those of ``part`` row by row, at the upper left of width × height characters.
+
+    ``scale`` is that of the tints, ``range_of_v`` that by which actions lead.
+    """
+    text = artist.look.palette.text
+    faces = [artist.face(cell, scale, number_form, range_of_v) for cell in cells]
+    blank, strips = Strip([Segment(" " * width, text)], width), list[Strip]()
+    for first in range(0, len(faces), part.columns):
+        strips += artist.strips(tuple(faces[first : first + part.columns]), width)
+    return strips + [blank] * (height - len(strips))

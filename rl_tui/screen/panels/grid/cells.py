@@ -22,6 +22,7 @@ from rl_tui.screen.panels.grid.map import PLAIN, CellContent, CellExtra, Wall
 from rl_tui.screen.panels.grid.marks import (
     SEVERAL,
     START,
+    CellReward,
     differing_style,
     mark_of,
     one_way_sign,
@@ -30,7 +31,6 @@ from rl_tui.screen.panels.grid.marks import (
     sign_text,
     value_text,
 )
-from rl_tui.screen.panels.grid.rewards import CellReward
 from rl_tui.screen.panels.grid.trail import put_frame, put_trail, put_way
 from rl_tui.screen.panels.world.edit_marks import put_marks
 from rl_tui.screen.panels.world.shown_policy import off_way_style
@@ -90,12 +90,12 @@ class CellArtist:
         self._drawn = lru_cache(_MOST_KEPT)(partial(_drawn, form=form, look=look))
         self._text = lru_cache(_MOST_KEPT)(partial(value_text, look=look))
 
-    def _strips(self, faces: tuple[Face, ...], left: int, width: int) -> tuple[Strip, ...]:
+    def _strips(self, faces: tuple[Face, ...], width: int) -> tuple[Strip, ...]:
         """Return a row of cells with these ``faces``."""
-        return strips_of_row([self.drawn(face) for face in faces], left, width, self.look.palette.text)
+        return strips_of_row([self.drawn(face) for face in faces], width, self.look.palette.text)
 
     def drawn(self, face: Face) -> Drawn:
-        """Return the rows of a cell. Those that differ by their numbers alone are drawn once without them."""
+        """Return the rows of a cell. Cells that differ only by their numbers are drawn once without them."""
         if not face.text:
             return self._drawn(face)
         digits, place = _DIGIT * len(face.text), self.form.value_row
@@ -104,7 +104,7 @@ class CellArtist:
         for number, (text, style, _) in enumerate(told):
             if digits in text:
                 told[number] = Segment(text.replace(digits, face.text), style)
-            elif _DIGIT in text:  # something stands over a part of it
+            elif _DIGIT in text:  # a sign covers a part of it
                 return self._drawn(face)
         return [*rows[:place], told, *rows[place + 1 :]]
 
@@ -135,7 +135,8 @@ class CellArtist:
             text = self._text(cell.value, number_form._replace(leading_zero=False))
             text = self.look.glyphs.no_room if "#" in text else text
         clear = CLEAR_LEAD * (range_of_v.high - range_of_v.low)
-        lead = _LEADS if cell.lead >= clear else int(_LEADS * cell.lead / clear)
+        is_clear = not cell.lead < clear  # nor is a lead over a policy that may never end a number
+        lead = _LEADS if is_clear else int(_LEADS * cell.lead / clear)
         return Face(cell.kind, cell.agent, text, cell.greedy, style, lead, *marks)
 
 
@@ -165,7 +166,7 @@ class _Cell:
             self._put_marks()
             self._put_seams()
         if self.extra.trace.error is not None:
-            self._put_frame(self.extra.trace.error)
+            self._put_frame(self.extra.trace.error, self.extra.trace.share)
         if self.face.cursor and self.form.height > 1:
             self.canvas.restyle(0, self.form.value_row, self.form.inner, self.look.palette.focus)
         if self.face.agent:
@@ -226,17 +227,17 @@ class _Cell:
         if last >= 2:
             self.canvas.put_where_blank(0, last, below * width, blank)
 
-    def _put_frame(self, error: int) -> None:
+    def _put_frame(self, error: int, share: float) -> None:
         """Frame a wide cell; in ASCII its number is reversed instead."""
         if self.glyphs.braille and self.form.width >= 5:
-            put_frame(self.canvas, error, self.look)
+            put_frame(self.canvas, error, share, self.ink, self.look)
         elif self.form.has_values:
             self.canvas.restyle(0, self.form.value_row, self.form.inner, Style(reverse=True))
 
     # Signs and values
 
     def _draw_end(self) -> None:
-        """Draw what stands where nothing can be done: a ring, a star, or a character for it."""
+        """Draw the sign of a cell without actions: a ring, a star, or a character for it."""
         kind, form = self.face.kind, self.form
         rows = sign_size(form.width, form.height)[1] if self.has_blocks else 0
         if kind is CellKind.HOLE and rows:
@@ -254,10 +255,13 @@ class _Cell:
         return signs.get(self.face.kind, "")
 
     def _put_block(self, name: SignName, rows: int, ink: Style) -> None:
-        """Put a sign into the middle of the cell, or of what the agent leaves of it."""
-        free = self._plate_end if self._plate_end + 2 * rows <= self.form.inner else 0
+        """Put a sign into the middle of what the agent leaves of the cell, or its character."""
+        free = self._plate_end
+        if free + 2 * rows > self.form.inner:
+            self.canvas.put(self.form.inner - 2, (self.form.height - 1) // 2, self._end_sign, ink)
+            return
         left, top = free + (self.form.inner - free - 2 * rows) // 2, (self.form.height - rows) // 2
-        if self.face.reward is not None:  # which stands above it
+        if self.face.reward is not None:  # which is above it
             top = self.form.height - rows
         self._put_rows(left, top, block_sign(name, 2 * rows, rows), ink)
 
@@ -270,6 +274,8 @@ class _Cell:
         """The ink of the greedy action, the paler the less it leads."""
         if self.extra.is_off_way:
             return off_way_style(self.ink, self.look)
+        if self.extra.has_turned:
+            return self.ink + self.look.palette.you + _BOLD
         return paled(self.ink + _BOLD, self.face.lead / _LEADS)
 
     def _draw_sign(self) -> None:
@@ -464,7 +470,7 @@ class _Cell:
         self._put_rows(left + (columns - 2 * rows) // 2, 1, block_sign("disc", 2 * rows, rows), style)
 
     def _take_name(self) -> None:
-        """Decide where the name stands: in a corner, in place of the value, or in place of the arrows."""
+        """Decide the place of the name: a corner, that of the value, or that of the arrows."""
         form, face = self.form, self.face
         if len(self.name) > form.longest_name:
             self.name = ""

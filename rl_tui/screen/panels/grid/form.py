@@ -57,7 +57,7 @@ class CellForm(NamedTuple):
 
     @property
     def has_number(self) -> bool:
-        """Whether the number of the state stands in the corner without being asked for."""
+        """Whether the corner always has the number of the state."""
         return self.width >= _LEAST_NUMBERED[0] and self.height >= _LEAST_NUMBERED[1]
 
     @property

@@ -6,9 +6,9 @@ A map larger than the panel is cut to the part around the agent or the cursor.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 from typing import Final
 
-from rich.segment import Segment
 from textual.geometry import Size
 from textual.strip import Strip
 
@@ -18,12 +18,13 @@ from rl_tui.runs.large_worlds import is_large
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.number_form import NumberForm, SteadyForms
 from rl_tui.screen.kit.counterparts import are_same_size
-from rl_tui.screen.kit.layers import Layer
+from rl_tui.screen.kit.layers import ACTION_LAYERS, Layer
 from rl_tui.screen.kit.numbers_in_common import all_q, all_v, ends
 from rl_tui.screen.kit.panel import BoardPanel, LegendSign
 from rl_tui.screen.kit.scrolling import Scrolled, kept_in_view, scrolled_to
+from rl_tui.screen.panels.bodies import surrounded
 from rl_tui.screen.panels.grid.action_form import ActionForm, part_form, whole_map_form
-from rl_tui.screen.panels.grid.action_values import ActionArtist, name_room
+from rl_tui.screen.panels.grid.action_values import ActionArtist, draw_grid, name_room
 from rl_tui.screen.panels.grid.cells import CellArtist
 from rl_tui.screen.panels.grid.form import LEAST_ARROWS, LEAST_DIGITS, CellForm, cell_form, digits_needed
 from rl_tui.screen.panels.grid.headings import (
@@ -40,7 +41,7 @@ from rl_tui.screen.panels.grid.headings import (
 from rl_tui.screen.panels.grid.landscape import LandscapeArtist, has_landscape, line_step
 from rl_tui.screen.panels.grid.map import CellContent, GridMap, MapPart, carried_place, with_extra
 from rl_tui.screen.panels.grid.marks import sign_text
-from rl_tui.screen.panels.grid.rows import draw_grid, origin
+from rl_tui.screen.panels.grid.motion import Mover
 from rl_tui.screen.panels.grid.signs import (
     action_signs,
     differing_sign,
@@ -52,8 +53,7 @@ from rl_tui.screen.panels.grid.signs import (
     wind_strip,
 )
 from rl_tui.screen.panels.grid.trail import trace_signs, traces
-from rl_tui.screen.panels.surroundings.margins import NO_MARGINS, LabelledPart, margins_in
-from rl_tui.screen.panels.surroundings.surrounded import surrounded
+from rl_tui.screen.panels.margins import NO_MARGINS, LabelledPart, margins_in
 from rl_tui.screen.panels.world.scale_line import NamedScale
 from rl_tui.screen.panels.world.shown_policy import TITLE
 from rl_tui.screen.panels.world.view import WorldView
@@ -95,6 +95,11 @@ class GridView(WorldView):
             self._top, self._left, self._following = 0, 0, True
         self._number_forms = SteadyForms()
         self.heading = TITLE
+
+    @cached_property
+    def mover(self) -> Mover:
+        """What lets the map move after a step."""
+        return Mover(self)
 
     @property
     def cells(self) -> Cells | None:
@@ -194,30 +199,28 @@ class GridView(WorldView):
             self._digits = self._action_digits = LEAST_DIGITS + self.waits_for_study(snapshot)
             self._action_artist = None
             self._number_forms.clear()
+        self.mover.follow(self.snapshot, snapshot, self._map, self._form if self._moves else None)
         super().show(snapshot)
+
+    @property
+    def _moves(self) -> bool:
+        """Whether the map shows V of every state and no drawing, so that a step may move it."""
+        shows_v = self.studied is None and self.drawn_layer is Layer.Q
+        return shows_v and self._is_whole and not (self._action_form or self.is_drawn_on)
 
     def drawing(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return the map, or the part of it that fits, with its labels and the body above it."""
         margins = NO_MARGINS
         if self.cell and not self.shows_actions:
             margins = margins_in(self._map.grid, self.cell, width, height)
-        strips = self._map_strips(snapshot, width - margins.left, height - margins.above)
+        self._origin = margins.left, margins.above
+        strips = self._drawn_map(snapshot, width - margins.left, height - margins.above)
         if margins == NO_MARGINS:
             return strips
         assert self._part is not None
         assert self._form is not None
-        cell, (x, y) = self._form[:2], self._origin
-        self._origin = x + margins.left, y + margins.above
-        place = LabelledPart(*self._part, cell, x, y)
+        place = LabelledPart(*self._part, self._form[:2])
         return surrounded(strips, snapshot, place, margins, width, self.look)
-
-    def _map_strips(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
-        """Return the map, or the part of it that fits, which leaves a row for the legend."""
-        if self.cell is None and self.is_explained and self._map.grid.rows > height >= _LEAST_WITH_LEGEND:
-            strips = self._drawn_map(snapshot, width, height - 1)
-            self.free_rows = 1
-            return [*strips, Strip([Segment(" " * width, self.look.palette.text)], width)]
-        return self._drawn_map(snapshot, width, height)
 
     def _drawn_map(self, snapshot: Snapshot, width: int, height: int) -> list[Strip]:
         """Return the map, below it the wind of its columns where a row is free for that."""
@@ -230,9 +233,8 @@ class GridView(WorldView):
         assert self._part is not None
         assert self._form is not None
         if is_free:
-            left, top = self._origin
-            row = wind_strip(grid, self._part, self._form, left, width, snapshot, self.look)
-            strips.insert(top + self._part.rows * self._form.height, row)
+            row = wind_strip(grid, self._part, self._form, width, snapshot, self.look)
+            strips.insert(self._part.rows * self._form.height, row)
         elif self._following:
             line = wind_line(grid, self._part, self.look)
             # which part is in view comes first: wind alone would pass for that of all columns
@@ -273,23 +275,26 @@ class GridView(WorldView):
                 self._action_digits = needed
             return self._drawn_cells(snapshot, width, height)
         self.heading = self._title(self._what_is_drawn(form, width), width)
-        self.footing = self._where(width)
+        self.footing = self._where(width - self.scale_room) or self._where(width)
         self.free_rows = height - part.rows * form.height - max(0, (height - part.rows * form.height) // 2)
-        self._form, self._origin = form, origin(form, part, width, height)
+        self._form = form
         if self.drawn_layer is Layer.LANDSCAPE:
             landscape = self._landscape(cells, part, form, width, height)
             self._is_landscape = landscape is not None
             if landscape is not None:
                 return landscape
         number_form = self._number_form(values, form if actions is None else actions)
-        return draw_grid(cells, artist, number_form, self.tints, self.range_of_v, part, width, height)
+        motion = self.mover.motion if self._moves else None
+        cells = cells if motion is None else motion.contents(cells)
+        strips = draw_grid(cells, artist, number_form, self.tints, self.range_of_v, part, width, height)
+        return motion.laid_over(strips, form, part.columns, number_form, self.look) if motion else strips
 
     @property
     def has_landscape(self) -> bool:
-        """Whether its cells are large enough for a landscape, and nobody draws in it."""
+        """Whether V is known, its cells are large enough for a landscape, and nobody draws in it."""
         form = self._form
         cell = self.cell or (None if form is None else Size(form.width, form.height))
-        return not self.title and has_landscape(self.world, cell, self.look)
+        return not (self.title or self.lacks_table) and has_landscape(self.world, cell, self.look)
 
     @property
     def named_scale(self) -> NamedScale | None:
@@ -308,7 +313,7 @@ class GridView(WorldView):
         if artist is None or artist.look is not self.look:
             artist = self._landscapes = LandscapeArtist(self.look)
         cell = Size(form.width, form.height)
-        return artist.strips(cells, part, cell, self.tints, self._origin, Size(width, height))
+        return artist.strips(cells, part, cell, self.tints, Size(width, height))
 
     def _number_form(self, values: FloatArray, form: CellForm | ActionForm) -> NumberForm:
         """Return the form of all ``values`` of the layer, not only those in view; visits are whole."""
@@ -329,7 +334,7 @@ class GridView(WorldView):
 
     def _form_of_actions(self, width: int, height: int) -> ActionForm | None:
         """Return the form of cells with every action, None where they are not wanted or have no room."""
-        if not self.shows_actions or self.veils or self.drawn_layer not in (Layer.Q, Layer.OPTIMAL):
+        if not self.shows_actions or self.veils or self.drawn_layer not in ACTION_LAYERS:
             return None
         grid, kinds, digits = self._map.grid, self._map.action_kinds, self._action_digits
         signs = max(len(sign_text(each, self.look)) for each in self._map.signs)
@@ -355,7 +360,8 @@ class GridView(WorldView):
     @property
     def lacks_room(self) -> bool:
         """Whether cells are too small for Q of every action, though they are to show it."""
-        return self.shows_actions and self._form is not None and self._action_form is None
+        is_wanted = self.shows_actions and self.drawn_layer in ACTION_LAYERS
+        return is_wanted and self._form is not None and self._action_form is None
 
     def has_room_in(self, width: int, height: int) -> bool:
         """Return whether cells have room for what they are to show in a panel of that size."""

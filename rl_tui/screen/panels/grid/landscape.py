@@ -33,8 +33,8 @@ _LEAST_RELIEF: Final = 0.05  # of the scale; where V differs by less there is no
 _HALF: Final = "▀"
 _LIGHTS: Final = 6  # steps of light, and as many of shade
 _MOST_LIGHT: Final = 0.38
-_STEEPNESS: Final = 1.1  # slopes of so much of the scale a cell are lit fully or half of it
-_LINES: Final = 8  # about so many steps are in the scale
+_STEEPNESS: Final = 1.1  # of the scale a cell: a slope that is lit fully, or half of it
+_LINES: Final = 8  # steps of the scale, about
 _TINTS: Final = 32
 _MOST_KEPT: Final = 4_096
 _BLACK, _WHITE = ColorTriplet(0, 0, 0), ColorTriplet(255, 255, 255)
@@ -110,7 +110,7 @@ def _values(cells: Sequence[CellContent], part: MapPart, scale: ValueScale) -> F
 
 
 def _plates(cells: Sequence[CellContent], part: MapPart, cell: Size, look: Look) -> list[tuple[Plate, ...]]:
-    """Return what stands in each row of characters: the actions, agent and ends in the middle of cells."""
+    """Return the signs of each row of characters: actions, agent and ends in the middle of cells."""
     plates: list[list[Plate]] = [[] for _ in range(part.rows * cell.height)]
     for place, content in enumerate(cells):
         row, column = divmod(place, part.columns)
@@ -138,7 +138,7 @@ def _plates_of(content: CellContent, x: int, width: int, look: Look) -> Iterator
     if content.stops:
         yield Plate(x - 2, glyphs.breakpoint, palette.breakpoint)
     if content.differs:
-        yield Plate(x - width // 2, glyphs.differs, palette.you)
+        yield Plate(x - (width - 1) // 2, glyphs.differs, palette.you)
 
 
 class LandscapeArtist:
@@ -157,12 +157,11 @@ class LandscapeArtist:
         part: MapPart,
         cell: Size,
         scale: ValueScale,
-        place: tuple[int, int],
         size: Size,
     ) -> list[Strip] | None:
         """Return the landscape of ``cells``, those of ``part``, on ``size`` characters.
 
-        It begins at column and row ``place``. None where V differs so little that there is nothing to see.
+        None where V differs so little that there is nothing to see.
         """
         if not has_relief([each.value for each in cells if each.value is not None], scale):
             return None
@@ -171,14 +170,13 @@ class LandscapeArtist:
         if self._pixels is None or self._pixels[0] != key:
             self._pixels = key, pixels(values, cell, scale)
         found = self._pixels[1]
-        (left, top), (width, height) = place, size
+        width, height = size
         text, plates = self.look.palette.text, _plates(cells, part, cell, self.look)
         blank = Strip([Segment(" " * width, text)], width)
-        before, after = (Segment(" " * each, text) for each in (left, width - left - found.shape[1]))
-        rows = [blank] * top
+        after, rows = Segment(" " * (width - found.shape[1]), text), list[Strip]()
         for y in range(part.rows * cell.height):
             row = self._row(found[2 * y : 2 * y + 2].tobytes(), plates[y], scale.is_signed)
-            rows.append(Strip([before, *row, after], width))
+            rows.append(Strip([*row, after], width))
         return rows + [blank] * (height - len(rows))
 
     def _drawn_row(self, row: bytes, plates: tuple[Plate, ...], is_signed: bool) -> Strip:

@@ -17,7 +17,7 @@ from rl_tui.screen.draw.block_signs import Direction, Sign
 from rl_tui.screen.draw.names import is_word
 from rl_tui.screen.panels.grid.action_form import ActionKinds, action_kinds
 from rl_tui.screen.panels.grid.draft_cells import DraftCell, draft_cells
-from rl_tui.screen.panels.grid.rewards import CellReward, cell_rewards
+from rl_tui.screen.panels.grid.marks import CellReward, cell_rewards
 from rl_tui.screen.panels.grid.trail import Trace, traces
 from rl_tui.screen.panels.world.edit_marks import UNMARKED, EditMarks, marks_of
 from rl_tui.screen.panels.world.shown_policy import AT_RANDOM, drawn_actions, is_off_way
@@ -115,7 +115,7 @@ class CellExtra(NamedTuple):
     is that of the state where names were asked for: all are as long as the longest. ``is_off_way`` says that
     the drawn policy acts at random there and never comes there. ``marks`` are those of the last edit,
     ``draft`` is what is drawn there and not in force. ``way`` is the only direction in which it is left.
-    ``wall`` is how a wall is drawn.
+    ``wall`` is how a wall is drawn. ``has_turned`` says that the last step has just turned its arrows.
     """
 
     trace: Trace = Trace()
@@ -126,6 +126,7 @@ class CellExtra(NamedTuple):
     draft: DraftCell | None = None
     way: Direction | None = None
     wall: Wall = Wall.SLAB
+    has_turned: bool = False
 
 
 PLAIN: Final = CellExtra()

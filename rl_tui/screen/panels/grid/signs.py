@@ -14,8 +14,14 @@ from rl_tui.screen.kit.panel import GREEDY_IN_FULL, LegendSign
 from rl_tui.screen.panels.grid.action_form import ActionForm, Places
 from rl_tui.screen.panels.grid.form import LEAST_ARROWS, CellForm
 from rl_tui.screen.panels.grid.map import GridMap, MapPart
-from rl_tui.screen.panels.grid.marks import SEVERAL, START, differing_style, one_way_sign, reward_style
-from rl_tui.screen.panels.grid.rewards import CellReward
+from rl_tui.screen.panels.grid.marks import (
+    SEVERAL,
+    START,
+    CellReward,
+    differing_style,
+    one_way_sign,
+    reward_style,
+)
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import CellKind, Grid
 
@@ -26,13 +32,12 @@ WIND: Final = "wind"
 
 
 def wind_strip(
-    grid: Grid, part: MapPart, form: CellForm, left: int, width: int, snapshot: Snapshot, look: Look
+    grid: Grid, part: MapPart, form: CellForm, width: int, snapshot: Snapshot, look: Look
 ) -> Strip:
-    """Return a row of ``width`` cells with the wind of each column of ``part``, which begins at ``left``."""
+    """Return a row of ``width`` cells with the wind of each column of ``part``."""
     palette = look.palette
     gust = gust_of(snapshot.world, snapshot.counters.last_step)
-    label = WIND if left > len(WIND) else ""
-    segments = [Segment(label.rjust(left - 1 if label else 0).ljust(left), palette.dim)]
+    segments = []
     for column in range(part.left, part.left + part.columns):
         strength = grid.wind[column]
         text, style = wind_text(strength, look), palette.text if strength else palette.dim

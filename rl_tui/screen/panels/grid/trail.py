@@ -10,6 +10,7 @@ from rich.style import Style
 from rl_tui.screen.draw.block_signs import Direction
 from rl_tui.screen.kit.panel import LegendSign
 from rl_tui.screen.kit.snapshot_facts import followed_step
+from rl_tui.screen.theme.roles import faded
 
 if TYPE_CHECKING:
     from rl_tui.live.snapshot import Snapshot
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from rl_tui.worlds.drawing import Grid
 
 _RECENT: Final = 16
-"""So many steps ago a cell that was left is no longer recent."""
+"""Steps after which a cell that was left is no longer recent."""
 _LEAST_PADDED: Final = 11  # columns of a cell
 _UNDERLINED: Final = Style(underline=True)
 
@@ -35,17 +36,19 @@ class Trace(NamedTuple):
 
     ``was_here`` says that the agent went through it in this episode, ``is_recent`` that this was not long
     ago. ``error`` is the sign of the error of the update that a pair of this cell had last, None where it was
-    another cell's. ``way`` leads out of the cell in which the last step was taken.
+    another cell's; of its frame's colour a ``share`` is left. ``way`` leads out of the cell in which
+    the last step was taken.
     """
 
     was_here: bool = False
     is_recent: bool = False
     error: int | None = None
+    share: float = 1.0
     way: LastWay | None = None
 
 
 def traces(snapshot: Snapshot, grid: Grid) -> dict[int, Trace]:
-    """Return what steps left in each cell; not where the agent is, and frame and way of slow steps alone."""
+    """Return the traces in each cell, not in that of the agent; frame and way only of slow steps."""
     found = {}
     trail, cell_of = snapshot.trail, grid.cell_of_state
     if trail:
@@ -85,10 +88,15 @@ def put_trail(canvas: Canvas, trace: Trace, look: Look, *, inner: int, ink: Styl
         canvas.put_over(*place, look.glyphs.trail if trace.is_recent else look.glyphs.trail_old, ink)
 
 
-def put_frame(canvas: Canvas, error: int, look: Look) -> None:
-    """Frame the cell of the pair that was updated, in the colour of the error's sign."""
+def put_frame(canvas: Canvas, error: int, share: float, ground: Style, look: Look) -> None:
+    """Frame the cell of the pair that was updated, in the colour of the error's sign.
+
+    A ``share`` of that colour is left, the rest is the cell's ``ground``.
+    """
     glyphs, palette = look.glyphs, look.palette
     colour = palette.good if error > 0 else palette.bad if error < 0 else palette.dim
+    if share < 1.0:
+        colour += Style(color=faded(ground + colour, share).color)
     for row in range(canvas.height):
         for column, sign in ((0, glyphs.frame[0]), (canvas.width - 1, glyphs.frame[1])):
             if canvas.at(column, row) in f" {glyphs.seams}":
@@ -108,7 +116,7 @@ def put_way(canvas: Canvas, way: LastWay, look: Look) -> None:
     if canvas.width >= _LEAST_PADDED and not right:
         sign = f" {sign} "
     row = 0 if down < 0 else canvas.height - 1 if down else canvas.height // 3
-    # beside the number, which stands in the middle
+    # next to the number, which is in the middle
     column = 0 if right < 0 else canvas.width - len(sign) - (not right)
     canvas.put(column, row, sign, style)
 

@@ -1,10 +1,11 @@
-"""The last step: what the agent did and why, what came of it, and the update in numbers.
+"""The last step: what the agent did and why, the result, and the update in numbers.
 
 A planner takes no steps: its last backup is shown instead.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -12,6 +13,7 @@ from itertools import chain
 from typing import Final
 
 import numpy as np
+from rich.cells import cell_len
 from textual.strip import Strip
 
 from rl_tui.live.last_step.step_report import story_of
@@ -33,6 +35,7 @@ _BETWEEN: Final = " · "
 _SURPRISE: Final = "surprise δ "
 _ERROR: Final = 8  # cells of the number at the end of the bar
 _LEAST_BAR: Final = 9
+_MOST: Final = 20_000  # pairs whose range is worked out for each picture
 _FULL: Final = 0.25  # of the range of all estimates: an error that fills one half of the bar
 _MOST_ROWS: Final = 7
 _LEAST_ROWS: Final = 4  # below this words have no line of their own
@@ -135,7 +138,7 @@ class StepWriter:
         if is_short:
             return [self._dim(" "), *short]
         landmark = self._strong(words.landmark and f": {words.landmark}")
-        chance = self._dim(words.chance and f"{_GAP}p {words.chance}")
+        chance = self._dim(words.chance and f"{_GAP}chance {words.chance}")
         told = [*done, landmark, self._dim(f"{_GAP}reward "), self._strong(words.reward)]
         forms = ([*told, chance], told, [*done, landmark, *short[-2:]], short)
         return self._fitting(
@@ -184,36 +187,30 @@ class StepWriter:
         return [self._dim(" "), *(piece for group in self._whole() for piece in group)]
 
     def _result(self) -> Line:
-        """Return the new estimate alone."""
+        """Return only the new estimate."""
         return [self._dim(f" {self._equation.left.word} = "), self._strong(self.words.update.after)]
 
     def _bar(self) -> Line:
         """Return δ as a bar to the left or right of 0, as a share of the range of all estimates."""
         glyphs, palette = self._look.glyphs, self._look.palette
-        label, (error,) = (
-            spelled([self._dim(f" {_SURPRISE}")], self._look),
-            spelled([self._error], self._look),
-        )
-        cells = self.width - length(label) - max(_ERROR, len(error.text)) - 1
+        label, error = spelled([self._dim(f" {_SURPRISE}"), self._error], self._look)
+        start = cell_len(label.text)
+        cells = self.width - start - max(_ERROR, len(error.text)) - 1
         if cells < _LEAST_BAR:
-            return self._fitting(
-                [*label, error]
-                for label in ([self._dim(f" {_SURPRISE}")], [self._dim(" δ ")], [self._dim(" ")])
-            )
-        half, last = cells // 2, self._last
-        reach = _FULL * self._range_of_estimates() or max(abs(last.before), abs(last.target)) or 1.0
+            return self._fitting([self._dim(each), error] for each in (label.text, " δ ", " "))
+        if not math.isfinite(self._last.td_error):
+            return [label, error]
+        half, last, q = cells // 2, self._last, self._story.before.agent.q
+        known = float(np.ptp(q)) if len(q) <= _MOST and np.isfinite(q).all() else 0.0
+        reach = _FULL * known or max(abs(last.before), abs(last.target)) or 1.0
         filled = min(half, max(1, round(abs(last.td_error) / reach * half))) if error.text != "0" else 0
         rest, bar = glyphs.thin * (half - filled), Piece(glyphs.bold * filled, error.style)
         sides: list[Line] = [[Piece(rest, palette.rule), bar], [Piece(glyphs.thin * half, palette.rule)]]
         if last.td_error > 0.0:
             sides = [sides[1], [bar, Piece(rest, palette.rule)]]
         middle = Piece(glyphs.thin_vertical, palette.dim)
-        number = Piece(f"{error.text:>{self.width - length(label) - 2 * half - 1}}", error.style)
-        return [*label, *sides[0], middle, *sides[1], number]
-
-    def _range_of_estimates(self) -> float:
-        known = self._story.before.agent.q
-        return float(np.ptp(known)) if np.isfinite(known).all() else 0.0
+        number = Piece(f"{error.text:>{self.width - start - 2 * half - 1}}", error.style)
+        return [label, *sides[0], middle, *sides[1], number]
 
     def _change(self) -> Line:
         """Return what moved and by how much, where nothing else is known of the update."""
@@ -306,7 +303,7 @@ NOT_OF_THE_TABLE: Final = "this step is not in the transition table"
 
 
 class LastStepPanel(Panel):
-    """What was done, what came of it, and the update: words above its numbers, or one line of it.
+    """The action, its result, and the update: words above its numbers, or one line of it.
 
     It is drawn from the last step of the snapshot only, so that all its numbers belong together.
     """

@@ -297,7 +297,7 @@ def page(snapshot: Snapshot | None, pair: int | None, look: Look, width: int, he
 
 
 def _sections(snapshot: Snapshot, story: StepStory, look: Look) -> list[Section]:
-    """Return the step, the update, the backup and the return; headings alone where steps pass too fast."""
+    """Return the step, the update, the backup and the return; only headings if steps pass too fast."""
     if passes_too_fast(snapshot):
         return [
             Section(STEP_HEADING, [Text(TOO_FAST, look.palette.dim)], STEP_ROWS),
@@ -315,7 +315,7 @@ def _sections(snapshot: Snapshot, story: StepStory, look: Look) -> list[Section]
 
 
 def _strips(sections: Sequence[Section], look: Look, width: int, height: int = 0) -> list[Strip]:
-    """Return ``sections`` below one another, set apart where ``height`` has room for that."""
+    """Return ``sections`` below one another, set apart if ``height`` has room for that."""
     lines = stacked(sections, width, height, look)
     return strips_of(lines, width, len(lines), look)
 

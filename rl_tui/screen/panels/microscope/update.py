@@ -32,7 +32,7 @@ MEANING: Final = "Gₜ = Rₜ₊₁ + γ Rₜ₊₂ + γ² Rₜ₊₃ + …"
 PLANNER: Final = "a planner takes no steps: nothing is earned"
 OPEN_DISCOUNT: Final = "the γ of your program is open: no step has decided it yet"
 _LEFT_OUT: Final = "…"
-_START: Final = 6  # cells of what stands before the terms
+_START: Final = 6  # cells before the terms
 _SUPERSCRIPTS: Final = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _FEWEST_DECIMALS: Final = 3  # decimals of a reward
 _MOST_DECIMALS: Final = 6

@@ -34,7 +34,7 @@ from rl_tui.worlds.mdp.space import FloatArray
 LEARNED_NOT: Final = (Layer.OPTIMAL, Layer.POLICY)
 """Layers of which nothing was learned."""
 _OF_THE_MAP: Final = (Layer.Q, *EXACT_LAYERS, Layer.VISITS)
-"""Layers whose scale is that of the map."""
+"""Layers with the scale of the map."""
 
 
 def policy_q(snapshot: Snapshot) -> Exact | None:

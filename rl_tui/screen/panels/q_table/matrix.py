@@ -25,16 +25,17 @@ _AROUND_LABEL: Final = 2  # the agent's mark before it, a blank after it
 
 @dataclass(frozen=True, slots=True)
 class MatrixForm:
-    """``field`` cells a number, between two marks and a gap; ``label`` cells for the name of the state."""
+    """``field`` cells a number, between two marks and a ``gap``; ``label`` cells for the name of a state."""
 
     scene: Scene
     blocks: int
     field: int
     label: int
+    gap: int = _GAP
 
     @property
     def _column(self) -> int:
-        return self.field + _MARKS + _GAP
+        return self.field + _MARKS + self.gap
 
     @property
     def block_width(self) -> int:
@@ -53,8 +54,8 @@ class MatrixForm:
         names = [self.scene.world.action_names[action] for action in self.scene.world.shown_actions]
         for name, following in zip(names, (*names[1:], ""), strict=True):
             # the gap may be used where no other name begins right behind it
-            reach = width + _GAP if cell_len(following) < width - 1 else width
-            text += padded(_centred(shortened(name, reach, ellipsis), width), width + _GAP)
+            reach = self._column if cell_len(following) < width - 1 else width
+            text += padded(_centred(shortened(name, reach, ellipsis), width), self._column)
         return [Segment(text, self.scene.look.palette.dim)]
 
     def entry(self, entry: int, is_first: bool) -> Pieces:
@@ -73,7 +74,7 @@ class MatrixForm:
         ]
         greedy = shown.framed(pairs)
         digits = min(self.field, MOST_DIGITS)
-        blank, gap = Segment(" " * self._column, palette.text), Segment(" " * _GAP, palette.text)
+        blank, gap = Segment(" " * self._column, palette.text), Segment(" " * self.gap, palette.text)
         pair_of = world.pair_of_action(state)
         for action in world.shown_actions:
             pair = pair_of.get(action)
@@ -81,7 +82,7 @@ class MatrixForm:
                 pieces.append(blank)
                 continue
             pieces += boxed(scene, shown, pair, self.field, digits, pair in greedy)
-            pieces.append(gap)
+            pieces += [gap] * self.gap
         return pieces
 
     def pairs_in(self, entry: int) -> range:
@@ -117,23 +118,27 @@ class MatrixForm:
 def matrix_form(scene: Scene, width: int, lines: int) -> MatrixForm | None:
     """Return the form for ``width`` cells and ``lines`` rows of states, None where the columns do not fit.
 
-    Several blocks only where they save all scrolling.
+    Several blocks only where they save all scrolling; no gaps, and names of states in short, only where the
+    columns do not fit otherwise.
     """
     needed = -(-len(scene.world.live) // max(1, lines))
     if needed > 1:
         least = LEAST_FIELD if _fits_narrow(scene) else FIELD_WITH_SIGN
-        if (form := _form(scene, needed, width, least)) is not None:
+        if (form := _form(scene, needed, width, least, scene.world.state_width)) is not None:
             return form
         width -= 1  # the scroll bar
     least = LEAST_FIELD if min(scene.shown.low, scene.world.least_reward) > -99.5 else FIELD_WITH_SIGN
-    return _form(scene, 1, width, least) or _form(scene, 1, width, least, is_brief=True)
+    labels = scene.world.state_width, scene.world.brief_width
+    forms = (_form(scene, 1, width, least, label, gap) for gap in (_GAP, 0) for label in labels)
+    return next(filter(None, forms), None)
 
 
-def _form(scene: Scene, blocks: int, width: int, least: int, *, is_brief: bool = False) -> MatrixForm | None:
-    label = scene.world.brief_width if is_brief else scene.world.state_width
+def _form(
+    scene: Scene, blocks: int, width: int, least: int, label: int, gap: int = _GAP
+) -> MatrixForm | None:
     actions = len(scene.world.action_names)
-    field = (width // blocks - label - _AROUND_LABEL) // actions - _MARKS - _GAP
-    return MatrixForm(scene, blocks, min(MOST_FIELD, field), label) if field >= least else None
+    field = (width // blocks - label - _AROUND_LABEL) // actions - _MARKS - gap
+    return MatrixForm(scene, blocks, min(MOST_FIELD, field), label, gap) if field >= least else None
 
 
 def _fits_narrow(scene: Scene) -> bool:

@@ -54,7 +54,6 @@ from rl_tui.screen.panels.q_table.sheet import (
     headings,
     layer_at,
     no_answer,
-    size_in_words,
     strip_cache,
 )
 from rl_tui.screen.panels.q_table.world import NO_ROW, Scene, TableWorld, state_followed
@@ -127,7 +126,8 @@ class QTable(Panel, can_focus=True):
     @property
     def layer_choices(self) -> tuple[Layer, ...]:
         """The layers that there are, of the world beside it too."""
-        if self.snapshot is None or not has_landscape(self.snapshot.world, self.cell, self.look):
+        shown = self.snapshot
+        if shown is None or not has_estimates(shown) or not has_landscape(shown.world, self.cell, self.look):
             return self._choices
         return *self._choices, Layer.LANDSCAPE
 
@@ -191,7 +191,7 @@ class QTable(Panel, can_focus=True):
         layer = self.shown_layer
         if layer in EXACT_LAYERS and shown_exact(snapshot) is None:
             self.heading = TITLES[layer]
-            self.footing = self._footing(width, is_scrolled=False)
+            self.footing = self._footing(width)
             return strips_of(no_answer(snapshot, width, self.look), width, height, self.look)
         form, scene = self._form(snapshot, width, height)
         if self._following and height != self._height and not self.is_led:
@@ -207,10 +207,8 @@ class QTable(Panel, can_focus=True):
                 sheet.reach(snapshot.counters.last_step.updated_pair, state_followed(snapshot))
         self._first = sheet.first
         self.free_rows = sheet.free_rows
-        self.heading = self.fitting(
-            headings(snapshot, layer, size_in_words(scene, form), self, self.lane), width
-        )
-        self.footing = self._footing(width, is_scrolled=sheet.is_scrolled and not self.pointed)
+        self.heading = self.fitting(headings(snapshot, layer, self, self.lane), width)
+        self.footing = self._footing(width, sheet.part if sheet.is_scrolled and not self.pointed else "")
         return sheet.strips(self._cache)
 
     def legend(self, snapshot: Snapshot) -> Legend:
@@ -405,13 +403,13 @@ class QTable(Panel, can_focus=True):
             forms=self._forms,
         )
 
-    def _footing(self, width: int, *, is_scrolled: bool) -> str:
+    def _footing(self, width: int, part: str = "") -> str:
         snapshot = self.snapshot
         is_hidden = (
             snapshot is not None and has_exact_key(snapshot) and not self._world_of(snapshot).is_bandit
         )
         wanted = self.wanted_layer if self.wanted_layer in self.layer_choices else Layer.Q
         forms = footings(wanted, self.layer_choices, self.look.glyphs, hides_exact=is_hidden)
-        if is_scrolled:
-            forms = followed(forms, is_following=self._following)
+        if part:
+            forms = followed(forms, part, is_following=self._following)
         return self.fitting(forms, width)

@@ -9,7 +9,6 @@ from rich.segment import Segment
 from textual.cache import LRUCache
 from textual.strip import Strip
 
-from rl_tui.common.words import counted
 from rl_tui.live.snapshot import Snapshot
 from rl_tui.screen.draw.canvas import Piece, wrapped
 from rl_tui.screen.draw.to_ascii import separated, to_ascii
@@ -56,6 +55,11 @@ class Sheet:
         """How many rows below the last entry, or below the notes, are empty."""
         below = self._height - self._head_rows - self._lines
         return 0 if self.is_scrolled else below - len(self._notes(below))
+
+    @property
+    def part(self) -> str:
+        """How many of all entries are in view."""
+        return f"{self.shown} of {self._entries:,}"
 
     @property
     def page(self) -> int:
@@ -163,7 +167,6 @@ def strip_cache() -> LRUCache[tuple[Segment, ...], Strip]:
 
 
 COMPUTING: Final = "computing the exact answer …"
-FOLLOWS: Final = "follows the agent"
 FOLLOW_HINT: Final = "esc: follow the agent"
 TITLES: Final = {
     Layer.Q: "Q",
@@ -189,7 +192,7 @@ _NAMES: Final[tuple[dict[Layer, str], ...]] = (
 EXACT_KEY: Final = "h: Q*"
 
 
-def headings(snapshot: Snapshot, layer: Layer, size: str, panel: Panel, lane: str = "") -> tuple[str, ...]:
+def headings(snapshot: Snapshot, layer: Layer, panel: Panel, lane: str = "") -> tuple[str, ...]:
     """Return what ``panel`` is called while it shows ``layer``, the longest form first.
 
     ``lane`` is the number of the lane where another table stands beside it. Alone, and with runs side by
@@ -205,31 +208,23 @@ def headings(snapshot: Snapshot, layer: Layer, size: str, panel: Panel, lane: st
             title = f"Q of {POLICY_NAMES[studied].of}"
         captions = panel.captioned(title, _CAPTIONS.get(layer, ""))
         if layer is Layer.Q and not has_estimates(snapshot):
-            size, captions = NO_TABLE, ()
-        forms = (*(f"{each} · {size}" for each in captions), *captions, f"{title} · {size}", title)
+            captions = (f"{title} · {NO_TABLE}",)
+        forms = (*captions, title)
         return tuple(f"{lane} · {each}" for each in forms) if lane else forms
     title, own = f"Q − Q of {other.name}", snapshot.run_group.lanes[snapshot.run_group.shown].name
     number = 1 + next(place for place, lane in enumerate(snapshot.run_group.lanes) if lane is other)
     return tuple(
         f"{lane} · {each}"
         for each in (
-            f"Q of {own} − Q of {other.name} · {size}",
-            f"{title} · {size}",
+            f"Q of {own} − Q of {other.name}",
             title,
             f"Q − Q of lane {number}",
         )
     )
 
 
-def size_in_words(scene: Scene, form: Form) -> str:
-    """Return how large the table is: ``11 states × 4``, ``5 pairs``."""
-    if isinstance(form, ListForm):
-        return counted(form.entries, "arm" if scene.world.is_bandit else "pair")
-    return f"{form.entries:,} states × {len(scene.world.action_names)}"
-
-
 def footings(layer: Layer, choices: Sequence[Layer], glyphs: Glyphs, *, hides_exact: bool) -> list[str]:
-    """Return the key and the layers that it goes through, the longest form first, then ``layer`` alone.
+    """Return the key and the layers that it goes through, the longest form first, then only ``layer``.
 
     Behind them stands the key that shows what is exact, where ``hides_exact`` says that this is hidden.
     """
@@ -245,11 +240,11 @@ def footings(layer: Layer, choices: Sequence[Layer], glyphs: Glyphs, *, hides_ex
     return [*(f"{each} · {EXACT_KEY}" for each in forms if hides_exact), *forms]
 
 
-def followed(footings: Sequence[str], *, is_following: bool) -> list[str]:
-    """Return ``footings`` behind whether the table follows the agent, that first where it does not."""
-    follow = FOLLOWS if is_following else FOLLOW_HINT
-    both = [f"{follow} · {each}" for each in footings]
-    return [*both[:-1], *footings] if is_following else [*both, follow]
+def followed(footings: Sequence[str], part: str, *, is_following: bool) -> list[str]:
+    """Return ``footings`` behind the ``part`` in view, or behind the key that follows the agent again."""
+    if is_following:
+        return [*(f"{part} · {each}" for each in footings[:-1]), *footings]
+    return [*(f"{FOLLOW_HINT} · {each}" for each in footings), FOLLOW_HINT]
 
 
 def layer_at(footing: str, column: int, choices: Sequence[Layer], glyphs: Glyphs) -> Layer | None:

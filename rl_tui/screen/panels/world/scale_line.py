@@ -8,17 +8,16 @@ from typing import Final, NamedTuple
 
 from textual.strip import Strip
 
-from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Line, Piece, length, spelled, strips_of
 from rl_tui.screen.kit.panel import Legend
-from rl_tui.screen.kit.value_scale import Ramp, ValueScale
+from rl_tui.screen.kit.value_scale import ValueScale, scale_pieces
 from rl_tui.screen.theme.look import Look
 
 VALUE: Final = "value"
 NOTHING_KNOWN: Final = "nothing known yet"
+ALL_ZERO: Final = "0 so far"
 VEILED: Final = "hidden, h shows it"
 _GAP: Final = "  "
-_END: Final = 4  # characters of the value of an end
 _MOST_KEPT: Final = 64  # the same line is drawn in every frame
 
 
@@ -62,28 +61,6 @@ def _add(line: list[Piece], forms: Iterable[Line], width: int, look: Look) -> No
             return
 
 
-def scale_pieces(scale: ValueScale, look: Look, *, every: int = 1) -> tuple[Piece, ...]:
-    """Return ``scale`` as its two ends with its tints between them, ``every`` second one, say.
-
-    Without colours a word is between the ends; nothing where all that is known is 0.
-    """
-    low, high = scale.ends
-    if high <= low:
-        return ()
-    palette = look.palette
-    ends = [_end_text(end, scale, look) for end in (low, high)]
-    if not palette.tints:
-        return (Piece(f"{ends[0]} to {ends[1]}", palette.dim),)
-    tints = (Piece(" ", style) for style in scale.tints(palette)[::every])
-    return Piece(f"{ends[0]} ", palette.dim), *tints, Piece(f" {ends[1]}", palette.dim)
-
-
-def _end_text(end: float, scale: ValueScale, look: Look) -> str:
-    if scale.ramp is Ramp.VISITS:
-        return numbers.count(int(end))
-    return numbers.value(end, _END, look.glyphs, 2) if end else "0"
-
-
 def _scale_forms(named: NamedScale, look: Look) -> Iterator[tuple[Piece, ...]]:
     """Yield the scale behind its word, the longest form first."""
     dim = look.palette.dim
@@ -92,4 +69,5 @@ def _scale_forms(named: NamedScale, look: Look) -> Iterator[tuple[Piece, ...]]:
             yield Piece(f"{named.word} ", dim), *pieces
     if named.scale.ends[0] >= named.scale.ends[1]:
         yield (Piece(f"{named.word}: {named.unknown}", dim),)
-    yield (Piece(named.word, dim),)
+    if named.word != VALUE:
+        yield (Piece(named.word, dim),)

@@ -30,9 +30,8 @@ from rl_tui.screen.kit.panel import (
     no_value_sign,
 )
 from rl_tui.screen.kit.snapshot_facts import is_new_run
-from rl_tui.screen.kit.value_scale import SteadyScale, ValueScale
+from rl_tui.screen.kit.value_scale import Ramp, SteadyScale, ValueScale, scale_pieces
 from rl_tui.screen.panels.policies.studied import as_studied, studied_kind, study_headings
-from rl_tui.screen.panels.world.scale_line import scale_pieces
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.mdp.space import FiniteSpace, FloatArray
 
@@ -225,8 +224,9 @@ class StateValues:
     off_way: frozenset[int] = frozenset()
 
     def number_form(self, width: int, forms: SteadyForms) -> NumberForm:
-        """Return the form of all values in ``width`` cells."""
-        return forms.form("values", self.numbers, width, _DECIMALS)
+        """Return the form of all values in ``width`` cells; visits are whole."""
+        ramp = self.scale.ramp
+        return forms.form(ramp, self.numbers, width, 0 if ramp is Ramp.VISITS else _DECIMALS)
 
     def text(self, state: int, form: NumberForm, look: Look) -> str:
         """Return the value of a state in ``form``: a dash for NaN, nothing where nothing can be done."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import ClassVar, Final
 
+from rich.cells import cell_len
 from rich.style import Style
 from textual import events
 from textual.binding import BindingType
@@ -17,7 +18,7 @@ from rl_tui.screen.draw.canvas import Canvas, Piece, shortened
 from rl_tui.screen.draw.names import state_name
 from rl_tui.screen.kit.bindings import binding
 from rl_tui.screen.kit.counterparts import are_alike
-from rl_tui.screen.kit.layers import WORDS, Layer, as_layer, veils_exact, world_layer
+from rl_tui.screen.kit.layers import WORDS, Layer, as_layer, scale_numbers, veils_exact, world_layer
 from rl_tui.screen.kit.panel import AGENT, BoardPanel, Legend, LegendSign, agent_meaning
 from rl_tui.screen.kit.pointing import NOWHERE, Moved, PartPointed, Pointed, part_pointed_at
 from rl_tui.screen.kit.snapshot_facts import is_new_run, passes_too_fast
@@ -25,7 +26,14 @@ from rl_tui.screen.kit.value_scale import Ramp, ValueScale
 from rl_tui.screen.panels.last_step.state_backup_text import backup_text
 from rl_tui.screen.panels.world.drawn_picture import DrawnPicture
 from rl_tui.screen.panels.world.edit_marks import edit_signs, with_signs
-from rl_tui.screen.panels.world.scale_line import NOTHING_KNOWN, VALUE, VEILED, NamedScale, scale_line
+from rl_tui.screen.panels.world.scale_line import (
+    ALL_ZERO,
+    NOTHING_KNOWN,
+    VALUE,
+    VEILED,
+    NamedScale,
+    scale_line,
+)
 from rl_tui.screen.panels.world.shown_policy import TITLE
 from rl_tui.screen.theme.look import Look
 from rl_tui.worlds.drawing import Arms
@@ -33,6 +41,7 @@ from rl_tui.worlds.world import World
 
 WAITING: Final = "the world is being built"
 _WHEEL: Final = 3
+_SCALE_ROOM: Final = 28
 
 
 class WorldView(DrawnPicture, can_focus=True):
@@ -80,6 +89,7 @@ class WorldView(DrawnPicture, can_focus=True):
         self.is_manual = False
         """Whether a person takes the actions."""
         self._has_equation = False
+        self._said = "", ""  # a mode or a lane, and what is said with it, in one line
         self.wanted_layer = Layer.Q
         """What is drawn, if this world has that; the same as in the table beside it."""
         self.drawn_layer = Layer.Q
@@ -146,7 +156,9 @@ class WorldView(DrawnPicture, can_focus=True):
 
     def legend(self, snapshot: Snapshot) -> Legend:
         """Return the signs of the world; none where keys or an equation need the border they were on."""
-        is_taken = bool(self.title) or (self._has_equation and not self.has_line)
+        if self.has_line and self.title:  # which has those of what is drawn
+            return *self.random_signs(), *self.signs()
+        is_taken = (bool(self.title) or self._has_equation) and not self.has_line
         if is_taken and self.free_rows < 1:
             return ()
         return *self.random_signs(), *edit_signs(snapshot.editor, self.look), *self.signs()
@@ -291,14 +303,22 @@ class WorldView(DrawnPicture, can_focus=True):
         if self._has_equation:
             self.footing = self.fitting(self._equation(snapshot), width)
             self._has_equation = bool(self.footing)
-        if self.lane:
-            self._name_lane(width)
         if not self.footing and self.has_focus:
             self.footing = self.fitting(self._about_cursor(), width)
+        if self.lane:
+            self._name_lane(width)
         if self.title:
             lacks_legend = self.is_explained and self.free_rows < 1
             titles = with_signs(self.title, snapshot.editor, self.look) if lacks_legend else self.title
-            self.heading, self.footing = self.fitting(titles, width), self.fitting(self.prompt, width)
+            self._say(titles, self.prompt, width)
+
+    def _say(self, headings: Sequence[str], footings: Sequence[str], width: int) -> None:
+        """Set the first of ``headings`` and ``footings`` that fit, and the first pair that fits a line."""
+        self.heading, self.footing = self.fitting(headings, width), self.fitting(footings, width)
+        pairs = ((heading, footing) for heading in headings for footing in footings)
+        room = width - (4 if self.title else 2)  # blanks around a mode, before what is said with it
+        fitting = (pair for pair in pairs if sum(map(cell_len, pair)) <= room)
+        self._said = next(fitting, (self.heading, ""))
 
     def _explain(self, snapshot: Snapshot) -> None:
         """Put the legend where it belongs; where there is a line with the scale, the signs are in that."""
@@ -309,14 +329,20 @@ class WorldView(DrawnPicture, can_focus=True):
         """Return the line below the picture: the mode, the lane or the cursor, then scale and signs."""
         palette = self.look.palette
         said: list[Piece] = []
+        heading, footing = self._said if self.title or self.lane else (self.heading, self.footing)
         if self.title:
-            said += [Piece(f" {self.heading} ", palette.strong + Style(reverse=True))]
+            said += [Piece(f" {heading} ", palette.strong + Style(reverse=True))]
         elif self.lane or self.studied is not None or self.is_numbered or self.shows_actions:
-            said += [Piece(self.heading, palette.strong)]
-        if self.footing:
-            said += [Piece("  " if said else "", palette.text), Piece(self.footing, palette.dim)]
+            said += [Piece(heading, palette.strong)]
+        if footing:
+            said += [Piece("  " if said else "", palette.text), Piece(footing, palette.dim)]
         signs = self.legend(snapshot) if self.is_explained else ()
         return scale_line(tuple(said), self.named_scale, signs, width, self.look)
+
+    @property
+    def scale_room(self) -> int:
+        """The cells that the scale needs behind what is said first; 0 where it is in no line."""
+        return _SCALE_ROOM if self.has_line else 0
 
     @property
     def named_scale(self) -> NamedScale | None:
@@ -324,15 +350,19 @@ class WorldView(DrawnPicture, can_focus=True):
         layer = self.drawn_layer
         if isinstance(self.world.drawing, Arms) or (self.lacks_table and layer not in WORDS):
             return None
-        return NamedScale(WORDS.get(layer, VALUE), self.tints, VEILED if self.veils else NOTHING_KNOWN)
+        is_known = self.snapshot is not None and len(scale_numbers(self.snapshot, layer)) > 0
+        unknown = VEILED if self.veils else ALL_ZERO if is_known else NOTHING_KNOWN
+        return NamedScale(WORDS.get(layer, VALUE), self.tints, unknown)
 
     def _name_lane(self, width: int) -> None:
         """Write the lane in the border, and below it the note, else what the picture shows."""
-        shows, self.heading = self.heading.removeprefix(f"{TITLE} · "), self.fitting(self.lane, width)
+        shows = self.heading.removeprefix(f"{TITLE} · ")
+        footings = (self.footing, *self._about_cursor())
         if not self.has_focus:
-            forms = self.note or (self.footing, "" if self.is_explained else shows)
-            forms = (shows, *forms) if self.studied is not None else forms
-            self.footing = self.fitting(filter(None, forms), width)
+            footings = self.note or (self.footing, "" if self.is_explained else shows)
+            if self.studied is not None:
+                footings = (shows, shows.partition(" · ")[0], *footings)
+        self._say(self.lane, tuple(filter(None, footings)), width)
 
     def _equation(self, snapshot: Snapshot) -> Sequence[str]:
         """Return the Bellman equation of the state that a planner backed up last, the longest form first."""

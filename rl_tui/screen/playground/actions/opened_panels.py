@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from rl_tui.live.commands import EndStudy, FollowCell, StudyPolicy, StudySeeds
@@ -12,6 +14,8 @@ from rl_tui.screen.kit.pointing import NOWHERE
 from rl_tui.screen.kit.row import MANY_SEEDS, MICROSCOPE, POLICIES
 from rl_tui.screen.panels.policies.names import POLICY_NAMES
 from rl_tui.screen.panels.seed_figures import may_count_again
+
+_TO_END: Final = 999  # rows
 
 
 class MicroscopeActions(Subject):
@@ -28,12 +32,14 @@ class MicroscopeActions(Subject):
             self._follow_cell()
 
     def follow_cursor(self, *, of_world: bool) -> None:
-        """Show the history of what a cursor was moved to, that of the world or that of the table."""
+        """Show the history of what a cursor, of the world or of the table, was moved to."""
         world = self.board.world
         self._is_of_world = of_world and world is not None and world.cursor is not None
         if self.board.opened == MICROSCOPE:
             self._follow_cell()
             self.board.microscope.redraw()
+            if self._pairs_under_cursor():
+                self.board.microscope.action_scroll_rows(_TO_END)  # where the history is
 
     def _follow_cell(self) -> None:
         """Ask for the history of the pair under a cursor, or of the one updated last.
@@ -105,7 +111,7 @@ class PolicyActions(Subject):
             self.link.send(StudyPolicy(None))
 
     def choose(self, offset: int) -> None:
-        """Study the policy so many rows further down, or the last one there is."""
+        """Study the policy ``offset`` rows further down, or the last one."""
         kinds = list(POLICY_NAMES)
         self.study(kinds[max(0, min(kinds.index(self._current) + offset, len(kinds) - 1))])
 
@@ -116,7 +122,7 @@ class PolicyActions(Subject):
 
     @property
     def _current(self) -> PolicyKind:
-        """The one that is studied, be it kept or drawn; else the one last chosen."""
+        """The policy on display: kept, drawn, or last chosen."""
         return self.link.wanted.studied or self._chosen
 
     def _study(self, kind: PolicyKind) -> None:

@@ -1,4 +1,4 @@
-"""What is shown: layers of world and table, one panel alone, the exact answer, the model."""
+"""What is shown: layers of world and table, a single panel, the exact answer, the model."""
 
 from __future__ import annotations
 
@@ -7,14 +7,15 @@ from rl_tui.live.snapshot import Phase, Snapshot
 from rl_tui.runs.answers.flip_answer import FlipState
 from rl_tui.screen.board.subject import Subject
 from rl_tui.screen.dialogs.dialog import ModelScreen
-from rl_tui.screen.kit.layers import Layer
-from rl_tui.screen.kit.panel import BORDERS
+from rl_tui.screen.kit.layers import ACTION_LAYERS, Layer
 from rl_tui.screen.kit.row import DISCOUNT, WORLD_CHECK
 from rl_tui.screen.kit.snapshot_facts import is_secret
 from rl_tui.screen.panels.controls.controls import GAMMA
 from rl_tui.screen.panels.controls.slider import Slider
 from rl_tui.worlds.drawing import Arms, Grid
 from rl_tui.worlds.world import World
+
+_AROUND = 2  # columns, or rows, of the board around a zoomed map
 
 
 class ViewActions(Subject):
@@ -63,7 +64,7 @@ class ViewActions(Subject):
     def next_layer(self) -> None:
         """Go to the next layer, of those that the world or the table in view has.
 
-        Where neither has another one, show the table alone.
+        If neither has another one, show only the table.
         """
         board, order = self.board, list(Layer)
         choices = [layer for layer in board.table.layer_choices if self._is_seen(layer)]
@@ -71,7 +72,10 @@ class ViewActions(Subject):
             board.zoom(board.table.id)
             board.table.focus()
             return
-        later = [layer for layer in choices if order.index(layer) > order.index(board.wanted_layer)]
+        if not choices:
+            return
+        now = board.wanted_layer if board.wanted_layer in choices else Layer.Q
+        later = [layer for layer in choices if order.index(layer) > order.index(now)]
         board.show_layer((later or choices)[0])
 
     def _is_seen(self, layer: Layer) -> bool:
@@ -93,10 +97,11 @@ class ViewActions(Subject):
             return
         legends = self.board.legends
         legends.shows_actions = not legends.shows_actions
-        self.board.apply_switches()
+        has_actions = self.board.wanted_layer in ACTION_LAYERS or not legends.shows_actions
+        self.board.show_layer(self.board.wanted_layer if has_actions else Layer.Q)
         if view.lacks_room:
             width, height = self.board.size
-            alone = self.board.zoomed != view.id and view.has_room_in(width - BORDERS, height - BORDERS)
+            alone = self.board.zoomed != view.id and view.has_room_in(width - _AROUND, height - _AROUND)
             room = "f, the world alone, has room" if alone else "a larger terminal has room"
             self.screen.tell(f"cells too small for Q of every action; {room}")
 

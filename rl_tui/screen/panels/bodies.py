@@ -1,6 +1,7 @@
-"""Pictures of bodies: a cart with its pole, and a car on its hill.
+"""Pictures of bodies, a cart with its pole and a car on its hill, and maps with all that is around them.
 
-The agent sees no more than the bin of each number. So the picture shows the middle of that bin, and says so.
+The agent sees no more than the bin of each number. So the picture of a cart or a car shows the middle of its
+bin, and says so.
 """
 
 from __future__ import annotations
@@ -10,21 +11,27 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
+from textual.strip import Strip
 
 from rl_tui.screen.draw.braille import BLANK, DOTS_ACROSS, DOTS_DOWN, braille_codes
 from rl_tui.screen.draw.canvas import Canvas
-from rl_tui.worlds.drawing import BodyKind
+from rl_tui.screen.panels.margins import LabelledPart, Margins, labelled
+from rl_tui.worlds.drawing import BodyKind, Grid
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rich.style import Style
-    from textual.strip import Strip
 
+    from rl_tui.live.snapshot import Snapshot
     from rl_tui.screen.theme.look import Look
     from rl_tui.worlds.mdp.space import BoolArray
 
-MIDDLE: Final = "middle of bin"
+
+# Bodies: a cart with its pole, and a car on its hill
+
+
+MIDDLE: Final = "bin middle"
 _TRACK: Final = 2.4  # the cart leaves the track beyond that
 _WIDE: Final = 40  # columns from which the cart has its full width
 _HILL: Final = (-1.2, 0.6)  # positions of the car
@@ -113,12 +120,13 @@ def _draw_hill(canvas: Canvas, pose: Pose, look: Look) -> None:
         x = max(1, min(canvas.width - 2, x))
         canvas.put(x - 1, y, car, palette.strong)
         _draw_push(canvas, x, 3, y, pose.action, look)
-    texts = [_number("position", position, "", 2, look), _number("velocity", velocity, "", 3, look), MIDDLE]
+    place, speed = _number("position", position, "", 2, look), _number("velocity", velocity, "", 3, look)
+    forms = ([place, speed, MIDDLE], [place, MIDDLE], [MIDDLE])
+    texts = next((form for form in forms if len("   ".join(form)) <= canvas.width), forms[-1])
     x = 0
     for text in filter(None, texts):
-        if x + len(text) <= canvas.width:
-            canvas.put(x, 0, text, palette.dim if text is MIDDLE else palette.text)
-            x += len(text) + 3
+        canvas.put(x, 0, text, palette.dim if text is MIDDLE else palette.text)
+        x += len(text) + 3
 
 
 def _draw_push(canvas: Canvas, middle: int, beside: int, y: int, action: str, look: Look) -> None:
@@ -145,3 +153,22 @@ def _put_dots(canvas: Canvas, top: int, dots: BoolArray, plain: str, style: Styl
         for x, code in enumerate(row):
             if code != BLANK:
                 canvas.put(x, y, chr(code) if look.glyphs.braille else plain, style)
+
+
+# The map with both
+
+
+def surrounded(
+    strips: list[Strip], snapshot: Snapshot, part: LabelledPart, margins: Margins, width: int, look: Look
+) -> list[Strip]:
+    """Return ``strips`` of ``part`` of the map of ``snapshot`` in its margins, ``width`` cells wide."""
+    grid, space = snapshot.world.drawing, snapshot.world.space
+    assert isinstance(grid, Grid)
+    if grid.axes is not None:
+        strips = labelled(strips, grid.axes, part, margins, width, look)
+    if grid.body is None or not margins.body:
+        return strips
+    last = snapshot.counters.last_step
+    action = "" if last is None or last.planned else space.action_names[int(space.pair_action[last.pair])]
+    pose = Pose(grid.body.kind, grid.body.pose(snapshot.counters.state), action)
+    return [*body_strips(pose, width, margins.body, look), *strips]

@@ -9,12 +9,13 @@ from rich.segment import Segment
 from textual.strip import Strip
 
 from rl_tui.screen.draw.canvas import Canvas
+from rl_tui.worlds.drawing import Grid
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from rl_tui.screen.theme.look import Look
-    from rl_tui.worlds.drawing import Axes, Grid
+    from rl_tui.worlds.drawing import Axes
 
 _LEAST_BODY: Final = 4  # rows
 _MOST_BODY: Final = 9
@@ -54,31 +55,30 @@ def wanted_margins(grid: Grid, height: int) -> Margins:
 def margins_in(grid: Grid, cell: tuple[int, int], width: int, height: int) -> Margins:
     """Return the margins of a map of such cells, columns × rows, in width × height characters.
 
-    They are what the map leaves free. A map that scrolls gives way to one row of labels and to the body.
+    They are what the map leaves free. A map that scrolls gives way to one row of labels, and every map to
+    its body.
     """
     wanted = wanted_margins(grid, height)
     across, down = width - grid.columns * cell[0], height - grid.rows * cell[1]
     left = wanted.left if across >= wanted.left or across < 0 else 0
-    if down < 0:
+    labels = max(0, min(wanted.labels, down))
+    lacks_body = wanted.body > 0 and down - labels < _LEAST_BODY
+    if down < 0 or lacks_body:
         return Margins(left, wanted.body, min(1, wanted.labels))
-    labels = min(wanted.labels, down)
-    body = min(_MOST_BODY, down - labels) if grid.body is not None else 0
-    return Margins(left, body if body >= _LEAST_BODY else 0, labels)
+    return Margins(left, min(_MOST_BODY, down - labels) if wanted.body else 0, labels)
 
 
 # The labels
 
 
 class LabelledPart(NamedTuple):
-    """The cells of a map in view, their size, and the first column and row of the first one."""
+    """The cells of a map in view, and their size."""
 
     top: int
     left: int
     rows: int
     columns: int
     cell: tuple[int, int]
-    x: int
-    y: int
 
 
 def labelled(
@@ -89,8 +89,7 @@ def labelled(
     if not margins.left:
         return [*head, *strips]
     labels = _row_labels(axes, part, margins.left, len(strips), look)
-    rows = strips if not part.x else [strip.crop(part.x) for strip in strips]
-    return [*head, *(Strip.join(each) for each in zip(labels, rows, strict=True))]
+    return [*head, *(Strip.join(each) for each in zip(labels, strips, strict=True))]
 
 
 @lru_cache(8)
@@ -98,11 +97,10 @@ def _row_labels(axes: Axes, part: LabelledPart, left: int, height: int, look: Lo
     """Return the labels of the rows in view, each in ``left`` columns beside the map."""
     texts = [""] * height
     for row in range(part.rows):
-        y = part.y + row * part.cell[1] + (part.cell[1] - 1) // 2
+        y = row * part.cell[1] + (part.cell[1] - 1) // 2
         if y < height:
             texts[y] = axes.rows[part.top + row].replace("-", look.glyphs.minus)
-    width = part.x + left
-    return tuple(Strip([Segment(f"{text:>{width - 1}} ", look.palette.dim)], width) for text in texts)
+    return tuple(Strip([Segment(f"{text:>{left - 1}} ", look.palette.dim)], left) for text in texts)
 
 
 @lru_cache(8)
@@ -111,7 +109,7 @@ def _column_labels(
 ) -> tuple[Strip, ...]:
     """Return the rows with the names of blocks and the labels of columns, as many as keep apart."""
     canvas = Canvas(width, margins.labels, look.palette.text)
-    wide, start = part.cell[0], part.x + margins.left
+    wide, start = part.cell[0], margins.left
     if margins.labels > 1:
         for column, name in axes.blocks:
             x = start + (column - part.left) * wide
