@@ -77,7 +77,7 @@ def test_bindings_carry_id_description_and_tooltip() -> None:
 
 
 def test_the_key_line_drops_whole_entries_and_keeps_help() -> None:
-    assert hints(Place.PLAYGROUND, 80, "run.evaluate") == [
+    assert hints(Place.PLAYGROUND, 80, "run.evaluate", "lanes.next_lane", "lanes.one_lane") == [
         "space run",
         "s step",
         "e episode",

@@ -23,6 +23,7 @@ _QUADRANTS: Final = " ▘▝▀▖▌▞▛▗▚▐▜▄▙▟█"  # by bits:
 _POINTS: Final = 4
 _LEAST_SHAFT: Final = 6  # rows; a shorter arrow is all head
 _SHAFT: Final = 0.32
+_LOW: Final = 3  # rows of a sign whose heads are larger for their size
 
 
 @lru_cache(1_024)
@@ -59,7 +60,7 @@ def _shape(name: SignName, directions: tuple[Direction, ...], rows: int) -> _Ins
         case "arrow":
             return _arrow(*directions[0], rows)
         case "heads":
-            heads = [partial(_head, down=down, right=right) for down, right in directions]
+            heads = [partial(_head, rows=rows, down=down, right=right) for down, right in directions]
             return lambda x, y: any(head(x, y) for head in heads)
         case "disc":
             return lambda x, y: x * x + y * y <= 0.92
@@ -87,12 +88,12 @@ def _arrow(down: int, right: int, rows: int) -> _Inside:
     return inside
 
 
-def _head(x: float, y: float, down: int, right: int) -> bool:
-    """Return whether the point is in one of several small triangles, apart from the middle."""
+def _head(x: float, y: float, rows: int, down: int, right: int) -> bool:
+    """Return whether the point is in one of several small triangles that do not touch."""
     along, beside = x * right + y * down, abs(x * down) + abs(y * right)
     if down and right:
         return 0.3 <= x * right <= 1 and 0.3 <= y * down <= 1 and along >= 1.2
-    return 0.3 <= along <= 1.02 and beside <= 1.08 - along
+    return (0.35 if rows <= _LOW else 0.45) <= along <= 1 and beside <= 0.6 * (1 - along) + 0.06
 
 
 def _star(x: float, y: float) -> bool:

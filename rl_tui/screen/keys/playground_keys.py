@@ -359,9 +359,12 @@ PLAYGROUND_ACTIONS: Final[tuple[Action, ...]] = (
         "next lane",
         "Lead the next of the runs side by side.",
         Group.VIEW,
+        rank=4,
         not_for_program="keys are about your program here; z shows it alone, or both side by side",
     ),
-    Action("lanes.one_lane", "z", "one lane", "Show one lane alone, or two side by side.", Group.VIEW),
+    Action(
+        "lanes.one_lane", "z", "one lane", "Show one lane alone, or two side by side.", Group.VIEW, rank=4
+    ),
     Action("turn_legends", "L", "legends", "Hide or show what panels and their signs mean.", Group.VIEW),
     Action("view.numbers", "number_sign", "numbers", "Number the states in cells.", Group.VIEW, symbol="#"),
     Action(

@@ -238,7 +238,7 @@ class Playground(ActionScreen):
         keys = self.query_one(KeyLine)
         keys.first = key_hints(self.focused) or self.editing.offered
         keys.is_running = self.run.is_under_way
-        idle = self.program.idle_keys | self.run.idle_keys | self.lesson.idle_keys
+        idle = self.program.idle_keys | self.run.idle_keys | self.lesson.idle_keys | self.lanes.idle_keys
         keys.idle = idle | self.kept_back.idle_keys | self.editing.idle_keys
 
     def _moment_of(self, snapshot: Snapshot) -> object:
@@ -246,7 +246,7 @@ class Playground(ActionScreen):
         answers, wanted = snapshot.answers, self.wanted
         return (
             *(snapshot.playback.phase, snapshot.world, snapshot.program is None, snapshot.agent.algorithm),
-            *(answers.flips, answers.is_hidden, answers.kept_back),
+            *(answers.flips, answers.is_hidden, answers.kept_back, bool(snapshot.run_group.lanes)),
             *(self.modes.current, self.board.opened, wanted.recipe.algorithm, wanted.lesson and snapshot),
         )
 

@@ -321,8 +321,9 @@ class _Cell:
         """First column, columns and rows of the plate of the agent."""
         rows = 2 if self.form.height < 8 else 3
         columns = sign_size(self.form.width, self.form.height)[0]
-        is_wide = self.form.inner >= 2 * rows + 4 + columns
-        return (1 if self.form.width >= 11 else 0), 2 * rows + 2 * is_wide, rows
+        margins = self.form.inner - 2 * rows - columns
+        more = 2 if margins >= 4 else 1 if margins >= -1 else 0  # a smaller arrow leaves room for one
+        return (1 if self.form.width >= 11 else 0), 2 * rows + more, rows
 
     def _draw_letters(self, row: int) -> None:
         """Put the letters of the greedy actions into ``row``, right of the agent where it needs the room."""

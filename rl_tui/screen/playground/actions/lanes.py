@@ -46,6 +46,12 @@ class LaneActions(Subject):
         )
         self.ask(dialog, self._compared)
 
+    @property
+    def idle_keys(self) -> frozenset[str]:
+        """The ids of the actions that need a second run, if there is only one."""
+        has_lanes = self.snapshot is not None and self.snapshot.run_group.lanes
+        return frozenset() if has_lanes else frozenset({"lanes.next_lane", "lanes.one_lane"})
+
     def next_lane(self) -> None:
         """Show the next lane."""
         snapshot = self.snapshot
