@@ -7,6 +7,7 @@ import json
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -82,6 +83,8 @@ def test_ctrl_c_ends_what_never_answers(tmp_path: Path, runs: tuple[str, ...]) -
     for line in child.stderr:
         if "it hangs now" in line:
             break
+    while not rows.exists():  # runs in threads may hang before it is opened
+        time.sleep(0.01)
     child.send_signal(signal.SIGINT)
     out, err = child.communicate(timeout=120)
     assert (child.returncode, out) == (130, "")
