@@ -50,7 +50,9 @@ def test_all_is_drawn_again_when_the_terminal_has_another_size() -> None:
             terminal.emulator.feed(b"\x1b[H" + b"#" * 500)  # lines are wrapped anew
             terminal.resize(*size)
             terminal.wait_until(
-                lambda: "#" not in terminal.screen and "paused" in terminal.screen and "? help" in terminal.screen
+                lambda: (
+                    "#" not in terminal.screen and "paused" in terminal.screen and "? help" in terminal.screen
+                )
             )
             rows = terminal.screen.split("\n")
             assert len(rows[0].rstrip()) in (size[0] - 1, size[0] - 2), "the step ends at the right margin"
