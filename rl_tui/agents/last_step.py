@@ -86,3 +86,8 @@ class LastStep:
     def td_error(self) -> float:
         """δ: target − estimate before."""
         return self.target - self.before
+
+    @property
+    def error_sign(self) -> int:
+        """1 where the update raised the estimate, −1 where it lowered it, else 0."""
+        return (self.after > self.before) - (self.after < self.before)

@@ -40,8 +40,7 @@ class History:
         """Add finished episodes, [n] each, in order."""
         before, done = self._every, self._count
         self._count += len(returns)
-        while self._count > _SAMPLES_A_BIN * len(self._bins.episodes) * self._every:
-            self._every *= 2
+        self._every = self._distance()
         new = returns[-done % self._every :: self._every]
         self._samples = np.concatenate((self._samples[:: self._every // before], new))
         fastest(fold)(self._bins, returns, lengths)
@@ -103,6 +102,11 @@ class History:
         *bins, self._samples, self._recent_returns, self._recent_lengths, self._first_lengths = state
         put_back(self._bins, tuple(bins))
         self._count = int(self._bins.episodes[: int(self._bins.used[0])].sum())
-        self._every = 1
-        while self._count > _SAMPLES_A_BIN * len(self._bins.episodes) * self._every:
-            self._every *= 2
+        self._every = self._distance()
+
+    def _distance(self) -> int:
+        """Return the number of episodes from one kept return to the next, a power of two."""
+        every = 1
+        while self._count > _SAMPLES_A_BIN * len(self._bins.episodes) * every:
+            every *= 2
+        return every

@@ -90,6 +90,12 @@ def round_range(last: float, limit: float | None = None) -> float:
     return right if limit is None else min(right, limit)
 
 
+def round_step(least: float) -> float:
+    """Return the smallest 1, 2 or 5 times a power of ten that reaches ``least`` (> 0)."""
+    power = 10.0 ** math.floor(math.log10(least))
+    return next(digit * power for digit in (1.0, 2.0, 5.0, 10.0) if least <= digit * power * (1.0 + 1e-9))
+
+
 def tick_label(x: float, step: float, glyphs: Glyphs) -> str:
     """Return ``x`` with the decimals of ``step``: ``0``, ``0.5``, ``−200``, ``20k``."""
     if abs(x) < numbers.NEGLIGIBLE * step:

@@ -35,6 +35,7 @@ from rl_tui.screen.kit.row import (
     WORLD,
     beside,
 )
+from rl_tui.screen.panels.arm_bars import rows_an_arm
 from rl_tui.screen.panels.graph.chain import chain_rows
 from rl_tui.screen.panels.margins import wanted_margins
 from rl_tui.worlds.drawing import Arms, Axes, Body, Graph, Grid
@@ -51,7 +52,6 @@ _MOST_CURVE: Final = 16
 _LAST_STEP: Final = 8  # rows in which it tells all
 _SHORT_STEP: Final = 3
 _BUDGET: Final = 6
-_MOST_ARM: Final = 3  # rows, with one for the axis of all
 _LEAST_LINK: Final = 5  # columns from a state of a chain to the next, below which the chain lies on top
 _LEAST_SETTINGS: Final = 5
 _TABLE_KEPT: Final = 12  # rows of the table before others come below it
@@ -278,7 +278,7 @@ class _Bands:
             case Grid(rows=rows, columns=columns):
                 return Size(min(room, cell.width * columns), min(height, cell.height * rows))
             case Arms(count=arms):
-                return Size(room, min(height, arms * max(1, min(_MOST_ARM, (height - 1) // arms)) + 1))
+                return Size(room, min(height, arms * rows_an_arm(arms, height) + 1))
             case Graph() if self.chain:
                 return Size(room, min(height, chain_rows(self.chain, room) + 1 + self.sheet.blank))
             case _:

@@ -121,6 +121,11 @@ class SteadyScale:
         """Forget all scales: another run begins."""
         self._scales.clear()
 
+    @property
+    def of_v(self) -> ValueScale:
+        """The scale of V. Every call of :meth:`of` brings it up to date."""
+        return self._scales.get(Layer.Q, ValueScale())
+
     def of(self, snapshot: Snapshot, layer: Layer = Layer.Q) -> ValueScale:
         """Return the scale of ``layer`` with what is known in ``snapshot``, in both lanes in view.
 

@@ -11,17 +11,18 @@ from functools import lru_cache
 from typing import Final, NamedTuple
 
 from rich.cells import cell_len
-from rich.color import Color, ColorSystem, ColorType, blend_rgb
+from rich.color import ColorType
 from rich.style import Style
 from textual.strip import Strip
 
 from rl_tui.screen.draw import numbers
 from rl_tui.screen.draw.canvas import Canvas, shortened
 from rl_tui.screen.draw.number_form import NumberForm
+from rl_tui.screen.draw.scale import round_step
 from rl_tui.screen.draw.to_ascii import to_ascii
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look
-from rl_tui.screen.theme.roles import Palette
+from rl_tui.screen.theme.roles import Palette, faded
 
 # The axis
 
@@ -65,9 +66,7 @@ def round_up(value: float) -> float:
 def ticks(scale: ArmsScale, most: int) -> list[float]:
     """Return round values at even distances inside the scale, 0 among them, at most about ``most``."""
     span = scale.high - scale.low
-    rough = span / max(1, most - 1)
-    power = 10.0 ** math.floor(math.log10(rough))
-    step = next(each * power for each in (1.0, 2.0, 5.0, 10.0) if rough <= each * power * (1 + 1e-9))
+    step = round_step(span / max(1, most - 1))
     first, last = math.ceil(scale.low / step - 1e-9), math.floor(scale.high / step + 1e-9)
     return [index * step for index in range(first, last + 1)]
 
@@ -241,10 +240,7 @@ def _bar_ground(greedy: bool, palette: Palette) -> Style:
         return palette.text
     if greedy or colour.type is ColorType.STANDARD:
         return Style(color=page, bgcolor=colour)
-    mixed = Color.from_triplet(blend_rgb(page.get_truecolor(), colour.get_truecolor(), _DEPTH))
-    if colour.type is ColorType.EIGHT_BIT:
-        mixed = mixed.downgrade(ColorSystem.EIGHT_BIT)
-    return palette.strong + Style(bgcolor=mixed)
+    return palette.strong + Style(bgcolor=faded(Style(color=colour, bgcolor=page), _DEPTH).color)
 
 
 def _draw_numbers(

@@ -173,6 +173,10 @@ class Palette:
         """Return the style at ``fraction`` (−1 to 1, clamped; NaN as 0) of the largest magnitude."""
         return _at(self.signed, 0.5 if math.isnan(fraction) else (fraction + 1.0) / 2.0)
 
+    def error(self, sign: int) -> Style:
+        """Return the style of an update's error by its ``sign``: above 0, below, or 0."""
+        return self.good if sign > 0 else self.bad if sign < 0 else self.dim
+
 
 def dark_and_light(
     depth: str,

@@ -10,7 +10,6 @@ from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
-from rich.color import Color, ColorSystem, ColorType, blend_rgb
 from rich.style import Style
 
 from rl_tui.runs.results import Curve
@@ -18,6 +17,7 @@ from rl_tui.screen.draw.chart_plot import Plot
 from rl_tui.screen.panels.curve.data import MovingMean
 from rl_tui.screen.theme.glyphs import Glyphs
 from rl_tui.screen.theme.look import Look, Palette
+from rl_tui.screen.theme.roles import faded
 from rl_tui.worlds.mdp.space import BoolArray, FloatArray, IntArray
 
 # The area under the moving mean, in eighths of a character, darker below
@@ -62,15 +62,15 @@ def eighths_of(glyphs: Glyphs) -> str:
 @lru_cache(64)
 def area_styles(palette: Palette, rows: int) -> tuple[Style, ...]:
     """Return the style of each row, the highest first; the same for all where there are few colours."""
-    ink, page = palette.episodes.color, palette.page.color
-    if not palette.has_shades or ink is None or page is None:
+    if not palette.has_shades:
         return (palette.episodes,) * rows
-    shades = []
-    for row in range(rows):
-        share = _DEEPEST + (_PALEST - _DEEPEST) * (row + 0.5) / rows
-        mixed = Color.from_triplet(blend_rgb(page.get_truecolor(), ink.get_truecolor(), share))
-        shades.append(mixed.downgrade(ColorSystem.EIGHT_BIT) if ink.type is ColorType.EIGHT_BIT else mixed)
-    return tuple(Style(color=shade) for shade in shades)
+    return tuple(_shade(palette, _DEEPEST + (_PALEST - _DEEPEST) * (row + 0.5) / rows) for row in range(rows))
+
+
+def _shade(palette: Palette, share: float) -> Style:
+    """Return the curve's ink, mixed with the page: ``share`` (0 to 1) is the part of the ink."""
+    ink = Style(color=palette.episodes.color, bgcolor=palette.page.color)
+    return Style(color=faded(ink, share).color)
 
 
 # The middle half, where it says something
@@ -146,14 +146,7 @@ def band_cells(plot: Plot, band: MiddleHalf, mean: MovingMean) -> tuple[IntArray
 @lru_cache(64)
 def pixel_styles(palette: Palette) -> tuple[Style, ...]:
     """Return the inks of a pixel of the area, of the band and of the mean."""
-    ink, page = palette.episodes.color, palette.page.color
-    assert ink is not None
-    assert page is not None
-    mixed = (
-        Color.from_triplet(blend_rgb(page.get_truecolor(), ink.get_truecolor(), share)) for share in _SHARES
-    )
-    is_of_256 = ink.type is ColorType.EIGHT_BIT
-    return tuple(Style(color=each.downgrade(ColorSystem.EIGHT_BIT) if is_of_256 else each) for each in mixed)
+    return tuple(_shade(palette, share) for share in _SHARES)
 
 
 @lru_cache(64)

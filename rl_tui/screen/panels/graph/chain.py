@@ -119,8 +119,7 @@ def chain_scene(
         exact = tuple(max(q[own.start : own.stop], default=0.0) for own in pairs)
     updated = way = None
     if last is not None and last.updated_pair >= 0:
-        error = (last.after > last.before) - (last.after < last.before)
-        updated = space.state_of(last.updated_pair), error
+        updated = space.state_of(last.updated_pair), last.error_sign
     if last is not None and not last.planned:
         way = last.state, last.next_state
     return ChainScene(values, form, signs, rewards, exact, updated, way)
@@ -240,8 +239,7 @@ class _ChainPicture:
         scene, glyphs, palette = self.scene, self.look.glyphs, self.look.palette
         right, last = box.x + box.width - 1, box.y + box.height - 1
         if scene.updated is not None and scene.updated[0] == state and box.width >= 3:
-            error = scene.updated[1]
-            colour = palette.good if error > 0 else palette.bad if error < 0 else palette.dim
+            colour = palette.error(scene.updated[1])
             if not glyphs.braille:
                 low = last - int(box.height >= 5)
                 self.canvas.restyle(box.x, low, box.width, Style(reverse=True))

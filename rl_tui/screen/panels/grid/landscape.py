@@ -19,6 +19,7 @@ from rich.style import Style
 from textual.geometry import Size
 from textual.strip import Strip
 
+from rl_tui.screen.draw.scale import round_step
 from rl_tui.screen.kit.value_scale import ValueScale
 from rl_tui.screen.panels.grid.map import CellContent, MapPart
 from rl_tui.screen.panels.grid.marks import SEVERAL, sign_text
@@ -62,9 +63,7 @@ def has_relief(values: Sequence[float], scale: ValueScale) -> bool:
 
 def line_step(scale: ValueScale) -> float:
     """Return the round step of the lines: 1, 2 or 5 times a power of ten, about an eighth of the scale."""
-    rough = (scale.ends[1] - scale.ends[0]) / _LINES
-    power = 10.0 ** math.floor(math.log10(rough))
-    return next(each * power for each in (1.0, 2.0, 5.0, 10.0) if rough <= each * power * (1.0 + 1e-9))
+    return round_step((scale.ends[1] - scale.ends[0]) / _LINES)
 
 
 def heights(values: FloatArray, cell: Size) -> FloatArray:

@@ -166,10 +166,8 @@ def motion_between(before: Snapshot, now: Snapshot, grid_map: GridMap, pace: flo
         return None
     if before.answers.studied is not None or now.answers.studied is not None:
         return None
-    grid = grid_map.grid
-    cell = int(grid.cell_of_state[now.world.space.state_of(last.updated_pair)])
-    (was,) = grid_map.contents(MapPart(*divmod(cell, grid.columns), 1, 1), before)
-    chip = _chip_of(now, last, grid) if pace <= _QUICK else None
+    cell, was = _updated_cell(last, before, grid_map)
+    chip = _chip_of(now, last, grid_map.grid) if pace <= _QUICK else None
     if chip is None:
         return Motion(cell, was)
     return Motion(cell, was, chip, _WHOLE_WAY if pace <= _SLOW else _ON_THE_SEAM)
@@ -180,9 +178,15 @@ def resting(now: Snapshot, grid_map: GridMap) -> Motion | None:
     last = followed_step(now)
     if last is None or not last.learned or last.updated_pair < 0 or now.answers.studied is not None:
         return None
-    cell = int(grid_map.grid.cell_of_state[now.world.space.state_of(last.updated_pair)])
-    (content,) = grid_map.contents(MapPart(*divmod(cell, grid_map.grid.columns), 1, 1), now)
-    return Motion(cell, content).at_rest
+    return Motion(*_updated_cell(last, now, grid_map)).at_rest
+
+
+def _updated_cell(last: LastStep, shown: Snapshot, grid_map: GridMap) -> tuple[int, CellContent]:
+    """Return the cell of the pair that ``last`` updated, and its content in ``shown``."""
+    grid = grid_map.grid
+    cell = int(grid.cell_of_state[shown.world.space.state_of(last.updated_pair)])
+    (content,) = grid_map.contents(MapPart(*divmod(cell, grid.columns), 1, 1), shown)
+    return cell, content
 
 
 def _is_same_step(before: Snapshot, now: Snapshot) -> bool:

@@ -60,8 +60,7 @@ def traces(snapshot: Snapshot, grid: Grid) -> dict[int, Trace]:
     last = followed_step(snapshot)
     if last is not None and last.updated_pair >= 0:
         cell = int(cell_of[snapshot.world.space.state_of(last.updated_pair)])
-        error = (last.after > last.before) - (last.after < last.before)
-        found[cell] = found.get(cell, Trace())._replace(error=error)
+        found[cell] = found.get(cell, Trace())._replace(error=last.error_sign)
     if last is not None and trail and trail[-1].step == last.step:
         start, end = (divmod(int(cell_of[state]), grid.columns) for state in (last.state, last.next_state))
         direction = end[0] - start[0], end[1] - start[1]
@@ -94,7 +93,7 @@ def put_frame(canvas: Canvas, error: int, share: float, ground: Style, look: Loo
     A ``share`` of that colour is left, the rest is the cell's ``ground``.
     """
     glyphs, palette = look.glyphs, look.palette
-    colour = palette.good if error > 0 else palette.bad if error < 0 else palette.dim
+    colour = palette.error(error)
     if share < 1.0:
         colour += Style(color=faded(ground + colour, share).color)
     for row in range(canvas.height):

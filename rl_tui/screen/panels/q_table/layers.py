@@ -93,9 +93,7 @@ class Lit(NamedTuple):
 def lit_pair(snapshot: Snapshot) -> Lit | None:
     """Return the pair that was just updated, None where steps pass too fast to follow."""
     last = followed_step(snapshot)
-    if last is None:
-        return None
-    return Lit(last.updated_pair, (last.after > last.before) - (last.after < last.before))
+    return None if last is None else Lit(last.updated_pair, last.error_sign)
 
 
 class Figures:

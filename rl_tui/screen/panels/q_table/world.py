@@ -207,8 +207,7 @@ def framed(scene: Scene, figures: Figures, pair: int, number: str, is_greedy: bo
         number = _in_margin(number, glyphs.beyond[side > 0], 0)
     error = figures.error(pair)
     if error is not None:
-        colour = palette.good if error > 0 else palette.bad if error else palette.dim
-        left = Segment(glyphs.lit, colour)
+        left = Segment(glyphs.lit, palette.error(error))
         number = _in_margin(number, glyphs.moved[error > 0], -1) if error else number
         style += Style(reverse=not palette.tints, bold=True)
     if pair in scene.breakpoints.pairs:

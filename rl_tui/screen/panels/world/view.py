@@ -268,7 +268,7 @@ class WorldView(DrawnPicture, can_focus=True):
         self.drawn_layer = layer = self._layer_of(snapshot, self.wanted_layer)
         self.veils = layer is Layer.OPTIMAL and veils_exact(snapshot)
         self.tints = ValueScale() if self.veils else self.steady_scale.of(snapshot, layer)
-        self.range_of_v = self.tints if self.tints.ramp is Ramp.VALUES else self.steady_scale.of(snapshot)
+        self.range_of_v = self.tints if self.tints.ramp is Ramp.VALUES else self.steady_scale.of_v
         strips = self.drawing(as_layer(snapshot, layer), width, rows)
         self.free_rows = 0 if self.has_line else self.free_rows
         self._write_border_texts(snapshot, width)
